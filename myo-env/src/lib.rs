@@ -1,0 +1,4 @@
+//! Vectorised environment: observation, action, noise, reset.
+mod vector;
+
+pub use vector::{Autoreset, EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv};

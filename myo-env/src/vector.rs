@@ -1,0 +1,172 @@
+//! The vectorised environment: what a trainer sees of any backend.
+
+use thiserror::Error;
+
+/// What happens when an episode ends, in the words of Gymnasium's `AutoresetMode`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Autoreset {
+    /// The step that ends an episode already returns the first observation of the next one.
+    #[default]
+    SameStep,
+    /// The step after the end ignores the action and returns the reset observation, reward 0.
+    NextStep,
+    /// The caller resets with a mask; stepping a finished environment is an error.
+    Disabled,
+}
+
+/// Sizes and names that stay fixed for the life of an environment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnvSpec {
+    /// Number of environments.
+    pub num_envs: usize,
+    /// Names of the entries of one observation, in order; its length is the observation size.
+    pub observation_names: Vec<String>,
+    /// Names of the actuators, in order; its length is the action size. Actions lie in [-1, 1].
+    pub action_names: Vec<String>,
+    /// Names of the columns of one episode summary (see [`StepBuffers::episode`]), in order.
+    pub episode_names: Vec<String>,
+    /// Seconds of simulated time per control step.
+    pub control_dt: f64,
+    /// Control steps after which an episode is truncated.
+    pub max_episode_steps: usize,
+    /// How finished environments start again.
+    pub autoreset: Autoreset,
+}
+
+impl EnvSpec {
+    /// Number of entries of one observation.
+    pub fn observation_size(&self) -> usize {
+        self.observation_names.len()
+    }
+    /// Number of entries of one action.
+    pub fn action_size(&self) -> usize {
+        self.action_names.len()
+    }
+    /// Number of columns of one episode summary.
+    pub fn episode_size(&self) -> usize {
+        self.episode_names.len()
+    }
+}
+
+/// Memory that the caller owns and one step writes; row-major, first axis `num_envs`.
+pub struct StepBuffers<'a> {
+    /// Next observation, `(num_envs, observation_size)`.
+    pub observation: &'a mut [f32],
+    /// Reward, `(num_envs)`.
+    pub reward: &'a mut [f32],
+    /// The task ended the episode (all targets done), `(num_envs)`.
+    pub terminated: &'a mut [bool],
+    /// The time limit ended the episode and the task did not, `(num_envs)`.
+    pub truncated: &'a mut [bool],
+    /// Last observation of the episode that just ended, `(num_envs, observation_size)`; rows of environments that
+    /// did not end keep their old contents.
+    pub final_observation: &'a mut [f32],
+    /// Summary of the episode that just ended, `(num_envs, episode_size)`; rows of environments that did not end
+    /// keep their old contents.
+    pub episode: &'a mut [f32],
+}
+
+/// [`StepBuffers`] as vectors, for callers that have no memory of their own.
+#[derive(Clone, Debug, Default)]
+pub struct StepStorage {
+    /// See [`StepBuffers::observation`].
+    pub observation: Vec<f32>,
+    /// See [`StepBuffers::reward`].
+    pub reward: Vec<f32>,
+    /// See [`StepBuffers::terminated`].
+    pub terminated: Vec<bool>,
+    /// See [`StepBuffers::truncated`].
+    pub truncated: Vec<bool>,
+    /// See [`StepBuffers::final_observation`].
+    pub final_observation: Vec<f32>,
+    /// See [`StepBuffers::episode`].
+    pub episode: Vec<f32>,
+}
+
+impl StepStorage {
+    /// Zeroed buffers of the right sizes.
+    pub fn new(spec: &EnvSpec) -> Self {
+        let n = spec.num_envs;
+        Self {
+            observation: vec![0.0; n * spec.observation_size()],
+            reward: vec![0.0; n],
+            terminated: vec![false; n],
+            truncated: vec![false; n],
+            final_observation: vec![0.0; n * spec.observation_size()],
+            episode: vec![0.0; n * spec.episode_size()],
+        }
+    }
+
+    /// The buffers to pass to [`VectorEnv::step`].
+    pub fn buffers(&mut self) -> StepBuffers<'_> {
+        StepBuffers {
+            observation: &mut self.observation,
+            reward: &mut self.reward,
+            terminated: &mut self.terminated,
+            truncated: &mut self.truncated,
+            final_observation: &mut self.final_observation,
+            episode: &mut self.episode,
+        }
+    }
+}
+
+/// Why an environment refused a call; the environment is unchanged.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum EnvError {
+    /// A slice has the wrong length.
+    #[error("{what} has {got} entries, expected {expected}")]
+    WrongLength {
+        /// Which argument.
+        what: &'static str,
+        /// Its length.
+        got: usize,
+        /// The right length.
+        expected: usize,
+    },
+    /// An action is NaN or infinite.
+    #[error("action {index} of environment {env} is {value}; actions must be finite")]
+    NonFiniteAction {
+        /// Environment.
+        env: usize,
+        /// Entry of the action.
+        index: usize,
+        /// Its value.
+        value: f32,
+    },
+    /// With [`Autoreset::Disabled`]: a finished environment was stepped.
+    #[error("environment {env} has finished its episode; reset it before the next step (autoreset is disabled)")]
+    NeedsReset {
+        /// Environment.
+        env: usize,
+    },
+    /// A saved state does not belong to this environment.
+    #[error("the saved environment state does not fit: {reason}")]
+    BadState {
+        /// What differs.
+        reason: String,
+    },
+}
+
+/// Many independent copies of one task, stepped together.
+///
+/// The same seed and the same actions give the same results, bit for bit, at any number of threads.
+pub trait VectorEnv: Send {
+    /// Sizes and names.
+    fn spec(&self) -> &EnvSpec;
+
+    /// Starts fresh episodes where `mask` is true (everywhere without a mask) and writes all observations,
+    /// `(num_envs, observation_size)`; rows outside the mask are the current observations.
+    ///
+    /// A seed restarts the random streams of all masked environments; without one they continue.
+    fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError>;
+
+    /// One control step of every environment. `actions` is `(num_envs, action_size)`, clipped to [-1, 1].
+    fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError>;
+
+    /// Everything that the next steps depend on, as bytes; [`VectorEnv::load_state`] continues bit for bit.
+    fn save_state(&self) -> Vec<u8>;
+
+    /// Restores what [`VectorEnv::save_state`] returned for an environment of the same kind and size.
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError>;
+}

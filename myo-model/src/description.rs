@@ -1,0 +1,251 @@
+//! The model as a person writes it: a plain typed tree, element names instead of indices.
+
+use garde::Validate;
+use myo_muscle::MuscleParameters;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A whole model file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+pub struct ModelDescription {
+    /// Version of this file format; the current one is 1.
+    pub version: u32,
+    /// Short name, for example `mobl-arms`.
+    pub name: String,
+    /// Where the figures come from (paper with DOI).
+    pub source: String,
+    /// Solver options.
+    #[garde(dive)]
+    pub options: Options,
+    /// Names of the elements that tasks refer to.
+    pub landmarks: Landmarks,
+    /// Rigid bodies, parents before children.
+    #[garde(dive)]
+    pub bodies: Vec<Body>,
+    /// Joints, in the order in which they act along each body.
+    #[garde(dive)]
+    pub joints: Vec<Joint>,
+    /// Joints that follow another joint (or stand still).
+    #[serde(default)]
+    pub couplings: Vec<Coupling>,
+    /// Points fixed to bodies: via points of muscles and landmarks.
+    #[serde(default)]
+    pub sites: Vec<Site>,
+    /// Collision shapes fixed to bodies.
+    #[serde(default)]
+    #[garde(dive)]
+    pub geoms: Vec<Geom>,
+    /// Muscle-tendon actuators.
+    #[serde(default)]
+    #[garde(dive)]
+    pub muscles: Vec<Muscle>,
+}
+
+/// Solver options.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+pub struct Options {
+    /// Physics time step (s).
+    #[garde(range(min = 1e-5, max = 0.02))]
+    pub timestep: f64,
+    /// Gravitational acceleration in world axes (m/s^2).
+    pub gravity: [f64; 3],
+    /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`).
+    pub implicit_joint_damping: bool,
+}
+
+/// Names of the elements that tasks refer to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Landmarks {
+    /// Site that points and presses.
+    pub fingertip: String,
+    /// Body whose origin in the zero pose is the origin of target coordinates (the shoulder centre).
+    pub shoulder: String,
+}
+
+/// A rigid body; its frame is placed in its parent's frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+pub struct Body {
+    /// Unique name; `world` is reserved for the fixed root.
+    pub name: String,
+    /// Parent body, or `world`.
+    pub parent: String,
+    /// Position of the body frame in the parent's frame (m).
+    pub pos: [f64; 3],
+    /// Orientation of the body frame in the parent's frame (w, x, y, z).
+    #[serde(default = "identity_quat")]
+    pub quat: [f64; 4],
+    /// Mass (kg).
+    #[garde(range(min = 0.0))]
+    pub mass: f64,
+    /// Centre of mass in the body frame (m).
+    #[serde(default)]
+    pub com: [f64; 3],
+    /// Principal moments of inertia about the centre of mass (kg m^2).
+    pub inertia: [f64; 3],
+    /// Orientation of the principal axes in the body frame (w, x, y, z).
+    #[serde(default = "identity_quat")]
+    pub inertia_quat: [f64; 4],
+}
+
+/// What a joint lets its body do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum JointKind {
+    /// Rotation about `axis` through `pos` (rad).
+    Hinge,
+    /// Translation along `axis` (m).
+    Slide,
+}
+
+/// A joint between a body and its parent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+pub struct Joint {
+    /// Unique name.
+    pub name: String,
+    /// The body that moves.
+    pub body: String,
+    /// Kind of motion.
+    pub kind: JointKind,
+    /// Unit axis in the body frame.
+    pub axis: [f64; 3],
+    /// Anchor in the body frame (m).
+    #[serde(default)]
+    pub pos: [f64; 3],
+    /// Lower and upper limit (rad or m), if limited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Spring stiffness (N m/rad or N/m).
+    #[serde(default)]
+    #[garde(range(min = 0.0))]
+    pub stiffness: f64,
+    /// Joint position at which the spring is at rest.
+    #[serde(default)]
+    pub spring_ref: f64,
+    /// Damping (N m s/rad or N s/m).
+    #[serde(default)]
+    #[garde(range(min = 0.0))]
+    pub damping: f64,
+    /// Inertia added to the joint (kg m^2 or kg).
+    #[serde(default)]
+    #[garde(range(min = 0.0))]
+    pub armature: f64,
+    /// How soft the limit is.
+    #[serde(default)]
+    pub softness: Softness,
+}
+
+/// MuJoCo's constraint softness: reference acceleration and impedance (documentation chapter "Solver parameters").
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Softness {
+    /// Time constant (s) and damping ratio.
+    pub solref: [f64; 2],
+    /// Impedance at zero and at full width, width (m or rad), midpoint, power.
+    pub solimp: [f64; 5],
+}
+
+impl Default for Softness {
+    fn default() -> Self {
+        Self { solref: [0.02, 1.0], solimp: [0.9, 0.95, 0.001, 0.5, 2.0] }
+    }
+}
+
+/// `q_dependent = c0 + c1 q + c2 q^2 + c3 q^3 + c4 q^4` with `q` the independent joint (or constant `c0` without one).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// The joint that follows.
+    pub dependent: String,
+    /// The joint that leads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub independent: Option<String>,
+    /// Coefficients of the polynomial, constant first.
+    pub polycoef: [f64; 5],
+    /// How soft the coupling is when it is kept as a constraint.
+    #[serde(default)]
+    pub softness: Softness,
+}
+
+/// A point fixed to a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Site {
+    /// Unique name.
+    pub name: String,
+    /// The body it is fixed to.
+    pub body: String,
+    /// Position in the body frame (m).
+    pub pos: [f64; 3],
+}
+
+/// Shape of a collision geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Shape {
+    /// Sphere of a radius (m).
+    Sphere {
+        /// Radius (m).
+        radius: f64,
+    },
+    /// Box of three half sizes (m).
+    Box {
+        /// Half sizes along the local axes (m).
+        half_size: [f64; 3],
+    },
+}
+
+/// A collision shape fixed to a body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+pub struct Geom {
+    /// Unique name.
+    pub name: String,
+    /// The body it is fixed to, or `world`.
+    pub body: String,
+    /// Shape and size.
+    pub shape: Shape,
+    /// Position in the body frame (m).
+    #[serde(default)]
+    pub pos: [f64; 3],
+    /// Orientation in the body frame (w, x, y, z).
+    #[serde(default = "identity_quat")]
+    pub quat: [f64; 4],
+    /// Distance (m) at which contact forces begin; the margins of a pair add up.
+    #[serde(default)]
+    #[garde(range(min = 0.0))]
+    pub margin: f64,
+    /// Sliding, torsional and rolling friction; the greater of a pair holds.
+    pub friction: [f64; 3],
+    /// How soft contacts are; a pair takes the mean of both.
+    #[serde(default)]
+    pub softness: Softness,
+}
+
+/// A muscle-tendon actuator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[garde(allow_unvalidated)]
+pub struct Muscle {
+    /// Unique name.
+    pub name: String,
+    /// Sites that the straight segments of the path run through, origin first.
+    pub path: Vec<String>,
+    /// Activation and force curves.
+    #[garde(dive)]
+    #[serde(flatten)]
+    pub parameters: MuscleParameters,
+}
+
+fn identity_quat() -> [f64; 4] {
+    [1.0, 0.0, 0.0, 0.0]
+}

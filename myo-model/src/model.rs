@@ -1,0 +1,139 @@
+//! The checked model: indices instead of names, parents before children, everything in f64.
+
+use crate::description::{JointKind, Options, Shape, Softness};
+use myo_muscle::MuscleParameters;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+/// Index of the fixed root in [`Model::bodies`].
+pub const WORLD: usize = 0;
+
+/// A model that can be simulated. Made from a description by [`Model::new`]; never changes afterwards.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Short name.
+    pub name: String,
+    /// Solver options.
+    pub options: Options,
+    /// Bodies, the world first, parents before children.
+    pub bodies: Vec<Body>,
+    /// Joints, sorted by body, in the order in which they act.
+    pub joints: Vec<Joint>,
+    /// Couplings, at most one per dependent joint.
+    pub couplings: Vec<Coupling>,
+    /// Points fixed to bodies.
+    pub sites: Vec<Site>,
+    /// Collision shapes.
+    pub geoms: Vec<Geom>,
+    /// Muscles.
+    pub muscles: Vec<Muscle>,
+    /// Index of the site that points and presses.
+    pub fingertip_site: usize,
+    /// Index of the body whose origin in the zero pose is the origin of target coordinates.
+    pub shoulder_body: usize,
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Index of the parent; the world is its own parent.
+    pub parent: usize,
+    /// Position in the parent's frame (m).
+    pub pos: Vector3<f64>,
+    /// Orientation in the parent's frame.
+    pub quat: UnitQuaternion<f64>,
+    /// Mass (kg).
+    pub mass: f64,
+    /// Centre of mass in the body frame (m).
+    pub com: Vector3<f64>,
+    /// Inertia about the centre of mass, in body axes (kg m^2).
+    pub inertia: Matrix3<f64>,
+    /// Principal moments (kg m^2) as written in the description.
+    pub principal_inertia: Vector3<f64>,
+    /// Orientation of the principal axes in the body frame.
+    pub inertia_quat: UnitQuaternion<f64>,
+}
+
+/// A joint with one degree of freedom.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// Index of the body that moves.
+    pub body: usize,
+    /// Kind of motion.
+    pub kind: JointKind,
+    /// Unit axis in the body frame.
+    pub axis: Vector3<f64>,
+    /// Anchor in the body frame (m).
+    pub pos: Vector3<f64>,
+    /// Limits (rad or m), if limited.
+    pub range: Option<[f64; 2]>,
+    /// Spring stiffness.
+    pub stiffness: f64,
+    /// Rest position of the spring.
+    pub spring_ref: f64,
+    /// Damping.
+    pub damping: f64,
+    /// Added inertia.
+    pub armature: f64,
+    /// Softness of the limit.
+    pub softness: Softness,
+}
+
+/// A joint that follows another one by a polynomial of degree four.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupling {
+    /// Index of the joint that follows.
+    pub dependent: usize,
+    /// Index of the joint that leads; none for a joint held at `polycoef[0]`.
+    pub independent: Option<usize>,
+    /// Coefficients, constant first.
+    pub polycoef: [f64; 5],
+    /// Softness when kept as a constraint.
+    pub softness: Softness,
+}
+
+/// A point fixed to a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Site {
+    /// Name.
+    pub name: String,
+    /// Index of the body.
+    pub body: usize,
+    /// Position in the body frame (m).
+    pub pos: Vector3<f64>,
+}
+
+/// A collision shape fixed to a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geom {
+    /// Name.
+    pub name: String,
+    /// Index of the body.
+    pub body: usize,
+    /// Shape and size.
+    pub shape: Shape,
+    /// Position in the body frame (m).
+    pub pos: Vector3<f64>,
+    /// Orientation in the body frame.
+    pub quat: UnitQuaternion<f64>,
+    /// Contact margin (m).
+    pub margin: f64,
+    /// Sliding, torsional, rolling friction.
+    pub friction: [f64; 3],
+    /// Softness of contacts.
+    pub softness: Softness,
+}
+
+/// A muscle-tendon actuator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Muscle {
+    /// Name.
+    pub name: String,
+    /// Indices of the sites on its path.
+    pub path: Vec<usize>,
+    /// Activation and force curves.
+    pub parameters: MuscleParameters,
+}

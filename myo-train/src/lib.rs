@@ -1,0 +1,1 @@
+//! PPO, metrics, checkpoints, evaluation.
