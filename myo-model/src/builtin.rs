@@ -1,0 +1,44 @@
+//! Models that come with the program.
+
+use crate::ModelDescription;
+use crate::error::{ModelError, Nearest};
+
+const MOBL_ARMS: &str = include_str!("../models/mobl-arms.yaml");
+
+/// Bodies between the joints of shoulder and scapula that stand for no anatomy.
+const PHANTOM_BODIES: [&str; 4] = ["clavphant", "scapphant", "humphant", "humphant1"];
+
+/// Principal moments (kg m^2) that the published systems give each phantom body.
+const PUBLISHED_PHANTOM_INERTIA: f64 = 1.0;
+
+/// Names that [`builtin`] knows.
+pub fn builtin_names() -> &'static [&'static str] {
+    &["mobl-arms", "mobl-arms-uitb"]
+}
+
+/// Description of a built-in model.
+///
+/// `mobl-arms` is the default arm; `mobl-arms-uitb` is the same arm with the heavy phantom bodies of the published
+/// systems, for comparison with them.
+pub fn builtin(name: &str) -> Result<ModelDescription, ModelError> {
+    match name {
+        "mobl-arms" => mobl_arms(),
+        "mobl-arms-uitb" => mobl_arms().map(with_published_phantoms),
+        _ => Err(ModelError::UnknownBuiltin {
+            name: name.to_owned(),
+            nearest: Nearest::to(name, builtin_names().iter().copied()),
+        }),
+    }
+}
+
+fn mobl_arms() -> Result<ModelDescription, ModelError> {
+    ModelDescription::from_yaml(MOBL_ARMS, "mobl-arms.yaml")
+}
+
+fn with_published_phantoms(mut arm: ModelDescription) -> ModelDescription {
+    arm.name = "mobl-arms-uitb".to_owned();
+    for body in arm.bodies.iter_mut().filter(|body| PHANTOM_BODIES.contains(&body.name.as_str())) {
+        body.inertia = [PUBLISHED_PHANTOM_INERTIA; 3];
+    }
+    arm
+}

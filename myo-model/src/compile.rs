@@ -1,0 +1,447 @@
+//! From description to model: names become indices, and what elements say about each other is checked.
+
+use crate::description::{self as source, ModelDescription, Shape, Softness};
+use crate::error::{Element, ElementKind, ModelError, Nearest};
+use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Site, WORLD};
+use myo_muscle::{CurveParameters, MuscleParameters};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use std::collections::HashMap;
+
+/// Version of the model format that this crate reads.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Mass (kg) and inertia (kg m^2) below which a moving body makes the mass matrix singular; MuJoCo's bound.
+const SMALLEST_MOVING: f64 = 1e-15;
+
+/// How much (relative) a principal moment may exceed the sum of the others: figures are rounded where they are printed.
+const INERTIA_ROUNDING: f64 = 1e-6;
+
+impl Model {
+    /// Checks a description and resolves its names.
+    ///
+    /// Bodies are put in depth-first order (parents before children, siblings as written), joints, sites and geoms in the
+    /// order of their bodies; this is the order that MuJoCo gives the same model. Couplings and muscles stay as written.
+    pub fn new(description: &ModelDescription) -> Result<Self, ModelError> {
+        if description.version != FORMAT_VERSION {
+            return Err(ModelError::FormatVersion { found: description.version, supported: FORMAT_VERSION });
+        }
+        check_options(description)?;
+        let (bodies, body_index) = bodies(description)?;
+        let joints = joints(description, &body_index)?;
+        check_moving_mass(&bodies, &joints)?;
+        let couplings = couplings(description, &joints)?;
+        let sites = sites(description, &body_index)?;
+        let geoms = geoms(description, &body_index)?;
+        let site_index = Index::new(ElementKind::Site, sites.iter().map(|site| site.name.as_str()))?;
+        let muscles = muscles(description, &site_index)?;
+        let landmarks = Element::new(ElementKind::Landmarks, "");
+        Ok(Self {
+            name: description.name.clone(),
+            options: description.options.clone(),
+            fingertip_site: site_index.find(&description.landmarks.fingertip, &landmarks)?,
+            shoulder_body: body_index.find(&description.landmarks.shoulder, &landmarks)?,
+            bodies,
+            joints,
+            couplings,
+            sites,
+            geoms,
+            muscles,
+        })
+    }
+}
+
+/// Names of one kind of element, each with its position.
+struct Index<'a> {
+    kind: ElementKind,
+    positions: HashMap<&'a str, usize>,
+    names: Vec<&'a str>,
+}
+
+impl<'a> Index<'a> {
+    fn new(kind: ElementKind, names: impl IntoIterator<Item = &'a str>) -> Result<Self, ModelError> {
+        let names: Vec<_> = names.into_iter().collect();
+        let mut positions = HashMap::new();
+        for (position, &name) in names.iter().enumerate() {
+            if name.is_empty() {
+                return Err(ModelError::EmptyName { kind, position: position + 1 });
+            }
+            if positions.insert(name, position).is_some() {
+                return Err(ModelError::DuplicateName { element: Element::new(kind, name) });
+            }
+        }
+        Ok(Self { kind, positions, names })
+    }
+
+    fn find(&self, name: &str, from: &Element) -> Result<usize, ModelError> {
+        self.positions.get(name).copied().ok_or_else(|| ModelError::UnknownName {
+            element: from.clone(),
+            wanted: self.kind,
+            name: name.to_owned(),
+            nearest: Nearest::to(name, self.names.iter().copied()),
+        })
+    }
+}
+
+fn check_options(description: &ModelDescription) -> Result<(), ModelError> {
+    let check = Check::new(ElementKind::Options, "");
+    check.finite("gravity", &description.options.gravity)?;
+    check.at_least("timestep", description.options.timestep, f64::MIN_POSITIVE, " s", "above 0 s")
+}
+
+/// The bodies in depth-first order, and the index over their names (the world included).
+fn bodies(description: &ModelDescription) -> Result<(Vec<Body>, Index<'_>), ModelError> {
+    if description.bodies.iter().any(|body| body.name == "world") {
+        return Err(ModelError::ReservedName);
+    }
+    let order = depth_first(&description.bodies)?;
+    let names = order.iter().map(|&written| description.bodies[written].name.as_str());
+    let index = Index::new(ElementKind::Body, std::iter::once("world").chain(names))?;
+    let mut bodies = vec![world()];
+    for &written in &order {
+        bodies.push(body(&description.bodies[written], &index)?);
+    }
+    Ok((bodies, index))
+}
+
+/// Positions of the written bodies, parents before children and siblings in the order in which they are written.
+fn depth_first(bodies: &[source::Body]) -> Result<Vec<usize>, ModelError> {
+    let names = bodies.iter().map(|body| body.name.as_str());
+    let index = Index::new(ElementKind::Body, std::iter::once("world").chain(names))?;
+    let mut children = vec![Vec::new(); bodies.len() + 1];
+    for (written, body) in bodies.iter().enumerate() {
+        let parent = index.find(&body.parent, &Element::new(ElementKind::Body, &body.name))?;
+        children[parent].push(written);
+    }
+    let mut order = Vec::with_capacity(bodies.len());
+    let mut waiting: Vec<usize> = children[WORLD].iter().rev().copied().collect();
+    while let Some(written) = waiting.pop() {
+        order.push(written);
+        waiting.extend(children[written + 1].iter().rev());
+    }
+    match (0..bodies.len()).find(|written| !order.contains(written)) {
+        Some(lost) => Err(ModelError::BodyCycle { element: Element::new(ElementKind::Body, &bodies[lost].name) }),
+        None => Ok(order),
+    }
+}
+
+fn world() -> Body {
+    Body {
+        name: "world".to_owned(),
+        parent: WORLD,
+        pos: Vector3::zeros(),
+        quat: UnitQuaternion::identity(),
+        mass: 0.0,
+        com: Vector3::zeros(),
+        inertia: Matrix3::zeros(),
+        principal_inertia: Vector3::zeros(),
+        inertia_quat: UnitQuaternion::identity(),
+    }
+}
+
+fn body(body: &source::Body, index: &Index) -> Result<Body, ModelError> {
+    let check = Check::new(ElementKind::Body, &body.name);
+    check.finite("pos", &body.pos)?;
+    check.finite("com", &body.com)?;
+    check.not_negative("mass", body.mass, " kg")?;
+    for moment in body.inertia {
+        check.not_negative("inertia", moment, " kg m^2")?;
+    }
+    let total: f64 = body.inertia.iter().sum();
+    if body.inertia.iter().any(|&moment| moment > (total - moment) * (1.0 + INERTIA_ROUNDING)) {
+        return Err(ModelError::ImpossibleInertia { element: check.element, moments: body.inertia });
+    }
+    let inertia_quat = check.rotation("inertia_quat", body.inertia_quat)?;
+    let principal_inertia = Vector3::from(body.inertia);
+    let principal_axes = inertia_quat.to_rotation_matrix().into_inner();
+    Ok(Body {
+        parent: index.find(&body.parent, &check.element)?,
+        name: body.name.clone(),
+        pos: body.pos.into(),
+        quat: check.rotation("quat", body.quat)?,
+        mass: body.mass,
+        com: body.com.into(),
+        inertia: principal_axes * Matrix3::from_diagonal(&principal_inertia) * principal_axes.transpose(),
+        principal_inertia,
+        inertia_quat,
+    })
+}
+
+fn joints(description: &ModelDescription, bodies: &Index) -> Result<Vec<Joint>, ModelError> {
+    Index::new(ElementKind::Joint, description.joints.iter().map(|joint| joint.name.as_str()))?;
+    let mut joints = Vec::with_capacity(description.joints.len());
+    for written in &description.joints {
+        joints.push(joint(written, bodies)?);
+    }
+    joints.sort_by_key(|joint: &Joint| joint.body);
+    Ok(joints)
+}
+
+fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {
+    let check = Check::new(ElementKind::Joint, &joint.name);
+    let body = bodies.find(&joint.body, &check.element)?;
+    if body == WORLD {
+        return Err(ModelError::JointOnWorld { element: check.element });
+    }
+    check.finite("axis", &joint.axis)?;
+    check.finite("pos", &joint.pos)?;
+    check.finite("spring_ref", &[joint.spring_ref])?;
+    check.softness(&joint.softness)?;
+    check.not_negative("stiffness", joint.stiffness, "")?;
+    check.not_negative("damping", joint.damping, "")?;
+    check.not_negative("armature", joint.armature, "")?;
+    if let Some(range) = joint.range {
+        check.ascending("range", range, "")?;
+    }
+    Ok(Joint {
+        name: joint.name.clone(),
+        body,
+        kind: joint.kind,
+        axis: check.direction("axis", joint.axis)?,
+        pos: joint.pos.into(),
+        range: joint.range,
+        stiffness: joint.stiffness,
+        spring_ref: joint.spring_ref,
+        damping: joint.damping,
+        armature: joint.armature,
+        softness: joint.softness,
+    })
+}
+
+/// A body with joints needs mass and inertia, its own or those of bodies welded to it.
+fn check_moving_mass(bodies: &[Body], joints: &[Joint]) -> Result<(), ModelError> {
+    let mut jointed = vec![false; bodies.len()];
+    joints.iter().for_each(|joint| jointed[joint.body] = true);
+    let mut mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+    let mut inertia: Vec<f64> = bodies.iter().map(|body| body.principal_inertia.min()).collect();
+    for child in (1..bodies.len()).rev().filter(|&child| !jointed[child]) {
+        mass[bodies[child].parent] += mass[child];
+        inertia[bodies[child].parent] += inertia[child];
+    }
+    for moving in (1..bodies.len()).filter(|&body| jointed[body]) {
+        let missing = |quantity| ModelError::Massless {
+            element: Element::new(ElementKind::Body, &bodies[moving].name),
+            quantity,
+        };
+        if mass[moving] < SMALLEST_MOVING {
+            return Err(missing("mass"));
+        }
+        if inertia[moving] < SMALLEST_MOVING {
+            return Err(missing("inertia"));
+        }
+    }
+    Ok(())
+}
+
+fn couplings(description: &ModelDescription, joints: &[Joint]) -> Result<Vec<Coupling>, ModelError> {
+    let index = Index::new(ElementKind::Joint, joints.iter().map(|joint| joint.name.as_str()))?;
+    let mut couplings: Vec<Coupling> = Vec::with_capacity(description.couplings.len());
+    for coupling in &description.couplings {
+        let check = Check::new(ElementKind::Coupling, &coupling.dependent);
+        check.finite("polycoef", &coupling.polycoef)?;
+        check.softness(&coupling.softness)?;
+        let dependent = index.find(&coupling.dependent, &check.element)?;
+        if couplings.iter().any(|other| other.dependent == dependent) {
+            return Err(ModelError::CoupledTwice { element: Element::new(ElementKind::Joint, &coupling.dependent) });
+        }
+        let independent =
+            coupling.independent.as_deref().map(|leader| index.find(leader, &check.element)).transpose()?;
+        couplings.push(Coupling { dependent, independent, polycoef: coupling.polycoef, softness: coupling.softness });
+    }
+    check_chains(&couplings, joints)?;
+    Ok(couplings)
+}
+
+fn check_chains(couplings: &[Coupling], joints: &[Joint]) -> Result<(), ModelError> {
+    for coupling in couplings {
+        let Some(leader) = coupling.independent else { continue };
+        if couplings.iter().any(|other| other.dependent == leader) {
+            return Err(ModelError::CouplingChain {
+                element: Element::new(ElementKind::Joint, &joints[coupling.dependent].name),
+                leader: joints[leader].name.clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
+fn sites(description: &ModelDescription, bodies: &Index) -> Result<Vec<Site>, ModelError> {
+    let mut sites = Vec::with_capacity(description.sites.len());
+    for site in &description.sites {
+        let check = Check::new(ElementKind::Site, &site.name);
+        check.finite("pos", &site.pos)?;
+        let body = bodies.find(&site.body, &check.element)?;
+        sites.push(Site { name: site.name.clone(), body, pos: site.pos.into() });
+    }
+    sites.sort_by_key(|site: &Site| site.body);
+    Ok(sites)
+}
+
+fn geoms(description: &ModelDescription, bodies: &Index) -> Result<Vec<Geom>, ModelError> {
+    Index::new(ElementKind::Geom, description.geoms.iter().map(|geom| geom.name.as_str()))?;
+    let mut geoms = Vec::with_capacity(description.geoms.len());
+    for written in &description.geoms {
+        geoms.push(geom(written, bodies)?);
+    }
+    geoms.sort_by_key(|geom: &Geom| geom.body);
+    Ok(geoms)
+}
+
+fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
+    let check = Check::new(ElementKind::Geom, &geom.name);
+    check.finite("pos", &geom.pos)?;
+    check.softness(&geom.softness)?;
+    check.not_negative("margin", geom.margin, " m")?;
+    for coefficient in geom.friction {
+        check.not_negative("friction", coefficient, "")?;
+    }
+    match geom.shape {
+        Shape::Sphere { radius } => check.above("radius", radius, 0.0, " m", "above 0 m")?,
+        Shape::Box { half_size } => {
+            for size in half_size {
+                check.above("half_size", size, 0.0, " m", "above 0 m")?;
+            }
+        }
+    }
+    Ok(Geom {
+        name: geom.name.clone(),
+        body: bodies.find(&geom.body, &check.element)?,
+        shape: geom.shape,
+        pos: geom.pos.into(),
+        quat: check.rotation("quat", geom.quat)?,
+        margin: geom.margin,
+        friction: geom.friction,
+        softness: geom.softness,
+    })
+}
+
+fn muscles(description: &ModelDescription, sites: &Index) -> Result<Vec<Muscle>, ModelError> {
+    Index::new(ElementKind::Muscle, description.muscles.iter().map(|muscle| muscle.name.as_str()))?;
+    let mut muscles = Vec::with_capacity(description.muscles.len());
+    for muscle in &description.muscles {
+        let check = Check::new(ElementKind::Muscle, &muscle.name);
+        if muscle.path.len() < 2 {
+            return Err(ModelError::ShortPath { element: check.element, sites: muscle.path.len() });
+        }
+        check.muscle(&muscle.parameters)?;
+        let path: Result<Vec<_>, _> = muscle.path.iter().map(|site| sites.find(site, &check.element)).collect();
+        muscles.push(Muscle { name: muscle.name.clone(), path: path?, parameters: muscle.parameters.clone() });
+    }
+    Ok(muscles)
+}
+
+/// Checks of numbers that belong to one element.
+struct Check {
+    element: Element,
+}
+
+impl Check {
+    fn new(kind: ElementKind, name: &str) -> Self {
+        Self { element: Element::new(kind, name) }
+    }
+
+    fn finite(&self, field: &'static str, values: &[f64]) -> Result<(), ModelError> {
+        match values.iter().find(|value| !value.is_finite()) {
+            Some(&value) => Err(ModelError::NotFinite { element: self.element.clone(), field, value }),
+            None => Ok(()),
+        }
+    }
+
+    fn require(
+        &self,
+        holds: bool,
+        field: &'static str,
+        value: f64,
+        unit: &'static str,
+        expected: &'static str,
+    ) -> Result<(), ModelError> {
+        self.finite(field, &[value])?;
+        if holds {
+            Ok(())
+        } else {
+            Err(ModelError::OutOfRange { element: self.element.clone(), field, value, unit, expected })
+        }
+    }
+
+    fn at_least(
+        &self,
+        field: &'static str,
+        value: f64,
+        bound: f64,
+        unit: &'static str,
+        expected: &'static str,
+    ) -> Result<(), ModelError> {
+        self.require(value >= bound, field, value, unit, expected)
+    }
+
+    fn above(
+        &self,
+        field: &'static str,
+        value: f64,
+        bound: f64,
+        unit: &'static str,
+        expected: &'static str,
+    ) -> Result<(), ModelError> {
+        self.require(value > bound, field, value, unit, expected)
+    }
+
+    fn not_negative(&self, field: &'static str, value: f64, unit: &'static str) -> Result<(), ModelError> {
+        self.at_least(field, value, 0.0, unit, "0 or more")
+    }
+
+    fn ascending(&self, field: &'static str, [lower, upper]: [f64; 2], unit: &'static str) -> Result<(), ModelError> {
+        self.finite(field, &[lower, upper])?;
+        if lower < upper {
+            Ok(())
+        } else {
+            Err(ModelError::InvertedRange { element: self.element.clone(), field, lower, upper, unit })
+        }
+    }
+
+    fn direction(&self, field: &'static str, value: [f64; 3]) -> Result<Vector3<f64>, ModelError> {
+        self.finite(field, &value)?;
+        let zero = || ModelError::ZeroLength { element: self.element.clone(), field };
+        Vector3::from(value).try_normalize(SMALLEST_MOVING).ok_or_else(zero)
+    }
+
+    fn rotation(&self, field: &'static str, wxyz: [f64; 4]) -> Result<UnitQuaternion<f64>, ModelError> {
+        self.finite(field, &wxyz)?;
+        let [w, x, y, z] = wxyz;
+        let zero = || ModelError::ZeroLength { element: self.element.clone(), field };
+        UnitQuaternion::try_new(Quaternion::new(w, x, y, z), SMALLEST_MOVING).ok_or_else(zero)
+    }
+
+    fn softness(&self, softness: &Softness) -> Result<(), ModelError> {
+        let [time_constant, damping_ratio] = softness.solref;
+        let [d0, d_width, width, midpoint, power] = softness.solimp;
+        self.above("softness.solref", time_constant, 0.0, " s", "a time constant above 0 s")?;
+        self.above("softness.solref", damping_ratio, 0.0, "", "a damping ratio above 0")?;
+        for impedance in [d0, d_width, midpoint] {
+            self.require((0.0..=1.0).contains(&impedance), "softness.solimp", impedance, "", "between 0 and 1")?;
+        }
+        self.not_negative("softness.solimp", width, "")?;
+        self.at_least("softness.solimp", power, 1.0, "", "a power of 1 or more")
+    }
+
+    fn muscle(&self, muscle: &MuscleParameters) -> Result<(), ModelError> {
+        self.ascending("length_range", muscle.length_range, " m")?;
+        self.ascending("ctrl_range", muscle.ctrl_range, "")?;
+        self.above("tau_act", muscle.tau_act, 0.0, " s", "above 0 s")?;
+        self.above("tau_deact", muscle.tau_deact, 0.0, " s", "above 0 s")?;
+        self.not_negative("tau_smooth", muscle.tau_smooth, "")?;
+        self.curve(&muscle.gain)?;
+        self.curve(&muscle.bias)
+    }
+
+    fn curve(&self, curve: &CurveParameters) -> Result<(), ModelError> {
+        self.ascending("range", curve.range, " optimal lengths")?;
+        if let Some(force) = curve.force {
+            self.not_negative("force", force, " N")?;
+        }
+        self.not_negative("scale", curve.scale, "")?;
+        self.require(curve.lmin < 1.0, "lmin", curve.lmin, "", "below the optimal length of 1")?;
+        self.above("lmax", curve.lmax, 1.0, "", "above the optimal length of 1")?;
+        self.above("vmax", curve.vmax, 0.0, " optimal lengths/s", "above 0")?;
+        self.not_negative("fpmax", curve.fpmax, "")?;
+        self.at_least("fvmax", curve.fvmax, 1.0, "", "1 or more")
+    }
+}

@@ -1,0 +1,257 @@
+//! What can be wrong with a model, one variant per cause.
+
+use std::fmt;
+
+/// Why a model could not be read or compiled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// No built-in model has this name.
+    #[error("there is no built-in model `{name}`; {nearest}")]
+    UnknownBuiltin {
+        /// The name asked for.
+        name: String,
+        /// Names that exist, the most similar first.
+        nearest: Nearest,
+    },
+    /// The text is not YAML, or not a model, or a value lies outside its range.
+    #[error("{file}:{line}:{column}: {message}")]
+    Read {
+        /// Name of the file, as given by the caller.
+        file: String,
+        /// Line, from 1.
+        line: u64,
+        /// Column, from 1.
+        column: u64,
+        /// What is wrong there.
+        message: String,
+    },
+    /// The description cannot be written as text.
+    #[error("the model cannot be written as YAML: {message}")]
+    Write {
+        /// What the writer said.
+        message: String,
+    },
+    /// The file format has another version.
+    #[error("the model has format version {found}, but this program reads version {supported}")]
+    FormatVersion {
+        /// Version in the description.
+        found: u32,
+        /// Version of this program.
+        supported: u32,
+    },
+    /// An element has no name.
+    #[error("{kind} number {position} has an empty name; every element needs one")]
+    EmptyName {
+        /// Kind of element.
+        kind: ElementKind,
+        /// Position in its list, from 1.
+        position: usize,
+    },
+    /// A body took the name of the fixed root.
+    #[error("a body is named `world`, which is reserved for the fixed root; choose another name")]
+    ReservedName,
+    /// Two elements of one kind share a name.
+    #[error("{element} is declared twice; names of one kind must differ")]
+    DuplicateName {
+        /// The element.
+        element: Element,
+    },
+    /// An element refers to a name that does not exist.
+    #[error("{element}: unknown {wanted} `{name}`; {nearest}")]
+    UnknownName {
+        /// The element that refers to it.
+        element: Element,
+        /// What kind of element was looked for.
+        wanted: ElementKind,
+        /// The name that was not found.
+        name: String,
+        /// Names that exist, the most similar first.
+        nearest: Nearest,
+    },
+    /// A number is NaN or infinite.
+    #[error("{element}: `{field}` is {value}; a finite number is needed")]
+    NotFinite {
+        /// The element.
+        element: Element,
+        /// The field.
+        field: &'static str,
+        /// The value found.
+        value: f64,
+    },
+    /// A number lies outside what makes sense.
+    #[error("{element}: `{field}` is {value}{unit}; it must be {expected}")]
+    OutOfRange {
+        /// The element.
+        element: Element,
+        /// The field.
+        field: &'static str,
+        /// The value found.
+        value: f64,
+        /// Unit with a leading space, or empty.
+        unit: &'static str,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A pair of bounds is empty or the wrong way round.
+    #[error("{element}: `{field}` runs from {lower} to {upper}{unit}; the first must be below the second")]
+    InvertedRange {
+        /// The element.
+        element: Element,
+        /// The field.
+        field: &'static str,
+        /// The first bound.
+        lower: f64,
+        /// The second bound.
+        upper: f64,
+        /// Unit with a leading space, or empty.
+        unit: &'static str,
+    },
+    /// A direction has no length.
+    #[error("{element}: `{field}` has length zero; a direction is needed")]
+    ZeroLength {
+        /// The element.
+        element: Element,
+        /// The field.
+        field: &'static str,
+    },
+    /// Principal moments that no distribution of mass has.
+    #[error(
+        "{element}: principal moments {} {} {} kg m^2 belong to no solid; each must be at most the sum of the others",
+        .moments[0], .moments[1], .moments[2]
+    )]
+    ImpossibleInertia {
+        /// The body.
+        element: Element,
+        /// Principal moments.
+        moments: [f64; 3],
+    },
+    /// A body that moves has no mass or no inertia.
+    #[error("{element} moves but has no {quantity}; give it some, or weld it to a body that has")]
+    Massless {
+        /// The body.
+        element: Element,
+        /// `mass` or `inertia`.
+        quantity: &'static str,
+    },
+    /// A joint is asked to move the fixed root.
+    #[error("{element} is on `world`, which stands still; name the body that moves")]
+    JointOnWorld {
+        /// The joint.
+        element: Element,
+    },
+    /// Bodies are each other's parents.
+    #[error("{element} is its own ancestor; every chain of parents must end at `world`")]
+    BodyCycle {
+        /// One body of the cycle.
+        element: Element,
+    },
+    /// A joint is asked to follow two others.
+    #[error("{element} is the dependent joint of two couplings; at most one is allowed")]
+    CoupledTwice {
+        /// The joint.
+        element: Element,
+    },
+    /// A joint follows a joint that follows another (or itself).
+    #[error("{element} follows joint `{leader}`, which is itself a dependent joint; couple it to a free joint")]
+    CouplingChain {
+        /// The dependent joint.
+        element: Element,
+        /// The joint it follows.
+        leader: String,
+    },
+    /// A muscle has nothing to pull between.
+    #[error("{element}: its path has {sites} site(s); at least 2 are needed")]
+    ShortPath {
+        /// The muscle.
+        element: Element,
+        /// Number of sites.
+        sites: usize,
+    },
+}
+
+/// Kinds of named elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ElementKind {
+    /// The `options` block.
+    Options,
+    /// The `landmarks` block.
+    Landmarks,
+    /// A rigid body.
+    Body,
+    /// A joint.
+    Joint,
+    /// A coupling, named by its dependent joint.
+    Coupling,
+    /// A site.
+    Site,
+    /// A collision shape.
+    Geom,
+    /// A muscle.
+    Muscle,
+}
+
+impl fmt::Display for ElementKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Options => "options",
+            Self::Landmarks => "landmarks",
+            Self::Body => "body",
+            Self::Joint => "joint",
+            Self::Coupling => "coupling of joint",
+            Self::Site => "site",
+            Self::Geom => "geom",
+            Self::Muscle => "muscle",
+        })
+    }
+}
+
+/// An element that an error is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Element {
+    /// Kind of element.
+    pub kind: ElementKind,
+    /// Its name; empty for `options` and `landmarks`.
+    pub name: String,
+}
+
+impl Element {
+    pub(crate) fn new(kind: ElementKind, name: &str) -> Self {
+        Self { kind, name: name.to_owned() }
+    }
+}
+
+impl fmt::Display for Element {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.name.as_str() {
+            "" => write!(f, "{}", self.kind),
+            name => write!(f, "{} `{name}`", self.kind),
+        }
+    }
+}
+
+/// The valid names most similar to one that does not exist.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Nearest(pub Vec<String>);
+
+impl Nearest {
+    /// At most three of `valid`, the most similar to `name` first; letter case does not count.
+    pub fn to<'a>(name: &str, valid: impl IntoIterator<Item = &'a str>) -> Self {
+        let name = name.to_lowercase();
+        let likeness = |other: &str| strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase());
+        let mut ranked: Vec<_> = valid.into_iter().map(|other| (likeness(other), other)).collect();
+        ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        Self(ranked.into_iter().take(3).map(|(_, other)| other.to_owned()).collect())
+    }
+}
+
+impl fmt::Display for Nearest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.as_slice() {
+            [] => f.write_str("there is none"),
+            [only] => write!(f, "did you mean `{only}`?"),
+            [most @ .., last] => write!(f, "did you mean `{}` or `{last}`?", most.join("`, `")),
+        }
+    }
+}
