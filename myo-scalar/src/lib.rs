@@ -1,1 +1,49 @@
-//! Placeholder.
+//! The number types that the physics is written over.
+//!
+//! Everything that happens to one environment is written once, generic over [`Scalar`], without data-dependent
+//! branches, and run by
+//! - `f64`: the reference, slow and obvious;
+//! - lanes of `f32` (16 on AVX-512, 8 elsewhere): one environment per lane, picked at run time by [`dispatch`].
+//!
+//! The trait is narrow so that a symbolic number, which only records operations, can implement it too: a mask
+//! is a value like any other, and the only question generic code may ask a mask is [`Mask::any`], to *skip* work whose
+//! results would not be selected.
+//!
+//! [`philox`] draws counter-based random numbers whose integers are the same for every implementation.
+//!
+//! ```
+//! use myo_scalar::{dispatch, Kernel, Level, Scalar};
+//!
+//! struct Norm<'a>(&'a [f32], &'a mut [f32]);
+//! impl Kernel for Norm<'_> {
+//!     type Output = ();
+//!     #[inline(always)]
+//!     fn run<S: Scalar<Const = f32>>(self) {
+//!         for (x, y) in self.0.chunks_exact(S::LANES).zip(self.1.chunks_exact_mut(S::LANES)) {
+//!             let v = S::load(x);
+//!             (v * v + S::lit(1.0)).sqrt().store(y);
+//!         }
+//!     }
+//! }
+//! let (x, mut y) = ([3.0; 16], [0.0; 16]);
+//! dispatch(Level::detect(), Norm(&x, &mut y));
+//! assert!((y[0] - 10.0f32.sqrt()).abs() < 1e-6);
+//! ```
+//!
+//! This crate does not know muscles, bodies, tasks, threads or files.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod elementary;
+mod level;
+mod philox;
+mod plain;
+mod portable;
+mod scalar;
+
+pub use level::{Kernel, Level, dispatch};
+pub use philox::{Counter, normal_pair, philox, unit};
+pub use portable::F32x8;
+pub use scalar::{Mask, Real, Scalar, Word};

@@ -1,0 +1,138 @@
+//! The seam between the physics and the numbers it runs on.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Mul, Neg, Not, Shl, Shr, Sub, SubAssign};
+
+/// A plain number that tables of model constants are made of: `f64` or `f32`.
+pub trait Real: Copy + Default + Debug + PartialEq + Send + Sync + 'static {
+    /// Rounds a table value to this type.
+    fn from_f64(x: f64) -> Self;
+    /// Widens, exactly.
+    fn to_f64(self) -> f64;
+}
+
+/// The outcome of a comparison, one truth value per lane.
+pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// True or false everywhere.
+    fn splat(value: bool) -> Self;
+    /// Whether some lane is true. Generic code may use it only to skip work that no lane would select;
+    /// a symbolic mask answers true.
+    fn any(self) -> bool;
+}
+
+/// One unsigned 32-bit integer per lane; arithmetic wraps.
+pub trait Word:
+    Copy
+    + Add<Output = Self>
+    + BitXor<Output = Self>
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
+    /// The same integer everywhere.
+    fn splat(x: u32) -> Self;
+    /// High and low half of the 64-bit product with a constant.
+    fn mul_wide(self, by: u32) -> (Self, Self);
+    /// Reads [`Scalar::LANES`] integers.
+    fn load(from: &[u32]) -> Self;
+    /// Writes [`Scalar::LANES`] integers.
+    fn store(self, to: &mut [u32]);
+}
+
+/// A number per lane, with the few operations that the physics needs.
+pub trait Scalar:
+    Copy
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// What tables of constants hold.
+    type Const: Real;
+    /// Outcome of a comparison.
+    type Mask: Mask;
+    /// Integers beside these numbers.
+    type Word: Word;
+    /// How many environments one value carries.
+    const LANES: usize;
+
+    /// The same constant everywhere.
+    fn splat(c: Self::Const) -> Self;
+    /// A literal.
+    #[inline(always)]
+    fn lit(x: f64) -> Self {
+        Self::splat(Self::Const::from_f64(x))
+    }
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::lit(0.0)
+    }
+    /// Reads [`Scalar::LANES`] numbers.
+    fn load(from: &[Self::Const]) -> Self;
+    /// Writes [`Scalar::LANES`] numbers.
+    fn store(self, to: &mut [Self::Const]);
+
+    /// `self * a + b`, in one rounding where the hardware has it.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// `1 / sqrt(self)` for positive numbers, to about one unit in the last place.
+    fn rsqrt(self) -> Self;
+    /// `1 / self`, to about one unit in the last place.
+    fn recip(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller of two numbers.
+    fn min(self, other: Self) -> Self;
+    /// The greater of two numbers.
+    fn max(self, other: Self) -> Self;
+    /// Greatest whole number not above.
+    fn floor(self) -> Self;
+    /// Sine and cosine (rad); for lanes accurate to 1e-7 for angles up to a thousand turns.
+    fn sin_cos(self) -> (Self, Self);
+    /// Exponential.
+    fn exp(self) -> Self;
+    /// Natural logarithm of positive numbers.
+    fn ln(self) -> Self;
+    /// `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `a` where the mask is true, else `b`.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// Converts integers below 2^24, exactly.
+    fn from_word(word: Self::Word) -> Self;
+    /// Chooses between integers.
+    fn select_word(mask: Self::Mask, a: Self::Word, b: Self::Word) -> Self::Word;
+
+    /// `self <= other`, for numbers.
+    #[inline(always)]
+    fn le(self, other: Self) -> Self::Mask {
+        !other.lt(self)
+    }
+    /// Between two constants.
+    #[inline(always)]
+    fn clamp(self, lo: f64, hi: f64) -> Self {
+        self.max(Self::lit(lo)).min(Self::lit(hi))
+    }
+    /// Square.
+    #[inline(always)]
+    fn sq(self) -> Self {
+        self * self
+    }
+    /// `self` where the mask is true, else zero.
+    #[inline(always)]
+    fn only(self, mask: Self::Mask) -> Self {
+        Self::select(mask, self, Self::zero())
+    }
+    /// One where the mask is true, else zero.
+    #[inline(always)]
+    fn indicator(mask: Self::Mask) -> Self {
+        Self::lit(1.0).only(mask)
+    }
+}

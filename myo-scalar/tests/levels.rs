@@ -1,0 +1,195 @@
+//! Every level must agree with the standard library's f64, and all levels draw the same integers.
+
+use myo_scalar::{Counter, Kernel, Level, Mask, Scalar, Word, dispatch, normal_pair, philox, unit};
+use proptest::prelude::*;
+
+/// Applies one function of two numbers to padded slices.
+struct Map<'a, F> {
+    a: &'a [f32],
+    b: &'a [f32],
+    f: F,
+}
+
+trait Function {
+    fn apply<S: Scalar>(&self, a: S, b: S) -> S;
+}
+
+impl<F: Function> Kernel for Map<'_, F> {
+    type Output = Vec<f32>;
+    #[inline(always)]
+    fn run<S: Scalar<Const = f32>>(self) -> Vec<f32> {
+        let mut out = vec![f32::NAN; self.a.len()];
+        for i in (0..self.a.len()).step_by(S::LANES) {
+            self.f.apply(S::load(&self.a[i..]), S::load(&self.b[i..])).store(&mut out[i..]);
+        }
+        out
+    }
+}
+
+macro_rules! function {
+    ($name:ident, |$a:ident, $b:ident| $e:expr) => {
+        #[derive(Clone, Copy)]
+        struct $name;
+        impl Function for $name {
+            #[inline(always)]
+            fn apply<S: Scalar>(&self, $a: S, $b: S) -> S {
+                $e
+            }
+        }
+    };
+}
+function!(Sin, |a, _b| a.sin_cos().0);
+function!(Cos, |a, _b| a.sin_cos().1);
+function!(Exp, |a, _b| a.exp());
+function!(Ln, |a, _b| a.ln());
+function!(Rsqrt, |a, _b| a.rsqrt());
+function!(Recip, |a, _b| a.recip());
+function!(Sqrt, |a, _b| a.sqrt());
+function!(Floor, |a, _b| a.floor());
+function!(Fused, |a, b| a.mul_add(b, a - b));
+function!(Chosen, |a, b| S::select(a.lt(b) | !b.le(a), -a.abs(), b.min(a)));
+function!(Blend, |a, b| S::select(a.lt(b) & S::zero().lt(a), a.max(b), b));
+
+const SIZE: usize = 32;
+
+fn check<F: Function + Copy>(f: F, a: &[f32], b: &[f32], relative: f64, absolute: f64) {
+    for level in Level::available() {
+        let out = dispatch(level, Map { a, b, f });
+        for i in 0..a.len() {
+            let want = f.apply(f64::from(a[i]), f64::from(b[i]));
+            let error = (f64::from(out[i]) - want).abs();
+            assert!(error <= absolute + relative * want.abs(), "{level:?} {}: {} for {want}", a[i], out[i]);
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn elementary_functions_agree_with_f64(
+        angle in prop::collection::vec(-60.0f32..60.0, SIZE),
+        exponent in prop::collection::vec(-80.0f32..80.0, SIZE),
+        positive in prop::collection::vec(1e-6f32..1e6, SIZE),
+    ) {
+        check(Sin, &angle, &angle, 0.0, 2e-7);
+        check(Cos, &angle, &angle, 0.0, 2e-7);
+        check(Exp, &exponent, &exponent, 3e-7, 0.0);
+        check(Ln, &positive, &positive, 2e-7, 1e-7);
+        check(Rsqrt, &positive, &positive, 3e-7, 0.0);
+        check(Recip, &positive, &positive, 3e-7, 0.0);
+        check(Sqrt, &positive, &positive, 2e-7, 0.0);
+        check(Floor, &angle, &angle, 0.0, 0.0);
+    }
+
+    #[test]
+    fn comparisons_and_fused_products_agree_with_f64(
+        a in prop::collection::vec(-2.0f32..2.0, SIZE),
+        b in prop::collection::vec(-2.0f32..2.0, SIZE),
+    ) {
+        check(Fused, &a, &b, 1e-6, 1e-6);
+        check(Chosen, &a, &b, 0.0, 0.0);
+        check(Blend, &a, &b, 0.0, 0.0);
+    }
+}
+
+/// Integers of consecutive environments, and the numbers made from them.
+struct Draw {
+    seed: u64,
+    first_env: u32,
+}
+
+impl Kernel for Draw {
+    type Output = (Vec<[u32; 4]>, Vec<f32>);
+    #[inline(always)]
+    fn run<S: Scalar<Const = f32>>(self) -> Self::Output {
+        let (mut words, mut normals) = (vec![[0; 4]; SIZE], vec![0.0; SIZE]);
+        for i in (0..SIZE).step_by(S::LANES) {
+            let mut env = [0u32; SIZE];
+            for (lane, e) in env.iter_mut().enumerate() {
+                *e = self.first_env + (i + lane) as u32;
+            }
+            let block = philox(Counter {
+                seed: self.seed,
+                env: S::Word::load(&env),
+                episode: S::Word::splat(7),
+                step: S::Word::splat(11),
+                stream: S::Word::splat(3),
+            });
+            for (k, word) in block.into_iter().enumerate() {
+                let mut lane_words = [0u32; SIZE];
+                word.store(&mut lane_words);
+                for lane in 0..S::LANES {
+                    words[i + lane][k] = lane_words[lane];
+                }
+            }
+            normal_pair::<S>(block[0], block[1]).0.store(&mut normals[i..]);
+        }
+        (words, normals)
+    }
+}
+
+#[test]
+fn philox_integers_equal_the_reference_library_at_every_level() {
+    for level in Level::available() {
+        let seed = 0x0123_4567_89ab_cdefu64;
+        let (words, _) = dispatch(level, Draw { seed, first_env: 100 });
+        for (i, got) in words.iter().enumerate() {
+            let key = [seed as u32, (seed >> 32) as u32];
+            // The library counts with one 128-bit number whose lowest word is the first of the block.
+            let counter = 3 | 11 << 32 | 7 << 64 | (100 + i as u128) << 96;
+            let mut library = rand_philox::Philox::new(key, counter);
+            let want = std::array::from_fn(|_| library.next_u32());
+            assert_eq!(*got, want, "{level:?}, environment {i}");
+        }
+    }
+}
+
+#[test]
+fn philox_known_answer() {
+    // Published with the authors' Random123 library: counter and key of all ones.
+    let ones = u32::MAX;
+    let word = <f64 as Scalar>::Word::splat(ones);
+    let block = philox(Counter { seed: u64::MAX, env: word, episode: word, step: word, stream: word });
+    let mut got = [0u32; 4];
+    for (k, w) in block.into_iter().enumerate() {
+        w.store(&mut got[k..]);
+    }
+    assert_eq!(got, [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
+}
+
+#[test]
+fn normal_draws_have_zero_mean_unit_variance_and_agree_between_levels() {
+    let all: Vec<(Level, Vec<f32>)> = Level::available()
+        .into_iter()
+        .map(|level| {
+            let mut draws = vec![];
+            for block in 0..500 {
+                draws.extend(dispatch(level, Draw { seed: 5, first_env: block * SIZE as u32 }).1);
+            }
+            (level, draws)
+        })
+        .collect();
+    let n = all[0].1.len() as f32;
+    for (level, draws) in &all {
+        let mean = draws.iter().sum::<f32>() / n;
+        let variance = draws.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / n;
+        assert!(mean.abs() < 4.0 / n.sqrt(), "{level:?}: mean {mean}");
+        assert!((variance - 1.0).abs() < 6.0 / n.sqrt(), "{level:?}: variance {variance}");
+        for (a, b) in draws.iter().zip(&all[0].1) {
+            assert!((a - b).abs() < 2e-6 * (1.0 + b.abs()), "{level:?}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn unit_draws_stay_in_the_half_open_interval() {
+    for word in [0, 1, 255, 256, u32::MAX] {
+        let x: f64 = unit(<f64 as Scalar>::Word::splat(word));
+        assert!((0.0..1.0).contains(&x));
+    }
+}
+
+#[test]
+fn masks_answer_any() {
+    assert!(<bool as Mask>::splat(true).any());
+    assert!(!<bool as Mask>::splat(false).any());
+}
