@@ -16,6 +16,7 @@ mod builtin;
 mod compile;
 pub mod description;
 mod error;
+pub mod mjcf;
 pub mod model;
 mod text;
 

@@ -1,0 +1,338 @@
+//! MJCF out: a file from which MuJoCo (3.17 and 4.0 are tested) builds the very same model.
+//!
+//! Everything that influences the simulation is written out, defaults included, so that a MuJoCo with other defaults loads
+//! the same. Numbers are printed so that they read back bit for bit. What MuJoCo derives (inverse weights, automatic muscle
+//! force) is left to MuJoCo.
+
+use crate::description::{JointKind, Shape, Softness};
+use crate::model::{Body, Geom, Joint, Model, Muscle, WORLD};
+use myo_muscle::CurveParameters;
+use nalgebra::{UnitQuaternion, Vector3};
+use std::fmt::Write;
+
+/// How far (m) the volume of a button's touch sensor reaches beyond the box and its margin; contacts lie within the margin.
+const SENSOR_MARGIN: f64 = 0.001;
+
+/// What [`to_mjcf`] adds to the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MjcfOptions {
+    /// Boxes that stand still in the world and feel touch.
+    pub buttons: Vec<Button>,
+    /// Relative improvement at which MuJoCo's solver stops; 0 iterates until nothing improves any more.
+    pub tolerance: f64,
+    /// Most iterations of MuJoCo's solver in one step.
+    pub iterations: u32,
+}
+
+impl Default for MjcfOptions {
+    fn default() -> Self {
+        Self { buttons: Vec::new(), tolerance: 1e-10, iterations: 100 }
+    }
+}
+
+/// A box that stands still in the world; the sensor of the same name sums the normal forces on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Button {
+    /// Name of body, geom, site and sensor.
+    pub name: String,
+    /// Centre in the world (m).
+    pub pos: Vector3<f64>,
+    /// Orientation in the world.
+    pub quat: UnitQuaternion<f64>,
+    /// Half sizes along its axes (m).
+    pub half_size: [f64; 3],
+    /// Contact margin (m).
+    pub margin: f64,
+    /// Sliding, torsional, rolling friction.
+    pub friction: [f64; 3],
+    /// Softness of contacts.
+    pub softness: Softness,
+}
+
+/// The model as the text of an MJCF file.
+///
+/// Bodies, joints, sites, geoms, tendons and actuators get the order that they have in `model`. The geoms of the model
+/// touch buttons, not each other.
+pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
+    let mut xml = Xml::default();
+    xml.open("mujoco", &[("model", text(&model.name))]);
+    settings(&mut xml, model, options);
+    xml.open("worldbody", &[]);
+    points_and_shapes(&mut xml, model, WORLD);
+    bodies_below(&mut xml, model, WORLD);
+    options.buttons.iter().for_each(|button| button_body(&mut xml, button));
+    xml.close("worldbody");
+    tendons(&mut xml, model);
+    couplings(&mut xml, model);
+    actuators(&mut xml, model);
+    sensors(&mut xml, &options.buttons);
+    xml.close("mujoco");
+    xml.text
+}
+
+fn settings(xml: &mut Xml, model: &Model, options: &MjcfOptions) {
+    xml.leaf(
+        "compiler",
+        &[
+            ("angle", text("radian")),
+            ("autolimits", text("true")),
+            ("inertiafromgeom", text("false")),
+            ("balanceinertia", text("false")),
+            ("boundmass", number(0.0)),
+            ("boundinertia", number(0.0)),
+            ("settotalmass", number(-1.0)),
+            ("fusestatic", text("false")),
+        ],
+    );
+    xml.open(
+        "option",
+        &[
+            ("timestep", number(model.options.timestep)),
+            ("gravity", numbers(&model.options.gravity)),
+            ("integrator", text("Euler")),
+            ("cone", text("pyramidal")),
+            ("impratio", number(1.0)),
+            ("solver", text("Newton")),
+            ("jacobian", text("dense")),
+            ("tolerance", number(options.tolerance)),
+            ("iterations", text(&options.iterations.to_string())),
+        ],
+    );
+    let eulerdamp = if model.options.implicit_joint_damping { "enable" } else { "disable" };
+    xml.leaf("flag", &[("eulerdamp", text(eulerdamp))]);
+    xml.close("option");
+}
+
+fn bodies_below(xml: &mut Xml, model: &Model, parent: usize) {
+    for (index, body) in model.bodies.iter().enumerate().skip(1).filter(|(_, body)| body.parent == parent) {
+        open_body(xml, body);
+        for joint in model.joints.iter().filter(|joint| joint.body == index) {
+            xml.leaf("joint", &joint_attributes(joint));
+        }
+        points_and_shapes(xml, model, index);
+        bodies_below(xml, model, index);
+        xml.close("body");
+    }
+}
+
+fn open_body(xml: &mut Xml, body: &Body) {
+    let place = [("name", text(&body.name)), ("pos", numbers(body.pos.as_slice())), ("quat", rotation(&body.quat))];
+    xml.open("body", &place);
+    // MuJoCo takes no inertial element without mass; a body that has none gets none.
+    if body.mass > 0.0 || body.principal_inertia.max() > 0.0 {
+        xml.leaf(
+            "inertial",
+            &[
+                ("pos", numbers(body.com.as_slice())),
+                ("quat", rotation(&body.inertia_quat)),
+                ("mass", number(body.mass)),
+                ("diaginertia", numbers(body.principal_inertia.as_slice())),
+            ],
+        );
+    }
+}
+
+fn joint_attributes(joint: &Joint) -> Vec<Attribute> {
+    let kind = match joint.kind {
+        JointKind::Hinge => "hinge",
+        JointKind::Slide => "slide",
+    };
+    let mut attributes = vec![
+        ("name", text(&joint.name)),
+        ("type", text(kind)),
+        ("axis", numbers(joint.axis.as_slice())),
+        ("pos", numbers(joint.pos.as_slice())),
+        ("limited", text(if joint.range.is_some() { "true" } else { "false" })),
+        ("stiffness", number(joint.stiffness)),
+        ("springref", number(joint.spring_ref)),
+        ("damping", number(joint.damping)),
+        ("armature", number(joint.armature)),
+        ("margin", number(0.0)),
+        ("solreflimit", numbers(&joint.softness.solref)),
+        ("solimplimit", numbers(&joint.softness.solimp)),
+    ];
+    attributes.extend(joint.range.map(|range| ("range", numbers(&range))));
+    attributes
+}
+
+fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {
+    for site in model.sites.iter().filter(|site| site.body == body) {
+        xml.leaf("site", &[("name", text(&site.name)), ("pos", numbers(site.pos.as_slice())), ("size", number(0.001))]);
+    }
+    for geom in model.geoms.iter().filter(|geom| geom.body == body) {
+        xml.leaf("geom", &geom_attributes(geom));
+    }
+}
+
+fn geom_attributes(geom: &Geom) -> Vec<Attribute> {
+    let (kind, size) = match geom.shape {
+        Shape::Sphere { radius } => ("sphere", vec![radius]),
+        Shape::Box { half_size } => ("box", half_size.to_vec()),
+    };
+    let mut attributes = vec![
+        ("name", text(&geom.name)),
+        ("type", text(kind)),
+        ("size", numbers(&size)),
+        ("pos", numbers(geom.pos.as_slice())),
+        ("quat", rotation(&geom.quat)),
+        ("contype", text("1")),
+        ("conaffinity", text("0")),
+    ];
+    attributes.extend(contact(geom.margin, &geom.friction, &geom.softness));
+    attributes
+}
+
+fn button_body(xml: &mut Xml, button: &Button) {
+    let place =
+        [("name", text(&button.name)), ("pos", numbers(button.pos.as_slice())), ("quat", rotation(&button.quat))];
+    xml.open("body", &place);
+    let mut geom = vec![
+        ("name", text(&button.name)),
+        ("type", text("box")),
+        ("size", numbers(&button.half_size)),
+        ("contype", text("1")),
+        ("conaffinity", text("1")),
+    ];
+    geom.extend(contact(button.margin, &button.friction, &button.softness));
+    xml.leaf("geom", &geom);
+    let reach = button.half_size.map(|half| half + button.margin + SENSOR_MARGIN);
+    xml.leaf("site", &[("name", text(&button.name)), ("type", text("box")), ("size", numbers(&reach))]);
+    xml.close("body");
+}
+
+fn contact(margin: f64, friction: &[f64; 3], softness: &Softness) -> Vec<Attribute> {
+    vec![
+        ("condim", text("3")),
+        ("margin", number(margin)),
+        ("gap", number(0.0)),
+        ("friction", numbers(friction)),
+        ("solmix", number(1.0)),
+        ("solref", numbers(&softness.solref)),
+        ("solimp", numbers(&softness.solimp)),
+    ]
+}
+
+fn tendons(xml: &mut Xml, model: &Model) {
+    xml.section("tendon", &model.muscles, |xml, muscle| {
+        xml.open("spatial", &[("name", text(&muscle.name))]);
+        for &site in &muscle.path {
+            xml.leaf("site", &[("site", text(&model.sites[site].name))]);
+        }
+        xml.close("spatial");
+    });
+}
+
+fn couplings(xml: &mut Xml, model: &Model) {
+    xml.section("equality", &model.couplings, |xml, coupling| {
+        let mut attributes = vec![("joint1", text(&model.joints[coupling.dependent].name))];
+        attributes.extend(coupling.independent.map(|leader| ("joint2", text(&model.joints[leader].name))));
+        attributes.extend([
+            ("polycoef", numbers(&coupling.polycoef)),
+            ("solref", numbers(&coupling.softness.solref)),
+            ("solimp", numbers(&coupling.softness.solimp)),
+        ]);
+        xml.leaf("joint", &attributes);
+    });
+}
+
+fn actuators(xml: &mut Xml, model: &Model) {
+    xml.section("actuator", &model.muscles, |xml, muscle| xml.leaf("general", &actuator_attributes(muscle)));
+}
+
+fn actuator_attributes(muscle: &Muscle) -> Vec<Attribute> {
+    let parameters = &muscle.parameters;
+    vec![
+        ("name", text(&muscle.name)),
+        ("tendon", text(&muscle.name)),
+        ("dyntype", text("muscle")),
+        ("gaintype", text("muscle")),
+        ("biastype", text("muscle")),
+        ("dynprm", numbers(&[parameters.tau_act, parameters.tau_deact, parameters.tau_smooth])),
+        ("gainprm", curve(&parameters.gain)),
+        ("biasprm", curve(&parameters.bias)),
+        ("lengthrange", numbers(&parameters.length_range)),
+        ("ctrlrange", numbers(&parameters.ctrl_range)),
+    ]
+}
+
+/// MuJoCo's nine muscle parameters; a negative force asks for the automatic one.
+fn curve(curve: &CurveParameters) -> String {
+    let [lower, upper] = curve.range;
+    let force = curve.force.unwrap_or(-1.0);
+    numbers(&[lower, upper, force, curve.scale, curve.lmin, curve.lmax, curve.vmax, curve.fpmax, curve.fvmax])
+}
+
+fn sensors(xml: &mut Xml, buttons: &[Button]) {
+    xml.section("sensor", buttons, |xml, button| {
+        xml.leaf("touch", &[("name", text(&button.name)), ("site", text(&button.name))]);
+    });
+}
+
+/// Name and value, the value escaped already.
+type Attribute = (&'static str, String);
+
+fn text(value: &str) -> String {
+    value.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The shortest decimal that reads back as the same f64.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}
+
+fn numbers(values: &[f64]) -> String {
+    values.iter().copied().map(number).collect::<Vec<_>>().join(" ")
+}
+
+fn rotation(quat: &UnitQuaternion<f64>) -> String {
+    numbers(&[quat.w, quat.i, quat.j, quat.k])
+}
+
+/// Text of an XML document that grows element by element.
+#[derive(Default)]
+struct Xml {
+    text: String,
+    depth: usize,
+}
+
+impl Xml {
+    fn open(&mut self, tag: &str, attributes: &[Attribute]) {
+        self.start(tag, attributes);
+        self.text.push_str(">\n");
+        self.depth += 1;
+    }
+
+    fn close(&mut self, tag: &str) {
+        self.depth -= 1;
+        self.indent();
+        // Writing into a String cannot fail.
+        let _ = writeln!(self.text, "</{tag}>");
+    }
+
+    fn leaf(&mut self, tag: &str, attributes: &[Attribute]) {
+        self.start(tag, attributes);
+        self.text.push_str("/>\n");
+    }
+
+    /// An element around `items`, left out when there are none.
+    fn section<T>(&mut self, tag: &str, items: &[T], mut item: impl FnMut(&mut Self, &T)) {
+        if items.is_empty() {
+            return;
+        }
+        self.open(tag, &[]);
+        items.iter().for_each(|element| item(self, element));
+        self.close(tag);
+    }
+
+    fn start(&mut self, tag: &str, attributes: &[Attribute]) {
+        self.indent();
+        let _ = write!(self.text, "<{tag}");
+        for (name, value) in attributes {
+            let _ = write!(self.text, " {name}=\"{value}\"");
+        }
+    }
+
+    fn indent(&mut self) {
+        self.text.extend(std::iter::repeat_n("  ", self.depth));
+    }
+}
