@@ -1,1 +1,47 @@
-//! Placeholder.
+//! Pointing and pressing tasks for a simulated user: their description, presets and checks.
+//!
+//! A [`Task`] is a sequence of one to ten [`Target`]s within a time limit: a sphere to stay in ([`Pointing`]) or a button
+//! to press ([`Pressing`]). It is a YAML text with documented fields ([`task_schema`] gives them to editors and forms),
+//! read by [`load`] or [`Task::from_yaml`]; anything wrong in the text is reported with file, line and column. [`check`]
+//! then tells, before any training, what cannot be done by a body of a given [`Reach`].
+//!
+//! ```
+//! use myo_tasks::{Anywhere, Task, check, preset_text};
+//!
+//! // One of the tasks that come with the library, slower.
+//! let text = preset_text("pointing-single").unwrap().replace("dwell_s: 0.25", "dwell_s: 0.5");
+//! let task = Task::from_yaml(&text, "my.yaml")?;
+//! assert_eq!(task.dwell_steps(0), 10); // 0.5 s at 20 decisions a second
+//! assert!(check(&task, &Anywhere).is_ok());
+//!
+//! // What is wrong is said where it stands.
+//! let error = Task::from_yaml(&text.replace("dwell_s", "dwel_s"), "my.yaml").unwrap_err();
+//! assert!(error.to_string().contains("unknown key `dwel_s` in targets[0]; did you mean `dwell_s`?"));
+//! # Ok::<(), myo_tasks::LoadError>(())
+//! ```
+//!
+//! Lengths are metres relative to the shoulder centre (x forward, y to the left, z up), times seconds, forces newtons.
+//!
+//! What this crate does not know: bodies and how they move, random numbers' origin, learning, and what happens to a
+//! reward once it is given. Files it only reads.
+
+mod check;
+mod description;
+mod geometry;
+mod layout;
+mod load;
+mod presets;
+mod quantity;
+mod range;
+mod schema;
+mod suggest;
+mod target;
+
+pub use check::{Anywhere, CONTACT_MARGIN, Element, RARE_ACCEPTANCE, Reach, Report, TaskError, TaskWarning, check};
+pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
+pub use layout::Place;
+pub use load::{BadValue, LoadError, SCHEMA_HINT, Source, load};
+pub use presets::{preset, preset_names, preset_text};
+pub use range::Range;
+pub use schema::task_schema;
+pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};

@@ -1,0 +1,344 @@
+//! A task as it stands in a file: what to do, how it is rewarded and what the simulated user perceives.
+
+use garde::Validate;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::Quantity;
+use crate::target::{TARGETS_MAX, Target};
+
+const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
+const TIME_LIMIT: Quantity = Quantity::positive("s", 600.0);
+const CONTROL_STEP: Quantity = Quantity::positive("s", 0.5);
+const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
+const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
+const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
+
+/// The version of the task format that this library reads and writes.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// A task: targets to be reached one after the other within a time limit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Myo task")]
+pub struct Task {
+    /// Version of this format: 1.
+    #[garde(custom(version_rule))]
+    #[schemars(range(min = 1, max = 1))]
+    pub version: u32,
+
+    /// Short name, used for run folders and tables.
+    #[garde(custom(name_rule))]
+    #[schemars(length(min = 1, max = 64))]
+    pub name: String,
+
+    /// What the task stands for, for people. Default: empty.
+    #[serde(default)]
+    #[garde(skip)]
+    pub description: String,
+
+    /// The body that does it: the name of a built-in model. Default `mobl-arms`.
+    #[serde(default = "default_model")]
+    #[garde(custom(name_rule))]
+    pub model: String,
+
+    /// The targets in the order in which they must be done: 1 to 10, repetitions counted.
+    #[garde(custom(count_rule), dive)]
+    #[schemars(length(min = 1, max = 10))]
+    pub targets: Vec<Target>,
+
+    /// When an episode ends without success, in s. Rounded to whole control steps. Default 12.
+    #[serde(default = "default_time_limit")]
+    #[garde(custom(TIME_LIMIT.rule()))]
+    #[schemars(transform = TIME_LIMIT.schema())]
+    pub time_limit_s: f64,
+
+    /// Time between two decisions of the simulated user, in s; muscle controls are held in between. Default 0.05 (20 Hz).
+    #[serde(default = "default_control_step")]
+    #[garde(custom(CONTROL_STEP.rule()))]
+    #[schemars(transform = CONTROL_STEP.schema())]
+    pub control_dt_s: f64,
+
+    /// How the body starts an episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub reset: Reset,
+
+    /// What the simulated user is rewarded for.
+    #[serde(default)]
+    #[garde(dive)]
+    pub reward: Reward,
+
+    /// What the simulated user perceives.
+    #[serde(default)]
+    #[garde(skip)]
+    pub observation: Observation,
+
+    /// Motor noise, off by default.
+    #[serde(default)]
+    #[garde(dive)]
+    pub noise: Noise,
+}
+
+/// How the body starts an episode. Coupled joints follow the independent ones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields, default)]
+pub struct Reset {
+    /// Joint angles at the start. Default `range_uniform`.
+    #[garde(skip)]
+    pub pose: Pose,
+
+    /// With `near_zero`: angles are drawn from plus or minus this, in rad, kept within the joint range. Default 0.05.
+    #[garde(custom(ANGLE_SPREAD.rule()))]
+    #[schemars(transform = ANGLE_SPREAD.schema())]
+    pub pose_spread_rad: f64,
+
+    /// Joint velocities are drawn from plus or minus this, in rad/s; the pose `zero` always starts at rest. Default 0.05.
+    #[garde(custom(VELOCITY_SPREAD.rule()))]
+    #[schemars(transform = VELOCITY_SPREAD.schema())]
+    pub velocity_spread_rad_s: f64,
+
+    /// Muscle activations are drawn from 0 to this. Default 1; 0 starts relaxed.
+    #[garde(custom(SHARE.rule()))]
+    #[schemars(transform = SHARE.schema())]
+    pub activation_max: f64,
+}
+
+/// Joint angles at the start of an episode.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Pose {
+    /// Every independent joint anywhere in its range.
+    #[default]
+    RangeUniform,
+    /// Every independent joint close to zero: the arm hangs.
+    NearZero,
+    /// Every joint at zero, at rest.
+    Zero,
+}
+
+/// Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields, default)]
+pub struct Reward {
+    /// Cost per metre and control step: fingertip to the current target's centre plus the path over the centres of the
+    /// targets still to come. Default 1.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub distance: f64,
+
+    /// `true`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that dwelling anywhere in it
+    /// costs nothing; for a button it counts from the pressed face. `false`: from the centre, as published. Default false.
+    #[garde(skip)]
+    pub inside_is_zero: bool,
+
+    /// Cost per second as long as the task is not finished. Default 0: the distance alone makes time expensive.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub time_cost: f64,
+
+    /// Given once when a target is done, the last one included. Default 0.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub subtask_bonus: f64,
+
+    /// Given once when the whole task is done. Default 10.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub completion_bonus: f64,
+
+    /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0; weights of 0.001
+    /// and 0.002 have trained well.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub neural_effort: f64,
+
+    /// Cost of jerky movement: times the sum over independent joints of the squared acceleration in rad/s2, per control
+    /// step. Default 0; accelerations are large: the published weight is 6.67e-6.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub acceleration_effort: f64,
+}
+
+/// Which parts the observation has, in this order. All of them by default.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+#[expect(clippy::struct_excessive_bools, reason = "each part is its own switch in the file")]
+pub struct Observation {
+    /// Angles of the independent joints, their range mapped to -1 to 1. Default true.
+    pub joint_position: bool,
+    /// Velocities of the independent joints. Default true.
+    pub joint_velocity: bool,
+    /// Accelerations of the independent joints. Default true.
+    pub joint_acceleration: bool,
+    /// Position of the fingertip. Default true.
+    pub fingertip_position: bool,
+    /// Activation of each muscle. Default true.
+    pub activation: bool,
+    /// Centre of the current target. Default true.
+    pub target_position: bool,
+    /// Radius of the current sphere, or half the width of the current button. Default true.
+    pub target_size: bool,
+    /// From the fingertip to the centre of the current target. Default true.
+    pub target_vector: bool,
+    /// From the centre of the current target to that of the next; 0 at the last target. Default true.
+    pub next_target_vector: bool,
+    /// How many targets are done, as a share of all. Default true.
+    pub phase: bool,
+    /// How much of the current dwell has passed, as a share. Default true.
+    pub dwell_fraction: bool,
+    /// Time left until the limit, as a share. Default true.
+    pub time_left: bool,
+    /// Whether the fingertip is inside the current sphere. Default true.
+    pub inside: bool,
+    /// Force on the current button, as a share of what it needs. Default true.
+    pub touch: bool,
+}
+
+/// Gaussian motor noise on the muscle controls: independent for each muscle, drawn anew at each control step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields, default)]
+pub struct Noise {
+    /// Standard deviation as a share of the control itself. Default 0 (off); the literature's level is 0.103.
+    #[garde(custom(SHARE.rule()))]
+    #[schemars(transform = SHARE.schema())]
+    pub signal_dependent: f64,
+
+    /// Standard deviation that does not depend on the control. Default 0 (off); the literature's level is 0.185.
+    #[garde(custom(SHARE.rule()))]
+    #[schemars(transform = SHARE.schema())]
+    pub constant: f64,
+}
+
+impl Task {
+    /// Control steps that make the dwell of target `index` (from 0); 1 for a button, which is done at once.
+    ///
+    /// # Panics
+    /// When there is no such target.
+    pub fn dwell_steps(&self, index: usize) -> u32 {
+        match &self.targets[index] {
+            Target::Pointing(sphere) => self.steps(sphere.dwell_s),
+            Target::Pressing(_) => 1,
+        }
+    }
+
+    /// Control steps until the time limit.
+    pub fn time_limit_steps(&self) -> u32 {
+        self.steps(self.time_limit_s)
+    }
+
+    /// Physics steps of `physics_dt_s` seconds in one control step.
+    pub fn substeps(&self, physics_dt_s: f64) -> u32 {
+        rounded_steps(self.control_dt_s, physics_dt_s)
+    }
+
+    fn steps(&self, duration_s: f64) -> u32 {
+        rounded_steps(duration_s, self.control_dt_s)
+    }
+
+    /// The same task with every repeated target written out, so that each `repeat` is 1.
+    pub fn expanded(mut self) -> Self {
+        self.targets = self.targets.into_iter().flat_map(copies).collect();
+        self
+    }
+}
+
+/// Whole steps of `step_s` nearest to `duration_s`, at least one.
+///
+/// Rounded, not cut: 0.30 s at 20 Hz is 5.999... steps in binary fractions and must be 6.
+pub fn rounded_steps(duration_s: f64, step_s: f64) -> u32 {
+    (duration_s / step_s).round().max(1.0) as u32
+}
+
+fn copies(target: Target) -> impl Iterator<Item = Target> {
+    let n = target.repeat() as usize;
+    let mut single = target;
+    if let Target::Pointing(sphere) = &mut single {
+        sphere.repeat = 1;
+    }
+    std::iter::repeat_n(single, n)
+}
+
+impl Noise {
+    /// Level of signal-dependent noise in the literature (van Beers et al. 2004).
+    pub const LITERATURE_SIGNAL_DEPENDENT: f64 = 0.103;
+    /// Level of constant noise in the literature (van Beers et al. 2004).
+    pub const LITERATURE_CONSTANT: f64 = 0.185;
+}
+
+impl Default for Reset {
+    fn default() -> Self {
+        Self { pose: Pose::RangeUniform, pose_spread_rad: 0.05, velocity_spread_rad_s: 0.05, activation_max: 1.0 }
+    }
+}
+
+impl Default for Reward {
+    fn default() -> Self {
+        Self {
+            distance: 1.0,
+            inside_is_zero: false,
+            time_cost: 0.0,
+            subtask_bonus: 0.0,
+            completion_bonus: 10.0,
+            neural_effort: 0.0,
+            acceleration_effort: 0.0,
+        }
+    }
+}
+
+impl Default for Observation {
+    fn default() -> Self {
+        Self {
+            joint_position: true,
+            joint_velocity: true,
+            joint_acceleration: true,
+            fingertip_position: true,
+            activation: true,
+            target_position: true,
+            target_size: true,
+            target_vector: true,
+            next_target_vector: true,
+            phase: true,
+            dwell_fraction: true,
+            time_left: true,
+            inside: true,
+            touch: true,
+        }
+    }
+}
+
+fn default_model() -> String {
+    "mobl-arms".into()
+}
+
+fn default_time_limit() -> f64 {
+    12.0
+}
+
+fn default_control_step() -> f64 {
+    0.05
+}
+
+fn version_rule(version: &u32, (): &()) -> garde::Result {
+    match *version {
+        FORMAT_VERSION => Ok(()),
+        other => Err(garde::Error::new(format!("is {other}; this program reads version {FORMAT_VERSION}"))),
+    }
+}
+
+fn name_rule(name: &str, (): &()) -> garde::Result {
+    match name.chars().count() {
+        1..=64 => Ok(()),
+        n => Err(garde::Error::new(format!("has {n} characters; it must have from 1 to 64"))),
+    }
+}
+
+fn count_rule(targets: &[Target], (): &()) -> garde::Result {
+    match targets.iter().map(|target| target.repeat() as usize).sum() {
+        1..=TARGETS_MAX => Ok(()),
+        0 => Err(garde::Error::new(format!("has no target; a task has from 1 to {TARGETS_MAX}"))),
+        n => {
+            Err(garde::Error::new(format!("has {n} targets, repetitions counted; a task has from 1 to {TARGETS_MAX}")))
+        }
+    }
+}

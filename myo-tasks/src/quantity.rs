@@ -1,0 +1,110 @@
+//! One place for the allowed values of a number: the check of a task and its JSON Schema both read it.
+
+use schemars::Schema;
+use serde_json::{Value, json};
+
+use crate::range::Range;
+
+/// The values a field may take, and their unit.
+#[derive(Clone, Copy)]
+pub(crate) struct Quantity {
+    unit: &'static str,
+    min: f64,
+    /// Whether `min` itself is allowed.
+    min_allowed: bool,
+    max: f64,
+}
+
+impl Quantity {
+    /// Greater than zero and at most `max`.
+    pub(crate) const fn positive(unit: &'static str, max: f64) -> Self {
+        Self { unit, min: 0.0, min_allowed: false, max }
+    }
+
+    /// From `min` to `max`, both allowed.
+    pub(crate) const fn between(min: f64, max: f64, unit: &'static str) -> Self {
+        Self { unit, min, min_allowed: true, max }
+    }
+
+    /// The garde rule of a plain number. NaN and infinities fail it.
+    pub(crate) fn rule(self) -> impl Fn(&f64, &()) -> garde::Result {
+        move |value, ()| self.check(*value)
+    }
+
+    /// The garde rule of an interval: in order, and both ends allowed.
+    pub(crate) fn range_rule(self) -> impl Fn(&Range, &()) -> garde::Result {
+        move |range, ()| {
+            self.check(range.min)?;
+            self.check(range.max)?;
+            if range.min > range.max {
+                return Err(garde::Error::new(format!(
+                    "goes from {} to {}; the smaller end must come first",
+                    self.with_unit(range.min),
+                    self.with_unit(range.max)
+                )));
+            }
+            Ok(())
+        }
+    }
+
+    fn check(self, value: f64) -> garde::Result {
+        let above = if self.min_allowed { value >= self.min } else { value > self.min };
+        // NaN compares false with everything and so ends in the error.
+        if above && value <= self.max {
+            return Ok(());
+        }
+        Err(garde::Error::new(format!("is {}; it must be {}", self.with_unit(value), self.bounds())))
+    }
+
+    fn bounds(self) -> String {
+        if self.min_allowed {
+            format!("from {} to {}", self.min, self.with_unit(self.max))
+        } else {
+            format!("greater than {} and at most {}", self.min, self.with_unit(self.max))
+        }
+    }
+
+    fn with_unit(self, value: f64) -> String {
+        match self.unit {
+            "" => format!("{value}"),
+            unit => format!("{value} {unit}"),
+        }
+    }
+
+    /// Adds the bounds, and the unit as `x-unit`, to every number inside a field's schema.
+    pub(crate) fn schema(self) -> impl FnMut(&mut Schema) {
+        move |schema| {
+            if let Some(object) = schema.as_object_mut() {
+                self.mark(object);
+            }
+        }
+    }
+
+    fn mark(self, object: &mut serde_json::Map<String, Value>) {
+        if is_number(object.get("type")) {
+            let lower = if self.min_allowed { "minimum" } else { "exclusiveMinimum" };
+            object.insert(lower.into(), json!(self.min));
+            object.insert("maximum".into(), json!(self.max));
+            if !self.unit.is_empty() {
+                object.insert("x-unit".into(), json!(self.unit));
+            }
+        }
+        for key in ["anyOf", "items"] {
+            match object.get_mut(key) {
+                Some(Value::Object(child)) => self.mark(child),
+                Some(Value::Array(list)) => {
+                    list.iter_mut().filter_map(Value::as_object_mut).for_each(|child| self.mark(child));
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn is_number(kind: Option<&Value>) -> bool {
+    match kind {
+        Some(Value::String(name)) => name == "number",
+        Some(Value::Array(names)) => names.iter().any(|name| name == "number"),
+        _ => false,
+    }
+}
