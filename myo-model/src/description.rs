@@ -2,8 +2,11 @@
 
 use garde::Validate;
 use myo_muscle::MuscleParameters;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+
+mod flat;
 
 /// A whole model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
@@ -231,19 +234,34 @@ pub struct Geom {
     pub softness: Softness,
 }
 
-/// A muscle-tendon actuator.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
+/// A muscle-tendon actuator. In a file, its parameters stand beside name and path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "flat::Muscle", into = "flat::Muscle")]
 pub struct Muscle {
     /// Unique name.
     pub name: String,
     /// Sites that the straight segments of the path run through, origin first.
     pub path: Vec<String>,
     /// Activation and force curves.
-    #[garde(dive)]
-    #[serde(flatten)]
     pub parameters: MuscleParameters,
+}
+
+impl Validate for Muscle {
+    type Context = ();
+
+    fn validate_into(&self, context: &(), parent: &mut dyn FnMut() -> garde::Path, report: &mut garde::Report) {
+        self.parameters.validate_into(context, parent, report);
+    }
+}
+
+impl JsonSchema for Muscle {
+    fn schema_name() -> Cow<'static, str> {
+        flat::Muscle::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        flat::Muscle::json_schema(generator)
+    }
 }
 
 fn identity_quat() -> [f64; 4] {

@@ -1,0 +1,53 @@
+//! The muscle as it stands in a file, all fields on one level.
+//!
+//! `#[serde(flatten)]` would do the same but reads through a buffer that forgets line and column.
+
+use myo_muscle::{CurveParameters, MuscleParameters};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A muscle-tendon actuator with a rigid tendon.
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Muscle {
+    /// Unique name.
+    name: String,
+    /// Sites that the straight segments of the path run through, origin first.
+    path: Vec<String>,
+    /// Shortest and longest tendon length (m) that the normalised operating `range` of the curves is stretched over.
+    length_range: [f64; 2],
+    /// Active force: force-length and force-velocity curve.
+    gain: CurveParameters,
+    /// Passive force; its parameters may differ from those of the active force.
+    bias: CurveParameters,
+    /// Time constant of activation (s) at an activation of 1/3.
+    tau_act: f64,
+    /// Time constant of deactivation (s) at an activation of 1/3.
+    tau_deact: f64,
+    /// Width (in units of excitation) over which the time constant blends from one to the other; 0 switches.
+    #[serde(default)]
+    tau_smooth: f64,
+    /// Lower and upper bound of the control (neural excitation), usually 0 and 1.
+    #[serde(default = "unit_range")]
+    ctrl_range: [f64; 2],
+}
+
+impl From<Muscle> for super::Muscle {
+    fn from(flat: Muscle) -> Self {
+        let Muscle { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range } = flat;
+        let parameters = MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range };
+        Self { name, path, parameters }
+    }
+}
+
+impl From<super::Muscle> for Muscle {
+    fn from(muscle: super::Muscle) -> Self {
+        let super::Muscle { name, path, parameters } = muscle;
+        let MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range } = parameters;
+        Self { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range }
+    }
+}
+
+fn unit_range() -> [f64; 2] {
+    [0.0, 1.0]
+}

@@ -1,0 +1,168 @@
+//! What a person is told when a model is wrong.
+
+use myo_model::{Model, ModelDescription, builtin};
+
+const ARM: &str = include_str!("../models/mobl-arms.yaml");
+
+/// The message for the built-in arm's file with one piece of text replaced.
+fn check_text(piece: &str, replacement: &str, message: &str) {
+    assert!(ARM.contains(piece), "{piece}");
+    let error = ModelDescription::from_yaml(&ARM.replacen(piece, replacement, 1), "arm.yaml").unwrap_err();
+    assert_eq!(error.to_string(), message);
+}
+
+/// The message for the built-in arm's description after an edit.
+fn check(edit: impl FnOnce(&mut ModelDescription), message: &str) {
+    let mut arm = builtin("mobl-arms").unwrap();
+    edit(&mut arm);
+    assert_eq!(Model::new(&arm).unwrap_err().to_string(), message);
+}
+
+#[test]
+fn text_errors_point_at_line_and_column() {
+    check_text("mass: 8.01418", "mass: -8.01418", "arm.yaml:13:111: `bodies[1].mass` is -8.01418, lower than 0");
+    check_text("mass: 8.01418", "mass: heavy", "arm.yaml:13:111: `heavy` is not a number");
+    check_text("mass: 8.01418, ", "", "arm.yaml:13:191: missing field `mass`");
+    check_text("version: 1", "version: -1", "arm.yaml:4:10: `-1` is not a u32");
+    check_text("timestep: 0.002", "timestep: 2.0", "arm.yaml:8:21: `options.timestep` is 2.0, greater than 0.02");
+    check_text(
+        "com: [0.0, 0.0, 1.0]",
+        "com: [0.0, 0.0]",
+        "arm.yaml:12:73: invalid length 2, expected an array of length 3",
+    );
+    check_text(
+        "stiffness: 2.0",
+        "stiffness: 2.0, stiffness: 3.0",
+        "arm.yaml:34:127: duplicate mapping key: stiffness not allowed here",
+    );
+    check_text("joints:", "joints", "arm.yaml:32:1: simple key expected ':'");
+    check_text(
+        "fvmax: 1.4}",
+        "fvmax: 0.4}",
+        "arm.yaml:186:24: `muscles[0].gain.fvmax` is lower than 1 (25 more like this)",
+    );
+    check_text("*passive, force: 1103.5}", "*passiv, force: 1103.5}", "arm.yaml:193:16: reference to unknown value");
+}
+
+#[test]
+fn unknown_keys_come_with_the_nearest_valid_ones() {
+    check_text(
+        "mass: 8.01418",
+        "mas: 8.01418",
+        "arm.yaml:13:105: unknown key `mas`; did you mean `mass`, `pos` or `name`?",
+    );
+    check_text("kind: hinge", "kind: ball", "arm.yaml:33:37: unknown value `ball`; did you mean `hinge` or `slide`?");
+    check_text(
+        "length_range: [0.161563",
+        "lengthrange: [0.161563",
+        "arm.yaml:191:5: unknown key `lengthrange`; did you mean `length_range`, `ctrl_range` or `name`?",
+    );
+}
+
+#[test]
+fn a_file_without_content_is_refused() {
+    for text in ["", "# nothing\n", "version: 1\n", "[]", "\u{feff}", "{", "a: &a [*a]"] {
+        assert!(ModelDescription::from_yaml(text, "arm.yaml").is_err(), "{text}");
+    }
+}
+
+#[test]
+fn unknown_names_come_with_the_nearest_valid_ones() {
+    let unknown = builtin("mobl_arm").unwrap_err().to_string();
+    assert_eq!(unknown, "there is no built-in model `mobl_arm`; did you mean `mobl-arms` or `mobl-arms-uitb`?");
+    check(
+        |arm| arm.joints[14].body = "humeros".into(),
+        "joint `shoulder_rot`: unknown body `humeros`; did you mean `humerus`, `humphant` or `humphant1`?",
+    );
+    check(
+        |arm| arm.bodies[2].parent = "torax".into(),
+        "body `clavicle`: unknown body `torax`; did you mean `thorax`, `world` or `ulna`?",
+    );
+    check(
+        |arm| arm.couplings[0].independent = Some("shoulder_elf".into()),
+        "coupling of joint `sternoclavicular_r2`: unknown joint `shoulder_elf`; did you mean `shoulder_elv`, `shoulder_rot` or `shoulder1_r2`?",
+    );
+    check(
+        |arm| arm.muscles[0].path[1] = "DELT1-P22".into(),
+        "muscle `DELT1`: unknown site `DELT1-P22`; did you mean `DELT1-P2`, `DELT1-P4` or `DELT2-P2`?",
+    );
+    check(
+        |arm| arm.landmarks.fingertip = "finger".into(),
+        "landmarks: unknown site `finger`; did you mean `fingertip`, `TRIlong-P1` or `BIClong-P1`?",
+    );
+}
+
+#[test]
+fn names_must_be_unique_and_free() {
+    check(
+        |arm| arm.sites[3].name = arm.sites[4].name.clone(),
+        "site `PECM3-P4` is declared twice; names of one kind must differ",
+    );
+    check(
+        |arm| arm.muscles[1].name = "DELT1".into(),
+        "muscle `DELT1` is declared twice; names of one kind must differ",
+    );
+    check(|arm| arm.joints[2].name.clear(), "joint number 3 has an empty name; every element needs one");
+    check(
+        |arm| arm.bodies[0].name = "world".into(),
+        "a body is named `world`, which is reserved for the fixed root; choose another name",
+    );
+}
+
+#[test]
+fn numbers_must_make_sense() {
+    check(|arm| arm.version = 7, "the model has format version 7, but this program reads version 1");
+    check(|arm| arm.options.timestep = 0.0, "options: `timestep` is 0 s; it must be above 0 s");
+    check(|arm| arm.options.gravity[2] = f64::NAN, "options: `gravity` is NaN; a finite number is needed");
+    check(|arm| arm.bodies[8].mass = -1.0, "body `humerus`: `mass` is -1 kg; it must be 0 or more");
+    check(|arm| arm.bodies[8].pos[0] = f64::INFINITY, "body `humerus`: `pos` is inf; a finite number is needed");
+    check(|arm| arm.bodies[8].quat = [0.0; 4], "body `humerus`: `quat` has length zero; a direction is needed");
+    check(
+        |arm| arm.bodies[8].inertia = [3.0, 1.0, 1.0],
+        "body `humerus`: principal moments 3 1 1 kg m^2 belong to no solid; each must be at most the sum of the others",
+    );
+    check(
+        |arm| arm.bodies[3].mass = 0.0,
+        "body `clavphant` moves but has no mass; give it some, or weld it to a body that has",
+    );
+    check(|arm| arm.joints[15].axis = [0.0; 3], "joint `elbow_flexion`: `axis` has length zero; a direction is needed");
+    check(
+        |arm| arm.joints[15].range = Some([2.0, 0.0]),
+        "joint `elbow_flexion`: `range` runs from 2 to 0; the first must be below the second",
+    );
+    check(|arm| arm.joints[15].damping = -0.5, "joint `elbow_flexion`: `damping` is -0.5; it must be 0 or more");
+    check(
+        |arm| arm.joints[15].softness.solimp[0] = 1.5,
+        "joint `elbow_flexion`: `softness.solimp` is 1.5; it must be between 0 and 1",
+    );
+    check(
+        |arm| arm.muscles[3].parameters.length_range = [0.2, 0.1],
+        "muscle `SUPSP`: `length_range` runs from 0.2 to 0.1 m; the first must be below the second",
+    );
+    check(
+        |arm| arm.muscles[3].parameters.gain.lmax = 0.9,
+        "muscle `SUPSP`: `lmax` is 0.9; it must be above the optimal length of 1",
+    );
+    check(|arm| arm.geoms[0].margin = -0.1, "geom `fingertip`: `margin` is -0.1 m; it must be 0 or more");
+}
+
+#[test]
+fn elements_must_fit_together() {
+    check(
+        |arm| arm.joints[0].body = "world".into(),
+        "joint `r_z` is on `world`, which stands still; name the body that moves",
+    );
+    check(
+        |arm| arm.bodies[2].parent = "hand".into(),
+        "body `clavicle` is its own ancestor; every chain of parents must end at `world`",
+    );
+    check(
+        |arm| arm.couplings[1].dependent = "sternoclavicular_r2".into(),
+        "joint `sternoclavicular_r2` is the dependent joint of two couplings; at most one is allowed",
+    );
+    check(
+        |arm| arm.couplings[0].independent = Some("unrotscap_r2".into()),
+        "joint `sternoclavicular_r2` follows joint `unrotscap_r2`, which is itself a dependent joint; couple it to a free joint",
+    );
+    check(|arm| arm.muscles[0].path.truncate(1), "muscle `DELT1`: its path has 1 site(s); at least 2 are needed");
+}
