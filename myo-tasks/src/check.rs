@@ -1,11 +1,10 @@
 //! Whether a task can be done at all, found before any training starts.
 
-use std::fmt;
-
 use garde::Validate;
 
 use crate::description::{Task, rounded_steps};
 use crate::geometry::{distance, farthest, farthest_at_worst, gap, spread};
+use crate::report::{Element, Report, TaskError, TaskWarning, subject};
 use crate::target::{Pointing, Pressing, Target};
 
 /// Contact begins so far in m from a button's surface.
@@ -14,8 +13,11 @@ pub const CONTACT_MARGIN: f64 = 0.002;
 /// A warning is given when fewer than this share of drawn positions keeps the least distance.
 pub const RARE_ACCEPTANCE: f64 = 0.05;
 
-/// Positions tried when a share is estimated.
+/// Pairs of positions tried when a share of them is estimated.
 const SAMPLES: u32 = 2048;
+
+/// Positions tried against the model's reach, which may be slow to tell.
+const REACH_SAMPLES: u32 = 504;
 
 /// What the model can reach with its fingertip.
 pub trait Reach {
@@ -33,218 +35,6 @@ impl Reach for Anywhere {
     }
 }
 
-/// What is wrong with a task and what is odd about it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Report {
-    /// The task cannot be trained.
-    pub errors: Vec<TaskError>,
-    /// The task can be trained, but probably not as intended.
-    pub warnings: Vec<TaskWarning>,
-}
-
-impl Report {
-    /// Whether training may start.
-    pub fn is_ok(&self) -> bool {
-        self.errors.is_empty()
-    }
-}
-
-/// One target, or several equal ones in a row; `target 3 (pressing)` or `targets 1 to 10 (pointing)`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Element {
-    /// Index of the first target, from 0.
-    pub first: usize,
-    /// Index of the last target.
-    pub last: usize,
-    /// `pointing` or `pressing`.
-    pub kind: &'static str,
-}
-
-impl fmt::Display for Element {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (first, last, kind) = (self.first + 1, self.last + 1, self.kind);
-        if first == last {
-            write!(f, "target {first} ({kind})")
-        } else {
-            write!(f, "targets {first} to {last} ({kind})")
-        }
-    }
-}
-
-/// Why a task cannot be trained; each is one sentence.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TaskError {
-    /// A value is out of bounds, NaN or infinite, a range is upside down, or there are too few or too many targets.
-    #[error("{path} {problem}")]
-    Value {
-        /// Path of the value, such as `targets[1].radius`.
-        path: String,
-        /// The value and what would be right.
-        problem: String,
-    },
-    /// One dwell alone is longer than the episode.
-    #[error(
-        "{target} needs a dwell of {dwell_s} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwell"
-    )]
-    DwellBeyondLimit {
-        /// The target.
-        target: Element,
-        /// Its dwell.
-        dwell_s: f64,
-        /// The task's limit.
-        time_limit_s: f64,
-    },
-    /// All dwells together are longer than the episode.
-    #[error(
-        "the dwells of all targets add up to {dwells_s:.2} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwells"
-    )]
-    DwellsBeyondLimit {
-        /// Sum of the dwells, in whole control steps.
-        dwells_s: f64,
-        /// The task's limit.
-        time_limit_s: f64,
-    },
-    /// No position keeps the least distance from the target before.
-    #[error(
-        "{target} must lie at least {needed} m from {previous}, but their ranges allow no more than {possible:.3} m; \
-         widen a range or lower `min_distance_from_previous`"
-    )]
-    DistanceImpossible {
-        /// The target.
-        target: Element,
-        /// The one before it.
-        previous: Element,
-        /// The rule in m.
-        needed: f64,
-        /// Greatest distance in m that the two ranges allow.
-        possible: f64,
-    },
-    /// Two buttons that a fingertip could touch at once, which is not simulated.
-    #[error("{} and {} {}; buttons must lie at least {:.1} mm apart", a, b, gap_in_words(*gap_m), 2e3 * CONTACT_MARGIN)]
-    ButtonsTooClose {
-        /// The earlier button.
-        a: Element,
-        /// The later button.
-        b: Element,
-        /// Gap between them in m, negative when they overlap.
-        gap_m: f64,
-    },
-    /// No part of the target can be reached.
-    #[error(
-        "{target} is out of reach of the model: at ({:.2}, {:.2}, {:.2}) m by {:.1} cm; move it nearer to the shoulder",
-        worst[0], worst[1], worst[2], 100.0 * beyond_m
-    )]
-    OutOfReach {
-        /// The target.
-        target: Element,
-        /// The corner of its range that is farthest out, in m relative to the shoulder centre.
-        worst: [f64; 3],
-        /// How far the fingertip ends from it, in m.
-        beyond_m: f64,
-    },
-}
-
-/// What is odd about a task that can be trained; each is one sentence.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TaskWarning {
-    /// Few positions keep the least distance, so drawing one takes long or fails.
-    #[error(
-        "only {:.1} % of the positions of {target} lie at least {needed} m from {previous}; \
-         widen a range or lower `min_distance_from_previous`", 100.0 * acceptance
-    )]
-    DistanceRare {
-        /// The target.
-        target: Element,
-        /// The one before it.
-        previous: Element,
-        /// The rule in m.
-        needed: f64,
-        /// Share of independent draws that keep it.
-        acceptance: f64,
-    },
-    /// Some positions of the target before leave no room for this one.
-    #[error(
-        "{:.1} % of the positions of {previous} leave no position for {target} at least {needed} m away; \
-         widen a range or lower `min_distance_from_previous`", 100.0 * dead_ends
-    )]
-    DistanceDeadEnds {
-        /// The target.
-        target: Element,
-        /// The one before it.
-        previous: Element,
-        /// The rule in m.
-        needed: f64,
-        /// Share of such positions.
-        dead_ends: f64,
-    },
-    /// Part of a target's range cannot be reached.
-    #[error(
-        "{:.1} % of the range of {target} is out of reach of the model, most at ({:.2}, {:.2}, {:.2}) m by {:.1} cm",
-        100.0 * fraction, worst[0], worst[1], worst[2], 100.0 * beyond_m
-    )]
-    PartlyOutOfReach {
-        /// The target.
-        target: Element,
-        /// Share of positions and sizes that cannot be reached.
-        fraction: f64,
-        /// The corner that is farthest out, in m relative to the shoulder centre.
-        worst: [f64; 3],
-        /// How far the fingertip ends from it, in m.
-        beyond_m: f64,
-    },
-    /// A time that is not a whole number of control steps.
-    #[error("{what} of {given_s} s is not a whole number of control steps and counts as {used_s:.4} s ({steps} steps)")]
-    Rounded {
-        /// What it is the time of, such as `the dwell of target 1 (pointing)`.
-        what: String,
-        /// Its path.
-        path: String,
-        /// As written.
-        given_s: f64,
-        /// As simulated.
-        used_s: f64,
-        /// As simulated, in control steps.
-        steps: u32,
-    },
-}
-
-impl TaskError {
-    /// Path of the value that it speaks of, such as `targets[1].radius`.
-    pub fn path(&self) -> String {
-        match self {
-            Self::Value { path, .. } => path.clone(),
-            Self::DwellBeyondLimit { target, .. } => target_path(target, "dwell_s"),
-            Self::DwellsBeyondLimit { .. } => "time_limit_s".into(),
-            Self::DistanceImpossible { target, .. } => target_path(target, "min_distance_from_previous"),
-            Self::ButtonsTooClose { b, .. } => target_path(b, "position"),
-            Self::OutOfReach { target, .. } => target_path(target, "position"),
-        }
-    }
-}
-
-impl TaskWarning {
-    /// Path of the value that it speaks of, such as `targets[1].radius`.
-    pub fn path(&self) -> String {
-        match self {
-            Self::DistanceRare { target, .. } | Self::DistanceDeadEnds { target, .. } => {
-                target_path(target, "min_distance_from_previous")
-            }
-            Self::PartlyOutOfReach { target, .. } => target_path(target, "position"),
-            Self::Rounded { path, .. } => path.clone(),
-        }
-    }
-}
-
-fn target_path(target: &Element, field: &str) -> String {
-    format!("targets[{}].{field}", target.first)
-}
-
-fn gap_in_words(gap_m: f64) -> String {
-    if gap_m < 0.0 { "overlap".into() } else { format!("are {:.1} mm apart", 1e3 * gap_m) }
-}
-
 /// Everything that is wrong with a task, or odd about it, for a model that reaches as far as `reach` says.
 ///
 /// Values come first: when one is out of bounds the rest is not looked at, because it would speak of nonsense.
@@ -260,11 +50,12 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
     report
 }
 
-fn value_errors(task: &Task) -> Vec<TaskError> {
+/// The bounds of single values, in the order of the fields.
+pub(crate) fn value_errors(task: &Task) -> Vec<TaskError> {
     let Err(report) = task.validate() else { return Vec::new() };
-    let error = |(path, error): &(garde::Path, garde::Error)| TaskError::Value {
-        path: path.to_string(),
-        problem: error.message().to_owned(),
+    let error = |(path, error): &(garde::Path, garde::Error)| {
+        let path = path.to_string();
+        TaskError::Value { subject: subject(task, &path), problem: error.message().to_owned(), path }
     };
     report.iter().map(error).collect()
 }
@@ -276,13 +67,7 @@ fn times(task: &Task, report: &mut Report) {
     let mut dwells = 0;
     let mut one_too_long = false;
     for (target, sphere) in runs(task).filter_map(|(element, target)| Some((element, as_sphere(target)?))) {
-        warn_if_rounded(
-            task,
-            sphere.dwell_s,
-            format!("the dwell of {target}"),
-            target_path(&target, "dwell_s"),
-            report,
-        );
+        warn_if_rounded(task, sphere.dwell_s, format!("the dwell of {target}"), target.path("dwell_s"), report);
         let steps = task.dwell_steps(target.first);
         dwells += steps * (target.last - target.first + 1) as u32;
         if steps > task.time_limit_steps() {
@@ -367,51 +152,68 @@ fn buttons(task: &Task, report: &mut Report) {
 /// Spheres and buttons against the model's reach.
 fn reachability(task: &Task, reach: &dyn Reach, report: &mut Report) {
     for (target, description) in runs(task) {
-        let Unreached { fraction, any, worst, beyond_m } = match description {
+        let found = match description {
             Target::Pointing(sphere) => unreached_sphere(sphere, reach),
             Target::Pressing(button) => unreached_button(button, reach),
         };
-        if !any {
+        let (fraction, worst, beyond_m) = (found.fraction(), found.worst, found.beyond_m);
+        if found.missed == found.tried {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m });
-        } else if fraction > 0.0 {
+        } else if found.missed > 0 {
             report.warnings.push(TaskWarning::PartlyOutOfReach { target, fraction, worst, beyond_m });
         }
     }
 }
 
 /// How much of a target cannot be reached.
+#[derive(Default)]
 struct Unreached {
-    /// Share of its positions.
-    fraction: f64,
-    /// Whether any position can be reached.
-    any: bool,
+    tried: u32,
+    missed: u32,
     worst: [f64; 3],
     beyond_m: f64,
 }
 
+impl Unreached {
+    /// Counts a point that is so far out of reach; `hit` says whether that is near enough.
+    fn count(&mut self, point: [f64; 3], beyond_m: f64, hit: bool) {
+        self.tried += 1;
+        self.missed += u32::from(!hit);
+        if beyond_m > self.beyond_m {
+            (self.worst, self.beyond_m) = (point, beyond_m);
+        }
+    }
+
+    fn fraction(&self) -> f64 {
+        f64::from(self.missed) / f64::from(self.tried)
+    }
+}
+
 /// A sphere counts as reached when the fingertip gets inside it: its centre may be out of reach by less than the radius.
 fn unreached_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
-    let region = sphere.position;
-    let out = |p| reach.distance_out_of_reach(p);
-    let corners = region.corners();
-    let (worst, centre_out) = worst(&corners, reach);
-    let fraction = share(|[a, b, c, r]| out(region.at([a, b, c])) >= sphere.radius.at(r));
-    let any = fraction < 1.0 || corners.iter().any(|corner| out(*corner) < sphere.radius.max);
-    Unreached { fraction, any, worst, beyond_m: (centre_out - sphere.radius.max).max(0.0) }
+    let mut found = Unreached::default();
+    // Evenly spread points never lie on the corners, where a target is farthest out or just within reach.
+    let corners = sphere.position.corners().map(|p| (p, sphere.radius.max));
+    let inside = (0..REACH_SAMPLES).map(|k| {
+        let [a, b, c, r] = spread(k);
+        (sphere.position.at([a, b, c]), sphere.radius.at(r))
+    });
+    for (centre, radius) in corners.into_iter().chain(inside) {
+        let out = reach.distance_out_of_reach(centre);
+        found.count(centre, out - sphere.radius.min, out < radius);
+    }
+    found
 }
 
 /// A button counts as reached when the fingertip gets to some point of its face.
 fn unreached_button(button: &Pressing, reach: &dyn Reach) -> Unreached {
     const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let face: Vec<_> = GRID.iter().flat_map(|across| GRID.map(|up| button.face_point(*across, up))).collect();
-    let out = face.iter().filter(|p| reach.distance_out_of_reach(**p) > 0.0).count();
-    let (worst, beyond_m) = worst(&face, reach);
-    Unreached { fraction: out as f64 / face.len() as f64, any: out < face.len(), worst, beyond_m }
-}
-
-fn worst(points: &[[f64; 3]], reach: &dyn Reach) -> ([f64; 3], f64) {
-    let measured = points.iter().map(|p| (*p, reach.distance_out_of_reach(*p)));
-    measured.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(([0.0; 3], 0.0))
+    let mut found = Unreached::default();
+    for point in GRID.iter().flat_map(|across| GRID.map(|up| button.face_point(*across, up))) {
+        let out = reach.distance_out_of_reach(point);
+        found.count(point, out, out <= 0.0);
+    }
+    found
 }
 
 /// Share of evenly spread points of the unit cube for which `test` holds.

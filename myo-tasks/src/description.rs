@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::Quantity;
-use crate::target::{TARGETS_MAX, Target};
+use crate::target::{Pointing, TARGETS_MAX, Target};
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
 const TIME_LIMIT: Quantity = Quantity::positive("s", 600.0);
-const CONTROL_STEP: Quantity = Quantity::positive("s", 0.5);
+const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
 const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
@@ -53,7 +53,8 @@ pub struct Task {
     #[schemars(transform = TIME_LIMIT.schema())]
     pub time_limit_s: f64,
 
-    /// Time between two decisions of the simulated user, in s; muscle controls are held in between. Default 0.05 (20 Hz).
+    /// Time between two decisions of the simulated user, in s; muscle controls are held in between.
+    /// From 0.001 to 0.5; default 0.05 (20 Hz).
     #[serde(default = "default_control_step")]
     #[garde(custom(CONTROL_STEP.rule()))]
     #[schemars(transform = CONTROL_STEP.schema())]
@@ -241,6 +242,22 @@ impl Task {
         self.targets = self.targets.into_iter().flat_map(copies).collect();
         self
     }
+
+    /// The same task with equal spheres in a row written as one that repeats: the opposite of [`Task::expanded`].
+    pub fn collapsed(mut self) -> Self {
+        self.targets.dedup_by(|next, kept| match (next, kept) {
+            (Target::Pointing(next), Target::Pointing(kept)) => {
+                let n = kept.repeat.saturating_add(next.repeat);
+                let same = *next == Pointing { repeat: next.repeat, ..kept.clone() };
+                if same {
+                    kept.repeat = n;
+                }
+                same
+            }
+            _ => false,
+        });
+        self
+    }
 }
 
 /// Whole steps of `step_s` nearest to `duration_s`, at least one.
@@ -322,7 +339,7 @@ fn default_control_step() -> f64 {
 fn version_rule(version: &u32, (): &()) -> garde::Result {
     match *version {
         FORMAT_VERSION => Ok(()),
-        other => Err(garde::Error::new(format!("is {other}; this program reads version {FORMAT_VERSION}"))),
+        other => Err(garde::Error::new(format!("is {other}; only version {FORMAT_VERSION} is known"))),
     }
 }
 

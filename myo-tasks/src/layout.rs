@@ -75,6 +75,14 @@ impl Layout {
         })
     }
 
+    /// The entry whose key or value stands exactly at `at`: its path, where its value stands, and what that is in words.
+    pub(crate) fn entry(&self, at: Position) -> Option<(String, Position, String)> {
+        find(&self.0, "", &mut |key, value, path| {
+            (position(key) == at || position(value) == at)
+                .then(|| (join(path, &key.value), position(value), value.value.in_words()))
+        })
+    }
+
     /// The path of the innermost map or list that stands at `at`; empty for the whole document.
     pub(crate) fn path_at(&self, at: Position) -> String {
         let mut path = String::new();
@@ -107,6 +115,17 @@ impl Layout {
             break;
         }
         path
+    }
+}
+
+impl Node {
+    fn in_words(&self) -> String {
+        match self {
+            Self::Scalar(Some(text)) => format!("`{text}`"),
+            Self::Scalar(None) => "empty".into(),
+            Self::List(items) => format!("a list of {}", items.len()),
+            Self::Map(_) => "a group of keys".into(),
+        }
     }
 }
 

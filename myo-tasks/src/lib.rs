@@ -16,7 +16,7 @@
 //!
 //! // What is wrong is said where it stands.
 //! let error = Task::from_yaml(&text.replace("dwell_s", "dwel_s"), "my.yaml").unwrap_err();
-//! assert!(error.to_string().contains("unknown key `dwel_s` in targets[0]; did you mean `dwell_s`?"));
+//! assert!(error.to_string().contains("unknown key `dwel_s` in target 1; did you mean `dwell_s`?"));
 //! # Ok::<(), myo_tasks::LoadError>(())
 //! ```
 //!
@@ -33,15 +33,18 @@ mod load;
 mod presets;
 mod quantity;
 mod range;
+mod report;
 mod schema;
 mod suggest;
+mod tagged;
 mod target;
 
-pub use check::{Anywhere, CONTACT_MARGIN, Element, RARE_ACCEPTANCE, Reach, Report, TaskError, TaskWarning, check};
+pub use check::{Anywhere, CONTACT_MARGIN, RARE_ACCEPTANCE, Reach, check};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
 pub use layout::Place;
 pub use load::{BadValue, LoadError, SCHEMA_HINT, Source, load};
 pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;
+pub use report::{Element, Report, TaskError, TaskWarning};
 pub use schema::task_schema;
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};

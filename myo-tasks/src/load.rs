@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use garde::Validate;
 use serde_saphyr::options::NonFiniteFloatPolicy;
 use serde_saphyr::{Error as YamlError, MessageFormatter, UserMessageFormatter};
 
-use crate::check::{Reach, Report, check};
+use crate::check::{Reach, check, value_errors};
 use crate::description::Task;
 use crate::layout::{Layout, Place, Position};
 use crate::presets::{preset_names, preset_text};
-use crate::suggest::{hint, nearest};
+use crate::report::{Report, TaskError};
+use crate::suggest::hint;
 
 /// First line of a task file: it lets an editor that knows the YAML language server complete and check the file.
 pub const SCHEMA_HINT: &str = "# yaml-language-server: $schema=./myo-task.schema.json";
@@ -20,12 +20,10 @@ pub const SCHEMA_HINT: &str = "# yaml-language-server: $schema=./myo-task.schema
 #[non_exhaustive]
 pub enum LoadError {
     /// Neither a preset nor a file.
-    #[error("there is no preset and no file called `{name}`; {}", hint(nearest, &preset_names()))]
+    #[error("there is no preset and no file called `{name}`; {}", hint(name, &preset_names()))]
     UnknownPreset {
         /// What was asked for.
         name: String,
-        /// Presets with a similar name, the most similar first.
-        nearest: Vec<String>,
     },
     /// The file could not be read.
     #[error("cannot read {}: {cause}", path.display())]
@@ -37,7 +35,7 @@ pub enum LoadError {
         cause: std::io::Error,
     },
     /// A key that this part of a task does not have.
-    #[error("{place}: unknown key `{key}`{}; {}", in_part(path), hint(nearest, valid))]
+    #[error("{place}: unknown key `{key}`{}; {}", in_part(path), hint(key, valid))]
     UnknownKey {
         /// Where the key stands.
         place: Place,
@@ -45,13 +43,11 @@ pub enum LoadError {
         key: String,
         /// The part of the task it stands in, such as `targets[1]`; empty at the top.
         path: String,
-        /// Valid keys with a similar name, the most similar first.
-        nearest: Vec<String>,
         /// All keys that are valid there.
         valid: Vec<&'static str>,
     },
     /// A word that is not among those a key allows.
-    #[error("{place}: unknown value `{value}`{}; {}", in_part(path), hint(nearest, valid))]
+    #[error("{place}: unknown value `{value}`{}; {}", in_part(path), hint(value, valid))]
     UnknownValue {
         /// Where the value stands.
         place: Place,
@@ -59,8 +55,6 @@ pub enum LoadError {
         value: String,
         /// The part of the task it stands in.
         path: String,
-        /// Valid words that are similar.
-        nearest: Vec<String>,
         /// All words that are valid there.
         valid: Vec<&'static str>,
     },
@@ -74,7 +68,19 @@ pub enum LoadError {
         /// The part of the task that lacks it.
         path: String,
     },
-    /// Not YAML, or a value of the wrong type.
+    /// A value of the wrong type.
+    #[error("{place}: {} is {found}; it must be {expected}", spoken(path))]
+    WrongType {
+        /// Where the value stands.
+        place: Place,
+        /// Its path, such as `targets[1].radius`.
+        path: String,
+        /// What stands there.
+        found: String,
+        /// What should stand there.
+        expected: String,
+    },
+    /// Not YAML.
     #[error("{place}: {message}")]
     Syntax {
         /// Where reading stopped.
@@ -91,15 +97,13 @@ pub enum LoadError {
 }
 
 /// A value that is out of bounds.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {path} {problem}")]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}: {error}")]
 pub struct BadValue {
     /// Where it stands.
     pub place: Place,
-    /// Its path, such as `targets[1].radius`.
-    pub path: String,
-    /// The value and what would be right, such as `is 0 m; it must be greater than 0 and at most 2 m`.
-    pub problem: String,
+    /// What is wrong with it, such as `the radius of target 1 (pointing) is 0 m; it must be ...`.
+    pub error: TaskError,
 }
 
 /// A task together with the text it was read from.
@@ -124,8 +128,7 @@ pub fn load(name_or_path: &str) -> Result<Source, LoadError> {
     let path = Path::new(name_or_path);
     let looks_like_path = path.components().count() > 1 || path.extension().is_some();
     if !looks_like_path && !path.exists() {
-        let nearest = nearest(name_or_path, &preset_names());
-        return Err(LoadError::UnknownPreset { name: name_or_path.to_owned(), nearest });
+        return Err(LoadError::UnknownPreset { name: name_or_path.to_owned() });
     }
     let text = std::fs::read_to_string(path).map_err(|cause| LoadError::Io { path: path.to_owned(), cause })?;
     Source::parse(&text, name_or_path)
@@ -142,7 +145,10 @@ impl Task {
     /// # Panics
     /// Never: all fields have a form in YAML.
     pub fn to_yaml(&self) -> String {
-        let body = serde_saphyr::to_string(self).expect("every field of a task can be written");
+        // YAML 1.2, else the key `y` is quoted for readers that take it for "yes".
+        let options = serde_saphyr::ser_options! { yaml_12: true, no_lang_directive: true };
+        let body = serde_saphyr::to_string_with_options(&self.clone().collapsed(), options)
+            .expect("every field of a task can be written");
         format!("{SCHEMA_HINT}\n{body}")
     }
 }
@@ -193,16 +199,10 @@ impl Source {
 }
 
 fn check_values(task: &Task, name: &str, layout: &Layout) -> Result<(), LoadError> {
-    let Err(report) = task.validate() else { return Ok(()) };
-    let mut values: Vec<BadValue> = report
-        .iter()
-        .map(|(path, error)| {
-            let path = path.to_string();
-            BadValue { place: place(name, layout.value(&path)), path, problem: error.message().to_owned() }
-        })
-        .collect();
+    let located = |error: TaskError| BadValue { place: place(name, layout.value(&error.path())), error };
+    let mut values: Vec<BadValue> = value_errors(task).into_iter().map(located).collect();
     values.sort_by_key(|value| (value.place.line, value.place.column));
-    Err(LoadError::Values { values })
+    if values.is_empty() { Ok(()) } else { Err(LoadError::Values { values }) }
 }
 
 /// Options for every reading: numbers such as `.nan` come through, so that they are refused with a sentence of our own.
@@ -227,13 +227,7 @@ impl Explain<'_> {
         match error {
             YamlError::SerdeUnknownField { field, expected, .. } => {
                 let (at, path) = self.layout.and_then(|l| l.key(field, at)).unwrap_or_else(|| (at, self.path(at)));
-                LoadError::UnknownKey {
-                    place: place(self.name, at),
-                    key: field.clone(),
-                    path,
-                    nearest: nearest(field, expected),
-                    valid: expected.clone(),
-                }
+                LoadError::UnknownKey { place: place(self.name, at), key: field.clone(), path, valid: expected.clone() }
             }
             YamlError::SerdeUnknownVariant { variant, expected, .. } => {
                 let found = self.layout.and_then(|l| l.scalar("kind", variant, at));
@@ -242,18 +236,32 @@ impl Explain<'_> {
                     place: place(self.name, at),
                     value: variant.clone(),
                     path,
-                    nearest: nearest(variant, expected),
                     valid: expected.clone(),
                 }
             }
             YamlError::SerdeMissingField { field, .. } => {
-                LoadError::MissingKey { place: place(self.name, at), key: field, path: self.path(at) }
+                // The reader notices at the end of the map; people look for its beginning.
+                let path = self.path(at);
+                let begin = self.layout.map_or(at, |layout| layout.value(&path));
+                LoadError::MissingKey { place: place(self.name, begin), key: field, path }
             }
-            other => LoadError::Syntax {
-                place: place(self.name, at),
-                message: UserMessageFormatter.format_message(other).into_owned(),
-            },
+            YamlError::DuplicateMappingKey { key: Some(key), .. } => {
+                self.syntax(at, format!("the key `{key}` stands here a second time"))
+            }
+            other => {
+                let entry = expected_type(other).and_then(|expected| Some((expected, self.layout?.entry(at)?)));
+                match entry {
+                    Some((expected, (path, at, found))) => {
+                        LoadError::WrongType { place: place(self.name, at), path, found, expected }
+                    }
+                    None => self.syntax(at, UserMessageFormatter.format_message(other).into_owned()),
+                }
+            }
         }
+    }
+
+    fn syntax(&self, at: Position, message: String) -> LoadError {
+        LoadError::Syntax { place: place(self.name, at), message }
     }
 
     fn path(&self, at: Position) -> String {
@@ -261,12 +269,45 @@ impl Explain<'_> {
     }
 }
 
+/// What the reader wanted, in words; `None` when the mistake is not one of types.
+fn expected_type(error: &YamlError) -> Option<String> {
+    let expected = match error {
+        YamlError::SerdeInvalidType { expected, .. }
+        | YamlError::SerdeInvalidValue { expected, .. }
+        | YamlError::SerdeInvalidLength { expected, .. } => expected,
+        YamlError::InvalidScalar { ty, .. } => *ty,
+        YamlError::Unexpected { expected, .. } => *expected,
+        YamlError::InvalidBooleanStrict { .. } => "a boolean",
+        YamlError::NullIntoString { .. } => "string scalar",
+        _ => return None,
+    };
+    Some(match expected {
+        "f64" | "floating point" => "a number".into(),
+        "u32" | "integer" | "unsigned integer" => "a whole number, not negative".into(),
+        "a boolean" => "true or false".into(),
+        "string scalar" | "a string" => "text".into(),
+        "sequence start" => "a list".into(),
+        "mapping start" => "a group of keys".into(),
+        other => other.replace("an array of length", "a list of length"),
+    })
+}
+
 fn place(file: &str, (line, column): Position) -> Place {
     Place { file: file.to_owned(), line, column }
 }
 
 fn in_part(path: &str) -> String {
-    if path.is_empty() { String::new() } else { format!(" in {path}") }
+    if path.is_empty() { String::new() } else { format!(" in {}", spoken(path)) }
+}
+
+/// `targets[1].position.x` as `` `position.x` of target 2 ``: people count from one.
+fn spoken(path: &str) -> String {
+    let target = path.strip_prefix("targets[").and_then(|rest| rest.split_once(']'));
+    match target.and_then(|(index, field)| Some((index.parse::<usize>().ok()? + 1, field))) {
+        Some((number, "")) => format!("target {number}"),
+        Some((number, field)) => format!("`{}` of target {number}", field.trim_start_matches('.')),
+        None => format!("`{path}`"),
+    }
 }
 
 fn lines(values: &[BadValue]) -> String {

@@ -66,8 +66,8 @@ impl Quantity {
 
     fn with_unit(self, value: f64) -> String {
         match self.unit {
-            "" => format!("{value}"),
-            unit => format!("{value} {unit}"),
+            unit if !unit.is_empty() && value.is_finite() => format!("{value} {unit}"),
+            _ => format!("{value}"),
         }
     }
 

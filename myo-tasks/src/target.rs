@@ -22,7 +22,7 @@ pub const TARGETS_MAX: usize = 10;
 /// One step of a task: something to point at or something to press.
 ///
 /// Coordinates are metres relative to the shoulder centre: x forward, y to the left, z up.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Target {
     /// Bring the fingertip into a sphere and stay there for a while.

@@ -1,0 +1,246 @@
+//! What [`check`](crate::check()) finds, one type per cause, one sentence each.
+
+use std::fmt;
+
+use crate::check::CONTACT_MARGIN;
+use crate::description::Task;
+
+/// What is wrong with a task and what is odd about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// The task cannot be trained.
+    pub errors: Vec<TaskError>,
+    /// The task can be trained, but probably not as intended.
+    pub warnings: Vec<TaskWarning>,
+}
+
+impl Report {
+    /// Whether training may start.
+    pub fn is_ok(&self) -> bool {
+        self.errors.is_empty()
+    }
+}
+
+/// One target, or several equal ones in a row; `target 3 (pressing)` or `targets 1 to 10 (pointing)`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Element {
+    /// Index of the first target, from 0.
+    pub first: usize,
+    /// Index of the last target.
+    pub last: usize,
+    /// `pointing` or `pressing`.
+    pub kind: &'static str,
+}
+
+impl Element {
+    /// Path of one of its fields, such as `targets[1].radius`.
+    pub(crate) fn path(&self, field: &str) -> String {
+        format!("targets[{}].{field}", self.first)
+    }
+}
+
+impl fmt::Display for Element {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (first, last, kind) = (self.first + 1, self.last + 1, self.kind);
+        if first == last {
+            write!(f, "target {first} ({kind})")
+        } else {
+            write!(f, "targets {first} to {last} ({kind})")
+        }
+    }
+}
+
+/// Why a task cannot be trained; each is one sentence.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TaskError {
+    /// A value is out of bounds, NaN or infinite, a range is upside down, or there are too few or too many targets.
+    #[error("{subject} {problem}")]
+    Value {
+        /// Path of the value, such as `targets[1].radius`.
+        path: String,
+        /// The value's name for people, such as `the radius of target 2 (pointing)`.
+        subject: String,
+        /// The value and what would be right.
+        problem: String,
+    },
+    /// One dwell alone is longer than the episode.
+    #[error(
+        "{target} needs a dwell of {dwell_s} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwell"
+    )]
+    DwellBeyondLimit {
+        /// The target.
+        target: Element,
+        /// Its dwell.
+        dwell_s: f64,
+        /// The task's limit.
+        time_limit_s: f64,
+    },
+    /// All dwells together are longer than the episode.
+    #[error(
+        "the dwells of all targets add up to {dwells_s:.2} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwells"
+    )]
+    DwellsBeyondLimit {
+        /// Sum of the dwells, in whole control steps.
+        dwells_s: f64,
+        /// The task's limit.
+        time_limit_s: f64,
+    },
+    /// No position keeps the least distance from the target before.
+    #[error(
+        "{target} must lie at least {needed} m from {previous}, but their ranges allow no more than {possible:.3} m; \
+         widen a range or lower `min_distance_from_previous`"
+    )]
+    DistanceImpossible {
+        /// The target.
+        target: Element,
+        /// The one before it.
+        previous: Element,
+        /// The rule in m.
+        needed: f64,
+        /// Greatest distance in m that the two ranges allow.
+        possible: f64,
+    },
+    /// Two buttons that a fingertip could touch at once, which is not simulated.
+    #[error("{} and {} {}; buttons must lie at least {:.1} mm apart", a, b, gap_in_words(*gap_m), 2e3 * CONTACT_MARGIN)]
+    ButtonsTooClose {
+        /// The earlier button.
+        a: Element,
+        /// The later button.
+        b: Element,
+        /// Gap between them in m, negative when they overlap.
+        gap_m: f64,
+    },
+    /// No part of the target can be reached.
+    #[error(
+        "{target} is out of reach of the model: at ({:.2}, {:.2}, {:.2}) m by {:.1} cm; move it nearer to the shoulder",
+        worst[0], worst[1], worst[2], 100.0 * beyond_m
+    )]
+    OutOfReach {
+        /// The target.
+        target: Element,
+        /// The place in its range that is farthest out, in m relative to the shoulder centre.
+        worst: [f64; 3],
+        /// How far out of reach the button's face, or the surface of the smallest sphere, is there, in m.
+        beyond_m: f64,
+    },
+}
+
+/// What is odd about a task that can be trained; each is one sentence.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TaskWarning {
+    /// Few positions keep the least distance, so drawing one takes long or fails.
+    #[error(
+        "only {:.1} % of the positions of {target} lie at least {needed} m from {previous}; \
+         widen a range or lower `min_distance_from_previous`", 100.0 * acceptance
+    )]
+    DistanceRare {
+        /// The target.
+        target: Element,
+        /// The one before it.
+        previous: Element,
+        /// The rule in m.
+        needed: f64,
+        /// Share of independent draws that keep it.
+        acceptance: f64,
+    },
+    /// Some positions of the target before leave no room for this one.
+    #[error(
+        "{:.1} % of the positions of {previous} leave no position for {target} at least {needed} m away; \
+         widen a range or lower `min_distance_from_previous`", 100.0 * dead_ends
+    )]
+    DistanceDeadEnds {
+        /// The target.
+        target: Element,
+        /// The one before it.
+        previous: Element,
+        /// The rule in m.
+        needed: f64,
+        /// Share of such positions.
+        dead_ends: f64,
+    },
+    /// Part of a target's range cannot be reached.
+    #[error(
+        "{:.1} % of the range of {target} is out of reach of the model, most at ({:.2}, {:.2}, {:.2}) m by {:.1} cm",
+        100.0 * fraction, worst[0], worst[1], worst[2], 100.0 * beyond_m
+    )]
+    PartlyOutOfReach {
+        /// The target.
+        target: Element,
+        /// Share of positions and sizes that cannot be reached.
+        fraction: f64,
+        /// The place that is farthest out, in m relative to the shoulder centre.
+        worst: [f64; 3],
+        /// How far out of reach the button's face, or the surface of the smallest sphere, is there, in m.
+        beyond_m: f64,
+    },
+    /// A time that is not a whole number of control steps.
+    #[error("{what} of {given_s} s is not a whole number of control steps and counts as {used_s:.4} s ({steps} steps)")]
+    Rounded {
+        /// What it is the time of, such as `the dwell of target 1 (pointing)`.
+        what: String,
+        /// Its path.
+        path: String,
+        /// As written.
+        given_s: f64,
+        /// As simulated.
+        used_s: f64,
+        /// As simulated, in control steps.
+        steps: u32,
+    },
+}
+
+impl TaskError {
+    /// Path of the value that it speaks of, such as `targets[1].radius`.
+    pub fn path(&self) -> String {
+        match self {
+            Self::Value { path, .. } => path.clone(),
+            Self::DwellBeyondLimit { target, .. } => target.path("dwell_s"),
+            Self::DwellsBeyondLimit { .. } => "time_limit_s".into(),
+            Self::DistanceImpossible { target, .. } => target.path("min_distance_from_previous"),
+            Self::ButtonsTooClose { b, .. } => b.path("position"),
+            Self::OutOfReach { target, .. } => target.path("position"),
+        }
+    }
+}
+
+impl TaskWarning {
+    /// Path of the value that it speaks of, such as `targets[1].radius`.
+    pub fn path(&self) -> String {
+        match self {
+            Self::DistanceRare { target, .. } | Self::DistanceDeadEnds { target, .. } => {
+                target.path("min_distance_from_previous")
+            }
+            Self::PartlyOutOfReach { target, .. } => target.path("position"),
+            Self::Rounded { path, .. } => path.clone(),
+        }
+    }
+}
+
+fn gap_in_words(gap_m: f64) -> String {
+    if gap_m < 0.0 { "overlap".into() } else { format!("are {:.1} mm apart", 1e3 * gap_m) }
+}
+
+/// The name people read for the value at `path`: `the width of target 3 (pressing)` for `targets[2].size[0]`.
+///
+/// Targets are numbered as they are done, repetitions counted.
+pub(crate) fn subject(task: &Task, path: &str) -> String {
+    let Some((index, field)) = path.strip_prefix("targets[").and_then(|rest| rest.split_once(']')) else {
+        return if path == "targets" { "the task".into() } else { format!("`{path}`") };
+    };
+    let index: usize = index.parse().unwrap_or_default();
+    let Some(target) = task.targets.get(index) else { return format!("`{path}`") };
+    let before: u32 = task.targets[..index].iter().map(|target| target.repeat().clamp(1, 10)).sum();
+    let field = match field.trim_start_matches('.') {
+        "size[0]" => "width".into(),
+        "size[1]" => "height".into(),
+        "size[2]" => "depth".into(),
+        "position[0]" | "position.x" => "x position".into(),
+        "position[1]" | "position.y" => "y position".into(),
+        "position[2]" | "position.z" => "z position".into(),
+        "radius" => "radius".into(),
+        other => format!("`{other}`"),
+    };
+    format!("the {field} of {}", target.label(before as usize))
+}
