@@ -1,0 +1,299 @@
+//! A training run frozen between two updates, and its file.
+//!
+//! File: 8 bytes `MYOCKPT\n`, version (u32), length of the payload (u64), CRC-32C of the payload (u32), payload. Little
+//! endian throughout. The payload holds the fields of [`Checkpoint`] in order; lists begin with their length (u64), the
+//! configuration and the names are JSON.
+
+use std::path::Path;
+
+use thiserror::Error;
+
+use crate::crc32c::crc32c;
+use crate::files::{IoError, write_atomically};
+use crate::learn::Optimizer;
+use crate::networks::Networks;
+use crate::normalizer::Normalizer;
+use crate::{Mlp, Policy, PpoConfig};
+
+const MAGIC: &[u8; 8] = b"MYOCKPT\n";
+const VERSION: u32 = 1;
+const HEADER: usize = 24;
+
+/// Everything that the next updates depend on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    pub(crate) config: PpoConfig,
+    pub(crate) seed: u64,
+    pub(crate) updates: u64,
+    pub(crate) wall_s: f64,
+    pub(crate) learning_rate: f64,
+    pub(crate) observation_names: Vec<String>,
+    pub(crate) action_names: Vec<String>,
+    pub(crate) parameters: Vec<f32>,
+    pub(crate) optimizer: Optimizer,
+    pub(crate) normalizer: Normalizer,
+    pub(crate) observation: Vec<f32>,
+    pub(crate) env_state: Vec<u8>,
+}
+
+/// Why a checkpoint cannot be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The file cannot be read or written.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// The file does not start as a checkpoint does.
+    #[error("this is not a checkpoint: it does not start with MYOCKPT")]
+    Magic,
+    /// Written by another version of this program.
+    #[error("the checkpoint has format {found}; this program reads format {VERSION}")]
+    Version {
+        /// Format of the file.
+        found: u32,
+    },
+    /// The file ends too early or too late.
+    #[error("the checkpoint is {got} bytes long, but should be {expected}; it was cut off or added to")]
+    Length {
+        /// Bytes in the file.
+        got: u64,
+        /// Bytes announced in its header.
+        expected: u64,
+    },
+    /// The contents changed after they were written.
+    #[error("the checkpoint is damaged: its checksum is {got:08x}, but should be {expected:08x}")]
+    Checksum {
+        /// Of the contents.
+        got: u32,
+        /// In the header.
+        expected: u32,
+    },
+    /// The contents contradict themselves.
+    #[error("the checkpoint is inconsistent: {reason}")]
+    Inconsistent {
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+impl Checkpoint {
+    /// The settings of the training.
+    pub fn config(&self) -> &PpoConfig {
+        &self.config
+    }
+
+    /// The seed of the training.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Updates done.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Control steps of all environments done.
+    pub fn env_steps(&self) -> u64 {
+        self.updates * self.config.batch_size() as u64
+    }
+
+    /// The policy.
+    pub fn policy(&self) -> Policy {
+        let names = (&self.observation_names[..], &self.action_names[..]);
+        Policy::new(names, self.networks(), &self.config, self.parameters.clone(), self.normalizer.clone())
+    }
+
+    fn networks(&self) -> Networks {
+        let (observations, actions) = (self.observation_names.len(), self.action_names.len());
+        Networks {
+            policy: Mlp::new(observations, &self.config.policy_hidden, actions),
+            value: Mlp::new(observations, &self.config.value_hidden, 1),
+        }
+    }
+
+    /// The contents of the file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer(vec![0; HEADER]);
+        out.json(&self.config);
+        out.u64(self.seed);
+        out.u64(self.updates);
+        out.f64s(&[self.wall_s, self.learning_rate]);
+        out.json(&self.observation_names);
+        out.json(&self.action_names);
+        out.f32s(&self.parameters);
+        out.f32s(&self.optimizer.mean);
+        out.f32s(&self.optimizer.square);
+        out.u64(self.optimizer.steps);
+        let (limit, std_floor, count, mean, m2) = self.normalizer.parts();
+        out.f64s(&[limit.into(), std_floor, count]);
+        out.f64s(mean);
+        out.f64s(m2);
+        out.f32s(&self.observation);
+        out.bytes(&self.env_state);
+        let mut bytes = out.0;
+        let payload = &bytes[HEADER..];
+        let (length, checksum) = (payload.len() as u64, crc32c(payload));
+        bytes[..8].copy_from_slice(MAGIC);
+        bytes[8..12].copy_from_slice(&VERSION.to_le_bytes());
+        bytes[12..20].copy_from_slice(&length.to_le_bytes());
+        bytes[20..24].copy_from_slice(&checksum.to_le_bytes());
+        bytes
+    }
+
+    /// Reads what [`Checkpoint::to_bytes`] wrote; refuses anything else with the reason.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        if !bytes.starts_with(MAGIC) {
+            return Err(CheckpointError::Magic);
+        }
+        if bytes.len() < HEADER {
+            return Err(CheckpointError::Length { got: bytes.len() as u64, expected: HEADER as u64 });
+        }
+        let mut header = Reader(&bytes[8..HEADER]);
+        let (version, length, expected) = (header.u32()?, header.u64()?, header.u32()?);
+        if version != VERSION {
+            return Err(CheckpointError::Version { found: version });
+        }
+        let payload = &bytes[HEADER..];
+        if payload.len() as u64 != length {
+            let expected = length.saturating_add(HEADER as u64);
+            return Err(CheckpointError::Length { got: bytes.len() as u64, expected });
+        }
+        let got = crc32c(payload);
+        if got != expected {
+            return Err(CheckpointError::Checksum { got, expected });
+        }
+        let checkpoint = Self::from_payload(Reader(payload))?;
+        checkpoint.check()?;
+        Ok(checkpoint)
+    }
+
+    fn from_payload(mut payload: Reader<'_>) -> Result<Self, CheckpointError> {
+        let config: PpoConfig = payload.json()?;
+        let (seed, updates) = (payload.u64()?, payload.u64()?);
+        let [wall_s, learning_rate] = payload.f64_array()?;
+        let (observation_names, action_names) = (payload.json()?, payload.json()?);
+        let parameters = payload.f32s()?;
+        let optimizer = Optimizer { mean: payload.f32s()?, square: payload.f32s()?, steps: payload.u64()? };
+        let [limit, std_floor, count] = payload.f64_array()?;
+        let (mean, m2) = (payload.f64s()?, payload.f64s()?);
+        let normalizer = Normalizer::from_parts(limit as f32, std_floor, count, mean, m2);
+        let (observation, env_state) = (payload.f32s()?, payload.bytes()?.to_vec());
+        Ok(Self {
+            config,
+            seed,
+            updates,
+            wall_s,
+            learning_rate,
+            observation_names,
+            action_names,
+            parameters,
+            optimizer,
+            normalizer,
+            observation,
+            env_state,
+        })
+    }
+
+    /// Refuses sizes that do not fit together, so that nothing later can run out of bounds.
+    fn check(&self) -> Result<(), CheckpointError> {
+        let inconsistent = |reason| Err(CheckpointError::Inconsistent { reason });
+        if let Err(error) = self.config.validate() {
+            return inconsistent(error.to_string());
+        }
+        let (observations, parameters) = (self.observation_names.len(), self.networks().len());
+        for (what, got, expected) in [
+            ("parameters", self.parameters.len(), parameters),
+            ("means of the gradient", self.optimizer.mean.len(), parameters),
+            ("squares of the gradient", self.optimizer.square.len(), parameters),
+            ("means of the observations", self.normalizer.size(), observations),
+            ("deviations of the observations", self.normalizer.parts().4.len(), observations),
+            ("current observations", self.observation.len(), observations * self.config.num_envs),
+        ] {
+            if got != expected {
+                return inconsistent(format!("it holds {got} {what}, but should hold {expected}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the file: under another name first, then, once it is safely on disk, under its own.
+    pub fn write(&self, path: &Path) -> Result<(), CheckpointError> {
+        Ok(write_atomically(path, &self.to_bytes())?)
+    }
+
+    /// Reads a file.
+    pub fn read(path: &Path) -> Result<Self, CheckpointError> {
+        let bytes = std::fs::read(path).map_err(|source| IoError::new("read", path, source))?;
+        Self::from_bytes(&bytes)
+    }
+}
+
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn u64(&mut self, x: u64) {
+        self.0.extend(x.to_le_bytes());
+    }
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.u64(bytes.len() as u64);
+        self.0.extend(bytes);
+    }
+    fn f32s(&mut self, xs: &[f32]) {
+        self.u64(xs.len() as u64);
+        xs.iter().for_each(|x| self.0.extend(x.to_le_bytes()));
+    }
+    fn f64s(&mut self, xs: &[f64]) {
+        self.u64(xs.len() as u64);
+        xs.iter().for_each(|x| self.0.extend(x.to_le_bytes()));
+    }
+    fn json(&mut self, value: &impl serde::Serialize) {
+        self.bytes(serde_json::to_string(value).expect("plain data always has a JSON form").as_bytes());
+    }
+}
+
+struct Reader<'a>(&'a [u8]);
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, n: usize) -> Result<&'a [u8], CheckpointError> {
+        let Some((head, tail)) = self.0.split_at_checked(n) else {
+            return Err(CheckpointError::Inconsistent { reason: "a list is longer than the file".into() });
+        };
+        self.0 = tail;
+        Ok(head)
+    }
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
+        let mut out = [0; N];
+        out.copy_from_slice(self.take(N)?);
+        Ok(out)
+    }
+    fn u32(&mut self) -> Result<u32, CheckpointError> {
+        Ok(u32::from_le_bytes(self.array()?))
+    }
+    fn u64(&mut self) -> Result<u64, CheckpointError> {
+        Ok(u64::from_le_bytes(self.array()?))
+    }
+    /// A list of `count` entries of `N` bytes.
+    fn list<const N: usize>(&mut self) -> Result<impl Iterator<Item = [u8; N]> + use<'a, N>, CheckpointError> {
+        let count = usize::try_from(self.u64()?).unwrap_or(usize::MAX);
+        Ok(self.take(count.saturating_mul(N))?.as_chunks().0.iter().copied())
+    }
+    fn bytes(&mut self) -> Result<&'a [u8], CheckpointError> {
+        let count = usize::try_from(self.u64()?).unwrap_or(usize::MAX);
+        self.take(count)
+    }
+    fn f32s(&mut self) -> Result<Vec<f32>, CheckpointError> {
+        Ok(self.list()?.map(f32::from_le_bytes).collect())
+    }
+    fn f64s(&mut self) -> Result<Vec<f64>, CheckpointError> {
+        Ok(self.list()?.map(f64::from_le_bytes).collect())
+    }
+    fn f64_array<const N: usize>(&mut self) -> Result<[f64; N], CheckpointError> {
+        let list = self.f64s()?;
+        let n = list.len();
+        list.try_into().map_err(|_| CheckpointError::Inconsistent { reason: format!("{n} numbers in place of {N}") })
+    }
+    fn json<T: serde::de::DeserializeOwned>(&mut self) -> Result<T, CheckpointError> {
+        serde_json::from_slice(self.bytes()?)
+            .map_err(|error| CheckpointError::Inconsistent { reason: error.to_string() })
+    }
+}

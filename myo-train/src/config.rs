@@ -1,0 +1,220 @@
+//! Every hyperparameter of the learner, in one place.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Settings of PPO. The defaults train the built-in arm to point on two processor cores.
+///
+/// One "control step" is one action of one environment; times and rates refer to control steps unless said otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PpoConfig {
+    /// Environments stepped side by side (default 1,024). More of them give steadier gradients per update and need
+    /// more control steps in all.
+    pub num_envs: usize,
+    /// Control steps of every environment between two updates (default 16). Longer roll-outs lean less on the value
+    /// network, and update less often.
+    pub steps_per_update: usize,
+    /// Passes over the collected samples in one update (default 4). More learn more from the same samples, until
+    /// the policy has moved too far from the one that collected them.
+    pub epochs: usize,
+    /// Gradient steps per pass (default 4); each sees an equal share of the samples.
+    pub minibatches: usize,
+    /// Widths of the hidden layers of the policy (default 128, 128).
+    pub policy_hidden: Vec<usize>,
+    /// Widths of the hidden layers of the value network (default 128, 128).
+    pub value_hidden: Vec<usize>,
+
+    /// Discount per control step, in [0, 1) (default 0.97: at 20 Hz a reward counts half after 1.1 s). Lower learns
+    /// sooner, higher plans further.
+    pub gamma: f64,
+    /// Decay of the advantage estimate, in [0, 1] (default 0.95). 0 trusts the value network alone, 1 the returns alone.
+    pub gae_lambda: f64,
+    /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2).
+    pub clip: f64,
+    /// Weight of the policy's entropy, summed over actions, in nats (default 0.002). Higher keeps exploring longer.
+    pub entropy_coefficient: f64,
+    /// Weight of the mean squared error of the value network (default 0.5).
+    pub value_coefficient: f64,
+    /// Rewards are multiplied by this before learning (default 1); metrics show them unscaled.
+    pub reward_scale: f64,
+
+    /// Step size of Adam at the start (default 1e-3); then controlled by the divergence of the policy.
+    pub learning_rate: f64,
+    /// The step size never falls below this (default 1e-5).
+    pub learning_rate_min: f64,
+    /// The step size never rises above this (default 3e-3).
+    pub learning_rate_max: f64,
+    /// Divergence from the collecting policy that one update should reach, mean over its last pass, in nats (default
+    /// 0.012). 0 keeps the step size fixed. Larger moves faster and may collapse: 0.03 failed on the built-in arm.
+    pub kl_target: f64,
+    /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
+    /// below `kl_target / kl_tolerance` (default 1.5).
+    pub kl_factor: f64,
+    /// See [`PpoConfig::kl_factor`] (default 1.5).
+    pub kl_tolerance: f64,
+    /// Decay of Adam's mean gradient per gradient step (default 0.9).
+    pub adam_beta1: f64,
+    /// Decay of Adam's mean squared gradient per gradient step (default 0.999).
+    pub adam_beta2: f64,
+    /// Added to the root of the mean squared gradient (default 1e-5); keeps steps small where gradients are tiny.
+    pub adam_epsilon: f64,
+    /// Longer gradients, over all parameters together, are shortened to this length (default 1).
+    pub gradient_norm_max: f64,
+
+    /// Logarithm of the standard deviation of the policy at the start, in units of the policy's output (default -0.7,
+    /// that is 0.5). One learned number per action, the same in every state.
+    pub log_std_initial: f64,
+    /// The logarithm of the standard deviation never falls below this (default -3).
+    pub log_std_min: f64,
+    /// The logarithm of the standard deviation never rises above this (default 0.5).
+    pub log_std_max: f64,
+    /// The environment gets `clip(action_offset + action_scale * a, -1, 1)` for the policy's output `a` (default -0.5).
+    /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.35 a, 0, 1)`: a new policy
+    /// holds them at a quarter, rather than at half strength against each other.
+    pub action_offset: f64,
+    /// See [`PpoConfig::action_offset`] (default 0.7).
+    pub action_scale: f64,
+
+    /// Normalised observations are held within plus or minus this many standard deviations (default 5).
+    pub observation_clip: f64,
+    /// Least standard deviation of an observation, relative to the larger of 1 and its mean's size (default 0.05); see
+    /// [`Normalizer`](crate::Normalizer).
+    pub observation_std_floor: f64,
+}
+
+impl Default for PpoConfig {
+    fn default() -> Self {
+        Self {
+            num_envs: 1024,
+            steps_per_update: 16,
+            epochs: 4,
+            minibatches: 4,
+            policy_hidden: vec![128, 128],
+            value_hidden: vec![128, 128],
+            gamma: 0.97,
+            gae_lambda: 0.95,
+            clip: 0.2,
+            entropy_coefficient: 0.002,
+            value_coefficient: 0.5,
+            reward_scale: 1.0,
+            learning_rate: 1e-3,
+            learning_rate_min: 1e-5,
+            learning_rate_max: 3e-3,
+            kl_target: 0.012,
+            kl_factor: 1.5,
+            kl_tolerance: 1.5,
+            adam_beta1: 0.9,
+            adam_beta2: 0.999,
+            adam_epsilon: 1e-5,
+            gradient_norm_max: 1.0,
+            log_std_initial: -0.7,
+            log_std_min: -3.0,
+            log_std_max: 0.5,
+            action_offset: -0.5,
+            action_scale: 0.7,
+            observation_clip: 5.0,
+            observation_std_floor: 0.05,
+        }
+    }
+}
+
+/// A hyperparameter outside its range.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{name} is {value}; it must be {range}")]
+pub struct ConfigError {
+    /// Field of [`PpoConfig`].
+    pub name: &'static str,
+    /// Its value.
+    pub value: String,
+    /// What is allowed.
+    pub range: &'static str,
+}
+
+impl PpoConfig {
+    /// Samples of one update.
+    pub fn batch_size(&self) -> usize {
+        self.num_envs * self.steps_per_update
+    }
+
+    /// Refuses values with which training cannot work.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        let check = |ok: bool, name, value: &dyn std::fmt::Debug, range| {
+            if ok { Ok(()) } else { Err(ConfigError { name, value: format!("{value:?}"), range }) }
+        };
+        for (name, value) in [
+            ("num_envs", self.num_envs),
+            ("steps_per_update", self.steps_per_update),
+            ("epochs", self.epochs),
+            ("minibatches", self.minibatches),
+        ] {
+            check(value >= 1, name, &value, "at least 1")?;
+        }
+        check(self.batch_size() <= 1 << 30, "num_envs", &self.num_envs, "such that a batch has at most 2^30 samples")?;
+        check(
+            self.minibatches <= self.batch_size(),
+            "minibatches",
+            &self.minibatches,
+            "at most the samples of a batch",
+        )?;
+        for (name, widths) in [("policy_hidden", &self.policy_hidden), ("value_hidden", &self.value_hidden)] {
+            check(widths.iter().all(|&w| (1..=8192).contains(&w)), name, widths, "a list of widths from 1 to 8192")?;
+        }
+        for (name, value) in [("gamma", self.gamma), ("adam_beta1", self.adam_beta1), ("adam_beta2", self.adam_beta2)] {
+            check((0.0..1.0).contains(&value), name, &value, "at least 0 and less than 1")?;
+        }
+        check((0.0..=1.0).contains(&self.gae_lambda), "gae_lambda", &self.gae_lambda, "from 0 to 1")?;
+        for (name, value) in [
+            ("entropy_coefficient", self.entropy_coefficient),
+            ("value_coefficient", self.value_coefficient),
+            ("kl_target", self.kl_target),
+        ] {
+            check(value >= 0.0 && value.is_finite(), name, &value, "finite and not negative")?;
+        }
+        for (name, value) in [
+            ("clip", self.clip),
+            ("reward_scale", self.reward_scale),
+            ("learning_rate_min", self.learning_rate_min),
+            ("adam_epsilon", self.adam_epsilon),
+            ("gradient_norm_max", self.gradient_norm_max),
+            ("action_scale", self.action_scale),
+            ("observation_clip", self.observation_clip),
+            ("observation_std_floor", self.observation_std_floor),
+        ] {
+            check(value > 0.0 && value.is_finite(), name, &value, "finite and greater than 0")?;
+        }
+        for (name, value) in [("kl_factor", self.kl_factor), ("kl_tolerance", self.kl_tolerance)] {
+            check(value >= 1.0 && value.is_finite(), name, &value, "finite and at least 1")?;
+        }
+        let rates = self.learning_rate_min..=self.learning_rate_max;
+        let range = "between learning_rate_min and learning_rate_max";
+        check(rates.contains(&self.learning_rate), "learning_rate", &self.learning_rate, range)?;
+        let log_std = self.log_std_min..=self.log_std_max;
+        let range = "between log_std_min and log_std_max";
+        check(log_std.contains(&self.log_std_initial), "log_std_initial", &self.log_std_initial, range)?;
+        check(self.log_std_min >= -20.0, "log_std_min", &self.log_std_min, "at least -20")?;
+        check(self.log_std_max <= 20.0, "log_std_max", &self.log_std_max, "at most 20")?;
+        check(self.action_offset.is_finite(), "action_offset", &self.action_offset, "finite")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_missing_keys_take_them() {
+        PpoConfig::default().validate().unwrap();
+        let config: PpoConfig = serde_json::from_str(r#"{"gamma": 0.9}"#).unwrap();
+        assert_eq!(config, PpoConfig { gamma: 0.9, ..PpoConfig::default() });
+    }
+
+    #[test]
+    fn a_bad_value_is_named_with_its_range() {
+        let config = PpoConfig { gamma: 1.0, ..PpoConfig::default() };
+        assert_eq!(config.validate().unwrap_err().to_string(), "gamma is 1.0; it must be at least 0 and less than 1");
+        let config = PpoConfig { clip: f64::NAN, ..PpoConfig::default() };
+        assert_eq!(config.validate().unwrap_err().to_string(), "clip is NaN; it must be finite and greater than 0");
+        assert!(serde_json::from_str::<PpoConfig>(r#"{"gama": 0.9}"#).unwrap_err().to_string().contains("gama"));
+    }
+}

@@ -1,0 +1,254 @@
+//! Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347): one roll-out, one update, again.
+
+use std::time::Instant;
+
+use myo_env::{Autoreset, EnvSpec, VectorEnv};
+
+use crate::checkpoint::Checkpoint;
+use crate::gae::explained_variance;
+use crate::learn::{LearnStats, Learner, Optimizer};
+use crate::metrics::UpdateMetrics;
+use crate::networks::{ChunkWork, Lender, Networks};
+use crate::normalizer::{Moments, Normalizer};
+use crate::policy::check_names;
+use crate::rollout::{Actor, Rollout};
+use crate::{Policy, PpoConfig, TrainError};
+
+/// Trains a policy in an environment.
+///
+/// The weights after a number of updates depend on the configuration, the seed and the environment alone, bit for bit on
+/// one kind of processor: not on the number of threads, nor on whether training was stopped and resumed in between. Work
+/// runs on the calling thread's rayon pool.
+pub struct Trainer {
+    env: Box<dyn VectorEnv>,
+    spec: EnvSpec,
+    config: PpoConfig,
+    seed: u64,
+    networks: Networks,
+    parameters: Vec<f32>,
+    optimizer: Optimizer,
+    normalizer: Normalizer,
+    learning_rate: f64,
+    updates: u64,
+    wall_s: f64,
+    /// Current raw observations, `(envs, observations)`.
+    observation: Vec<f32>,
+    rollout: Rollout,
+    learner: Learner,
+    lender: Lender<ChunkWork>,
+}
+
+impl Trainer {
+    /// A new policy; resets the environment with `seed`.
+    pub fn new(mut env: Box<dyn VectorEnv>, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
+        let spec = check_env(env.as_ref(), &config)?;
+        let mut observation = vec![0.0; spec.num_envs * spec.observation_size()];
+        env.reset(Some(seed), None, &mut observation)?;
+        let networks = Networks::new(&spec, &config);
+        let mut trainer = Self {
+            parameters: networks.initialize(seed, &config),
+            optimizer: Optimizer { mean: vec![0.0; networks.len()], square: vec![0.0; networks.len()], steps: 0 },
+            normalizer: Normalizer::new(spec.observation_size(), config.observation_clip, config.observation_std_floor),
+            learning_rate: config.learning_rate,
+            updates: 0,
+            wall_s: 0.0,
+            observation,
+            rollout: Rollout::new(&spec, &config),
+            learner: Learner::new(&networks, &config),
+            lender: Lender::new(),
+            env,
+            spec,
+            config,
+            seed,
+            networks,
+        };
+        // The first roll-out is scaled by the first observations, so that the networks never see raw ones.
+        let mut moments = Moments::new(trainer.spec.observation_size());
+        trainer.normalizer.measure(&trainer.observation, &mut moments);
+        if let Some(index) = moments.non_finite() {
+            let what = format!("observation \"{}\"", trainer.spec.observation_names[index]);
+            return Err(TrainError::NonFiniteEnv { what, update: 0 });
+        }
+        trainer.normalizer.merge(&moments);
+        Ok(trainer)
+    }
+
+    /// Collects `num_envs * steps_per_update` samples and learns from them.
+    ///
+    /// After an error the trainer is of no more use; resume from a checkpoint.
+    pub fn update(&mut self) -> Result<UpdateMetrics, TrainError> {
+        let start = Instant::now();
+        let actor = Actor {
+            networks: &self.networks,
+            parameters: &self.parameters,
+            normalizer: &self.normalizer,
+            lender: &self.lender,
+            config: &self.config,
+            seed: self.seed,
+        };
+        let first_step = self.updates * self.config.steps_per_update as u64;
+        self.rollout.collect(self.env.as_mut(), &actor, first_step, &mut self.observation)?;
+        let collect_s = start.elapsed().as_secs_f64();
+        self.rollout.estimate(&actor);
+
+        let learn = self.learner.learn(
+            &self.networks,
+            &self.rollout,
+            &self.config,
+            (self.seed, self.updates),
+            self.learning_rate,
+            &self.lender,
+            &mut self.parameters,
+            &mut self.optimizer,
+        )?;
+        let learning_rate = self.learning_rate;
+        self.learning_rate = adapted_rate(learning_rate, learn.kl, &self.config);
+        // Only now, so that one update sees one scaling.
+        self.normalizer.merge(&self.rollout.moments);
+        self.updates += 1;
+        let total_s = start.elapsed().as_secs_f64();
+        self.wall_s += total_s;
+        Ok(self.metrics(learn, learning_rate, collect_s, total_s - collect_s))
+    }
+
+    fn metrics(&self, learn: LearnStats, learning_rate: f64, collect_s: f64, learn_s: f64) -> UpdateMetrics {
+        let (rollout, spread) = (&self.rollout, self.networks.spread(&self.parameters));
+        let samples = rollout.reward.len();
+        let reward_sum: f64 = rollout.reward.iter().map(|&r| f64::from(r)).sum();
+        UpdateMetrics {
+            env_steps: self.env_steps(),
+            updates: self.updates,
+            wall_s: self.wall_s,
+            collect_s,
+            learn_s,
+            episodes: rollout.episodes.count,
+            episode_means: self.spec.episode_names.iter().cloned().zip(rollout.episodes.means()).collect(),
+            reward_per_step: reward_sum / samples as f64 / self.config.reward_scale,
+            learn,
+            explained_variance: explained_variance(&rollout.value[..samples], &rollout.target),
+            entropy: spread.entropy.into(),
+            action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64,
+            learning_rate,
+        }
+    }
+
+    /// Control steps of all environments since the start.
+    pub fn env_steps(&self) -> u64 {
+        self.updates * self.config.batch_size() as u64
+    }
+
+    /// Updates since the start.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// The environment's sizes and names.
+    pub fn spec(&self) -> &EnvSpec {
+        &self.spec
+    }
+
+    /// The settings.
+    pub fn config(&self) -> &PpoConfig {
+        &self.config
+    }
+
+    /// The seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// A copy of the policy as it is now.
+    pub fn policy(&self) -> Policy {
+        let names = (&self.spec.observation_names[..], &self.spec.action_names[..]);
+        Policy::new(names, self.networks.clone(), &self.config, self.parameters.clone(), self.normalizer.clone())
+    }
+
+    /// Everything that the next updates depend on.
+    pub fn save(&self) -> Checkpoint {
+        Checkpoint {
+            config: self.config.clone(),
+            seed: self.seed,
+            updates: self.updates,
+            wall_s: self.wall_s,
+            learning_rate: self.learning_rate,
+            observation_names: self.spec.observation_names.clone(),
+            action_names: self.spec.action_names.clone(),
+            parameters: self.parameters.clone(),
+            optimizer: self.optimizer.clone(),
+            normalizer: self.normalizer.clone(),
+            observation: self.observation.clone(),
+            env_state: self.env.save_state(),
+        }
+    }
+
+    /// Continues from a checkpoint in an environment of the same kind and size, bit for bit.
+    pub fn restore(env: Box<dyn VectorEnv>, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
+        let config = checkpoint.config.clone();
+        let mut trainer = {
+            let spec = check_env(env.as_ref(), &config)?;
+            check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
+            check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
+            Self::new(env, config, checkpoint.seed)?
+        };
+        trainer.env.load_state(&checkpoint.env_state)?;
+        trainer.updates = checkpoint.updates;
+        trainer.wall_s = checkpoint.wall_s;
+        trainer.learning_rate = checkpoint.learning_rate;
+        trainer.parameters.clone_from(&checkpoint.parameters);
+        trainer.optimizer.clone_from(&checkpoint.optimizer);
+        trainer.normalizer.clone_from(&checkpoint.normalizer);
+        trainer.observation.clone_from(&checkpoint.observation);
+        Ok(trainer)
+    }
+}
+
+/// Refuses settings out of range and environments that do not fit them.
+fn check_env(env: &dyn VectorEnv, config: &PpoConfig) -> Result<EnvSpec, TrainError> {
+    config.validate()?;
+    let spec = env.spec().clone();
+    let mismatch = |what, got: String, expected: String| Err(TrainError::Mismatch { what, got, expected });
+    if spec.num_envs != config.num_envs {
+        return mismatch("the number of environments", spec.num_envs.to_string(), config.num_envs.to_string());
+    }
+    if spec.autoreset != Autoreset::SameStep {
+        return mismatch("the autoreset mode", format!("{:?}", spec.autoreset), "SameStep".into());
+    }
+    for (what, size) in
+        [("the number of observations", spec.observation_size()), ("the number of actions", spec.action_size())]
+    {
+        if size == 0 {
+            return mismatch(what, "0".into(), "at least 1".into());
+        }
+    }
+    Ok(spec)
+}
+
+/// Learning rate for the next update: lower when the policy moved too far, higher when it hardly moved.
+fn adapted_rate(rate: f64, kl: f64, config: &PpoConfig) -> f64 {
+    let rate = if config.kl_target == 0.0 {
+        rate
+    } else if kl > config.kl_target * config.kl_tolerance {
+        rate / config.kl_factor
+    } else if kl < config.kl_target / config.kl_tolerance {
+        rate * config.kl_factor
+    } else {
+        rate
+    };
+    rate.clamp(config.learning_rate_min, config.learning_rate_max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn learning_rate_follows_the_divergence_within_its_bounds() {
+        let config = PpoConfig::default();
+        assert_eq!(adapted_rate(1e-3, 0.1, &config), 1e-3 / 1.5);
+        assert_eq!(adapted_rate(1e-3, 0.001, &config), 1.5e-3);
+        assert_eq!(adapted_rate(1e-3, 0.012, &config), 1e-3);
+        assert_eq!(adapted_rate(1e-5, 0.1, &config), 1e-5);
+        assert_eq!(adapted_rate(3e-3, 0.0, &config), 3e-3);
+        assert_eq!(adapted_rate(1e-3, 0.1, &PpoConfig { kl_target: 0.0, ..config }), 1e-3);
+    }
+}
