@@ -13,6 +13,7 @@
 //!
 //! This crate knows no state and no equation of motion, no task, and no file beyond the text handed to it.
 mod builtin;
+mod check;
 mod compile;
 pub mod description;
 mod error;

@@ -67,6 +67,15 @@ fn a_file_without_content_is_refused() {
 }
 
 #[test]
+fn a_file_cut_off_anywhere_never_panics() {
+    for end in (0..ARM.len()).step_by(61) {
+        if let Ok(description) = ModelDescription::from_yaml(&ARM[..end], "arm.yaml") {
+            let _ = Model::new(&description);
+        }
+    }
+}
+
+#[test]
 fn unknown_names_come_with_the_nearest_valid_ones() {
     let unknown = builtin("mobl_arm").unwrap_err().to_string();
     assert_eq!(unknown, "there is no built-in model `mobl_arm`; did you mean `mobl-arms` or `mobl-arms-uitb`?");
