@@ -223,7 +223,7 @@ impl Rollout {
 }
 
 /// Values of normalised observations. Chunks of samples in parallel.
-fn evaluate(actor: &Actor<'_>, observation: &[f32], value: &mut [f32]) {
+pub fn evaluate(actor: &Actor<'_>, observation: &[f32], value: &mut [f32]) {
     let width = actor.networks.value.inputs();
     let parameters = &actor.parameters[actor.networks.value_range()];
     observation.par_chunks(CHUNK_ROWS * width).zip(value.par_chunks_mut(CHUNK_ROWS)).for_each(|(x, value)| {

@@ -11,8 +11,22 @@ use crate::metrics::UpdateMetrics;
 use crate::networks::{ChunkWork, Lender, Networks};
 use crate::normalizer::{Moments, Normalizer};
 use crate::policy::check_names;
-use crate::rollout::{Actor, Rollout};
+use crate::rollout::{Actor, Rollout, evaluate};
 use crate::{Policy, PpoConfig, TrainError};
+
+/// Borrows what acting needs, field by field, so that the rest of the trainer stays free.
+macro_rules! actor {
+    ($trainer:expr) => {
+        Actor {
+            networks: &$trainer.networks,
+            parameters: &$trainer.parameters,
+            normalizer: &$trainer.normalizer,
+            lender: &$trainer.lender,
+            config: &$trainer.config,
+            seed: $trainer.seed,
+        }
+    };
+}
 
 /// Trains a policy in an environment.
 ///
@@ -78,14 +92,7 @@ impl Trainer {
     /// After an error the trainer is of no more use; resume from a checkpoint.
     pub fn update(&mut self) -> Result<UpdateMetrics, TrainError> {
         let start = Instant::now();
-        let actor = Actor {
-            networks: &self.networks,
-            parameters: &self.parameters,
-            normalizer: &self.normalizer,
-            lender: &self.lender,
-            config: &self.config,
-            seed: self.seed,
-        };
+        let actor = actor!(self);
         let first_step = self.updates * self.config.steps_per_update as u64;
         self.rollout.collect(self.env.as_mut(), &actor, first_step, &mut self.observation)?;
         let collect_s = start.elapsed().as_secs_f64();
@@ -161,6 +168,13 @@ impl Trainer {
     pub fn policy(&self) -> Policy {
         let names = (&self.spec.observation_names[..], &self.spec.action_names[..]);
         Policy::new(names, self.networks.clone(), &self.config, self.parameters.clone(), self.normalizer.clone())
+    }
+
+    /// What the value network thinks of raw observations, `(rows, observations)`: scaled, discounted future reward.
+    pub fn values(&self, observation: &[f32], value_out: &mut [f32]) {
+        let mut x = vec![0.0; observation.len()];
+        self.normalizer.apply(observation, &mut x);
+        evaluate(&actor!(self), &x, value_out);
     }
 
     /// Everything that the next updates depend on.

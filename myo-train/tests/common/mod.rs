@@ -1,0 +1,235 @@
+//! Environments small enough to know the answer.
+#![allow(dead_code)]
+
+use myo_env::{Autoreset, EnvError, EnvSpec, StepBuffers, VectorEnv};
+
+/// Length of an episode of [`Points`] in control steps.
+pub const TIME_LIMIT: usize = 60;
+
+/// A point moves at the commanded velocity and shall reach two targets, one after the other.
+pub struct Points {
+    spec: EnvSpec,
+    worlds: Vec<World>,
+}
+
+#[derive(Clone, Default)]
+struct World {
+    position: [f32; 2],
+    targets: [[f32; 2]; 2],
+    done: usize,
+    times: [f32; 2],
+    steps: usize,
+    total: f32,
+    random: u64,
+}
+
+fn names(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&n| n.into()).collect()
+}
+
+impl Points {
+    pub fn new(num_envs: usize) -> Self {
+        let spec = EnvSpec {
+            num_envs,
+            observation_names: names(&["x", "y", "to_target_x", "to_target_y", "done", "constant"]),
+            action_names: names(&["v_x", "v_y"]),
+            episode_names: names(&[
+                "return",
+                "length",
+                "success",
+                "targets_done",
+                "final_distance",
+                "effort",
+                "target_1_success",
+                "target_1_time",
+                "target_2_success",
+                "target_2_time",
+            ]),
+            control_dt: 0.05,
+            max_episode_steps: TIME_LIMIT,
+            autoreset: Autoreset::SameStep,
+        };
+        Self { spec, worlds: vec![World::default(); num_envs] }
+    }
+}
+
+impl World {
+    /// Uniform in [-1, 1]; a plain linear congruence is enough for a toy.
+    fn uniform(&mut self) -> f32 {
+        self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.random >> 40) as f32 / 8_388_608.0 - 1.0
+    }
+
+    fn restart(&mut self) {
+        let random = self.random;
+        *self = Self { random, times: [f32::NAN; 2], ..Self::default() };
+        self.position = [self.uniform(), self.uniform()];
+        self.targets = [[self.uniform(), self.uniform()], [self.uniform(), self.uniform()]];
+    }
+
+    fn to_target(&self) -> [f32; 2] {
+        let target = self.targets[self.done.min(1)];
+        [target[0] - self.position[0], target[1] - self.position[1]]
+    }
+
+    fn distance(&self) -> f32 {
+        let [x, y] = self.to_target();
+        x.hypot(y)
+    }
+
+    fn observe(&self, out: &mut [f32]) {
+        let [x, y] = self.to_target();
+        out.copy_from_slice(&[self.position[0], self.position[1], x, y, self.done as f32, 0.3]);
+    }
+
+    fn numbers(&mut self) -> Vec<&mut f32> {
+        let Self { position, targets, times, total, .. } = self;
+        position.iter_mut().chain(targets.as_flattened_mut()).chain(times).chain([total]).collect()
+    }
+}
+
+impl VectorEnv for Points {
+    fn spec(&self) -> &EnvSpec {
+        &self.spec
+    }
+
+    fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
+        for (i, (world, out)) in self.worlds.iter_mut().zip(observation.chunks_mut(6)).enumerate() {
+            if mask.is_none_or(|mask| mask[i]) {
+                if let Some(seed) = seed {
+                    world.random = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (i as u64) << 20;
+                    (0..4).for_each(|_| drop(world.uniform()));
+                }
+                world.restart();
+            }
+            world.observe(out);
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
+        for (i, world) in self.worlds.iter_mut().enumerate() {
+            let action = &actions[2 * i..2 * i + 2];
+            assert!(action.iter().all(|a| a.abs() <= 1.0), "actions lie in [-1, 1]");
+            world.position[0] += 0.15 * action[0];
+            world.position[1] += 0.15 * action[1];
+            world.steps += 1;
+            out.reward[i] = -world.distance();
+            if world.distance() < 0.15 {
+                world.times[world.done] = world.steps as f32 * 0.05;
+                world.done += 1;
+                out.reward[i] += 2.0;
+            }
+            world.total += out.reward[i];
+            out.terminated[i] = world.done == 2;
+            out.truncated[i] = world.done < 2 && world.steps == TIME_LIMIT;
+            if out.terminated[i] || out.truncated[i] {
+                world.observe(&mut out.final_observation[6 * i..][..6]);
+                let reached = |target: usize| f32::from(world.done > target);
+                out.episode[10 * i..][..10].copy_from_slice(&[
+                    world.total,
+                    world.steps as f32,
+                    reached(1),
+                    world.done as f32,
+                    world.distance(),
+                    0.5,
+                    reached(0),
+                    world.times[0],
+                    reached(1),
+                    world.times[1],
+                ]);
+                world.restart();
+            }
+            world.observe(&mut out.observation[6 * i..][..6]);
+        }
+        Ok(())
+    }
+
+    fn save_state(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for world in &self.worlds {
+            world.clone().numbers().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+            [world.done as u64, world.steps as u64, world.random].iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+        }
+        bytes
+    }
+
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        let size = 4 * 9 + 8 * 3;
+        if state.len() != size * self.worlds.len() {
+            return Err(EnvError::BadState { reason: "wrong size".into() });
+        }
+        for (world, bytes) in self.worlds.iter_mut().zip(state.chunks(size)) {
+            let (floats, words) = bytes.split_at(4 * 9);
+            for (x, bytes) in world.numbers().into_iter().zip(floats.as_chunks().0) {
+                *x = f32::from_le_bytes(*bytes);
+            }
+            let words: Vec<u64> = words.as_chunks().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
+            (world.done, world.steps, world.random) = (words[0] as usize, words[1] as usize, words[2]);
+        }
+        Ok(())
+    }
+}
+
+/// Reward 1 in every step; ends by the time limit alone, or by the task alone.
+pub struct Constant {
+    spec: EnvSpec,
+    steps: Vec<usize>,
+    terminates: bool,
+    /// Reward that is returned.
+    pub reward: f32,
+}
+
+impl Constant {
+    pub fn new(num_envs: usize, length: usize, terminates: bool) -> Self {
+        let spec = EnvSpec {
+            num_envs,
+            observation_names: names(&["one", "last"]),
+            action_names: names(&["nothing"]),
+            episode_names: names(&["return"]),
+            control_dt: 0.05,
+            max_episode_steps: length,
+            autoreset: Autoreset::SameStep,
+        };
+        Self { spec, steps: vec![0; num_envs], terminates, reward: 1.0 }
+    }
+}
+
+impl VectorEnv for Constant {
+    fn spec(&self) -> &EnvSpec {
+        &self.spec
+    }
+
+    fn reset(&mut self, _: Option<u64>, _: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
+        // Staggered, so that episodes end in every roll-out.
+        let length = self.spec.max_episode_steps;
+        self.steps.iter_mut().enumerate().for_each(|(i, s)| *s = i % length);
+        observation.chunks_mut(2).for_each(|o| o.copy_from_slice(&[1.0, 0.0]));
+        Ok(())
+    }
+
+    fn step(&mut self, _: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
+        for (i, steps) in self.steps.iter_mut().enumerate() {
+            *steps += 1;
+            let end = *steps == self.spec.max_episode_steps;
+            out.reward[i] = self.reward;
+            out.observation[2 * i..][..2].copy_from_slice(&[1.0, 0.0]);
+            (out.terminated[i], out.truncated[i]) = (end && self.terminates, end && !self.terminates);
+            if end {
+                out.final_observation[2 * i..][..2].copy_from_slice(&[1.0, 0.0]);
+                out.episode[i] = *steps as f32 * self.reward;
+                *steps = 0;
+            }
+        }
+        Ok(())
+    }
+
+    fn save_state(&self) -> Vec<u8> {
+        self.steps.iter().map(|&s| s as u8).collect()
+    }
+
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        self.steps.iter_mut().zip(state).for_each(|(s, &b)| *s = b.into());
+        Ok(())
+    }
+}

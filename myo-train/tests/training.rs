@@ -1,0 +1,150 @@
+//! Properties of whole training runs on toy environments.
+
+mod common;
+
+use common::{Constant, Points};
+use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer};
+
+/// Settings for [`Points`] that need a second or two.
+fn config() -> PpoConfig {
+    PpoConfig {
+        num_envs: 256,
+        policy_hidden: vec![32, 32],
+        value_hidden: vec![32, 32],
+        action_offset: 0.0,
+        action_scale: 1.0,
+        gamma: 0.95,
+        ..PpoConfig::default()
+    }
+}
+
+fn trainer(seed: u64) -> Trainer {
+    Trainer::new(Box::new(Points::new(256)), config(), seed).unwrap()
+}
+
+fn with_threads<T: Send>(threads: usize, body: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(body)
+}
+
+/// The bytes of a checkpoint without the wall time, which no two runs share.
+fn bits(trainer: &Trainer) -> Vec<u8> {
+    let mut checkpoint = trainer.save();
+    checkpoint.forget_wall_time();
+    checkpoint.to_bytes()
+}
+
+#[test]
+fn ppo_learns_to_reach_two_targets() {
+    let mut trainer = trainer(1);
+    let first = trainer.update().unwrap();
+    assert!(first.learn.kl.abs() < 0.1);
+    let mut success = 0.0;
+    for _ in 0..150 {
+        let metrics = trainer.update().unwrap();
+        success = metrics.episode_mean("success").unwrap_or(success);
+        if success > 0.97 && metrics.explained_variance > 0.5 {
+            return;
+        }
+    }
+    panic!("success is only {success} after {} steps", trainer.env_steps());
+}
+
+#[test]
+fn training_gives_the_same_bits_at_any_thread_count() {
+    let run = || {
+        let mut trainer = trainer(3);
+        (0..4).for_each(|_| drop(trainer.update().unwrap()));
+        bits(&trainer)
+    };
+    let one = with_threads(1, run);
+    assert!(one == with_threads(2, run), "2 threads differ from 1");
+    assert!(one == with_threads(5, run), "5 threads differ from 1");
+}
+
+#[test]
+fn a_resumed_run_gives_the_same_bits_as_one_left_alone() {
+    let mut whole = trainer(4);
+    (0..3).for_each(|_| drop(whole.update().unwrap()));
+    let saved = whole.save().to_bytes();
+    (0..3).for_each(|_| drop(whole.update().unwrap()));
+
+    let checkpoint = Checkpoint::from_bytes(&saved).unwrap();
+    let mut resumed = Trainer::restore(Box::new(Points::new(256)), &checkpoint).unwrap();
+    assert_eq!(resumed.updates(), 3);
+    (0..3).for_each(|_| drop(resumed.update().unwrap()));
+    assert!(bits(&whole) == bits(&resumed), "the resumed run differs");
+}
+
+#[test]
+fn another_seed_gives_another_run() {
+    let run = |seed| {
+        let mut trainer = trainer(seed);
+        trainer.update().unwrap();
+        trainer.policy()
+    };
+    let act = |mut policy: myo_train::Policy| {
+        let mut action = [0.0; 2];
+        policy.act_deterministic(&[0.1, 0.2, 0.3, 0.4, 0.0, 0.3], &mut action);
+        action
+    };
+    assert_ne!(act(run(1)), act(run(2)));
+}
+
+/// Trains only the value network on reward 1 per step and returns the value of the one observation there is.
+fn learned_value(terminates: bool, gamma: f64) -> f64 {
+    let config = PpoConfig {
+        num_envs: 64,
+        value_hidden: vec![16],
+        policy_hidden: vec![4],
+        gamma,
+        learning_rate: 3e-3,
+        kl_target: 0.0,
+        gradient_norm_max: 100.0,
+        ..PpoConfig::default()
+    };
+    let mut trainer = Trainer::new(Box::new(Constant::new(64, 5, terminates)), config, 1).unwrap();
+    (0..400).for_each(|_| drop(trainer.update().unwrap()));
+    let mut value = [0.0];
+    trainer.values(&[1.0, 0.0], &mut value);
+    value[0].into()
+}
+
+#[test]
+fn the_time_limit_does_not_end_the_future() {
+    let value = learned_value(false, 0.9);
+    assert!((value - 10.0).abs() < 0.2, "the value of 1 per step for ever is 1 / (1 - 0.9) = 10, not {value}");
+}
+
+#[test]
+fn the_end_of_the_task_ends_the_future() {
+    let value = learned_value(true, 0.9);
+    // Steps 1 to 5 of an episode look the same: the mean of (1 - 0.9^n) / 0.1 over n = 1..5.
+    let expected = (1..=5).map(|n| (1.0 - 0.9_f64.powi(n)) / 0.1).sum::<f64>() / 5.0;
+    assert!((value - expected).abs() < 0.4, "{value}, not {expected}");
+}
+
+#[test]
+fn numbers_that_are_not_finite_stop_the_training_with_a_reason() {
+    let config = PpoConfig { num_envs: 8, ..PpoConfig::default() };
+    let mut env = Constant::new(8, 5, false);
+    env.reward = f32::NAN;
+    let mut trainer = Trainer::new(Box::new(env), config.clone(), 1).unwrap();
+    let error = trainer.update().unwrap_err();
+    assert_eq!(error.to_string(), "the environment returned a NaN or infinite reward in update 0");
+
+    let mut env = Constant::new(8, 5, false);
+    env.reward = 3e38;
+    let mut trainer = Trainer::new(Box::new(env), config, 1).unwrap();
+    let error = (0..3).find_map(|_| trainer.update().err()).expect("the sum of such rewards overflows");
+    assert!(matches!(error, TrainError::Diverged { .. }), "{error}");
+    assert!(error.to_string().contains("lower learning_rate"), "{error}");
+}
+
+#[test]
+fn an_environment_that_does_not_fit_is_refused() {
+    let error = |env: Points| Trainer::new(Box::new(env), config(), 1).err().unwrap().to_string();
+    assert_eq!(error(Points::new(8)), "the environment does not fit: the number of environments is 8, expected 256");
+    let checkpoint = trainer(1).save();
+    let error = Trainer::restore(Box::new(Constant::new(256, 5, true)), &checkpoint).err().unwrap().to_string();
+    assert!(error.contains("list of observations is 2 long with \"one\" at place 0"), "{error}");
+}
