@@ -1,1 +1,14 @@
-//! Placeholder.
+//! Rigid-body dynamics of muscle-driven models.
+mod batch;
+mod impedance;
+mod obstacles;
+pub mod plan;
+mod polynomial;
+pub mod spatial;
+pub mod step;
+mod workspace;
+
+pub use batch::Batch;
+pub use obstacles::{Obstacles, StaticBox, Surface};
+pub use plan::{Coupling, Plan, PlanError};
+pub use workspace::{State, Workspace};

@@ -12,7 +12,7 @@ pub trait Real: Copy + Default + Debug + PartialEq + Send + Sync + 'static {
 }
 
 /// The outcome of a comparison, one truth value per lane.
-pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// True or false everywhere.
     fn splat(value: bool) -> Self;
     /// Whether some lane is true. Generic code may use it only to skip work that no lane would select;

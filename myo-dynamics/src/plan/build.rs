@@ -1,0 +1,403 @@
+//! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
+
+use super::{
+    Body, ContactSphere, Coupling, CurvedJoint, Dof, Drive, Equality, Form, Limit, Link, LinkMotion, Placement, Plan,
+    PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
+};
+use crate::impedance::Impedance;
+use myo_model::Model;
+use myo_model::description::{JointKind, Shape};
+use myo_muscle::Muscle;
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
+use std::collections::BTreeSet;
+
+/// A rotation closer to none than this is none: products of unit quaternions leave rounding behind.
+const PARALLEL: f64 = 1e-14;
+
+impl Plan<f64> {
+    /// Compiles a model without any shortcut: the reference that everything else is compared with.
+    pub fn exact(model: &Model, coupling: Coupling) -> Result<Self, PlanError> {
+        check_geoms(model)?;
+        let drives = drives(model, coupling);
+        let tree = Tree::new(model, &drives);
+        let tendons = tendons(model, &tree)?;
+        let bodies = tree.bodies(model);
+        let sphere = model.geoms.first().map(|geom| contact_sphere(model, &tree, geom));
+        let fingertip = tree.site(model, model.fingertip_site);
+        let h = model.options.timestep;
+        let mut plan = Plan {
+            timestep: h,
+            implicit_damping: model.options.implicit_joint_damping,
+            gravity: model.options.gravity,
+            dofs: dofs(model, &drives),
+            screws: tree.screws,
+            links: tree.links,
+            bodies,
+            sets: vec![],
+            mass_terms: vec![],
+            projections: vec![],
+            curved_joints: curved_joints(model, &drives),
+            energy_profiles: vec![],
+            tendons,
+            muscles: vec![],
+            limits: limits(model, &drives),
+            equalities: if coupling == Coupling::Soft { equalities(model) } else { vec![] },
+            fingertip,
+            contact_sphere: sphere,
+            joints: drives,
+        };
+        plan.connect();
+        plan.muscles = model.muscles.iter().map(|m| Muscle::new(&m.parameters, 1.0)).collect();
+        let reference = match coupling {
+            Coupling::Soft => reference_pose::measure(&plan)?,
+            Coupling::Reduced => reference_pose::measure(&Plan::exact(model, Coupling::Soft)?)?,
+        };
+        plan.muscles =
+            model.muscles.iter().zip(&reference.acc0).map(|(m, &acc0)| Muscle::new(&m.parameters, acc0)).collect();
+        plan.weigh_constraints(model, &reference);
+        Ok(plan)
+    }
+
+    /// Recomputes which links move together.
+    pub(super) fn connect(&mut self) {
+        let mut used: BTreeSet<usize> = self.bodies.iter().map(|b| b.link).collect();
+        used.extend(self.tendons.pairs.iter().flat_map(|pair| [pair.a, pair.b]));
+        used.extend(self.contact_sphere.iter().map(|sphere| sphere.centre.link));
+        used.remove(&0);
+        sets::connect(self, &used);
+    }
+
+    fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) {
+        let joints = model.joints.iter().enumerate().filter(|(_, joint)| joint.range.is_some());
+        for (limit, (index, _)) in self.limits.iter_mut().zip(joints) {
+            limit.diagonal = reference.joint_inverse_inertia[index];
+        }
+        for (equality, coupling) in self.equalities.iter_mut().zip(&model.couplings) {
+            let of = |joint: usize| reference.joint_inverse_inertia[joint];
+            equality.diagonal = of(coupling.dependent) + coupling.independent.map_or(0.0, of);
+        }
+        if let Some(sphere) = &mut self.contact_sphere {
+            sphere.diagonal = reference.sphere_inverse_mass;
+        }
+    }
+}
+
+fn check_geoms(model: &Model) -> Result<(), PlanError> {
+    if let Some(second) = model.geoms.get(1) {
+        return Err(PlanError::TooManyGeoms { name: second.name.clone() });
+    }
+    match model.geoms.first() {
+        Some(geom) if !matches!(geom.shape, Shape::Sphere { .. }) => {
+            Err(PlanError::NotASphere { name: geom.name.clone() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Position of every joint as a function of the generalised coordinates.
+fn drives(model: &Model, coupling: Coupling) -> Vec<Drive<f64>> {
+    let coupled = |joint: usize| match coupling {
+        Coupling::Reduced => model.couplings.iter().find(|c| c.dependent == joint),
+        Coupling::Soft => None,
+    };
+    let mut dof_of_joint = vec![None; model.joints.len()];
+    let mut count = 0;
+    for (joint, dof) in dof_of_joint.iter_mut().enumerate() {
+        if coupled(joint).is_none() {
+            *dof = Some(count);
+            count += 1;
+        }
+    }
+    (0..model.joints.len())
+        .map(|joint| match coupled(joint) {
+            None => drive(dof_of_joint[joint], [0.0, 1.0, 0.0, 0.0, 0.0]),
+            Some(c) => drive(c.independent.and_then(|leader| dof_of_joint[leader]), c.polycoef),
+        })
+        .collect()
+}
+
+fn drive(dof: Option<usize>, poly: [f64; 5]) -> Drive<f64> {
+    let form = match poly {
+        [0.0, 1.0, 0.0, 0.0, 0.0] => Form::Identity,
+        [_, _, 0.0, 0.0, 0.0] => Form::Linear,
+        _ => Form::Curved,
+    };
+    Drive { dof, poly, form }
+}
+
+/// Generalised coordinates with the passive forces of all joints that follow them linearly.
+fn dofs(model: &Model, drives: &[Drive<f64>]) -> Vec<Dof<f64>> {
+    let leaders = model.joints.iter().zip(drives).filter(|(_, drive)| drive.form == Form::Identity);
+    let mut dofs: Vec<Dof<f64>> = leaders
+        .map(|(joint, _)| Dof {
+            name: joint.name.clone(),
+            range: joint.range,
+            stiffness: 0.0,
+            spring_torque: 0.0,
+            damping: 0.0,
+            armature: 0.0,
+        })
+        .collect();
+    for (joint, drive) in model.joints.iter().zip(drives).filter(|(_, drive)| drive.form != Form::Curved) {
+        let Some(dof) = drive.dof else { continue };
+        let [constant, slope, ..] = drive.poly;
+        let dof = &mut dofs[dof];
+        dof.stiffness += joint.stiffness * slope * slope;
+        dof.spring_torque += joint.stiffness * slope * (constant - joint.spring_ref);
+        dof.damping += joint.damping * slope * slope;
+        dof.armature += joint.armature * slope * slope;
+    }
+    dofs
+}
+
+fn curved_joints(model: &Model, drives: &[Drive<f64>]) -> Vec<CurvedJoint<f64>> {
+    let curved = model.joints.iter().zip(drives).filter(|(_, drive)| drive.form == Form::Curved && drive.dof.is_some());
+    curved
+        .map(|(joint, &drive)| CurvedJoint {
+            drive,
+            stiffness: joint.stiffness,
+            spring_ref: joint.spring_ref,
+            damping: joint.damping,
+            armature: joint.armature,
+        })
+        .collect()
+}
+
+fn limits(model: &Model, drives: &[Drive<f64>]) -> Vec<Limit<f64>> {
+    let limited = model.joints.iter().zip(drives).filter_map(|(joint, &drive)| Some((joint, drive, joint.range?)));
+    limited
+        .map(|(joint, drive, range)| Limit {
+            drive,
+            range,
+            impedance: Impedance::new(&joint.softness, model.options.timestep),
+            diagonal: 0.0,
+        })
+        .collect()
+}
+
+fn equalities(model: &Model) -> Vec<Equality<f64>> {
+    let row = |c: &myo_model::model::Coupling| Equality {
+        dependent: c.dependent,
+        drive: drive(c.independent, c.polycoef),
+        impedance: Impedance::new(&c.softness, model.options.timestep),
+        diagonal: 0.0,
+    };
+    model.couplings.iter().map(row).collect()
+}
+
+/// Links, and where every body of the model sits on them at joint position zero.
+struct Tree {
+    links: Vec<Link<f64>>,
+    screws: Vec<Screw>,
+    placement: Vec<(usize, Isometry3<f64>)>,
+}
+
+impl Tree {
+    fn new(model: &Model, drives: &[Drive<f64>]) -> Self {
+        let ndof = drives.iter().filter(|d| d.form == Form::Identity).count();
+        let world = Link {
+            parent: 0,
+            motion: LinkMotion::Fixed,
+            drive: Drive { dof: None, poly: [0.0; 5], form: Form::Linear },
+            screw_of_dof: vec![None; ndof],
+        };
+        // Everything is measured from the shoulder centre.
+        let origin =
+            Isometry3::from_parts(Translation3::from(-shoulder_in_zero_pose(model)), UnitQuaternion::identity());
+        let mut tree = Self { links: vec![world], screws: vec![], placement: vec![(0, origin)] };
+        for (index, body) in model.bodies.iter().enumerate().skip(1) {
+            let (mut link, parent) = tree.placement[body.parent];
+            let mut place = parent * Isometry3::from_parts(Translation3::from(body.pos), body.quat);
+            for (joint, &drive) in model.joints.iter().zip(drives).filter(|(joint, _)| joint.body == index) {
+                if drive.dof.is_some() {
+                    (link, place) = tree.add_link(joint, drive, link, place);
+                } else {
+                    place *= locked(joint, drive.poly[0]);
+                }
+            }
+            tree.placement.push((link, place));
+        }
+        tree.screws = assign_screws(&mut tree.links);
+        tree
+    }
+
+    /// Appends the link behind a joint; returns it with the body's place on it.
+    fn add_link(
+        &mut self,
+        joint: &myo_model::model::Joint,
+        drive: Drive<f64>,
+        parent: usize,
+        place: Isometry3<f64>,
+    ) -> (usize, Isometry3<f64>) {
+        let anchor = place * nalgebra::Point3::from(joint.pos);
+        let axes = frame_along(place.rotation * joint.axis);
+        let placement = Placement {
+            offset: anchor.coords.into(),
+            axes: axes.map(|r| {
+                [r.column(0).into_owned().into(), r.column(1).into_owned().into(), r.column(2).into_owned().into()]
+            }),
+        };
+        let motion = match joint.kind {
+            JointKind::Hinge => LinkMotion::Hinge(placement),
+            JointKind::Slide => LinkMotion::Slide(placement),
+        };
+        self.links.push(Link { parent, motion, drive, screw_of_dof: vec![] });
+        let turn = axes.map_or_else(UnitQuaternion::identity, |r| {
+            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r))
+        });
+        let frame = Isometry3::from_parts(Translation3::from(anchor.coords), turn);
+        (self.links.len() - 1, frame.inverse() * place)
+    }
+
+    fn point(&self, body: usize, position: Vector3<f64>) -> Point<f64> {
+        let (link, place) = self.placement[body];
+        Point { link, position: (place * nalgebra::Point3::from(position)).coords.into() }
+    }
+
+    fn site(&self, model: &Model, site: usize) -> Point<f64> {
+        self.point(model.sites[site].body, model.sites[site].pos)
+    }
+
+    /// Merges the bodies on each link into one.
+    fn bodies(&self, model: &Model) -> Vec<Body<f64>> {
+        (1..self.links.len()).filter_map(|link| self.merged_body(model, link)).collect()
+    }
+
+    fn merged_body(&self, model: &Model, link: usize) -> Option<Body<f64>> {
+        let members = || model.bodies.iter().zip(&self.placement).filter(|(_, (on, _))| *on == link);
+        let centre = |body: &myo_model::model::Body, place: &Isometry3<f64>| place * nalgebra::Point3::from(body.com);
+        let mass: f64 = members().map(|(body, _)| body.mass).sum();
+        let moment: Vector3<f64> = members().map(|(body, (_, place))| centre(body, place).coords * body.mass).sum();
+        let com = if mass > 0.0 { moment / mass } else { Vector3::zeros() };
+        let inertia: Matrix3<f64> = members()
+            .map(|(body, (_, place))| {
+                let r = place.rotation.to_rotation_matrix();
+                let d = centre(body, place).coords - com;
+                r * body.inertia * r.inverse()
+                    + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * body.mass
+            })
+            .sum();
+        (mass > 0.0 || inertia.norm() > 0.0).then(|| Body {
+            link,
+            mass,
+            com: com.into(),
+            inertia: [
+                inertia[(0, 0)],
+                inertia[(1, 1)],
+                inertia[(2, 2)],
+                inertia[(1, 2)],
+                inertia[(0, 2)],
+                inertia[(0, 1)],
+            ],
+        })
+    }
+}
+
+/// Gives every link its screw for every coordinate that moves it; returns the screws beyond one per link.
+pub(super) fn assign_screws(links: &mut [Link<f64>]) -> Vec<Screw> {
+    let mut further = vec![];
+    for index in 1..links.len() {
+        let Link { parent, drive, .. } = links[index];
+        let mut screws = links[parent].screw_of_dof.clone();
+        let dof = drive.dof.expect("links exist only for joints with a coordinate");
+        screws[dof] = Some(match screws[dof] {
+            None if drive.form == Form::Identity => index,
+            parent => {
+                further.push(Screw { parent, link: index });
+                links.len() + further.len() - 1
+            }
+        });
+        links[index].screw_of_dof = screws;
+    }
+    further
+}
+
+/// Body motion of a joint held at a constant position.
+fn locked(joint: &myo_model::model::Joint, position: f64) -> Isometry3<f64> {
+    match joint.kind {
+        JointKind::Slide => {
+            Isometry3::from_parts(Translation3::from(joint.axis * position), UnitQuaternion::identity())
+        }
+        JointKind::Hinge => {
+            let turn = UnitQuaternion::from_axis_angle(&Unit::new_normalize(joint.axis), position);
+            Isometry3::from_parts(Translation3::from(joint.pos - turn * joint.pos), turn)
+        }
+    }
+}
+
+/// Axes (columns) with z along `axis`, turned as little as possible; none if already there.
+fn frame_along(axis: Vector3<f64>) -> Option<Matrix3<f64>> {
+    let turn = Rotation3::rotation_between(&Vector3::z(), &axis)
+        .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    ((turn.matrix() - Matrix3::identity()).amax() > PARALLEL).then(|| *turn.matrix())
+}
+
+/// World position of the shoulder body with all joints at zero (m).
+fn shoulder_in_zero_pose(model: &Model) -> Vector3<f64> {
+    let mut place = Isometry3::identity();
+    let mut body = model.shoulder_body;
+    while body != 0 {
+        let b = &model.bodies[body];
+        place = Isometry3::from_parts(Translation3::from(b.pos), b.quat) * place;
+        body = b.parent;
+    }
+    place.translation.vector
+}
+
+fn contact_sphere(model: &Model, tree: &Tree, geom: &myo_model::model::Geom) -> ContactSphere<f64> {
+    let radius = match geom.shape {
+        Shape::Sphere { radius } => radius,
+        Shape::Box { .. } => unreachable!("boxes were refused by check_geoms"),
+    };
+    ContactSphere {
+        centre: tree.point(geom.body, geom.pos),
+        body_com: tree.point(geom.body, model.bodies[geom.body].com),
+        radius,
+        margin: geom.margin,
+        friction: geom.friction[0],
+        softness: geom.softness,
+        diagonal: 0.0,
+    }
+}
+
+/// All path segments as straight lines between two points; segments within one link are constant.
+fn tendons(model: &Model, tree: &Tree) -> Result<Tendons<f64>, PlanError> {
+    let mut out = Tendons {
+        constant: vec![0.0; model.muscles.len()],
+        points: vec![],
+        pairs: vec![],
+        hinge: vec![],
+        double_hinge: vec![],
+        profiles: vec![],
+    };
+    for (muscle, m) in model.muscles.iter().enumerate() {
+        for ends in m.path.windows(2) {
+            let [a, b] = [tree.site(model, ends[0]), tree.site(model, ends[1])];
+            if a.link == b.link {
+                out.constant[muscle] += (Vector3::from(b.position) - Vector3::from(a.position)).norm();
+            } else {
+                out.add_segment(muscle, a, b);
+            }
+        }
+    }
+    Ok(out)
+}
+
+impl Tendons<f64> {
+    /// Adds a straight segment; its points are shared with neighbours.
+    pub(super) fn add_segment(&mut self, muscle: usize, a: Point<f64>, b: Point<f64>) {
+        let (a, b) = if a.link <= b.link { (a, b) } else { (b, a) };
+        let segment = Segment { muscle, a: self.point(a), b: self.point(b) };
+        match self.pairs.iter_mut().find(|pair| (pair.a, pair.b) == (a.link, b.link)) {
+            Some(pair) => pair.segments.push(segment),
+            None => self.pairs.push(SegmentPair { a: a.link, b: b.link, segments: vec![segment] }),
+        }
+    }
+
+    fn point(&mut self, point: Point<f64>) -> usize {
+        self.points.iter().position(|p| *p == point).unwrap_or_else(|| {
+            self.points.push(point);
+            self.points.len() - 1
+        })
+    }
+}

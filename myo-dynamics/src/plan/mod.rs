@@ -1,0 +1,418 @@
+//! The plan: a model compiled into flat tables that one step walks from front to back.
+//!
+//! [`Plan::exact`] is the obvious compilation, every joint a link, every path segment two points. [`Plan::specialised`]
+//! trades tables for cheaper ones that compute the same (see `specialise.rs`); tests compare the two.
+
+mod build;
+mod cast;
+mod reference_pose;
+mod sets;
+mod specialise;
+
+use crate::impedance::Impedance;
+use crate::polynomial::{Domain, Polynomial};
+use myo_muscle::Muscle;
+
+/// What becomes of joint couplings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Coupling {
+    /// Compiled away: the generalised coordinates are the independent joints.
+    #[default]
+    Reduced,
+    /// Kept as MuJoCo's soft equality rows: the generalised coordinates are all joints.
+    Soft,
+}
+
+/// A compiled model. Constants in precision `C`; lengths m, angles rad, masses kg. All positions are relative to the
+/// origin O, the shoulder centre in the zero pose, in world axes unless a link's frame is named.
+#[derive(Clone, Debug)]
+pub struct Plan<C> {
+    /// Physics time step (s).
+    pub timestep: C,
+    /// Whether joint damping is integrated implicitly.
+    pub implicit_damping: bool,
+    /// Gravity in world axes (m/s^2).
+    pub gravity: [C; 3],
+    /// Generalised coordinates.
+    pub dofs: Vec<Dof<C>>,
+    /// Moving frames, parents first; entry 0 is the world.
+    pub links: Vec<Link<C>>,
+    /// Screws beyond the one of each link: number `links.len() + k`.
+    pub screws: Vec<Screw>,
+    /// Mass carried by links.
+    pub bodies: Vec<Body<C>>,
+    /// Sets of links that move together under some screw, smaller sets first.
+    pub sets: Vec<LinkSet>,
+    /// Terms of the mass matrix.
+    pub mass_terms: Vec<MassTerm>,
+    /// Which wrench does work on which screw.
+    pub projections: Vec<Projection>,
+    /// Joints whose coupling is not linear: their passive forces do not fold into [`Dof`].
+    pub curved_joints: Vec<CurvedJoint<C>>,
+    /// Kinetic and potential energy of links that move with one coordinate.
+    pub energy_profiles: Vec<EnergyProfile<C>>,
+    /// Muscles and their paths.
+    pub tendons: Tendons<C>,
+    /// Muscle curves.
+    pub muscles: Vec<Muscle<C>>,
+    /// Joint limits.
+    pub limits: Vec<Limit<C>>,
+    /// Couplings kept as constraints.
+    pub equalities: Vec<Equality<C>>,
+    /// The point that points and presses.
+    pub fingertip: Point<C>,
+    /// The colliding sphere at the fingertip, if the model has one.
+    pub contact_sphere: Option<ContactSphere<C>>,
+    /// Where each joint of the model finds its position.
+    pub joints: Vec<Drive<C>>,
+}
+
+/// A generalised coordinate and the passive forces that are linear in it:
+/// `tau = -(stiffness * q + spring_torque) - damping * qvel`.
+#[derive(Clone, Debug)]
+pub struct Dof<C> {
+    /// Name of the joint.
+    pub name: String,
+    /// Limits of the joint, if limited (rad).
+    pub range: Option<[C; 2]>,
+    /// Sum of springs (N m/rad).
+    pub stiffness: C,
+    /// Torque of the springs at zero (N m).
+    pub spring_torque: C,
+    /// Sum of dampers (N m s/rad).
+    pub damping: C,
+    /// Sum of armatures (kg m^2).
+    pub armature: C,
+}
+
+/// A joint position as a function of a generalised coordinate: `p(q)`, or constant without one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<C> {
+    /// The coordinate.
+    pub dof: Option<usize>,
+    /// Coefficients, constant first.
+    pub poly: [C; 5],
+    /// What the polynomial amounts to.
+    pub form: Form,
+}
+
+/// The simplest form of a polynomial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `q`.
+    Identity,
+    /// `c0 + c1 q`.
+    Linear,
+    /// Anything else.
+    Curved,
+}
+
+/// A moving frame.
+#[derive(Clone, Debug)]
+pub struct Link<C> {
+    /// The link it is attached to.
+    pub parent: usize,
+    /// How it moves.
+    pub motion: LinkMotion<C>,
+    /// Its joint position.
+    pub drive: Drive<C>,
+    /// Per coordinate: the screw that this link moves along when the coordinate changes.
+    pub screw_of_dof: Vec<Option<usize>>,
+}
+
+/// How a link moves against its parent.
+#[derive(Clone, Debug)]
+pub enum LinkMotion<C> {
+    /// It does not: the world.
+    Fixed,
+    /// It turns about its own z axis.
+    Hinge(Placement<C>),
+    /// It slides along its own z axis.
+    Slide(Placement<C>),
+    /// Its pose in the world is a function of one coordinate.
+    Profile(Box<PoseProfile<C>>),
+}
+
+/// Frame of a link at joint position zero, in its parent's frame.
+#[derive(Clone, Debug)]
+pub struct Placement<C> {
+    /// Origin.
+    pub offset: [C; 3],
+    /// Axes as columns; none if parallel to the parent's.
+    pub axes: Option<[[C; 3]; 3]>,
+}
+
+/// Pose, screw and rate of the screw as polynomials in one coordinate.
+#[derive(Clone, Debug)]
+pub struct PoseProfile<C> {
+    /// Interval of the coordinate.
+    pub domain: Domain<C>,
+    /// Axes as columns; none if they never turn.
+    pub axes: Option<[[Polynomial<C>; 3]; 3]>,
+    /// Origin.
+    pub position: [Polynomial<C>; 3],
+    /// Motion per unit of speed: angular, linear at O.
+    pub screw: [[Polynomial<C>; 3]; 2],
+    /// Its derivative with respect to the coordinate.
+    pub screw_rate: [[Polynomial<C>; 3]; 2],
+}
+
+/// The motion of further links when a coordinate drives several joints in a row: `parent + slope * screw of link`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Screw {
+    /// The screw of the coordinate before this joint.
+    pub parent: Option<usize>,
+    /// The joint that adds to it.
+    pub link: usize,
+}
+
+/// Mass carried by a link, in the link's frame.
+#[derive(Clone, Debug)]
+pub struct Body<C> {
+    /// The link.
+    pub link: usize,
+    /// Mass (kg).
+    pub mass: C,
+    /// Centre of mass (m).
+    pub com: [C; 3],
+    /// Inertia about it (kg m^2): xx, yy, zz, yz, xz, xy.
+    pub inertia: [C; 6],
+}
+
+/// Links that share a screw: their inertias and wrenches are summed once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinkSet {
+    /// Smaller sets that it contains.
+    pub sets: Vec<usize>,
+    /// Links in none of those.
+    pub links: Vec<usize>,
+}
+
+/// One column of products: `M[a, column] += screw_a . (I_set screw)`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MassTerm {
+    /// Whose inertia.
+    pub set: usize,
+    /// Screw that is accelerated.
+    pub screw: usize,
+    /// Its coordinate.
+    pub column: usize,
+    /// Screws and coordinates that feel it.
+    pub rows: Vec<(usize, usize)>,
+}
+
+/// `tau[dof] += screw . (wrench of set)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Projection {
+    /// The coordinate.
+    pub dof: usize,
+    /// Its screw.
+    pub screw: usize,
+    /// The links that move along it.
+    pub set: usize,
+}
+
+/// Passive forces of a joint with a curved coupling.
+#[derive(Clone, Debug)]
+pub struct CurvedJoint<C> {
+    /// Its position.
+    pub drive: Drive<C>,
+    /// Spring (N m/rad).
+    pub stiffness: C,
+    /// Its rest position.
+    pub spring_ref: C,
+    /// Damper.
+    pub damping: C,
+    /// Added inertia.
+    pub armature: C,
+}
+
+/// Links that move with one coordinate only, seen through their energy.
+#[derive(Clone, Debug)]
+pub struct EnergyProfile<C> {
+    /// The coordinate.
+    pub dof: usize,
+    /// Interval of the coordinate.
+    pub domain: Domain<C>,
+    /// Inertia felt by the coordinate.
+    pub inertia: Polynomial<C>,
+    /// Torque per squared speed: half the derivative of the inertia.
+    pub centrifugal: Polynomial<C>,
+    /// Torque that balances gravity.
+    pub weight: Polynomial<C>,
+}
+
+/// A point fixed to a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point<C> {
+    /// The link.
+    pub link: usize,
+    /// Position in its frame.
+    pub position: [C; 3],
+}
+
+/// Paths of all muscles, sorted by how a segment's length is computed.
+#[derive(Clone, Debug)]
+pub struct Tendons<C> {
+    /// Length that never changes, per muscle (m).
+    pub constant: Vec<C>,
+    /// Points that segments run through.
+    pub points: Vec<Point<C>>,
+    /// Straight segments, grouped by the links they join.
+    pub pairs: Vec<SegmentPair>,
+    /// Segments across one hinge.
+    pub hinge: Vec<HingeSegment<C>>,
+    /// Segments across two hinges in a row.
+    pub double_hinge: Vec<DoubleHingeSegment<C>>,
+    /// Segments whose length depends on one coordinate through several joints.
+    pub profiles: Vec<ProfileSegment<C>>,
+}
+
+/// Segments between two links.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SegmentPair {
+    /// Link of the first points.
+    pub a: usize,
+    /// Link of the second points.
+    pub b: usize,
+    /// The segments.
+    pub segments: Vec<Segment>,
+}
+
+/// A straight segment between two points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// The muscle.
+    pub muscle: usize,
+    /// First point.
+    pub a: usize,
+    /// Second point.
+    pub b: usize,
+}
+
+/// A segment across one hinge: its squared length is `c0 + c1 cos + c2 sin`, exactly.
+#[derive(Clone, Debug)]
+pub struct HingeSegment<C> {
+    /// The muscle.
+    pub muscle: usize,
+    /// The link behind the hinge.
+    pub link: usize,
+    /// Coefficients.
+    pub square: [C; 3],
+}
+
+/// A segment across two hinges in a row: its squared length is bilinear in (1, cos, sin) of both, exactly.
+#[derive(Clone, Debug)]
+pub struct DoubleHingeSegment<C> {
+    /// The muscle.
+    pub muscle: usize,
+    /// The links behind the two hinges.
+    pub links: [usize; 2],
+    /// Coefficients; rows for the first hinge.
+    pub square: [[C; 3]; 3],
+}
+
+/// A segment whose squared length is a polynomial in one coordinate.
+#[derive(Clone, Debug)]
+pub struct ProfileSegment<C> {
+    /// The muscle.
+    pub muscle: usize,
+    /// The coordinate.
+    pub dof: usize,
+    /// Interval of the coordinate.
+    pub domain: Domain<C>,
+    /// `dt / dq`.
+    pub slope: C,
+    /// Squared length (m^2).
+    pub square: Polynomial<C>,
+}
+
+/// A joint limit.
+#[derive(Clone, Debug)]
+pub struct Limit<C> {
+    /// The joint.
+    pub drive: Drive<C>,
+    /// Bounds (rad or m).
+    pub range: [C; 2],
+    /// Softness.
+    pub impedance: Impedance<C>,
+    /// Inverse inertia of the joint in the reference pose, of the model with all joints.
+    pub diagonal: C,
+}
+
+/// A coupling as a soft constraint: `q_dependent - p(q_independent) = 0`.
+#[derive(Clone, Debug)]
+pub struct Equality<C> {
+    /// The coordinate that follows.
+    pub dependent: usize,
+    /// What it follows.
+    pub drive: Drive<C>,
+    /// Softness.
+    pub impedance: Impedance<C>,
+    /// Inverse inertia of both joints in the reference pose.
+    pub diagonal: C,
+}
+
+/// The colliding sphere.
+#[derive(Clone, Debug)]
+pub struct ContactSphere<C> {
+    /// Its centre.
+    pub centre: Point<C>,
+    /// Centre of mass of the model's body that it is fixed to: where `diagonal` is measured.
+    pub body_com: Point<C>,
+    /// Its radius (m).
+    pub radius: C,
+    /// Its contact margin (m).
+    pub margin: f64,
+    /// Its sliding friction.
+    pub friction: f64,
+    /// Its softness.
+    pub softness: myo_model::description::Softness,
+    /// Inverse mass in the reference pose, of the model with all joints (1/kg).
+    pub diagonal: f64,
+}
+
+impl<C> Plan<C> {
+    /// Number of generalised coordinates.
+    pub fn ndof(&self) -> usize {
+        self.dofs.len()
+    }
+    /// Number of muscles.
+    pub fn nmuscle(&self) -> usize {
+        self.muscles.len()
+    }
+}
+
+/// Why a model cannot be simulated faithfully.
+#[derive(Debug, thiserror::Error, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// More than one collision shape.
+    #[error("geom '{name}': only one colliding sphere, at the fingertip, is simulated so far; remove this geom")]
+    TooManyGeoms {
+        /// The geom.
+        name: String,
+    },
+    /// A collision shape that is not a sphere.
+    #[error("geom '{name}' is a box; only a sphere can collide with the boxes of a task so far")]
+    NotASphere {
+        /// The geom.
+        name: String,
+    },
+    /// A path segment that can shrink to nothing has no direction.
+    #[error("muscle '{muscle}': via points '{a}' and '{b}' coincide, so the force between them has no direction")]
+    CoincidentPoints {
+        /// The muscle.
+        muscle: String,
+        /// First site.
+        a: String,
+        /// Second site.
+        b: String,
+    },
+    /// Inertia in the reference pose is singular.
+    #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]
+    Singular {
+        /// The joint.
+        joint: String,
+    },
+}

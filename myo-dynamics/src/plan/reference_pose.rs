@@ -1,0 +1,75 @@
+//! Inverse inertias in the reference pose (all joints at zero), which scale soft constraints and automatic muscle forces.
+//!
+//! MuJoCo's `dof_invweight0`, `body_invweight0` and `actuator_acc0`, of the model with all joints.
+
+use super::{Plan, PlanError};
+use crate::spatial::{Vec3, Wrench};
+use crate::step::{cholesky, force, inertia, kinematics, tendon};
+use crate::workspace::{State, Workspace};
+
+/// What is measured.
+pub(super) struct ReferencePose {
+    /// Diagonal of the inverse mass matrix, per joint.
+    pub joint_inverse_inertia: Vec<f64>,
+    /// Mean inverse mass of the body that carries the contact sphere (1/kg).
+    pub sphere_inverse_mass: f64,
+    /// Norm of the joint acceleration per newton, per muscle.
+    pub acc0: Vec<f64>,
+}
+
+/// Measures on an exact plan with all joints as coordinates.
+pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
+    let n = plan.ndof();
+    let (state, mut ws) = (State::<f64>::new(plan), Workspace::<f64>::new(plan));
+    kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
+    tendon::lengths(plan, &state.qpos, &state.qvel, &mut ws);
+    inertia::resist(plan, &mut ws);
+    inertia::mass_matrix(plan, &state, &mut ws);
+    if let Some(bad) = (0..n).find(|&k| ws.mass[k * n + k] <= 0.0) {
+        return Err(PlanError::Singular { joint: plan.dofs[bad].name.clone() });
+    }
+    ws.matrix.copy_from_slice(&ws.mass);
+    cholesky::factor(n, &mut ws.matrix, &mut ws.pivot);
+    if let Some(bad) = ws.pivot.iter().position(|p| !p.is_finite()) {
+        return Err(PlanError::Singular { joint: plan.dofs[bad].name.clone() });
+    }
+    let solve = |ws: &Workspace<f64>, mut b: Vec<f64>| {
+        cholesky::solve(n, &ws.matrix, &ws.pivot, &mut b);
+        b
+    };
+    let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
+    let joint_inverse_inertia = (0..n).map(|k| solve(&ws, unit(k))[k]).collect();
+    let acc0 = (0..plan.nmuscle())
+        .map(|muscle| solve(&ws, moment_arms(plan, muscle, &mut ws.clone())).iter().map(|a| a * a).sum::<f64>().sqrt())
+        .collect();
+    Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass: sphere_inverse_mass(plan, &ws, solve), acc0 })
+}
+
+/// Generalised force of one newton along a muscle: its moment arms (m).
+fn moment_arms(plan: &Plan<f64>, muscle: usize, ws: &mut Workspace<f64>) -> Vec<f64> {
+    ws.muscle_force.fill(0.0);
+    ws.muscle_force[muscle] = 1.0;
+    ws.torque.fill(0.0);
+    ws.wrench.fill(Wrench::zero());
+    ws.joint_torque.fill(0.0);
+    tendon::pull(plan, ws);
+    force::project(plan, ws);
+    ws.torque.clone()
+}
+
+fn sphere_inverse_mass(
+    plan: &Plan<f64>,
+    ws: &Workspace<f64>,
+    solve: impl Fn(&Workspace<f64>, Vec<f64>) -> Vec<f64>,
+) -> f64 {
+    let Some(sphere) = &plan.contact_sphere else { return 0.0 };
+    let at = ws.place(&sphere.body_com);
+    let screws = &plan.links[sphere.body_com.link].screw_of_dof;
+    let along = |direction: Vec3<f64>| {
+        let line = Wrench::at(at, direction);
+        let row: Vec<f64> = screws.iter().map(|s| s.map_or(0.0, |s| ws.screw[s].dot(line))).collect();
+        solve(ws, row.clone()).iter().zip(&row).map(|(a, b)| a * b).sum::<f64>()
+    };
+    let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+    axes.into_iter().map(along).sum::<f64>() / 3.0
+}

@@ -1,0 +1,341 @@
+//! Three-dimensional and spatial algebra over [`Scalar`].
+//!
+//! Spatial quantities (Featherstone 2008, doi 10.1007/978-1-4899-7560-7) are expressed in world axes about one fixed
+//! point O for the whole model, so they can be added without transformations.
+
+use myo_scalar::Scalar;
+use std::ops::{Add, AddAssign, Neg, Sub, SubAssign};
+
+/// A vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Vec3<S> {
+    /// First component.
+    pub x: S,
+    /// Second component.
+    pub y: S,
+    /// Third component.
+    pub z: S,
+}
+
+impl<S: Scalar> Vec3<S> {
+    /// From components.
+    #[inline(always)]
+    pub fn new(x: S, y: S, z: S) -> Self {
+        Self { x, y, z }
+    }
+    /// The zero vector.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self::new(S::zero(), S::zero(), S::zero())
+    }
+    /// The same constant in every lane.
+    #[inline(always)]
+    pub fn splat(c: [S::Const; 3]) -> Self {
+        Self::new(S::splat(c[0]), S::splat(c[1]), S::splat(c[2]))
+    }
+    /// Times a number.
+    #[inline(always)]
+    pub fn scale(self, s: S) -> Self {
+        Self::new(self.x * s, self.y * s, self.z * s)
+    }
+    /// `self * s + b`.
+    #[inline(always)]
+    pub fn mul_add(self, s: S, b: Self) -> Self {
+        Self::new(self.x.mul_add(s, b.x), self.y.mul_add(s, b.y), self.z.mul_add(s, b.z))
+    }
+    /// Scalar product.
+    #[inline(always)]
+    pub fn dot(self, b: Self) -> S {
+        self.x.mul_add(b.x, self.y.mul_add(b.y, self.z * b.z))
+    }
+    /// Vector product.
+    #[inline(always)]
+    pub fn cross(self, b: Self) -> Self {
+        Self::new(
+            self.y.mul_add(b.z, -(self.z * b.y)),
+            self.z.mul_add(b.x, -(self.x * b.z)),
+            self.x.mul_add(b.y, -(self.y * b.x)),
+        )
+    }
+    /// `a` where the mask is true, else `b`.
+    #[inline(always)]
+    pub fn select(mask: S::Mask, a: Self, b: Self) -> Self {
+        Self::new(S::select(mask, a.x, b.x), S::select(mask, a.y, b.y), S::select(mask, a.z, b.z))
+    }
+    /// Components as an array.
+    #[inline(always)]
+    pub fn array(self) -> [S; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl<S: Scalar> Add for Vec3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self::new(self.x + b.x, self.y + b.y, self.z + b.z)
+    }
+}
+impl<S: Scalar> Sub for Vec3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self::new(self.x - b.x, self.y - b.y, self.z - b.z)
+    }
+}
+impl<S: Scalar> Neg for Vec3<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y, -self.z)
+    }
+}
+
+/// A rotation by its columns: the axes of the rotated frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotation<S> {
+    /// Image of the x axis.
+    pub x: Vec3<S>,
+    /// Image of the y axis.
+    pub y: Vec3<S>,
+    /// Image of the z axis.
+    pub z: Vec3<S>,
+}
+
+impl<S: Scalar> Rotation<S> {
+    /// No rotation.
+    #[inline(always)]
+    pub fn identity() -> Self {
+        let (o, i) = (S::zero(), S::lit(1.0));
+        Self { x: Vec3::new(i, o, o), y: Vec3::new(o, i, o), z: Vec3::new(o, o, i) }
+    }
+    /// Rotates a vector.
+    #[inline(always)]
+    pub fn apply(&self, v: Vec3<S>) -> Vec3<S> {
+        self.x.mul_add(v.x, self.y.mul_add(v.y, self.z.scale(v.z)))
+    }
+    /// Rotates a vector back.
+    #[inline(always)]
+    pub fn apply_inverse(&self, v: Vec3<S>) -> Vec3<S> {
+        Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+    /// Product with a constant rotation given by columns.
+    #[inline(always)]
+    pub fn times(&self, c: &[[S::Const; 3]; 3]) -> Self {
+        Self { x: self.apply(Vec3::splat(c[0])), y: self.apply(Vec3::splat(c[1])), z: self.apply(Vec3::splat(c[2])) }
+    }
+    /// Product with a rotation about the own z axis.
+    #[inline(always)]
+    pub fn times_about_z(&self, sin: S, cos: S) -> Self {
+        Self { x: self.x.mul_add(cos, self.y.scale(sin)), y: self.y.mul_add(cos, self.x.scale(-sin)), z: self.z }
+    }
+}
+
+/// A spatial motion: angular part, and linear part of the point that passes through O.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<S> {
+    /// Angular part.
+    pub ang: Vec3<S>,
+    /// Linear part at O.
+    pub lin: Vec3<S>,
+}
+
+/// A spatial force: moment about O, and force.
+#[derive(Clone, Copy, Debug)]
+pub struct Wrench<S> {
+    /// Moment about O.
+    pub ang: Vec3<S>,
+    /// Force.
+    pub lin: Vec3<S>,
+}
+
+impl<S: Scalar> Motion<S> {
+    /// No motion.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { ang: Vec3::zero(), lin: Vec3::zero() }
+    }
+    /// `self * s + b`.
+    #[inline(always)]
+    pub fn mul_add(self, s: S, b: Self) -> Self {
+        Self { ang: self.ang.mul_add(s, b.ang), lin: self.lin.mul_add(s, b.lin) }
+    }
+    /// Times a number.
+    #[inline(always)]
+    pub fn scale(self, s: S) -> Self {
+        Self { ang: self.ang.scale(s), lin: self.lin.scale(s) }
+    }
+    /// Power of a wrench under this motion.
+    #[inline(always)]
+    pub fn dot(self, w: Wrench<S>) -> S {
+        self.ang.dot(w.ang) + self.lin.dot(w.lin)
+    }
+    /// Rate of change of a motion `m` that is carried along: `self x m`.
+    #[inline(always)]
+    pub fn cross(self, m: Self) -> Self {
+        Self { ang: self.ang.cross(m.ang), lin: self.ang.cross(m.lin) + self.lin.cross(m.ang) }
+    }
+    /// Velocity of the point at `p` (from O).
+    #[inline(always)]
+    pub fn at(self, p: Vec3<S>) -> Vec3<S> {
+        self.lin + self.ang.cross(p)
+    }
+}
+impl<S: Scalar> Sub for Motion<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self { ang: self.ang - b.ang, lin: self.lin - b.lin }
+    }
+}
+impl<S: Scalar> Add for Motion<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self { ang: self.ang + b.ang, lin: self.lin + b.lin }
+    }
+}
+
+impl<S: Scalar> Wrench<S> {
+    /// No force.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { ang: Vec3::zero(), lin: Vec3::zero() }
+    }
+    /// A force at a point (from O).
+    #[inline(always)]
+    pub fn at(p: Vec3<S>, force: Vec3<S>) -> Self {
+        Self { ang: p.cross(force), lin: force }
+    }
+    /// `self * s + b`.
+    #[inline(always)]
+    pub fn mul_add(self, s: S, b: Self) -> Self {
+        Self { ang: self.ang.mul_add(s, b.ang), lin: self.lin.mul_add(s, b.lin) }
+    }
+}
+impl<S: Scalar> Add for Wrench<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self { ang: self.ang + b.ang, lin: self.lin + b.lin }
+    }
+}
+impl<S: Scalar> Sub for Wrench<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self { ang: self.ang - b.ang, lin: self.lin - b.lin }
+    }
+}
+impl<S: Scalar> AddAssign for Wrench<S> {
+    #[inline(always)]
+    fn add_assign(&mut self, b: Self) {
+        *self = *self + b;
+    }
+}
+impl<S: Scalar> SubAssign for Wrench<S> {
+    #[inline(always)]
+    fn sub_assign(&mut self, b: Self) {
+        *self = *self - b;
+    }
+}
+
+/// A symmetric 3 x 3 matrix.
+#[derive(Clone, Copy, Debug)]
+pub struct Symmetric<S> {
+    /// Diagonal: xx, yy, zz.
+    pub diagonal: Vec3<S>,
+    /// Beside the diagonal: yz, xz, xy.
+    pub off: Vec3<S>,
+}
+
+impl<S: Scalar> Symmetric<S> {
+    /// Times a vector.
+    #[inline(always)]
+    pub fn apply(&self, v: Vec3<S>) -> Vec3<S> {
+        let (d, o) = (self.diagonal, self.off);
+        Vec3::new(
+            d.x.mul_add(v.x, o.z.mul_add(v.y, o.y * v.z)),
+            o.z.mul_add(v.x, d.y.mul_add(v.y, o.x * v.z)),
+            o.y.mul_add(v.x, o.x.mul_add(v.y, d.z * v.z)),
+        )
+    }
+    /// `R self R^T`: the same tensor in the axes that `R` rotates into.
+    #[inline(always)]
+    pub fn rotated(&self, r: &Rotation<S>) -> Self {
+        // Columns of R * self.
+        let (d, o) = (self.diagonal, self.off);
+        let a = r.apply(Vec3::new(d.x, o.z, o.y));
+        let b = r.apply(Vec3::new(o.z, d.y, o.x));
+        let c = r.apply(Vec3::new(o.y, o.x, d.z));
+        let entry = |ai: S, bi: S, ci: S, rx: S, ry: S, rz: S| ai.mul_add(rx, bi.mul_add(ry, ci * rz));
+        Self {
+            diagonal: Vec3::new(
+                entry(a.x, b.x, c.x, r.x.x, r.y.x, r.z.x),
+                entry(a.y, b.y, c.y, r.x.y, r.y.y, r.z.y),
+                entry(a.z, b.z, c.z, r.x.z, r.y.z, r.z.z),
+            ),
+            off: Vec3::new(
+                entry(a.y, b.y, c.y, r.x.z, r.y.z, r.z.z),
+                entry(a.x, b.x, c.x, r.x.z, r.y.z, r.z.z),
+                entry(a.x, b.x, c.x, r.x.y, r.y.y, r.z.y),
+            ),
+        }
+    }
+}
+
+/// Spatial inertia about O: mass, first moment of mass, second moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Inertia<S> {
+    /// Mass (kg).
+    pub mass: S,
+    /// Mass times centre of mass (kg m).
+    pub first: Vec3<S>,
+    /// Rotational inertia about O (kg m^2).
+    pub second: Symmetric<S>,
+}
+
+impl<S: Scalar> Inertia<S> {
+    /// Of a body with centre of mass `c` (from O) and inertia `about_com` in world axes.
+    #[inline(always)]
+    pub fn new(mass: S, c: Vec3<S>, about_com: Symmetric<S>) -> Self {
+        let first = c.scale(mass);
+        // Parallel axes: I + m (c.c 1 - c c^T)
+        let square = Vec3::new(first.x * c.x, first.y * c.y, first.z * c.z);
+        let (d, o) = (about_com.diagonal, about_com.off);
+        Self {
+            mass,
+            first,
+            second: Symmetric {
+                diagonal: Vec3::new(d.x + square.y + square.z, d.y + square.x + square.z, d.z + square.x + square.y),
+                off: Vec3::new(
+                    (-first.y).mul_add(c.z, o.x),
+                    (-first.x).mul_add(c.z, o.y),
+                    (-first.x).mul_add(c.y, o.z),
+                ),
+            },
+        }
+    }
+    /// The wrench that gives this body a spatial acceleration: `I m`.
+    #[inline(always)]
+    pub fn apply(&self, m: Motion<S>) -> Wrench<S> {
+        Wrench {
+            ang: self.second.apply(m.ang) + self.first.cross(m.lin),
+            lin: m.lin.scale(self.mass) - self.first.cross(m.ang),
+        }
+    }
+}
+impl<S: Scalar> Add for Inertia<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self {
+            mass: self.mass + b.mass,
+            first: self.first + b.first,
+            second: Symmetric {
+                diagonal: self.second.diagonal + b.second.diagonal,
+                off: self.second.off + b.second.off,
+            },
+        }
+    }
+}

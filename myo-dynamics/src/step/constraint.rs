@@ -1,0 +1,153 @@
+//! Soft constraints: limits, contact and couplings, solved together.
+//!
+//! MuJoCo's convex problem `min 1/2 |a - a_0|_M^2 + sum_i D_i/2 min(0, J_i a - aref_i)^2` (equality rows without the
+//! minimum) is quadratic for a given set of pushing rows, so a primal active-set method solves it: assume the rows, solve
+//! `(M + J^T D J) a = tau + J^T D aref`, look which rows push, repeat. It settles in one or two rounds; the number of
+//! rounds is fixed in advance and skipped only where no lane would change.
+
+use crate::plan::Plan;
+use crate::step::{cholesky, kinematics::joint_state};
+use crate::workspace::{PYRAMID, Row, State, Workspace};
+use myo_scalar::{Mask, Real, Scalar};
+
+/// Rounds after which the set of pushing rows is taken as it is.
+pub const MAX_ROUNDS: usize = 8;
+
+/// Fills the limit rows.
+#[inline(always)]
+pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    for (k, limit) in plan.limits.iter().enumerate() {
+        let joint = joint_state(&limit.drive, &state.qpos, &state.qvel);
+        let [lo, hi] = limit.range.map(S::splat);
+        // Only the nearer bound can be violated.
+        let (above, below) = (joint.position - lo, hi - joint.position);
+        let lower = above.lt(below);
+        let distance = above.min(below);
+        let sign = S::select(lower, S::lit(1.0), S::lit(-1.0));
+        let (weight, reference) = limit.impedance.row(distance, sign * joint.rate, S::splat(limit.diagonal));
+        let exists = distance.lt(S::zero());
+        ws.limit[k] = Row { exists, active: exists, weight, reference, slope: sign * joint.slope };
+    }
+}
+
+/// Fills the rows of couplings that are kept as constraints.
+#[inline(always)]
+pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    let n = plan.ndof();
+    ws.equality_jacobian.fill(S::zero());
+    for (k, equality) in plan.equalities.iter().enumerate() {
+        let leader = joint_state(&equality.drive, &state.qpos, &state.qvel);
+        let row = &mut ws.equality_jacobian[k * n..(k + 1) * n];
+        row[equality.dependent] = S::lit(1.0);
+        if let Some(dof) = equality.drive.dof {
+            row[dof] -= leader.slope;
+        }
+        let violation = state.qpos[equality.dependent] - leader.position;
+        let velocity = state.qvel[equality.dependent] - leader.rate;
+        let (weight, reference) = equality.impedance.row(violation, velocity, S::splat(equality.diagonal));
+        let always = S::Mask::splat(true);
+        ws.equality[k] = Row { exists: always, active: always, weight, reference, slope: S::lit(1.0) };
+    }
+}
+
+/// Solves for `qacc`; fills the contact's force.
+#[inline(always)]
+pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    let limited = ws.limit.iter().fold(S::Mask::splat(false), |any, row| any | row.exists).any();
+    let touching = ws.contact.exists.any();
+    ws.rounds = 0;
+    loop {
+        assemble(plan, ws, limited, touching);
+        cholesky::factor(plan.ndof(), &mut ws.matrix, &mut ws.pivot);
+        cholesky::solve(plan.ndof(), &ws.matrix, &ws.pivot, &mut ws.qacc);
+        ws.rounds += 1;
+        if !(limited || touching) || !update(plan, ws, touching).any() || ws.rounds == MAX_ROUNDS {
+            break;
+        }
+    }
+    if touching {
+        contact_force(plan, ws);
+    }
+}
+
+/// `matrix = M + h B + J^T D J` and `qacc = tau + J^T D aref` over the rows that push.
+#[inline(always)]
+fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, limited: bool, touching: bool) {
+    let n = plan.ndof();
+    ws.matrix.copy_from_slice(&ws.mass);
+    ws.qacc.copy_from_slice(&ws.torque);
+    if plan.implicit_damping {
+        for (k, dof) in plan.dofs.iter().enumerate() {
+            ws.matrix[k * n + k] += S::lit(plan.timestep.to_f64() * dof.damping.to_f64());
+        }
+    }
+    if limited {
+        for (row, limit) in ws.limit.iter().zip(&plan.limits) {
+            let Some(dof) = limit.drive.dof else { continue };
+            let pull = (row.weight * row.slope).only(row.active);
+            ws.matrix[dof * n + dof] += pull * row.slope;
+            ws.qacc[dof] += pull * row.reference;
+        }
+    }
+    if touching {
+        for (row, jacobian) in ws.contact.rows.iter().zip(ws.contact_jacobian.chunks_exact(n)) {
+            add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+        }
+    }
+    for (row, jacobian) in ws.equality.iter().zip(ws.equality_jacobian.chunks_exact(n)) {
+        add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+    }
+}
+
+#[inline(always)]
+fn add_row<S: Scalar>(n: usize, row: &Row<S>, jacobian: &[S], matrix: &mut [S], right: &mut [S]) {
+    let weight = row.weight.only(row.active);
+    for i in 0..n {
+        let scaled = weight * jacobian[i];
+        right[i] = scaled.mul_add(row.reference, right[i]);
+        for j in 0..=i {
+            matrix[i * n + j] = scaled.mul_add(jacobian[j], matrix[i * n + j]);
+        }
+    }
+}
+
+/// Looks which rows push at the new acceleration; returns where the set changed.
+#[inline(always)]
+fn update<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: bool) -> S::Mask {
+    let mut changed = S::Mask::splat(false);
+    let mut judge = |row: &mut Row<S>, acceleration: S| {
+        let active = row.exists & acceleration.lt(row.reference);
+        changed = changed | (active & !row.active) | (row.active & !active);
+        row.active = active;
+    };
+    for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
+        if let Some(dof) = limit.drive.dof {
+            judge(row, ws.qacc[dof] * row.slope);
+        }
+    }
+    if touching {
+        let n = plan.ndof();
+        for (row, jacobian) in ws.contact.rows.iter_mut().zip(ws.contact_jacobian.chunks_exact(n)) {
+            judge(row, product(jacobian, &ws.qacc));
+        }
+    }
+    changed
+}
+
+#[inline(always)]
+fn product<S: Scalar>(a: &[S], b: &[S]) -> S {
+    a.iter().zip(b).fold(S::zero(), |sum, (&x, &y)| x.mul_add(y, sum))
+}
+
+/// Normal force: the sum of the pyramid's edge forces `-D (J a - aref)`.
+#[inline(always)]
+fn contact_force<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    let n = plan.ndof();
+    let mut force = S::zero();
+    for k in 0..PYRAMID {
+        let row = &ws.contact.rows[k];
+        let acceleration = product(&ws.contact_jacobian[k * n..(k + 1) * n], &ws.qacc);
+        force += (row.weight * (row.reference - acceleration)).only(row.active);
+    }
+    ws.contact.force = force;
+}

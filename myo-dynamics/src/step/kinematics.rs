@@ -1,0 +1,162 @@
+//! Joint positions, poses, screws, velocities and drift accelerations of all links.
+
+use crate::plan::{Drive, Form, Link, LinkMotion, Placement, Plan, PoseProfile};
+use crate::polynomial::Polynomial;
+use crate::spatial::{Motion, Rotation, Vec3};
+use crate::workspace::{JointState, Workspace};
+use myo_scalar::{Real, Scalar};
+
+/// Fills `joint`, `rotation`, `position`, `screw`, `velocity` and `acceleration`.
+#[inline(always)]
+pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) {
+    // Gravity acts like an upward acceleration of the world.
+    let gravity = Vec3::splat(plan.gravity);
+    ws.acceleration[0] = Motion { ang: Vec3::zero(), lin: -gravity };
+    for (index, link) in plan.links.iter().enumerate().skip(1) {
+        match &link.motion {
+            LinkMotion::Fixed => {}
+            LinkMotion::Hinge(placement) => {
+                let mut joint = joint_state(&link.drive, qpos, qvel);
+                (joint.sin, joint.cos) = joint.position.sin_cos();
+                hinge(index, link, placement, joint, ws);
+            }
+            LinkMotion::Slide(placement) => {
+                slide(index, link, placement, joint_state(&link.drive, qpos, qvel), ws);
+            }
+            LinkMotion::Profile(profile) => follow(index, link, profile, qpos, qvel, ws),
+        }
+    }
+    for (k, screw) in plan.screws.iter().enumerate() {
+        let joint = ws.screw[screw.link];
+        let slope = ws.joint[screw.link].slope;
+        ws.screw[plan.links.len() + k] = match screw.parent {
+            Some(parent) if plan.links[screw.link].drive.form == Form::Identity => ws.screw[parent] + joint,
+            Some(parent) => joint.mul_add(slope, ws.screw[parent]),
+            None => joint.scale(slope),
+        };
+    }
+}
+
+/// Position `p(q)`, rate `p' qvel`, slope `p'` and drift `p'' qvel^2` of a joint.
+#[inline(always)]
+pub fn joint_state<S: Scalar>(drive: &Drive<S::Const>, qpos: &[S], qvel: &[S]) -> JointState<S> {
+    let (zero, one) = (S::zero(), S::lit(1.0));
+    let still =
+        JointState { position: S::splat(drive.poly[0]), rate: zero, slope: zero, drift: zero, sin: zero, cos: one };
+    let Some(dof) = drive.dof else { return still };
+    let (q, v, c) = (qpos[dof], qvel[dof], |k: usize| S::splat(drive.poly[k]));
+    match drive.form {
+        Form::Identity => JointState { position: q, rate: v, slope: one, ..still },
+        Form::Linear => JointState { position: c(1).mul_add(q, c(0)), rate: c(1) * v, slope: c(1), ..still },
+        Form::Curved => {
+            let position = c(4).mul_add(q, c(3)).mul_add(q, c(2)).mul_add(q, c(1)).mul_add(q, c(0));
+            let k = |k: usize, factor: f64| c(k) * S::lit(factor);
+            let slope = k(4, 4.0).mul_add(q, k(3, 3.0)).mul_add(q, k(2, 2.0)).mul_add(q, c(1));
+            let curvature = k(4, 12.0).mul_add(q, k(3, 6.0)).mul_add(q, k(2, 2.0));
+            JointState { position, rate: slope * v, slope, drift: curvature * v * v, ..still }
+        }
+    }
+}
+
+#[inline(always)]
+fn hinge<S: Scalar>(
+    index: usize,
+    link: &Link<S::Const>,
+    placement: &Placement<S::Const>,
+    joint: JointState<S>,
+    ws: &mut Workspace<S>,
+) {
+    let (axes, position) = place(link.parent, placement, ws);
+    ws.position[index] = position;
+    ws.rotation[index] = axes.times_about_z(joint.sin, joint.cos);
+    // A turn about the axis a through p moves the point at O by p x a.
+    let screw = Motion { ang: axes.z, lin: position.cross(axes.z) };
+    drive(index, link, screw, joint, ws);
+}
+
+#[inline(always)]
+fn slide<S: Scalar>(
+    index: usize,
+    link: &Link<S::Const>,
+    placement: &Placement<S::Const>,
+    joint: JointState<S>,
+    ws: &mut Workspace<S>,
+) {
+    let (axes, position) = place(link.parent, placement, ws);
+    ws.position[index] = axes.z.mul_add(joint.position, position);
+    ws.rotation[index] = axes;
+    drive(index, link, Motion { ang: Vec3::zero(), lin: axes.z }, joint, ws);
+}
+
+/// Frame of the joint at position zero, in the world.
+#[inline(always)]
+fn place<S: Scalar>(parent: usize, placement: &Placement<S::Const>, ws: &Workspace<S>) -> (Rotation<S>, Vec3<S>) {
+    let rotation = ws.rotation[parent];
+    let offset = Vec3::splat(placement.offset);
+    let axes = match &placement.axes {
+        Some(columns) if parent == 0 => {
+            Rotation { x: Vec3::splat(columns[0]), y: Vec3::splat(columns[1]), z: Vec3::splat(columns[2]) }
+        }
+        Some(columns) => rotation.times(columns),
+        None => rotation,
+    };
+    let is_zero = placement.offset.iter().all(|c| c.to_f64() == 0.0);
+    let position = match (parent, is_zero) {
+        (0, _) => offset,
+        (_, true) => ws.position[parent],
+        (_, false) => rotation.apply(offset) + ws.position[parent],
+    };
+    (axes, position)
+}
+
+/// Velocity `v = v_parent + s rate` and drift `a = a_parent + (v x s) rate + s drift`.
+#[inline(always)]
+fn drive<S: Scalar>(
+    index: usize,
+    link: &Link<S::Const>,
+    screw: Motion<S>,
+    joint: JointState<S>,
+    ws: &mut Workspace<S>,
+) {
+    let before = ws.velocity[link.parent];
+    ws.joint[index] = joint;
+    ws.screw[index] = screw;
+    ws.velocity[index] = if link.parent == 0 { screw.scale(joint.rate) } else { screw.mul_add(joint.rate, before) };
+    let mut acceleration = ws.acceleration[link.parent];
+    if link.parent != 0 {
+        acceleration = before.cross(screw).mul_add(joint.rate, acceleration);
+    }
+    if link.drive.form == Form::Curved {
+        acceleration = screw.mul_add(joint.drift, acceleration);
+    }
+    ws.acceleration[index] = acceleration;
+}
+
+/// A link whose pose is a function of one coordinate: `v = s qvel`, `a = s' qvel^2`, minus gravity.
+#[inline(always)]
+fn follow<S: Scalar>(
+    index: usize,
+    link: &Link<S::Const>,
+    profile: &PoseProfile<S::Const>,
+    qpos: &[S],
+    qvel: &[S],
+    ws: &mut Workspace<S>,
+) {
+    let joint = joint_state(&link.drive, qpos, qvel);
+    let t = profile.domain.map(joint.position);
+    if let Some(axes) = &profile.axes {
+        ws.rotation[index] = Rotation { x: vector(&axes[0], t), y: vector(&axes[1], t), z: vector(&axes[2], t) };
+    }
+    ws.position[index] = vector(&profile.position, t);
+    let screw = Motion { ang: vector(&profile.screw[0], t), lin: vector(&profile.screw[1], t) };
+    let rate = Motion { ang: vector(&profile.screw_rate[0], t), lin: vector(&profile.screw_rate[1], t) };
+    ws.joint[index] = joint;
+    ws.screw[index] = screw;
+    ws.velocity[index] = screw.scale(joint.rate);
+    ws.acceleration[index] = rate.mul_add(joint.rate * joint.rate, ws.acceleration[0]);
+}
+
+#[inline(always)]
+fn vector<S: Scalar>(p: &[Polynomial<S::Const>; 3], t: S) -> Vec3<S> {
+    Vec3::new(p[0].value(t), p[1].value(t), p[2].value(t))
+}

@@ -1,0 +1,80 @@
+//! One physics step, written once for every kind of number.
+//!
+//! Everything here is `#[inline(always)]`: code that is not inlined into its level's entry point would be compiled without
+//! that level's instructions.
+
+pub mod cholesky;
+pub mod constraint;
+pub mod contact;
+pub mod force;
+pub mod inertia;
+pub mod kinematics;
+pub mod tendon;
+
+use crate::obstacles::Obstacles;
+use crate::plan::Plan;
+use crate::workspace::{State, Workspace};
+use myo_scalar::Scalar;
+
+/// Advances the state by one time step under muscle excitations `ctrl` in [0, 1].
+#[inline(always)]
+pub fn step<S: Scalar>(
+    plan: &Plan<S::Const>,
+    obstacles: &Obstacles<S::Const>,
+    ctrl: &[S],
+    state: &mut State<S>,
+    ws: &mut Workspace<S>,
+) {
+    forward(plan, obstacles, state, ws);
+    integrate(plan, ctrl, state, ws);
+}
+
+/// Computes the acceleration and everything on the way to it; the state stays as it is.
+#[inline(always)]
+pub fn forward<S: Scalar>(
+    plan: &Plan<S::Const>,
+    obstacles: &Obstacles<S::Const>,
+    state: &State<S>,
+    ws: &mut Workspace<S>,
+) {
+    kinematics::kinematics(plan, &state.qpos, &state.qvel, ws);
+    tendon::lengths(plan, &state.qpos, &state.qvel, ws);
+    muscle_forces(plan, state, ws);
+    force::passive(plan, state, ws);
+    tendon::pull(plan, ws);
+    inertia::resist(plan, ws);
+    force::project(plan, ws);
+    inertia::mass_matrix(plan, state, ws);
+    constraint::limits(plan, state, ws);
+    constraint::equalities(plan, state, ws);
+    contact::contact(plan, obstacles, state, ws);
+    constraint::solve(plan, ws);
+}
+
+/// Fills `muscle_force`.
+#[inline(always)]
+pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    for (k, muscle) in plan.muscles.iter().enumerate() {
+        ws.muscle_force[k] = muscle.force(ws.tendon_length[k], ws.tendon_velocity[k], state.act[k]);
+    }
+}
+
+/// Semi-implicit Euler: new velocities first, then positions with them; activations beside.
+#[inline(always)]
+pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State<S>, ws: &Workspace<S>) {
+    let h = S::splat(plan.timestep);
+    for (k, muscle) in plan.muscles.iter().enumerate() {
+        let rate = muscle.activation_rate(ctrl[k], state.act[k]);
+        state.act[k] = rate.mul_add(h, state.act[k]);
+    }
+    for k in 0..plan.ndof() {
+        state.qvel[k] = ws.qacc[k].mul_add(h, state.qvel[k]);
+        state.qpos[k] = state.qvel[k].mul_add(h, state.qpos[k]);
+    }
+}
+
+/// Position of the fingertip (m, from the shoulder centre), after [`kinematics::kinematics`].
+#[inline(always)]
+pub fn fingertip<S: Scalar>(plan: &Plan<S::Const>, ws: &Workspace<S>) -> [S; 3] {
+    ws.place(&plan.fingertip).array()
+}

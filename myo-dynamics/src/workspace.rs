@@ -1,0 +1,206 @@
+//! State of the body, and everything that one step computes on the way.
+
+use crate::plan::Plan;
+use crate::spatial::{Inertia, Motion, Rotation, Vec3, Wrench};
+use myo_scalar::{Mask, Real, Scalar};
+
+/// What changes from step to step: the body's full state.
+#[derive(Clone, Debug)]
+pub struct State<S> {
+    /// Generalised coordinates (rad or m), `ndof`.
+    pub qpos: Vec<S>,
+    /// Their rates (1/s), `ndof`.
+    pub qvel: Vec<S>,
+    /// Muscle activations, `nmuscle`.
+    pub act: Vec<S>,
+}
+
+impl<S: Scalar> State<S> {
+    /// Everything at zero.
+    pub fn new(plan: &Plan<S::Const>) -> Self {
+        let zeros = |n| vec![S::zero(); n];
+        Self { qpos: zeros(plan.ndof()), qvel: zeros(plan.ndof()), act: zeros(plan.nmuscle()) }
+    }
+}
+
+/// A joint at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct JointState<S> {
+    /// Position (rad or m).
+    pub position: S,
+    /// Rate of the position.
+    pub rate: S,
+    /// Derivative of the position with respect to the coordinate.
+    pub slope: S,
+    /// Second derivative times squared speed: the acceleration that the coupling alone causes.
+    pub drift: S,
+    /// Sine and cosine of the position, for hinges.
+    pub sin: S,
+    /// See `sin`.
+    pub cos: S,
+}
+
+/// A soft constraint row on one coordinate or on all of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<S: Scalar> {
+    /// Where the row exists.
+    pub exists: S::Mask,
+    /// Where it pushes in the current round.
+    pub active: S::Mask,
+    /// `D`, the reciprocal regularisation.
+    pub weight: S,
+    /// Reference acceleration.
+    pub reference: S,
+    /// For limits: derivative of the row's position with respect to the coordinate.
+    pub slope: S,
+}
+
+impl<S: Scalar> Row<S> {
+    fn none() -> Self {
+        let no = S::Mask::splat(false);
+        Self { exists: no, active: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
+    }
+}
+
+/// Contact of the fingertip with the nearest box.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<S: Scalar> {
+    /// Where there is one.
+    pub exists: S::Mask,
+    /// Index of the box.
+    pub index: S,
+    /// The four edges of the friction pyramid.
+    pub rows: [Row<S>; 4],
+    /// Sum of normal forces (N): what MuJoCo's touch sensor reads.
+    pub force: S,
+}
+
+/// Number of edges of the friction pyramid.
+pub const PYRAMID: usize = 4;
+
+/// Results and scratch memory of one step; allocated once, overwritten by every step.
+#[derive(Clone, Debug)]
+pub struct Workspace<S: Scalar> {
+    /// Per link.
+    pub joint: Vec<JointState<S>>,
+    /// Axes of each link in the world.
+    pub rotation: Vec<Rotation<S>>,
+    /// Origin of each link (m, from O).
+    pub position: Vec<Vec3<S>>,
+    /// Screws: one per link, then the plan's further ones.
+    pub screw: Vec<Motion<S>>,
+    /// Velocity of each link.
+    pub velocity: Vec<Motion<S>>,
+    /// Acceleration of each link at zero acceleration of the coordinates, minus gravity.
+    pub acceleration: Vec<Motion<S>>,
+    /// Applied minus inertial wrench on each link.
+    pub wrench: Vec<Wrench<S>>,
+    /// Inertia of each link about O.
+    pub inertia: Vec<Inertia<S>>,
+    /// Sums over the plan's sets.
+    pub set_inertia: Vec<Inertia<S>>,
+    /// Sums over the plan's sets.
+    pub set_wrench: Vec<Wrench<S>>,
+    /// Path points (m, from O).
+    pub point: Vec<Vec3<S>>,
+    /// Direction and moment of each straight segment, in the order of the plan's pairs.
+    pub line: Vec<Wrench<S>>,
+    /// Derivative of length per hinge segment.
+    pub hinge_slope: Vec<S>,
+    /// Derivatives of length per double-hinge segment.
+    pub double_hinge_slope: Vec<[S; 2]>,
+    /// Derivative of length per profile segment.
+    pub profile_slope: Vec<S>,
+    /// Torque on each link's joint from hinge segments (N m).
+    pub joint_torque: Vec<S>,
+    /// Length of each muscle's path (m).
+    pub tendon_length: Vec<S>,
+    /// Its rate (m/s).
+    pub tendon_velocity: Vec<S>,
+    /// Actuator forces (N), negative when pulling.
+    pub muscle_force: Vec<S>,
+    /// Mass matrix with armature, `(ndof, ndof)`, lower triangle.
+    pub mass: Vec<S>,
+    /// Generalised force without constraints, `ndof`.
+    pub torque: Vec<S>,
+    /// Limit rows.
+    pub limit: Vec<Row<S>>,
+    /// Equality rows.
+    pub equality: Vec<Row<S>>,
+    /// Jacobian of the equality rows, `(nequality, ndof)`.
+    pub equality_jacobian: Vec<S>,
+    /// The contact.
+    pub contact: Contact<S>,
+    /// Jacobian of the contact's rows, `(4, ndof)`.
+    pub contact_jacobian: Vec<S>,
+    /// Matrix of the solver and its factor, `(ndof, ndof)`, lower triangle.
+    pub matrix: Vec<S>,
+    /// Reciprocal diagonal of the factor.
+    pub pivot: Vec<S>,
+    /// Generalised acceleration, `ndof`.
+    pub qacc: Vec<S>,
+    /// Rounds that the constraint solver took in the last step.
+    pub rounds: usize,
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Memory for a plan.
+    pub fn new(plan: &Plan<S::Const>) -> Self {
+        let o = S::zero();
+        let (nlink, ndof, nmuscle) = (plan.links.len(), plan.ndof(), plan.nmuscle());
+        let joint = JointState { position: o, rate: o, slope: o, drift: o, sin: o, cos: o };
+        let nscrew = nlink + plan.screws.len();
+        let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
+        let massless = massless();
+        Self {
+            joint: vec![joint; nlink],
+            rotation: vec![Rotation::identity(); nlink],
+            position: vec![Vec3::zero(); nlink],
+            screw: vec![Motion::zero(); nscrew],
+            velocity: vec![Motion::zero(); nlink],
+            acceleration: vec![Motion::zero(); nlink],
+            wrench: vec![Wrench::zero(); nlink],
+            inertia: vec![massless; nlink],
+            set_inertia: vec![massless; plan.sets.len()],
+            set_wrench: vec![Wrench::zero(); plan.sets.len()],
+            point: vec![Vec3::zero(); plan.tendons.points.len()],
+            line: vec![Wrench::zero(); nsegment],
+            hinge_slope: vec![o; plan.tendons.hinge.len()],
+            double_hinge_slope: vec![[o; 2]; plan.tendons.double_hinge.len()],
+            profile_slope: vec![o; plan.tendons.profiles.len()],
+            joint_torque: vec![o; nlink],
+            tendon_length: vec![o; nmuscle],
+            tendon_velocity: vec![o; nmuscle],
+            muscle_force: vec![o; nmuscle],
+            mass: vec![o; ndof * ndof],
+            torque: vec![o; ndof],
+            limit: vec![Row::none(); plan.limits.len()],
+            equality: vec![Row::none(); plan.equalities.len()],
+            equality_jacobian: vec![o; plan.equalities.len() * ndof],
+            contact: Contact { exists: S::Mask::splat(false), index: o, rows: [Row::none(); PYRAMID], force: o },
+            contact_jacobian: vec![o; PYRAMID * ndof],
+            matrix: vec![o; ndof * ndof],
+            pivot: vec![o; ndof],
+            qacc: vec![o; ndof],
+            rounds: 0,
+        }
+    }
+
+    /// Position of a point fixed to a link (m, from O).
+    #[inline(always)]
+    pub fn place<C: Real>(&self, point: &crate::plan::Point<C>) -> Vec3<S>
+    where
+        S: Scalar<Const = C>,
+    {
+        let local = Vec3::splat(point.position);
+        if point.link == 0 {
+            return local;
+        }
+        self.rotation[point.link].apply(local) + self.position[point.link]
+    }
+}
+
+fn massless<S: Scalar>() -> Inertia<S> {
+    let nothing = crate::spatial::Symmetric { diagonal: Vec3::zero(), off: Vec3::zero() };
+    Inertia { mass: S::zero(), first: Vec3::zero(), second: nothing }
+}
