@@ -73,9 +73,9 @@ pub struct UpdateMetrics {
 }
 
 impl UpdateMetrics {
-    /// Control steps of all environments per second in this update.
-    pub fn steps_per_s(&self, steps: usize) -> f64 {
-        steps as f64 / (self.collect_s + self.learn_s)
+    /// Control steps of all environments per second in this update, learning included.
+    pub fn steps_per_s(&self) -> f64 {
+        self.env_steps as f64 / self.updates as f64 / (self.collect_s + self.learn_s)
     }
 
     /// Mean of a column of the episode summary, if there is one and an episode ended.
@@ -85,22 +85,23 @@ impl UpdateMetrics {
     }
 
     /// Names of [`UpdateMetrics::row`].
-    pub fn columns<'a>(episode_names: &'a [String]) -> impl Iterator<Item = &'a str> {
+    pub fn columns(episode_names: &[String]) -> impl Iterator<Item = &str> {
         FIRST_COLUMNS.into_iter().chain(episode_names.iter().map(String::as_str)).chain(LAST_COLUMNS)
     }
 
     /// All numbers, in the order of [`UpdateMetrics::columns`].
     pub fn row(&self) -> Vec<f64> {
-        let first = [
+        let first: [f64; FIRST_COLUMNS.len()] = [
             self.env_steps as f64,
             self.updates as f64,
             self.wall_s,
+            self.steps_per_s(),
             self.collect_s,
             self.learn_s,
             self.episodes as f64,
         ];
         let learn = &self.learn;
-        let last = [
+        let last: [f64; LAST_COLUMNS.len()] = [
             self.reward_per_step,
             learn.policy_loss,
             learn.value_loss,
@@ -116,7 +117,7 @@ impl UpdateMetrics {
     }
 }
 
-const FIRST_COLUMNS: [&str; 6] = ["env_steps", "updates", "wall_s", "collect_s", "learn_s", "episodes"];
+const FIRST_COLUMNS: [&str; 7] = ["env_steps", "updates", "wall_s", "steps_per_s", "collect_s", "learn_s", "episodes"];
 const LAST_COLUMNS: [&str; 10] = [
     "reward_per_step",
     "policy_loss",

@@ -25,22 +25,22 @@ const WIDTH: usize = 16;
 #[inline(always)]
 fn philox(seed: u64, first: u32, counter: [u32; 3]) -> [[u32; WIDTH]; 4] {
     let mut key = [seed as u32, (seed >> 32) as u32];
-    let mut words = [[0; WIDTH], [counter[0]; WIDTH], [counter[1]; WIDTH], [counter[2]; WIDTH]];
-    for (lane, word) in words[0].iter_mut().enumerate() {
+    let [mut x0, mut x1, mut x2, mut x3] = [[0; WIDTH], [counter[0]; WIDTH], [counter[1]; WIDTH], [counter[2]; WIDTH]];
+    for (lane, word) in x0.iter_mut().enumerate() {
         *word = first.wrapping_add(lane as u32);
     }
     for _ in 0..10 {
-        for lane in 0..WIDTH {
-            let a = u64::from(words[0][lane]) * 0xD251_1F53;
-            let b = u64::from(words[2][lane]) * 0xCD9E_8D57;
-            words[0][lane] = (b >> 32) as u32 ^ words[1][lane] ^ key[0];
-            words[1][lane] = b as u32;
-            words[2][lane] = (a >> 32) as u32 ^ words[3][lane] ^ key[1];
-            words[3][lane] = a as u32;
+        for (((x0, x1), x2), x3) in x0.iter_mut().zip(&mut x1).zip(&mut x2).zip(&mut x3) {
+            let a = u64::from(*x0) * 0xD251_1F53;
+            let b = u64::from(*x2) * 0xCD9E_8D57;
+            *x0 = (b >> 32) as u32 ^ *x1 ^ key[0];
+            *x1 = b as u32;
+            *x2 = (a >> 32) as u32 ^ *x3 ^ key[1];
+            *x3 = a as u32;
         }
         key = [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)];
     }
-    words
+    [x0, x1, x2, x3]
 }
 
 /// Uniform in (0, 1), never 0, so that its logarithm is finite.

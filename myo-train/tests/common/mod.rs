@@ -98,7 +98,9 @@ impl VectorEnv for Points {
             if mask.is_none_or(|mask| mask[i]) {
                 if let Some(seed) = seed {
                     world.random = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (i as u64) << 20;
-                    (0..4).for_each(|_| drop(world.uniform()));
+                    for _ in 0..4 {
+                        world.uniform();
+                    }
                 }
                 world.restart();
             }
