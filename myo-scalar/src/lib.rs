@@ -44,6 +44,6 @@ mod portable;
 mod scalar;
 
 pub use level::{Kernel, Level, dispatch};
-pub use philox::{Counter, normal_pair, philox, unit};
+pub use philox::{Counter, normal_pair, philox, seed_words, unit};
 pub use portable::F32x8;
 pub use scalar::{Mask, Real, Scalar, Word};

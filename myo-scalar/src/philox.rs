@@ -8,8 +8,8 @@ use crate::scalar::{Scalar, Word};
 /// Names one block of four random words.
 #[derive(Clone, Copy, Debug)]
 pub struct Counter<W> {
-    /// Seed of the run.
-    pub seed: u64,
+    /// Seed, low half first; see [`seed_words`].
+    pub seed: [W; 2],
     /// Which environment.
     pub env: W,
     /// Which episode of that environment.
@@ -20,17 +20,23 @@ pub struct Counter<W> {
     pub stream: W,
 }
 
+/// The two halves of a seed, the same in every lane.
+#[inline(always)]
+pub fn seed_words<W: Word>(seed: u64) -> [W; 2] {
+    [W::splat(seed as u32), W::splat((seed >> 32) as u32)]
+}
+
 /// Four random words per lane.
 #[inline(always)]
 pub fn philox<W: Word>(counter: Counter<W>) -> [W; 4] {
     const ROUNDS: usize = 10;
-    let mut key = [counter.seed as u32, (counter.seed >> 32) as u32];
+    let mut key = counter.seed;
     let [mut c0, mut c1, mut c2, mut c3] = [counter.stream, counter.step, counter.episode, counter.env];
     for _ in 0..ROUNDS {
         let (hi0, lo0) = c0.mul_wide(0xD251_1F53);
         let (hi1, lo1) = c2.mul_wide(0xCD9E_8D57);
-        (c0, c1, c2, c3) = (hi1 ^ c1 ^ W::splat(key[0]), lo1, hi0 ^ c3 ^ W::splat(key[1]), lo0);
-        key = [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)];
+        (c0, c1, c2, c3) = (hi1 ^ c1 ^ key[0], lo1, hi0 ^ c3 ^ key[1], lo0);
+        key = [key[0] + W::splat(0x9E37_79B9), key[1] + W::splat(0xBB67_AE85)];
     }
     [c0, c1, c2, c3]
 }

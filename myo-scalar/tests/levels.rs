@@ -1,6 +1,6 @@
 //! Every level must agree with the standard library's f64, and all levels draw the same integers.
 
-use myo_scalar::{Counter, Kernel, Level, Mask, Scalar, Word, dispatch, normal_pair, philox, unit};
+use myo_scalar::{Counter, Kernel, Level, Mask, Scalar, Word, dispatch, normal_pair, philox, seed_words, unit};
 use proptest::prelude::*;
 
 /// Applies one function of two numbers to padded slices.
@@ -108,7 +108,7 @@ impl Kernel for Draw {
                 *e = self.first_env + (i + lane) as u32;
             }
             let block = philox(Counter {
-                seed: self.seed,
+                seed: seed_words(self.seed),
                 env: S::Word::load(&env),
                 episode: S::Word::splat(7),
                 step: S::Word::splat(11),
@@ -148,7 +148,7 @@ fn philox_known_answer() {
     // Published with the authors' Random123 library: counter and key of all ones.
     let ones = u32::MAX;
     let word = <f64 as Scalar>::Word::splat(ones);
-    let block = philox(Counter { seed: u64::MAX, env: word, episode: word, step: word, stream: word });
+    let block = philox(Counter { seed: seed_words(u64::MAX), env: word, episode: word, step: word, stream: word });
     let mut got = [0u32; 4];
     for (k, w) in block.into_iter().enumerate() {
         w.store(&mut got[k..]);

@@ -122,8 +122,7 @@ pub enum Pose {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Reward {
-    /// Cost per metre and control step: fingertip to the current target's centre plus the path over the centres of the
-    /// targets still to come. Default 1.
+    /// Cost per metre and control step of the distance from the fingertip to the current target. Default 1.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub distance: f64,
@@ -132,6 +131,10 @@ pub struct Reward {
     /// costs nothing; for a button it counts from the pressed face. `false`: from the centre, as published. Default false.
     #[garde(skip)]
     pub inside_is_zero: bool,
+
+    /// Whether the distance goes on over the centres of the targets still to come, as published. Default true.
+    #[garde(skip)]
+    pub remaining_path: bool,
 
     /// Cost per second as long as the task is not finished. Default 0: the distance alone makes time expensive.
     #[garde(custom(WEIGHT.rule()))]
@@ -294,6 +297,7 @@ impl Default for Reward {
         Self {
             distance: 1.0,
             inside_is_zero: false,
+            remaining_path: true,
             time_cost: 0.0,
             subtask_bonus: 0.0,
             completion_bonus: 10.0,

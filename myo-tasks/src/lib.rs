@@ -30,6 +30,7 @@ mod description;
 mod geometry;
 mod layout;
 mod load;
+pub mod logic;
 mod presets;
 mod quantity;
 mod range;

@@ -1,0 +1,62 @@
+//! Whether the current target is done.
+
+use super::{CompiledTask, Point, TargetKind, TaskState, difference, norm};
+use myo_scalar::{Mask, Scalar};
+
+/// What the task sees of the body after a control step.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensed<S> {
+    /// Position of the fingertip (m, from the shoulder centre).
+    pub fingertip: Point<S>,
+    /// Greatest contact force during the control step (N).
+    pub touch_force: S,
+    /// Number of the button that it acted on.
+    pub touched: S,
+}
+
+/// What happened in a control step.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<S: Scalar> {
+    /// The target that was current is done.
+    pub target_done: S::Mask,
+    /// The last target is done.
+    pub task_done: S::Mask,
+    /// The time limit is reached and the task is not done.
+    pub timed_out: S::Mask,
+}
+
+/// Counts the step, judges the current target, and moves on to the next one when it is done. The dwell counter starts
+/// again whenever the fingertip leaves and with every new target.
+#[inline(always)]
+pub fn advance<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sensed<S>, state: &mut TaskState<S>) -> Progress<S> {
+    let one = S::lit(1.0);
+    let longer = (state.dwell + one).only(inside(sensed, state));
+    state.step += one;
+    let mut target_done = S::Mask::splat(false);
+    for (index, target) in task.targets.iter().enumerate() {
+        let done = state.is_current(index)
+            & match target {
+                TargetKind::Sphere(sphere) => S::splat(sphere.dwell).le(longer),
+                TargetKind::Button(button) => is_pressed(button.number, button.min_force, sensed),
+            };
+        state.done_at[index] = S::select(done, state.step, state.done_at[index]);
+        target_done = target_done | done;
+    }
+    state.dwell = S::select(target_done, S::zero(), longer);
+    state.phase += S::indicator(target_done);
+    let task_done = S::lit(task.targets.len() as f64 - 0.5).lt(state.phase);
+    let timed_out = S::splat(task.time_limit).le(state.step) & !task_done;
+    Progress { target_done, task_done, timed_out }
+}
+
+/// Where the fingertip is inside the current sphere. (For buttons the value means nothing.)
+#[inline(always)]
+pub fn inside<S: Scalar>(sensed: &Sensed<S>, state: &TaskState<S>) -> S::Mask {
+    norm(difference(sensed.fingertip, state.centre(0))).lt(state.current_size())
+}
+
+#[inline(always)]
+fn is_pressed<S: Scalar>(number: usize, min_force: S::Const, sensed: &Sensed<S>) -> S::Mask {
+    let this_one = (sensed.touched - S::lit(number as f64)).abs().lt(S::lit(0.5));
+    this_one & S::splat(min_force).le(sensed.touch_force)
+}
