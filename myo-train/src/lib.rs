@@ -1,7 +1,33 @@
 //! PPO, metrics, checkpoints, evaluation.
 //!
-//! [`Trainer`] collects experience in a [`VectorEnv`](myo_env::VectorEnv) and learns from it; [`Policy`] acts. Settings
-//! are in [`PpoConfig`]. The crate knows nothing of muscles, tasks or the command line.
+//! [`Trainer`] collects experience in a [`VectorEnv`](myo_env::VectorEnv) and learns from it, [`Policy`] acts,
+//! [`evaluate`] tells how well, [`RunWriter`] keeps what happened. Every setting is in [`PpoConfig`]. The crate knows
+//! nothing of muscles, tasks or the command line.
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use myo_env::VectorEnv;
+//! use myo_train::{PpoConfig, RunWriter, Trainer, evaluate};
+//!
+//! fn train(
+//!     training_env: Box<dyn VectorEnv>,
+//!     mut fresh_env: Box<dyn VectorEnv>,
+//! ) -> Result<(), Box<dyn std::error::Error>> {
+//!     let (config, seed) = (PpoConfig::default(), 1);
+//!     let mut trainer = Trainer::new(training_env, config, seed)?;
+//!     let episode_names = trainer.spec().episode_names.clone();
+//!     let description = serde_json::json!({ "task": "pointing" });
+//!     let mut run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, &episode_names)?;
+//!     while trainer.env_steps() < 10_000_000 {
+//!         run.record(&trainer.update()?)?;
+//!     }
+//!     run.write_checkpoint(&trainer.save())?;
+//!     let evaluation = evaluate(&mut trainer.policy(), fresh_env.as_mut(), 1000, seed + 1, |_counted| true)?;
+//!     run.folder().write_evaluation(&evaluation)?;
+//!     Ok(())
+//! }
+//! ```
 mod checkpoint;
 mod config;
 mod crc32c;

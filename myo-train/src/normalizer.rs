@@ -112,12 +112,13 @@ impl Normalizer {
     }
 
     fn refresh(&mut self) {
-        self.mean_f32 = self.mean.iter().map(|&m| m as f32).collect();
-        let scale = |(&m2, &mean): (&f64, &f64)| {
+        self.mean_f32.resize(self.mean.len(), 0.0);
+        self.inverse_std.resize(self.mean.len(), 1.0);
+        for (i, (&mean, &m2)) in self.mean.iter().zip(&self.m2).enumerate() {
             let std = if self.count > 0.0 { (m2 / self.count).sqrt() } else { 1.0 };
-            (1.0 / std.max(self.std_floor * mean.abs().max(1.0))) as f32
-        };
-        self.inverse_std = self.m2.iter().zip(&self.mean).map(scale).collect();
+            self.mean_f32[i] = mean as f32;
+            self.inverse_std[i] = (1.0 / std.max(self.std_floor * mean.abs().max(1.0))) as f32;
+        }
     }
 
     /// Writes the normalised `rows`, `(.., size)`, to `out`.

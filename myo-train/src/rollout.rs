@@ -34,6 +34,8 @@ pub struct Rollout {
     truncated: Vec<u32>,
     truncated_observation: Vec<f32>,
     truncated_value: Vec<f32>,
+    /// An entry of a last observation that was not finite.
+    bad_last: Option<usize>,
     /// Samples with which the task ended.
     terminated: Vec<u32>,
     env_action: Vec<f32>,
@@ -81,6 +83,7 @@ impl Rollout {
             truncated: Vec::with_capacity(samples),
             truncated_observation: Vec::new(),
             truncated_value: Vec::new(),
+            bad_last: None,
             terminated: Vec::with_capacity(samples),
             env_action: vec![0.0; envs * actions],
             step: StepStorage::new(spec),
@@ -183,13 +186,15 @@ impl Rollout {
                 self.truncated_observation.resize(start + n_obs, 0.0);
                 let last = &step.final_observation[env * n_obs..][..n_obs];
                 actor.normalizer.apply(last, &mut self.truncated_observation[start..]);
+                // Clipping hides NaN, so look before.
+                self.bad_last = self.bad_last.or(last.iter().position(|x| !x.is_finite()));
             }
         }
     }
 
     fn check(&self, spec: &EnvSpec, observation: &[f32], update: u64) -> Result<(), TrainError> {
         let last = observation.iter().position(|x| !x.is_finite()).map(|i| i % spec.observation_size());
-        if let Some(index) = self.moments.non_finite().or(last) {
+        if let Some(index) = self.moments.non_finite().or(last).or(self.bad_last) {
             let what = format!("observation \"{}\"", spec.observation_names[index]);
             return Err(TrainError::NonFiniteEnv { what, update });
         }

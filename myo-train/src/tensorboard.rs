@@ -25,11 +25,8 @@ impl EventFile {
         let path = folder.join(format!("events.out.tfevents.{:010}.myo", now_s() as u64));
         let error = |source| IoError::new("create", &path, source);
         fs::create_dir_all(folder).map_err(error)?;
-        let mut file = OpenOptions::new().create_new(true).append(true).open(&path).map_err(error)?;
-        let mut event = wall_time();
-        bytes_field(&mut event, 3, b"brain.Event:2");
-        file.write_all(&record(&event)).map_err(error)?;
-        Ok(Self { path, file })
+        let file = OpenOptions::new().create_new(true).append(true).open(&path).map_err(error)?;
+        Self { path, file }.with_version()
     }
 
     /// Goes on with the file in `folder` after the events of `step`; later ones are cut off, as is a torn end.
@@ -40,7 +37,20 @@ impl EventFile {
         let keep: usize = records(&bytes).take_while(|data| event_step(data) <= step).map(|data| data.len() + 16).sum();
         let file = OpenOptions::new().append(true).open(&path).map_err(error)?;
         file.set_len(keep as u64).map_err(error)?;
-        Ok(Self { path, file })
+        let events = Self { path, file };
+        if keep == 0 { events.with_version() } else { Ok(events) }
+    }
+
+    /// Writes the event that every file begins with.
+    fn with_version(mut self) -> Result<Self, IoError> {
+        let mut event = wall_time();
+        bytes_field(&mut event, 3, b"brain.Event:2");
+        self.append(&event)?;
+        Ok(self)
+    }
+
+    fn append(&mut self, event: &[u8]) -> Result<(), IoError> {
+        self.file.write_all(&record(event)).map_err(|source| IoError::new("append to", &self.path, source))
     }
 
     /// Appends scalars at a step in one write; NaN ones are left out.
@@ -57,7 +67,7 @@ impl EventFile {
         event.push(2 << 3);
         varint(&mut event, step);
         bytes_field(&mut event, 5, &summary);
-        self.file.write_all(&record(&event)).map_err(|source| IoError::new("append to", &self.path, source))
+        self.append(&event)
     }
 }
 
