@@ -1,4 +1,39 @@
 //! Vectorised environment: observation, action, noise, reset.
+//!
+//! [`VectorEnv`] is what a trainer sees; [`CpuEnv`] runs it on SIMD lanes and threads, [`ReferenceEnv`] in double precision,
+//! one environment at a time. Both evaluate the same generic code: one control step is noise, activation, physics, task,
+//! reward, observation and autoreset of the whole environment.
+//!
+//! ```
+//! use myo_env::{CpuEnv, EnvConfig, StepStorage, VectorEnv};
+//!
+//! let task = myo_tasks::preset("pointing-single").unwrap();
+//! let model = myo_model::Model::new(&myo_model::builtin(&task.model)?)?;
+//! let mut env = CpuEnv::new(&model, &task, &EnvConfig { num_envs: 16, ..Default::default() })?;
+//! let mut out = StepStorage::new(env.spec());
+//! let relaxed = vec![-1.0; 16 * env.spec().action_size()];
+//! env.step(&relaxed, out.buffers())?;
+//! assert!(out.reward.iter().all(|r| r.is_finite()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Actions lie in [-1, 1], one per muscle: -1 is no excitation, 1 is full. A reset draws **everything** anew: pose,
+//! velocities, activations, targets; phase and counters start at zero. The terminal observation is kept.
+//!
+//! This crate knows no neural network, no file and no Python.
+
+mod batch;
+mod config;
+mod control;
+mod job;
+mod observe;
+mod state;
+mod tables;
 mod vector;
 
+pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
+pub use config::{BuildError, EnvConfig};
+pub use job::Backend;
+pub use observe::Part;
+pub use tables::{Start, Tables};
 pub use vector::{Autoreset, EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv};

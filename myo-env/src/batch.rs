@@ -1,0 +1,193 @@
+//! The vectorised environment on the CPU: lanes across environments, threads across blocks of lanes.
+
+use crate::config::{BuildError, EnvConfig};
+use crate::control::episode_names;
+use crate::job::{Backend, ResetJob, StepJob, Storage};
+use crate::observe;
+use crate::state::EnvState;
+use crate::tables::Tables;
+use crate::vector::{Autoreset, EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_model::Model;
+use myo_scalar::Level;
+use myo_tasks::Task;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+/// Environments in single precision, one per SIMD lane: the fast backend.
+pub type CpuEnv = BatchEnv<f32>;
+
+/// Environments in double precision, one at a time: the reference that other backends are compared with.
+pub type ReferenceEnv = BatchEnv<f64>;
+
+/// Many copies of one task.
+pub struct BatchEnv<C: Backend> {
+    tables: Tables<C>,
+    spec: EnvSpec,
+    level: Level,
+    storage: Storage<C>,
+    /// With [`Autoreset::Disabled`]: environments that must be reset before the next step.
+    finished: Vec<bool>,
+    pool: Option<ThreadPool>,
+}
+
+impl<C: Backend> BatchEnv<C> {
+    /// Builds the environments and resets them all.
+    pub fn new(model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
+        if config.num_envs == 0 {
+            return Err(BuildError::NoEnvironments);
+        }
+        let tables = Tables::<C>::new(model, task)?;
+        let level = config.level.unwrap_or_else(Level::detect).min(Level::available().pop().unwrap_or(Level::Portable));
+        let dofs: Vec<String> = tables.plan.dofs.iter().map(|dof| dof.name.clone()).collect();
+        let spec = EnvSpec {
+            num_envs: config.num_envs,
+            observation_names: observe::names(model, task, &dofs),
+            action_names: model.muscles.iter().map(|m| m.name.clone()).collect(),
+            episode_names: episode_names(tables.task.targets.len()),
+            control_dt: task.control_dt_s,
+            max_episode_steps: task.time_limit_steps() as usize,
+            autoreset: config.autoreset,
+        };
+        let storage = Storage::new(C::lanes(level), config.num_envs, EnvState::<C>::count_numbers(&tables));
+        let finished = vec![false; config.num_envs];
+        let pool = config.threads.map(thread_pool).transpose()?;
+        let mut env = Self { tables, spec, level, storage, finished, pool };
+        let mut observation = vec![0.0; config.num_envs * env.spec.observation_size()];
+        env.reset(Some(config.seed), None, &mut observation).expect("the buffers were made to fit");
+        Ok(env)
+    }
+
+    /// The compiled model and task.
+    pub fn tables(&self) -> &Tables<C> {
+        &self.tables
+    }
+
+    /// The instruction-set level in use.
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Blocks per task: enough tasks to balance the threads, few enough to allocate scratch memory rarely.
+    fn envs_per_task(&self) -> usize {
+        let threads = self.pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
+        self.storage.nblock().div_ceil(4 * threads).max(1) * self.storage.lanes
+    }
+}
+
+fn thread_pool(threads: usize) -> Result<ThreadPool, BuildError> {
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    built.map_err(|error| BuildError::Threads { threads, reason: error.to_string() })
+}
+
+/// Runs jobs on a pool, or on the caller's.
+fn run_all<J: Send>(pool: Option<&ThreadPool>, jobs: Vec<J>, run: impl Fn(J) + Sync + Send) {
+    match pool {
+        Some(pool) => pool.install(|| jobs.into_par_iter().for_each(run)),
+        None => jobs.into_par_iter().for_each(run),
+    }
+}
+
+fn check_length(what: &'static str, got: usize, expected: usize) -> Result<(), EnvError> {
+    if got == expected { Ok(()) } else { Err(EnvError::WrongLength { what, got, expected }) }
+}
+
+impl<C: Backend> VectorEnv for BatchEnv<C> {
+    fn spec(&self) -> &EnvSpec {
+        &self.spec
+    }
+
+    fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
+        let (n, nobs) = (self.spec.num_envs, self.spec.observation_size());
+        check_length("observation", observation.len(), n * nobs)?;
+        if let Some(mask) = mask {
+            check_length("mask", mask.len(), n)?;
+        }
+        for (env, finished) in self.finished.iter_mut().enumerate() {
+            *finished &= mask.is_some_and(|mask| !mask[env]);
+        }
+        let per_task = self.envs_per_task();
+        let (tables, level) = (&self.tables, self.level);
+        let jobs: Vec<ResetJob<'_, C>> = self
+            .storage
+            .split(per_task)
+            .zip(observation.chunks_mut(per_task * nobs))
+            .map(|(storage, observation)| {
+                let mask = mask.map(|mask| &mask[storage.first..storage.first + observation.len() / nobs.max(1)]);
+                ResetJob { tables, storage, seed, mask, observation }
+            })
+            .collect();
+        run_all(self.pool.as_ref(), jobs, |job| C::run(level, job));
+        Ok(())
+    }
+
+    fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
+        self.check_step(actions, &out)?;
+        let (nobs, nact, nepisode) = (self.spec.observation_size(), self.spec.action_size(), self.spec.episode_size());
+        let per_task = self.envs_per_task();
+        let (tables, level, autoreset) = (&self.tables, self.level, self.spec.autoreset);
+        let StepBuffers { observation, reward, terminated, truncated, final_observation, episode } = out;
+        let mut actions = actions.chunks(per_task * nact.max(1));
+        let mut observation = observation.chunks_mut(per_task * nobs.max(1));
+        let mut final_observation = final_observation.chunks_mut(per_task * nobs.max(1));
+        let mut episode = episode.chunks_mut(per_task * nepisode);
+        let rows = reward.chunks_mut(per_task).zip(terminated.chunks_mut(per_task)).zip(truncated.chunks_mut(per_task));
+        let jobs: Vec<StepJob<'_, C>> = self
+            .storage
+            .split(per_task)
+            .zip(rows)
+            .map(|(storage, ((reward, terminated), truncated))| StepJob {
+                tables,
+                storage,
+                autoreset,
+                actions: actions.next().unwrap_or(&[]),
+                out: StepBuffers {
+                    observation: observation.next().unwrap_or(&mut []),
+                    reward,
+                    terminated,
+                    truncated,
+                    final_observation: final_observation.next().unwrap_or(&mut []),
+                    episode: episode.next().unwrap_or(&mut []),
+                },
+            })
+            .collect();
+        run_all(self.pool.as_ref(), jobs, |job| C::run(level, job));
+        if autoreset == Autoreset::Disabled {
+            for (env, finished) in self.finished.iter_mut().enumerate() {
+                *finished = terminated[env] || truncated[env];
+            }
+        }
+        Ok(())
+    }
+
+    fn save_state(&self) -> Vec<u8> {
+        self.storage.save()
+    }
+
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        self.storage.load(state).map_err(|reason| EnvError::BadState { reason })
+    }
+}
+
+impl<C: Backend> BatchEnv<C> {
+    fn check_step(&self, actions: &[f32], out: &StepBuffers<'_>) -> Result<(), EnvError> {
+        let spec = &self.spec;
+        let n = spec.num_envs;
+        check_length("actions", actions.len(), n * spec.action_size())?;
+        check_length("observation", out.observation.len(), n * spec.observation_size())?;
+        check_length("reward", out.reward.len(), n)?;
+        check_length("terminated", out.terminated.len(), n)?;
+        check_length("truncated", out.truncated.len(), n)?;
+        check_length("final_observation", out.final_observation.len(), n * spec.observation_size())?;
+        check_length("episode", out.episode.len(), n * spec.episode_size())?;
+        if let Some(env) = self.finished.iter().position(|&finished| finished) {
+            return Err(EnvError::NeedsReset { env });
+        }
+        match actions.iter().position(|a| !a.is_finite()) {
+            None => Ok(()),
+            Some(at) => {
+                let nact = spec.action_size();
+                Err(EnvError::NonFiniteAction { env: at / nact, index: at % nact, value: actions[at] })
+            }
+        }
+    }
+}

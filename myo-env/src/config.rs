@@ -1,0 +1,58 @@
+//! What a caller chooses about a batch of environments, and why one cannot be built.
+
+use crate::vector::Autoreset;
+use myo_dynamics::PlanError;
+use myo_scalar::Level;
+use thiserror::Error;
+
+/// Choices that are not part of the task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvConfig {
+    /// Number of environments.
+    pub num_envs: usize,
+    /// Seed of all random draws.
+    pub seed: u64,
+    /// How finished environments start again.
+    pub autoreset: Autoreset,
+    /// Threads of an own pool; without it the caller's rayon pool is used.
+    pub threads: Option<usize>,
+    /// Instruction-set level; without it the widest one of the processor.
+    pub level: Option<Level>,
+}
+
+impl Default for EnvConfig {
+    fn default() -> Self {
+        Self { num_envs: 1, seed: 0, autoreset: Autoreset::default(), threads: None, level: None }
+    }
+}
+
+/// Why an environment cannot be built.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// No environments.
+    #[error("num_envs is 0; at least one environment is needed")]
+    NoEnvironments,
+    /// The model cannot be simulated.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// Control and physics step do not fit.
+    #[error(
+        "control_dt_s is {control_dt_s} s, which is no whole number of the model's physics steps of {timestep_s} s; \
+         take a multiple"
+    )]
+    UnevenControlStep {
+        /// Control step.
+        control_dt_s: f64,
+        /// Physics step.
+        timestep_s: f64,
+    },
+    /// The thread pool could not be made.
+    #[error("a pool of {threads} threads could not be started: {reason}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}

@@ -1,0 +1,231 @@
+//! One control step of the whole environment, written once for every kind of number.
+
+use crate::observe::observe;
+use crate::state::{EnvState, REWARD_TERMS};
+use crate::tables::Tables;
+use myo_dynamics::{Workspace, step};
+use myo_muscle::noisy_excitation;
+use myo_scalar::{Counter, Mask, Real, Scalar, Word, normal_pair, philox, unit};
+use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
+
+/// Random streams of this crate.
+const NOISE_STREAM: u32 = 0x1000;
+const POSE_STREAM: u32 = 0x2000;
+const VELOCITY_STREAM: u32 = 0x3000;
+const ACTIVATION_STREAM: u32 = 0x4000;
+
+/// Scratch memory and results of one control step.
+pub struct Scratch<S: Scalar> {
+    /// Of the physics.
+    pub physics: Workspace<S>,
+    /// Muscle excitations.
+    pub ctrl: Vec<S>,
+    /// Observation after the step, before any reset.
+    pub observation: Vec<S>,
+    /// Observation after resets.
+    pub next_observation: Vec<S>,
+    /// Summary of the episode so far, in the order of [`episode_names`].
+    pub episode: Vec<S>,
+}
+
+impl<S: Scalar> Scratch<S> {
+    /// Memory for these tables.
+    #[inline(always)]
+    pub fn new(tables: &Tables<S::Const>) -> Self {
+        Self {
+            physics: Workspace::new(&tables.plan),
+            ctrl: vec![S::zero(); tables.plan.nmuscle()],
+            observation: vec![],
+            next_observation: vec![],
+            episode: vec![],
+        }
+    }
+}
+
+/// What a control step returns besides the vectors in [`Scratch`].
+pub struct Outcome<S: Scalar> {
+    /// Sum of the reward terms.
+    pub reward: S,
+    /// The task is done.
+    pub terminated: S::Mask,
+    /// The time is up and the task is not done.
+    pub truncated: S::Mask,
+}
+
+/// Columns of an episode summary.
+pub fn episode_names(ntarget: usize) -> Vec<String> {
+    let fixed = [
+        "return",
+        "length",
+        "success",
+        "targets_done",
+        "final_distance",
+        "effort",
+        "reward_distance",
+        "reward_subtask",
+        "reward_completion",
+        "reward_neural_effort",
+        "reward_acceleration_effort",
+    ];
+    let per_target = (1..=ntarget).flat_map(|k| [format!("target_{k}_success"), format!("target_{k}_time")]);
+    fixed.into_iter().map(String::from).chain(per_target).collect()
+}
+
+/// Actions in [-1, 1] to a control step: noise, physics, judgement, reward, observation, summary.
+#[inline(always)]
+pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
+    excite(tables, env, &mut ws.ctrl);
+    let sensed = simulate(tables, env, ws);
+    let distance = distance_before(tables, env, &sensed);
+    let progress = logic::advance(&tables.task, &sensed, &mut env.task);
+    let effort = sum_of_squares(&ws.ctrl);
+    let terms = logic::reward(&tables.task, &progress, distance, effort, sum_of_squares(&env.qacc));
+    add_up(tables, env, &terms, effort);
+    ws.observation.clear();
+    observe(tables, env, &sensed, &mut ws.observation);
+    summarise(tables, env, &sensed, &progress, &mut ws.episode);
+    Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
+}
+
+/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise.
+#[inline(always)]
+fn excite<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ctrl: &mut [S]) {
+    for u in ctrl.iter_mut() {
+        *u = u.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5));
+    }
+    if let Some([signal_dependent, constant]) = tables.noise {
+        for (pair, two) in ctrl.chunks_mut(2).enumerate() {
+            let stream = S::Word::splat(NOISE_STREAM + pair as u32);
+            let words = philox(Counter { stream, ..env.counter() });
+            for (k, u) in two.iter_mut().enumerate() {
+                let (z1, z2) = normal_pair(words[2 * k], words[2 * k + 1]);
+                *u = noisy_excitation(*u, signal_dependent, constant, z1, z2);
+            }
+        }
+    }
+    env.step = env.step + S::Word::splat(1);
+}
+
+/// Runs the physics; a short tap between two control steps counts, so the greatest force is kept.
+#[inline(always)]
+fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Sensed<S> {
+    let (mut touch_force, mut touched) = (S::zero(), S::lit(-1.0));
+    for _ in 0..tables.substeps {
+        step::step(&tables.plan, &tables.obstacles, &ws.ctrl, &mut env.body, &mut ws.physics);
+        let contact = &ws.physics.contact;
+        let harder = contact.exists & touch_force.lt(contact.force);
+        touch_force = S::select(harder, contact.force, touch_force);
+        touched = S::select(harder, contact.index, touched);
+    }
+    env.qacc.copy_from_slice(&ws.physics.qacc);
+    env.touch = touch_force;
+    sense(tables, env, touched, &mut ws.physics)
+}
+
+/// Where the fingertip is at the state reached.
+#[inline(always)]
+fn sense<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, touched: S, physics: &mut Workspace<S>) -> Sensed<S> {
+    step::kinematics::kinematics(&tables.plan, &env.body.qpos, &env.body.qvel, physics);
+    Sensed { fingertip: step::fingertip(&tables.plan, physics), touch_force: env.touch, touched }
+}
+
+#[inline(always)]
+fn distance_before<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: &Sensed<S>) -> S {
+    let distance = logic::distance_to_target(&tables.task, sensed, &env.task);
+    if tables.task.weights.remaining_path { distance + logic::remaining_path(&env.task) } else { distance }
+}
+
+#[inline(always)]
+fn sum_of_squares<S: Scalar>(values: &[S]) -> S {
+    let mut sum = S::zero();
+    for &x in values {
+        sum = x.mul_add(x, sum);
+    }
+    sum
+}
+
+#[inline(always)]
+fn add_up<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, terms: &RewardTerms<S>, effort: S) {
+    let terms = terms.array();
+    for (sum, term) in env.sums.iter_mut().zip(terms) {
+        *sum += term;
+    }
+    env.sums[REWARD_TERMS] += effort * S::lit(1.0 / tables.plan.nmuscle().max(1) as f64);
+}
+
+/// Summary of the episode up to now; meaningful where it just ended.
+#[inline(always)]
+fn summarise<S: Scalar>(
+    tables: &Tables<S::Const>,
+    env: &EnvState<S>,
+    sensed: &Sensed<S>,
+    progress: &Progress<S>,
+    out: &mut Vec<S>,
+) {
+    let task = &env.task;
+    let mut total = S::zero();
+    for &term in &env.sums[..REWARD_TERMS] {
+        total += term;
+    }
+    out.clear();
+    out.push(total);
+    out.push(task.step);
+    out.push(S::indicator(progress.task_done));
+    out.push(task.phase);
+    out.push(logic::norm(logic::difference(sensed.fingertip, task.centre(0))));
+    out.push(env.sums[REWARD_TERMS] * task.step.recip());
+    out.extend_from_slice(&env.sums[..REWARD_TERMS]);
+    let dt = tables.task.control_dt.to_f64();
+    let mut before = S::zero();
+    for &done_at in &task.done_at {
+        let done = S::zero().lt(done_at);
+        out.push(S::indicator(done));
+        // Time since the target before was done.
+        out.push(S::select(done, (done_at - before) * S::lit(dt), S::lit(f64::NAN)));
+        before = done_at;
+    }
+}
+
+/// Starts a new episode where the mask is true: body, targets, phase and all counters. Observations follow in
+/// `next_observation`.
+#[inline(always)]
+pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+    if mask.any() {
+        let (zero, one) = (S::Word::splat(0), S::Word::splat(1));
+        env.episode = S::select_word(mask, env.episode + one, env.episode);
+        env.step = S::select_word(mask, zero, env.step);
+        draw_body(tables, mask, env);
+        logic::draw_targets(&tables.task, mask, env.counter(), &mut env.task);
+        env.task.restart(mask);
+        let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
+        for x in counters {
+            *x = S::select(mask, S::zero(), *x);
+        }
+    }
+    let sensed = sense(tables, env, S::lit(-1.0), &mut ws.physics);
+    ws.next_observation.clear();
+    observe(tables, env, &sensed, &mut ws.next_observation);
+}
+
+#[inline(always)]
+fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
+    let start = &tables.start;
+    let counter = env.counter();
+    for k in 0..env.body.qpos.len() {
+        let position = draw::<S>(counter, POSE_STREAM, k).mul_add(S::splat(start.width[k]), S::splat(start.lowest[k]));
+        let share = draw::<S>(counter, VELOCITY_STREAM, k).mul_add(S::lit(2.0), S::lit(-1.0));
+        env.body.qpos[k] = S::select(mask, position, env.body.qpos[k]);
+        env.body.qvel[k] = S::select(mask, share * S::splat(start.speed), env.body.qvel[k]);
+    }
+    for k in 0..env.body.act.len() {
+        let act = draw::<S>(counter, ACTIVATION_STREAM, k) * S::splat(start.activation);
+        env.body.act[k] = S::select(mask, act, env.body.act[k]);
+    }
+}
+
+/// Uniform number `k` of a stream.
+#[inline(always)]
+fn draw<S: Scalar>(counter: Counter<S::Word>, stream: u32, k: usize) -> S {
+    let block = philox(Counter { stream: S::Word::splat(stream + (k / 4) as u32), ..counter });
+    unit(block[k % 4])
+}

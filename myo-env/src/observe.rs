@@ -1,0 +1,160 @@
+//! The observation: which parts it has, what they are called, and their values.
+
+use crate::state::EnvState;
+use crate::tables::Tables;
+use myo_model::Model;
+use myo_scalar::{Real, Scalar};
+use myo_tasks::logic::{Sensed, TargetKind, difference, inside};
+use myo_tasks::{Observation, Task};
+
+/// A part of the observation. Positions are m from the shoulder centre in world axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Joint positions, the joint's range mapped to [-1, 1].
+    JointPosition,
+    /// Joint velocities (rad/s).
+    JointVelocity,
+    /// Joint accelerations (rad/s^2) divided by 100.
+    JointAcceleration,
+    /// Position of the fingertip (m).
+    FingertipPosition,
+    /// Muscle activations, [0, 1] mapped to [-1, 1].
+    Activation,
+    /// Centre of the current target (m).
+    TargetPosition,
+    /// Radius of the current sphere or half the width of the button (m).
+    TargetSize,
+    /// From the fingertip to the centre of the current target (m).
+    TargetVector,
+    /// From the current target to the next (m).
+    NextTargetVector,
+    /// Share of targets done.
+    Phase,
+    /// Share of the dwell time passed.
+    DwellFraction,
+    /// Share of time left.
+    TimeLeft,
+    /// One inside the current sphere.
+    Inside,
+    /// Share of the force that the current button needs, at most one.
+    Touch,
+}
+
+/// The parts that a task asks for, in order.
+pub fn parts(o: &Observation) -> Vec<Part> {
+    let all = [
+        (o.joint_position, Part::JointPosition),
+        (o.joint_velocity, Part::JointVelocity),
+        (o.joint_acceleration, Part::JointAcceleration),
+        (o.fingertip_position, Part::FingertipPosition),
+        (o.activation, Part::Activation),
+        (o.target_position, Part::TargetPosition),
+        (o.target_size, Part::TargetSize),
+        (o.target_vector, Part::TargetVector),
+        (o.next_target_vector, Part::NextTargetVector),
+        (o.phase, Part::Phase),
+        (o.dwell_fraction, Part::DwellFraction),
+        (o.time_left, Part::TimeLeft),
+        (o.inside, Part::Inside),
+        (o.touch, Part::Touch),
+    ];
+    all.into_iter().filter_map(|(wanted, part)| wanted.then_some(part)).collect()
+}
+
+/// Name of every entry, for example `joint_velocity.elbow_flexion`.
+pub fn names(model: &Model, task: &Task, dofs: &[String]) -> Vec<String> {
+    let muscles: Vec<String> = model.muscles.iter().map(|m| m.name.clone()).collect();
+    let axes = ["x", "y", "z"].map(String::from).to_vec();
+    let of = |name: &str, entries: &[String]| entries.iter().map(|e| format!("{name}.{e}")).collect();
+    let entries = |part: Part| -> Vec<String> {
+        match part {
+            Part::JointPosition => of("joint_position", dofs),
+            Part::JointVelocity => of("joint_velocity", dofs),
+            Part::JointAcceleration => of("joint_acceleration", dofs),
+            Part::FingertipPosition => of("fingertip_position", &axes),
+            Part::Activation => of("activation", &muscles),
+            Part::TargetPosition => of("target_position", &axes),
+            Part::TargetSize => vec!["target_size".into()],
+            Part::TargetVector => of("target_vector", &axes),
+            Part::NextTargetVector => of("next_target_vector", &axes),
+            Part::Phase => vec!["phase".into()],
+            Part::DwellFraction => vec!["dwell_fraction".into()],
+            Part::TimeLeft => vec!["time_left".into()],
+            Part::Inside => vec!["inside".into()],
+            Part::Touch => vec!["touch".into()],
+        }
+    };
+    parts(&task.observation).into_iter().flat_map(entries).collect()
+}
+
+/// Appends the observation of the current state to `out`.
+#[inline(always)]
+pub fn observe<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: &Sensed<S>, out: &mut Vec<S>) {
+    let task = &env.task;
+    let centre = task.centre(0);
+    for part in &tables.observation {
+        match part {
+            Part::JointPosition => joint_positions(tables, env, out),
+            Part::JointVelocity => out.extend_from_slice(&env.body.qvel),
+            Part::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
+            Part::FingertipPosition => out.extend_from_slice(&sensed.fingertip),
+            Part::Activation => scaled(&env.body.act, 2.0, -1.0, out),
+            Part::TargetPosition => out.extend_from_slice(&centre),
+            Part::TargetSize => out.push(task.current_size()),
+            Part::TargetVector => out.extend_from_slice(&difference(centre, sensed.fingertip)),
+            Part::NextTargetVector => out.extend_from_slice(&difference(task.centre(1), centre)),
+            Part::Phase => out.push(task.phase * S::lit(1.0 / tables.task.targets.len() as f64)),
+            Part::DwellFraction => out.push(dwell_fraction(tables, env)),
+            Part::TimeLeft => {
+                let limit = tables.task.time_limit.to_f64();
+                out.push(task.step.mul_add(S::lit(-1.0 / limit), S::lit(1.0)));
+            }
+            Part::Inside => out.push(S::indicator(inside(sensed, task))),
+            Part::Touch => out.push(touch(tables, env)),
+        }
+    }
+}
+
+/// Appends `x * factor + offset`.
+#[inline(always)]
+fn scaled<S: Scalar>(values: &[S], factor: f64, offset: f64, out: &mut Vec<S>) {
+    for &x in values {
+        out.push(x.mul_add(S::lit(factor), S::lit(offset)));
+    }
+}
+
+#[inline(always)]
+fn joint_positions<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, out: &mut Vec<S>) {
+    for (dof, &q) in tables.plan.dofs.iter().zip(&env.body.qpos) {
+        let Some([lo, hi]) = dof.range.map(|range| range.map(Real::to_f64)) else {
+            out.push(q);
+            continue;
+        };
+        let scale = 2.0 / (hi - lo);
+        out.push(q.mul_add(S::lit(scale), S::lit(-1.0 - lo * scale)));
+    }
+}
+
+#[inline(always)]
+fn dwell_fraction<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>) -> S {
+    let mut fraction = S::zero();
+    for (index, target) in tables.task.targets.iter().enumerate() {
+        if let TargetKind::Sphere(sphere) = target {
+            let share = env.task.dwell * S::lit(1.0 / sphere.dwell.to_f64());
+            fraction = S::select(env.task.is_current(index), share, fraction);
+        }
+    }
+    fraction
+}
+
+#[inline(always)]
+fn touch<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>) -> S {
+    let mut share = S::zero();
+    for (index, target) in tables.task.targets.iter().enumerate() {
+        if let TargetKind::Button(button) = target {
+            let part = (env.touch * S::lit(1.0 / button.min_force.to_f64())).min(S::lit(1.0));
+            share = S::select(env.task.is_current(index), part, share);
+        }
+    }
+    share
+}

@@ -1,0 +1,86 @@
+//! Everything about one environment (or one per lane) that changes.
+
+use crate::tables::Tables;
+use myo_dynamics::State;
+use myo_scalar::{Counter, Scalar, Word};
+use myo_tasks::logic::TaskState;
+
+/// Number of weighted reward terms that are summed up over an episode.
+pub const REWARD_TERMS: usize = 5;
+
+/// State of one environment per lane.
+#[derive(Clone, Debug)]
+pub struct EnvState<S: Scalar> {
+    /// The body.
+    pub body: State<S>,
+    /// Targets and counters.
+    pub task: TaskState<S>,
+    /// Accelerations of the last physics step (rad/s^2); zero after a reset.
+    pub qacc: Vec<S>,
+    /// Greatest contact force of the last control step (N).
+    pub touch: S,
+    /// One where the next step resets instead of stepping.
+    pub pending: S,
+    /// Sums over the episode: reward terms, then mean squared controls.
+    pub sums: [S; REWARD_TERMS + 1],
+    /// Seed, low half first.
+    pub seed: [S::Word; 2],
+    /// Which environment.
+    pub env: S::Word,
+    /// Which episode.
+    pub episode: S::Word,
+    /// Control steps in this episode, for random draws.
+    pub step: S::Word,
+}
+
+impl<S: Scalar> EnvState<S> {
+    /// Memory; to be filled by `load` or a reset.
+    #[inline(always)]
+    pub fn new(tables: &Tables<S::Const>) -> Self {
+        let (o, w) = (S::zero(), S::Word::splat(0));
+        Self {
+            body: State::new(&tables.plan),
+            task: TaskState::new(tables.task.targets.len()),
+            qacc: vec![o; tables.plan.ndof()],
+            touch: o,
+            pending: o,
+            sums: [o; REWARD_TERMS + 1],
+            seed: [w; 2],
+            env: w,
+            episode: w,
+            step: w,
+        }
+    }
+
+    /// How many numbers [`EnvState::numbers`] visits.
+    pub fn count_numbers(tables: &Tables<S::Const>) -> usize {
+        let (ndof, nmuscle, ntarget) = (tables.plan.ndof(), tables.plan.nmuscle(), tables.task.targets.len());
+        3 * ndof + nmuscle + 5 * ntarget + 3 + 2 + REWARD_TERMS + 1
+    }
+
+    /// How many integers [`EnvState::words`] visits.
+    pub const WORDS: usize = 5;
+
+    /// Every number, in a fixed order.
+    #[inline(always)]
+    pub fn numbers(&mut self) -> impl Iterator<Item = &mut S> {
+        let (body, task) = (&mut self.body, &mut self.task);
+        let body = body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act).chain(&mut self.qacc);
+        let targets = task.position.iter_mut().flatten().chain(&mut task.size).chain(&mut task.done_at);
+        let counters = [&mut task.phase, &mut task.dwell, &mut task.step, &mut self.touch, &mut self.pending];
+        body.chain(targets).chain(counters).chain(&mut self.sums)
+    }
+
+    /// Every integer, in a fixed order.
+    #[inline(always)]
+    pub fn words(&mut self) -> [&mut S::Word; 5] {
+        let [low, high] = &mut self.seed;
+        [low, high, &mut self.env, &mut self.episode, &mut self.step]
+    }
+
+    /// Names the random draws of the current step; the caller sets the stream.
+    #[inline(always)]
+    pub fn counter(&self) -> Counter<S::Word> {
+        Counter { seed: self.seed, env: self.env, episode: self.episode, step: self.step, stream: S::Word::splat(0) }
+    }
+}

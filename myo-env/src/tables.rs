@@ -1,0 +1,102 @@
+//! Everything about a model and a task that stays fixed, in the precision of the backend.
+
+use crate::config::BuildError;
+use crate::observe::{self, Part};
+use myo_dynamics::{Coupling, Obstacles, Plan, StaticBox, Surface};
+use myo_model::Model;
+use myo_scalar::Real;
+use myo_tasks::logic::CompiledTask;
+use myo_tasks::{Pose, Target, Task};
+
+/// Constants of one environment.
+#[derive(Clone, Debug)]
+pub struct Tables<C> {
+    /// The body.
+    pub plan: Plan<C>,
+    /// What it can touch.
+    pub obstacles: Obstacles<C>,
+    /// What it is to do.
+    pub task: CompiledTask<C>,
+    /// Physics steps per control step.
+    pub substeps: u32,
+    /// Parts of the observation, in order.
+    pub observation: Vec<Part>,
+    /// Standard deviations of motor noise: signal-dependent, constant.
+    pub noise: Option<[C; 2]>,
+    /// How episodes begin.
+    pub start: Start<C>,
+}
+
+/// Distribution of the body's state at the start of an episode: uniform in these intervals.
+#[derive(Clone, Debug)]
+pub struct Start<C> {
+    /// Least joint position, per coordinate.
+    pub lowest: Vec<C>,
+    /// Width of the interval, per coordinate.
+    pub width: Vec<C>,
+    /// Greatest speed, either way.
+    pub speed: C,
+    /// Greatest activation.
+    pub activation: C,
+}
+
+impl<C: Real> Tables<C> {
+    /// Compiles a model and a task.
+    pub fn new(model: &Model, task: &Task) -> Result<Self, BuildError> {
+        let task = task.clone().expanded();
+        let exact = Plan::exact(model, Coupling::Reduced)?;
+        check_control_step(&task, exact.timestep)?;
+        let plan: Plan<C> = exact.specialised().cast();
+        let noise = &task.noise;
+        let noisy = noise.signal_dependent > 0.0 || noise.constant > 0.0;
+        let buttons: Vec<StaticBox> = task.targets.iter().filter_map(button).collect();
+        Ok(Self {
+            obstacles: Obstacles::new(&plan, &buttons, Surface::default()),
+            substeps: task.substeps(exact.timestep),
+            observation: observe::parts(&task.observation),
+            noise: noisy.then(|| [noise.signal_dependent, noise.constant].map(C::from_f64)),
+            start: start(&task, &exact),
+            task: CompiledTask::new(&task),
+            plan,
+        })
+    }
+}
+
+/// The control step must be a whole number of physics steps.
+fn check_control_step(task: &Task, timestep: f64) -> Result<(), BuildError> {
+    let ratio = task.control_dt_s / timestep;
+    if (ratio - ratio.round()).abs() > 1e-6 || ratio < 0.5 {
+        return Err(BuildError::UnevenControlStep { control_dt_s: task.control_dt_s, timestep_s: timestep });
+    }
+    Ok(())
+}
+
+fn button(target: &Target) -> Option<StaticBox> {
+    let Target::Pressing(button) = target else { return None };
+    let rotation = button.rotation();
+    let column = |k: usize| [0, 1, 2].map(|row| rotation[(row, k)]);
+    Some(StaticBox {
+        centre: button.position,
+        axes: [column(0), column(1), column(2)],
+        half_size: button.half_extents(),
+    })
+}
+
+fn start<C: Real>(task: &Task, plan: &Plan<f64>) -> Start<C> {
+    let reset = &task.reset;
+    let interval = |range: Option<[f64; 2]>| match (reset.pose, range) {
+        (Pose::Zero, _) => [0.0, 0.0],
+        (Pose::RangeUniform, Some(range)) => range,
+        // A joint without limits has no range to draw from.
+        (Pose::NearZero, None) | (Pose::RangeUniform, None) => [-reset.pose_spread_rad, reset.pose_spread_rad],
+        (Pose::NearZero, Some([lo, hi])) => [-reset.pose_spread_rad, reset.pose_spread_rad].map(|q| q.clamp(lo, hi)),
+    };
+    let intervals: Vec<[f64; 2]> = plan.dofs.iter().map(|dof| interval(dof.range)).collect();
+    let speed = if reset.pose == Pose::Zero { 0.0 } else { reset.velocity_spread_rad_s };
+    Start {
+        lowest: intervals.iter().map(|[lo, _]| C::from_f64(*lo)).collect(),
+        width: intervals.iter().map(|[lo, hi]| C::from_f64(hi - lo)).collect(),
+        speed: C::from_f64(speed),
+        activation: C::from_f64(reset.activation_max),
+    }
+}
