@@ -34,10 +34,10 @@ struct Active<C> {
 struct Passive<C> {
     length_scale: C,
     length_offset: C,
-    /// Reciprocal width of the cubic part, starting at optimal length.
-    width: C,
-    /// A quarter of the force at `lmax` (N).
-    quarter_force: C,
+    /// Reciprocal width of the quadratic part, starting at optimal length.
+    inverse_width: C,
+    /// Force at the end of the quadratic part (N).
+    half_force: C,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,8 +88,8 @@ impl<C: Real> Muscle<C> {
             passive: Passive {
                 length_scale: c(bias_scale),
                 length_offset: c(bias_offset),
-                width: c(1.0 / (bias_inflection - 1.0).max(TINY)),
-                quarter_force: c(0.25 * bias.fpmax * peak_force(bias, acc0)),
+                inverse_width: c(1.0 / (bias_inflection - 1.0).max(TINY)),
+                half_force: c(0.5 * bias.fpmax * peak_force(bias, acc0)),
             },
             activation: Activation {
                 rate_act: c(1.0 / parameters.tau_act),
@@ -121,8 +121,8 @@ impl<C: Real> Muscle<C> {
             passive: Passive {
                 length_scale: c(p.length_scale),
                 length_offset: c(p.length_offset),
-                width: c(p.width),
-                quarter_force: c(p.quarter_force),
+                inverse_width: c(p.inverse_width),
+                half_force: c(p.half_force),
             },
             activation: Activation {
                 rate_act: c(t.rate_act),
@@ -190,15 +190,15 @@ impl<C: Real> Active<C> {
 }
 
 impl<C: Real> Passive<C> {
-    /// Passive force (N): cubic from optimal length to the inflection point, linear beyond.
+    /// Passive force (N): quadratic from optimal length to the inflection point, linear beyond.
     #[inline(always)]
     fn force<S: Scalar<Const = C>>(&self, length: S) -> S {
         let excess = length.mul_add(S::splat(self.length_scale), S::splat(self.length_offset)) - S::lit(1.0);
-        let t = (excess * S::splat(self.width)).max(S::zero());
-        // t^3 up to one, then its tangent 3 t - 2: written as one expression of the part below one.
-        let cubic = t.min(S::lit(1.0));
-        let shape = (cubic * cubic).mul_add(cubic, (t - cubic) * S::lit(3.0));
-        shape * S::splat(self.quarter_force)
+        let t = (excess * S::splat(self.inverse_width)).max(S::zero());
+        // t^2 up to one, then its tangent 2 t - 1: written as one expression of the part below one.
+        let quadratic = t.min(S::lit(1.0));
+        let shape = quadratic.mul_add(quadratic, (t - quadratic) * S::lit(2.0));
+        shape * S::splat(self.half_force)
     }
 }
 

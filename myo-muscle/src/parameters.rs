@@ -56,7 +56,8 @@ pub struct CurveParameters {
     /// Greatest shortening speed, optimal lengths per second.
     #[garde(range(min = 1e-6))]
     pub vmax: f64,
-    /// Passive force at `lmax`, in units of the peak isometric force.
+    /// Scale of the passive force, in units of the peak isometric force: half of it is reached midway between optimal
+    /// length and `lmax`, one and a half times it at `lmax`.
     #[garde(range(min = 0.0))]
     pub fpmax: f64,
     /// Active force at saturating lengthening speed, in units of the peak isometric force.

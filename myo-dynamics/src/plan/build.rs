@@ -29,6 +29,7 @@ impl Plan<f64> {
             timestep: h,
             implicit_damping: model.options.implicit_joint_damping,
             gravity: model.options.gravity,
+            origin: shoulder_in_zero_pose(model).into(),
             dofs: dofs(model, &drives),
             screws: tree.screws,
             links: tree.links,

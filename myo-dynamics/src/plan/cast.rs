@@ -27,6 +27,7 @@ impl Plan<f64> {
             timestep: c(self.timestep),
             implicit_damping: self.implicit_damping,
             gravity: vector(self.gravity),
+            origin: vector(self.origin),
             dofs: self.dofs.iter().map(Dof::cast).collect(),
             links: self.links.iter().map(Link::cast).collect(),
             screws: self.screws.clone(),

@@ -11,7 +11,9 @@ mod specialise;
 
 use crate::impedance::Impedance;
 use crate::polynomial::{Domain, Polynomial};
+use crate::step::kinematics::joint_state;
 use myo_muscle::Muscle;
+use myo_scalar::{Real, Scalar};
 
 /// What becomes of joint couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -33,6 +35,8 @@ pub struct Plan<C> {
     pub implicit_damping: bool,
     /// Gravity in world axes (m/s^2).
     pub gravity: [C; 3],
+    /// Position of O in the model's world (m): what to add to a position of this plan to get the model's.
+    pub origin: [C; 3],
     /// Generalised coordinates.
     pub dofs: Vec<Dof<C>>,
     /// Moving frames, parents first; entry 0 is the world.
@@ -380,6 +384,18 @@ impl<C> Plan<C> {
     /// Number of muscles.
     pub fn nmuscle(&self) -> usize {
         self.muscles.len()
+    }
+}
+
+impl<C: Real> Plan<C> {
+    /// Positions of all joints of the model, coupled ones included, in the model's order.
+    pub fn joint_positions<S: Scalar<Const = C>>(&self, qpos: &[S]) -> Vec<S> {
+        self.joints.iter().map(|drive| joint_state(drive, qpos, qpos).position).collect()
+    }
+
+    /// Rates of all joints of the model.
+    pub fn joint_rates<S: Scalar<Const = C>>(&self, qpos: &[S], qvel: &[S]) -> Vec<S> {
+        self.joints.iter().map(|drive| joint_state(drive, qpos, qvel).rate).collect()
     }
 }
 

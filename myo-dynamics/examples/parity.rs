@@ -1,0 +1,223 @@
+//! Writes what this crate computes of the built-in arm, to be compared with MuJoCo:
+//! `cargo run -p myo-dynamics --example parity -- DIRECTORY`.
+//!
+//! `model.xml` and `press.xml` are the arm for MuJoCo, without and with a button; `states.json` holds every quantity of one
+//! evaluation in 1,000 random states, `rollouts.json` joint positions over one second of random excitations, `press.json`
+//! the force on the button. Positions are those of all joints; forces have MuJoCo's sign.
+
+use myo_dynamics::spatial::Wrench;
+use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
+use myo_dynamics::{Batch, Coupling, Obstacles, Plan, State, StaticBox, Surface, Workspace};
+use myo_model::mjcf::{Button, MjcfOptions, to_mjcf};
+use myo_model::{Model, builtin};
+use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
+use nalgebra::{UnitQuaternion, Vector3};
+use serde_json::{Value, json};
+use std::error::Error;
+use std::path::PathBuf;
+
+const STATES: u32 = 1000;
+const ROLLOUTS: u32 = 16;
+const CONTROL_STEPS: usize = 20;
+const PHYSICS_STEPS: usize = 25;
+const PRESSES: u32 = 60;
+/// How far joints may be beyond their limits (rad): four degrees.
+const BEYOND: f64 = 0.07;
+/// How far coupled joints may be from where their coupling holds them (rad).
+const SLACK: f64 = 1e-3;
+/// Half sizes of the button (m).
+const BUTTON: [f64; 3] = [0.03, 0.02, 0.01];
+const BUTTON_NAME: &str = "button";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let directory = PathBuf::from(std::env::args().nth(1).ok_or("usage: parity DIRECTORY")?);
+    std::fs::create_dir_all(&directory)?;
+    let model = Model::new(&builtin("mobl-arms")?)?;
+    let arm = Arm { soft: Plan::exact(&model, Coupling::Soft)?, reduced: Plan::exact(&model, Coupling::Reduced)? };
+    let write = |name: &str, text: String| std::fs::write(directory.join(name), text);
+    write("model.xml", to_mjcf(&model, &MjcfOptions::default()))?;
+    write("press.xml", to_mjcf(&model, &MjcfOptions { buttons: vec![button()], ..MjcfOptions::default() }))?;
+    write("states.json", Value::from_iter((0..STATES).map(|k| arm.state(Draws::new(1, k)))).to_string())?;
+    write("rollouts.json", Value::from_iter((0..ROLLOUTS).map(|k| arm.rollout(Draws::new(2, k)))).to_string())?;
+    write("press.json", Value::from_iter((0..PRESSES).map(|k| arm.press(Draws::new(3, k), k))).to_string())?;
+    Ok(())
+}
+
+/// A sequence of reproducible random numbers.
+struct Draws {
+    stream: u32,
+    case: u32,
+    next: u32,
+}
+
+impl Draws {
+    fn new(stream: u32, case: u32) -> Self {
+        Self { stream, case, next: 0 }
+    }
+    /// Uniform between two bounds.
+    fn between(&mut self, lo: f64, hi: f64) -> f64 {
+        let word = <f64 as Scalar>::Word::splat;
+        let [env, episode, step, stream] = [self.case, self.stream, 0, self.next].map(word);
+        self.next += 1;
+        lo + (hi - lo) * unit::<f64>(philox(Counter { seed: seed_words(2026), env, episode, step, stream })[0])
+    }
+    fn vector(&mut self, count: usize, lo: f64, hi: f64) -> Vec<f64> {
+        (0..count).map(|_| self.between(lo, hi)).collect()
+    }
+    fn rotation(&mut self) -> UnitQuaternion<f64> {
+        let axis = Vector3::from_vec(self.vector(3, -3.0, 3.0));
+        UnitQuaternion::from_scaled_axis(axis)
+    }
+}
+
+struct Arm {
+    soft: Plan<f64>,
+    reduced: Plan<f64>,
+}
+
+impl Arm {
+    /// Coordinates within their limits, moved outwards by up to `beyond`.
+    fn pose(&self, draws: &mut Draws, beyond: f64) -> Vec<f64> {
+        let range = |range: Option<[f64; 2]>| range.expect("free joints of the arm are limited");
+        self.reduced
+            .dofs
+            .iter()
+            .map(|dof| range(dof.range))
+            .map(|[lo, hi]| draws.between(lo - beyond, hi + beyond))
+            .collect()
+    }
+
+    /// A state of all joints in which the couplings hold up to `slack`.
+    fn full_state(&self, draws: &mut Draws, beyond: f64, slack: f64) -> State<f64> {
+        let qpos = self.pose(draws, beyond);
+        let qvel = draws.vector(qpos.len(), -5.0, 5.0);
+        let mut shaken = |joints: Vec<f64>, by: f64| joints.iter().map(|x| x + draws.between(-by, by)).collect();
+        State {
+            qpos: shaken(self.reduced.joint_positions(&qpos), slack),
+            qvel: shaken(self.reduced.joint_rates(&qpos, &qvel), 100.0 * slack),
+            act: draws.vector(self.soft.nmuscle(), 0.0, 1.0),
+        }
+    }
+
+    fn state(&self, mut draws: Draws) -> Value {
+        let beyond = if draws.case.is_multiple_of(2) { BEYOND } else { -BEYOND };
+        let state = self.full_state(&mut draws, beyond, SLACK);
+        let plan = &self.soft;
+        let mut ws = Workspace::<f64>::new(plan);
+        step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
+        json!({
+            "qpos": state.qpos, "qvel": state.qvel, "act": state.act,
+            "ctrl": draws.vector(plan.nmuscle(), 0.0, 1.0),
+            "tendon_length": ws.tendon_length,
+            "tendon_velocity": ws.tendon_velocity,
+            "muscle_force": ws.muscle_force,
+            "qacc_soft": ws.qacc,
+            "qfrc_passive": passive_force(plan, &state, &mut ws),
+            "qfrc_bias": bias_force(plan, &state, &mut ws),
+        })
+    }
+
+    /// One second of random excitations, held for one control step each, from rest with relaxed muscles, as tasks start.
+    fn rollout(&self, mut draws: Draws) -> Value {
+        let plan = &self.reduced;
+        let fast = plan.specialised();
+        let mut state = State { qpos: self.pose(&mut draws, -0.2), ..State::<f64>::new(plan) };
+        let mut lanes = Batch::new(&fast, 1, Level::detect());
+        lanes.set_state(0, &state.qpos, &state.qvel, &state.act);
+        let start = state.clone();
+        let mut ws = Workspace::<f64>::new(plan);
+        let obstacles = Obstacles::none(plan);
+        let (mut ctrl, mut reduced, mut in_lanes) = (vec![], vec![], vec![]);
+        for _ in 0..CONTROL_STEPS {
+            let excitation = draws.vector(plan.nmuscle(), 0.0, 1.0);
+            lanes.set_ctrl(0, &excitation.iter().map(|&u| u as f32).collect::<Vec<_>>());
+            lanes.step(PHYSICS_STEPS);
+            for _ in 0..PHYSICS_STEPS {
+                step::step(plan, &obstacles, &excitation, &mut state, &mut ws);
+            }
+            let widened: Vec<f64> = lanes.qpos(0).into_iter().map(f64::from).collect();
+            in_lanes.push(plan.joint_positions(&widened));
+            reduced.push(plan.joint_positions(&state.qpos));
+            ctrl.push(excitation);
+        }
+        json!({
+            "qpos0": plan.joint_positions(&start.qpos), "qvel0": plan.joint_rates(&start.qpos, &start.qvel),
+            "act0": start.act, "ctrl": ctrl, "qpos_reduced": reduced, "qpos_lanes": in_lanes,
+        })
+    }
+
+    fn press(&self, mut draws: Draws, case: u32) -> Value {
+        let plan = &self.soft;
+        let state = self.full_state(&mut draws, -BEYOND, 0.0);
+        let mut ws = Workspace::<f64>::new(plan);
+        kinematics(plan, &state.qpos, &state.qvel, &mut ws);
+        let turn = draws.rotation();
+        let centre = Vector3::from(step::fingertip(plan, &ws)) - turn * point_at_button(&mut draws, case);
+        let axes = turn.to_rotation_matrix();
+        let obstacle = StaticBox {
+            centre: centre.into(),
+            axes: [0, 1, 2].map(|k| axes.matrix().column(k).into_owned().into()),
+            half_size: BUTTON,
+        };
+        step::forward(plan, &Obstacles::new(plan, &[obstacle], Surface::default()), &state, &mut ws);
+        let in_world = centre + Vector3::from(plan.origin);
+        json!({
+            "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": draws.vector(plan.nmuscle(), 0.0, 1.0),
+            "button": {"pos": in_world.as_slice(), "quat": [turn.w, turn.i, turn.j, turn.k]},
+            "touch_force": ws.contact.force,
+        })
+    }
+}
+
+/// Springs and dampers.
+fn passive_force(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> Vec<f64> {
+    force::passive(plan, state, ws);
+    ws.torque.clone()
+}
+
+/// Gravity, centrifugal and Coriolis forces, with the sign of a resistance.
+fn bias_force(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> Vec<f64> {
+    kinematics(plan, &state.qpos, &state.qvel, ws);
+    ws.torque.fill(0.0);
+    ws.joint_torque.fill(0.0);
+    ws.wrench.fill(Wrench::zero());
+    inertia::resist(plan, ws);
+    force::project(plan, ws);
+    ws.torque.iter().map(|t| -t).collect()
+}
+
+/// Where the fingertip is, in the button's axes: over and in faces, at edges and corners, deep inside, out of touch.
+fn point_at_button(draws: &mut Draws, case: u32) -> Vector3<f64> {
+    let sign = |draws: &mut Draws| if draws.between(0.0, 1.0) < 0.5 { -1.0 } else { 1.0 };
+    let mut inside = |share: f64| Vector3::from(BUTTON.map(|half| half * draws.between(-share, share)));
+    let mut point = match case % 6 {
+        5 => return inside(0.95),
+        _ => inside(0.9),
+    };
+    if case == 4 {
+        return point + Vector3::new(0.0, 0.0, 0.05);
+    }
+    // How many faces meet here: one is a face, two an edge, three a corner.
+    let faces = [1, 1, 2, 3, 2][case as usize % 6];
+    let first = draws.between(0.0, 2.999) as usize;
+    for k in 0..faces {
+        let axis = (first + k) % 3;
+        let side = sign(draws);
+        let height = if case % 6 == 1 { draws.between(-0.003, 0.0) } else { draws.between(0.0, 0.001) };
+        point[axis] = side * (BUTTON[axis] + height);
+    }
+    point
+}
+
+fn button() -> Button {
+    let surface = Surface::default();
+    Button {
+        name: BUTTON_NAME.into(),
+        pos: Vector3::new(1.0, 0.0, 1.0),
+        quat: UnitQuaternion::identity(),
+        half_size: BUTTON,
+        margin: surface.margin,
+        friction: [surface.friction, 0.005, 0.0001],
+        softness: surface.softness,
+    }
+}
