@@ -5,7 +5,7 @@ use crate::state::{EnvState, REWARD_TERMS};
 use crate::tables::Tables;
 use myo_dynamics::{Workspace, step};
 use myo_muscle::noisy_excitation;
-use myo_scalar::{Counter, Mask, Real, Scalar, Word, normal_pair, philox, unit};
+use myo_scalar::{Counter, Mask, Real, Scalar, Stage, Word, normal_pair, philox, unit};
 use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
 
 /// Random streams of this crate.
@@ -75,14 +75,14 @@ pub fn episode_names(ntarget: usize) -> Vec<String> {
 #[inline(always)]
 pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
     excite(tables, env, &mut ws.ctrl);
-    let sensed = simulate(tables, env, ws);
+    S::outline(stages::Physics { tables, env, ws });
+    let sensed = sense(tables, env, &mut ws.physics);
     let distance = distance_before(tables, env, &sensed);
     let progress = logic::advance(&tables.task, &sensed, &mut env.task);
     let effort = sum_of_squares(&ws.ctrl);
     let terms = logic::reward(&tables.task, &progress, distance, effort, sum_of_squares(&env.qacc));
     add_up(tables, env, &terms, effort);
-    ws.observation.clear();
-    observe(tables, env, &sensed, &mut ws.observation);
+    S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.observation });
     summarise(tables, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }
@@ -106,9 +106,79 @@ fn excite<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ctrl: &mu
     env.step = env.step + S::Word::splat(1);
 }
 
+/// The stages of a control step that are functions of their own.
+mod stages {
+    use super::*;
+
+    /// All physics steps of a control step.
+    pub struct Physics<'a, S: Scalar> {
+        pub tables: &'a Tables<S::Const>,
+        pub env: &'a mut EnvState<S>,
+        pub ws: &'a mut Scratch<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Physics<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            simulate(self.tables, self.env, self.ws);
+        }
+    }
+
+    /// Kinematics and observation of the state reached.
+    pub struct Look<'a, S: Scalar> {
+        pub tables: &'a Tables<S::Const>,
+        pub env: &'a EnvState<S>,
+        pub physics: &'a mut Workspace<S>,
+        pub out: &'a mut [S; 3],
+    }
+
+    impl<S: Scalar> Stage<S> for Look<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            let Self { tables, env, physics, out } = self;
+            step::kinematics::kinematics(&tables.plan, &env.body.qpos, &env.body.qvel, physics);
+            *out = step::fingertip(&tables.plan, physics);
+        }
+    }
+
+    /// The observation.
+    pub struct Observe<'a, S: Scalar> {
+        pub tables: &'a Tables<S::Const>,
+        pub env: &'a EnvState<S>,
+        pub sensed: &'a Sensed<S>,
+        pub out: &'a mut Vec<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Observe<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            self.out.clear();
+            observe(self.tables, self.env, self.sensed, self.out);
+        }
+    }
+
+    /// Draws of a new episode.
+    pub struct Draw<'a, S: Scalar> {
+        pub tables: &'a Tables<S::Const>,
+        pub mask: S::Mask,
+        pub env: &'a mut EnvState<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Draw<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            draw_episode(self.tables, self.mask, self.env);
+        }
+    }
+}
+
 /// Runs the physics; a short tap between two control steps counts, so the greatest force is kept.
 #[inline(always)]
-fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Sensed<S> {
+fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let (mut touch_force, mut touched) = (S::zero(), S::lit(-1.0));
     for _ in 0..tables.substeps {
         step::step(&tables.plan, &tables.obstacles, &ws.ctrl, &mut env.body, &mut ws.physics);
@@ -118,15 +188,15 @@ fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mu
         touched = S::select(harder, contact.index, touched);
     }
     env.qacc.copy_from_slice(&ws.physics.qacc);
-    env.touch = touch_force;
-    sense(tables, env, touched, &mut ws.physics)
+    (env.touch, env.touched) = (touch_force, touched);
 }
 
-/// Where the fingertip is at the state reached.
+/// Where the fingertip is at the state reached, and what it touched on the way.
 #[inline(always)]
-fn sense<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, touched: S, physics: &mut Workspace<S>) -> Sensed<S> {
-    step::kinematics::kinematics(&tables.plan, &env.body.qpos, &env.body.qvel, physics);
-    Sensed { fingertip: step::fingertip(&tables.plan, physics), touch_force: env.touch, touched }
+fn sense<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, physics: &mut Workspace<S>) -> Sensed<S> {
+    let mut fingertip = [S::zero(); 3];
+    S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
+    Sensed { fingertip, touch_force: env.touch, touched: env.touched }
 }
 
 #[inline(always)]
@@ -191,20 +261,24 @@ fn summarise<S: Scalar>(
 #[inline(always)]
 pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     if mask.any() {
-        let (zero, one) = (S::Word::splat(0), S::Word::splat(1));
-        env.episode = S::select_word(mask, env.episode + one, env.episode);
-        env.step = S::select_word(mask, zero, env.step);
-        draw_body(tables, mask, env);
-        logic::draw_targets(&tables.task, mask, env.counter(), &mut env.task);
-        env.task.restart(mask);
-        let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
-        for x in counters {
-            *x = S::select(mask, S::zero(), *x);
-        }
+        S::outline(stages::Draw { tables, mask, env });
     }
-    let sensed = sense(tables, env, S::lit(-1.0), &mut ws.physics);
-    ws.next_observation.clear();
-    observe(tables, env, &sensed, &mut ws.next_observation);
+    let sensed = sense(tables, env, &mut ws.physics);
+    S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.next_observation });
+}
+
+#[inline(always)]
+fn draw_episode<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
+    let (zero, one) = (S::Word::splat(0), S::Word::splat(1));
+    env.episode = S::select_word(mask, env.episode + one, env.episode);
+    env.step = S::select_word(mask, zero, env.step);
+    draw_body(tables, mask, env);
+    logic::draw_targets(&tables.task, mask, env.counter(), &mut env.task);
+    env.task.restart(mask);
+    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
+    for x in counters {
+        *x = S::select(mask, S::zero(), *x);
+    }
 }
 
 #[inline(always)]

@@ -19,6 +19,8 @@ pub struct EnvState<S: Scalar> {
     pub qacc: Vec<S>,
     /// Greatest contact force of the last control step (N).
     pub touch: S,
+    /// The button that it acted on; meaningless where there was no force.
+    pub touched: S,
     /// One where the next step resets instead of stepping.
     pub pending: S,
     /// Sums over the episode: reward terms, then mean squared controls.
@@ -43,6 +45,7 @@ impl<S: Scalar> EnvState<S> {
             task: TaskState::new(tables.task.targets.len()),
             qacc: vec![o; tables.plan.ndof()],
             touch: o,
+            touched: o,
             pending: o,
             sums: [o; REWARD_TERMS + 1],
             seed: [w; 2],
@@ -55,7 +58,7 @@ impl<S: Scalar> EnvState<S> {
     /// How many numbers [`EnvState::numbers`] visits.
     pub fn count_numbers(tables: &Tables<S::Const>) -> usize {
         let (ndof, nmuscle, ntarget) = (tables.plan.ndof(), tables.plan.nmuscle(), tables.task.targets.len());
-        3 * ndof + nmuscle + 5 * ntarget + 3 + 2 + REWARD_TERMS + 1
+        3 * ndof + nmuscle + 5 * ntarget + 3 + 3 + REWARD_TERMS + 1
     }
 
     /// How many integers [`EnvState::words`] visits.
@@ -67,7 +70,8 @@ impl<S: Scalar> EnvState<S> {
         let (body, task) = (&mut self.body, &mut self.task);
         let body = body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act).chain(&mut self.qacc);
         let targets = task.position.iter_mut().flatten().chain(&mut task.size).chain(&mut task.done_at);
-        let counters = [&mut task.phase, &mut task.dwell, &mut task.step, &mut self.touch, &mut self.pending];
+        let counters =
+            [&mut task.phase, &mut task.dwell, &mut task.step, &mut self.touch, &mut self.touched, &mut self.pending];
         body.chain(targets).chain(counters).chain(&mut self.sums)
     }
 

@@ -3,7 +3,7 @@
 //! Values of these types may be made only where the processor has the features AVX2 and FMA; [`crate::dispatch`] sees to it.
 
 use crate::elementary::{self, Bits};
-use crate::scalar::{Mask, Scalar, Word};
+use crate::scalar::{Mask, Scalar, Stage, Word};
 use std::arch::x86_64::*;
 
 const N: usize = 8;
@@ -224,6 +224,10 @@ impl Scalar for F32x8 {
         Self(intrinsic!(_mm256_cvtepi32_ps(word.0)))
     }
     #[inline(always)]
+    fn outline<T: Stage<Self>>(stage: T) -> T::Output {
+        intrinsic!(outlined(stage))
+    }
+    #[inline(always)]
     fn select_word(mask: Mask8, a: U32x8, b: U32x8) -> U32x8 {
         U32x8(intrinsic!(_mm256_castps_si256(_mm256_blendv_ps(
             _mm256_castsi256_ps(b.0),
@@ -231,4 +235,10 @@ impl Scalar for F32x8 {
             mask.0
         ))))
     }
+}
+
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+fn outlined<T: Stage<F32x8>>(stage: T) -> T::Output {
+    stage.run()
 }

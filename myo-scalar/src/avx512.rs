@@ -3,7 +3,7 @@
 //! Values of these types may be made only where the processor has the features AVX-512 F, DQ and VL; [`crate::dispatch`] sees to it.
 
 use crate::elementary::{self, Bits};
-use crate::scalar::{Mask, Scalar, Word};
+use crate::scalar::{Mask, Scalar, Stage, Word};
 use std::arch::x86_64::*;
 
 const N: usize = 16;
@@ -236,7 +236,17 @@ impl Scalar for F32x16 {
         Self(intrinsic!(_mm512_cvtepi32_ps(word.0)))
     }
     #[inline(always)]
+    fn outline<T: Stage<Self>>(stage: T) -> T::Output {
+        intrinsic!(outlined(stage))
+    }
+    #[inline(always)]
     fn select_word(mask: Mask16, a: U32x16, b: U32x16) -> U32x16 {
         U32x16(intrinsic!(_mm512_mask_blend_epi32(mask.0, b.0, a.0)))
     }
+}
+
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+#[inline(never)]
+fn outlined<T: Stage<F32x16>>(stage: T) -> T::Output {
+    stage.run()
 }

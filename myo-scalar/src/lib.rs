@@ -46,4 +46,4 @@ mod scalar;
 pub use level::{Kernel, Level, dispatch};
 pub use philox::{Counter, normal_pair, philox, seed_words, unit};
 pub use portable::F32x8;
-pub use scalar::{Mask, Real, Scalar, Word};
+pub use scalar::{Mask, Real, Scalar, Stage, Word};

@@ -1,6 +1,6 @@
 //! `f64` and `f32`: one environment, the standard library's mathematics.
 
-use crate::scalar::{Mask, Real, Scalar, Word};
+use crate::scalar::{Mask, Real, Scalar, Stage, Word};
 
 impl Mask for bool {
     #[inline(always)]
@@ -143,6 +143,10 @@ macro_rules! plain_scalar {
             #[inline(always)]
             fn from_word(word: U32) -> Self {
                 word.0 as $t
+            }
+            #[inline(never)]
+            fn outline<T: Stage<Self>>(stage: T) -> T::Output {
+                stage.run()
             }
             #[inline(always)]
             fn select_word(mask: bool, a: U32, b: U32) -> U32 {

@@ -2,7 +2,7 @@
 //! multiply-add, both part of that architecture's baseline.
 
 use crate::elementary::{self, Bits};
-use crate::scalar::{Mask, Scalar, Word};
+use crate::scalar::{Mask, Scalar, Stage, Word};
 
 const N: usize = 8;
 
@@ -230,6 +230,10 @@ impl Scalar for F32x8 {
     #[inline(always)]
     fn from_word(word: U32x8) -> Self {
         lanes!(Self, 0.0, |i| word.0[i] as i32 as f32)
+    }
+    #[inline(never)]
+    fn outline<T: Stage<Self>>(stage: T) -> T::Output {
+        stage.run()
     }
     #[inline(always)]
     fn select_word(mask: Mask8, a: U32x8, b: U32x8) -> U32x8 {

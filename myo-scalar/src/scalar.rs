@@ -40,6 +40,15 @@ pub trait Word:
     fn store(self, to: &mut [u32]);
 }
 
+/// Generic work on one kind of number that is compiled as a function of its own. `run` and all that it calls, other
+/// stages aside, must be `#[inline(always)]`.
+pub trait Stage<S> {
+    /// What the stage returns.
+    type Output;
+    /// Does it.
+    fn run(self) -> Self::Output;
+}
+
 /// A number per lane, with the few operations that the physics needs.
 pub trait Scalar:
     Copy
@@ -109,6 +118,10 @@ pub trait Scalar:
     fn from_word(word: Self::Word) -> Self;
     /// Chooses between integers.
     fn select_word(mask: Self::Mask, a: Self::Word, b: Self::Word) -> Self::Word;
+
+    /// Runs a stage in a function of its own, compiled with these lanes' instructions. It bounds the size of functions,
+    /// and so the time that the compiler takes; pass references, not numbers.
+    fn outline<T: Stage<Self>>(stage: T) -> T::Output;
 
     /// `self <= other`, for numbers.
     #[inline(always)]
