@@ -14,7 +14,7 @@ pub mod tendon;
 use crate::obstacles::Obstacles;
 use crate::plan::Plan;
 use crate::workspace::{State, Workspace};
-use myo_scalar::Scalar;
+use myo_scalar::{Scalar, Stage};
 
 /// Advances the state by one time step under muscle excitations `ctrl` in [0, 1].
 #[inline(always)]
@@ -37,18 +37,86 @@ pub fn forward<S: Scalar>(
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
-    kinematics::kinematics(plan, &state.qpos, &state.qvel, ws);
-    tendon::lengths(plan, &state.qpos, &state.qvel, ws);
-    muscle_forces(plan, state, ws);
-    force::passive(plan, state, ws);
-    tendon::pull(plan, ws);
-    inertia::resist(plan, ws);
-    force::project(plan, ws);
-    inertia::mass_matrix(plan, state, ws);
-    constraint::limits(plan, state, ws);
-    constraint::equalities(plan, state, ws);
-    contact::contact(plan, obstacles, state, ws);
-    constraint::solve(plan, ws);
+    S::outline(stages::Positions { plan, state, ws });
+    S::outline(stages::Paths { plan, state, ws });
+    S::outline(stages::Forces { plan, state, ws });
+    S::outline(stages::Constraints { plan, obstacles, state, ws });
+}
+
+/// The parts of a step that are functions of their own.
+mod stages {
+    use super::*;
+
+    /// Where everything is and how fast it moves.
+    pub struct Positions<'a, S: Scalar> {
+        pub plan: &'a Plan<S::Const>,
+        pub state: &'a State<S>,
+        pub ws: &'a mut Workspace<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Positions<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            kinematics::kinematics(self.plan, &self.state.qpos, &self.state.qvel, self.ws);
+        }
+    }
+
+    /// Muscle paths and forces.
+    pub struct Paths<'a, S: Scalar> {
+        pub plan: &'a Plan<S::Const>,
+        pub state: &'a State<S>,
+        pub ws: &'a mut Workspace<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Paths<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            tendon::lengths(self.plan, &self.state.qpos, &self.state.qvel, self.ws);
+            muscle_forces(self.plan, self.state, self.ws);
+        }
+    }
+
+    /// Generalised forces and the mass matrix.
+    pub struct Forces<'a, S: Scalar> {
+        pub plan: &'a Plan<S::Const>,
+        pub state: &'a State<S>,
+        pub ws: &'a mut Workspace<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Forces<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            let Self { plan, state, ws } = self;
+            force::passive(plan, state, ws);
+            tendon::pull(plan, ws);
+            inertia::resist(plan, ws);
+            force::project(plan, ws);
+            inertia::mass_matrix(plan, state, ws);
+        }
+    }
+
+    /// Limits, couplings, contact, and the acceleration.
+    pub struct Constraints<'a, S: Scalar> {
+        pub plan: &'a Plan<S::Const>,
+        pub obstacles: &'a Obstacles<S::Const>,
+        pub state: &'a State<S>,
+        pub ws: &'a mut Workspace<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Constraints<'_, S> {
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            let Self { plan, obstacles, state, ws } = self;
+            constraint::limits(plan, state, ws);
+            constraint::equalities(plan, state, ws);
+            contact::contact(plan, obstacles, state, ws);
+            constraint::solve(plan, ws);
+        }
+    }
 }
 
 /// Fills `muscle_force`.
