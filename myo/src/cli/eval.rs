@@ -1,0 +1,100 @@
+//! `myo eval`: how well a trained policy does.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use myo::train::{Evaluation, RunFolder, evaluate};
+use serde::Serialize;
+
+use super::failure::{Failure, Result};
+use super::interrupt::Interrupt;
+use super::output::{print, print_json, rounded};
+use super::run_config::{Description, newest_checkpoint};
+use super::stage::Stage;
+use super::train::evaluation_seed;
+use super::{parse, report};
+
+/// Most environments side by side.
+const ENVS: usize = 1024;
+
+/// Arguments of `myo eval`.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Eval {
+    /// Run folder
+    run: PathBuf,
+
+    /// Fresh episodes
+    #[arg(long, value_name = "N", default_value = "1000", value_parser = parse::count)]
+    episodes: u64,
+
+    /// Seed of the episodes [default: one made from that of the training, never the same]
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+const HELP: &str = "\
+Examples:
+  myo eval runs/pointing-1
+  myo eval runs/pointing-1 --episodes 10000 --seed 3 --json
+
+The deterministic policy of the newest checkpoint acts; if that file is damaged, the one before it.
+
+JSON: `success` (share of episodes with every target done), `success_interval` (95 %), `episodes`, `targets`, a list with
+`success`, `movement_time_s` and `movement_time_s_sd` each, `final_distance_m`, `effort`, `episode_length_s`, `return`;
+and `run`, `task`, `env_steps` (control steps that the policy was trained for), `seed`. What does not exist is null.";
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Results<'a> {
+    #[serde(flatten)]
+    evaluation: &'a Evaluation,
+    run: String,
+    task: &'a str,
+    env_steps: u64,
+    seed: u64,
+}
+
+/// Runs `myo eval`.
+pub fn run(args: &Eval) -> Result<()> {
+    let folder = RunFolder::open(&args.run)?;
+    let stage = Stage::of(Description::of(&folder)?.task)?;
+    let Some(checkpoint) = newest_checkpoint(&folder)? else {
+        let run = args.run.display();
+        return Err(Failure::sentence(format!("{run} has no checkpoint yet; go on with `myo train --resume {run}`")));
+    };
+    let interrupt = Interrupt::listen()?;
+    let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
+    let episodes = usize::try_from(args.episodes)?;
+    let mut env = stage.env(episodes.min(ENVS), seed)?;
+    let bar = bar(args.episodes);
+    let evaluation = evaluate(&mut checkpoint.policy(), &mut env, episodes, seed, |counted| {
+        bar.set_position(counted as u64);
+        !interrupt.wanted()
+    })?;
+    bar.finish_and_clear();
+    // What was counted before an interrupt over-represents short episodes.
+    if interrupt.wanted() {
+        return Err(Failure::Interrupted);
+    }
+    let task = &stage.task.name;
+    if args.json {
+        let (run, env_steps) = (args.run.display().to_string(), checkpoint.env_steps());
+        return print_json(&Results { evaluation: &evaluation, run, task, env_steps, seed });
+    }
+    let trained = rounded(checkpoint.env_steps() as f64);
+    print(&format!("{}  trained         {trained} control steps\n", report::evaluation(task, &evaluation)))
+}
+
+fn bar(episodes: u64) -> ProgressBar {
+    let target = if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let style = ProgressStyle::with_template("{bar:20} {pos} of {len} episodes, {eta} left");
+    ProgressBar::with_draw_target(Some(episodes), target)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,76 @@
+//! The command line: one file per command.
+
+mod eval;
+mod failure;
+mod interrupt;
+mod model;
+mod output;
+mod parse;
+mod report;
+mod run_config;
+mod stage;
+mod task;
+mod train;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::{Failure, Result};
+
+/// Simulated users made of muscle: describe a pointing or pressing task, train an arm on it, see how well it does.
+#[derive(Parser)]
+#[command(name = "myo", version, after_help = FIRST_STEPS)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+
+    /// Processor threads for everything [default: all]
+    #[arg(long, global = true, value_name = "N", value_parser = parse::positive)]
+    threads: Option<usize>,
+}
+
+const FIRST_STEPS: &str = "\
+Examples:
+  myo train pointing                 train on a task that comes with the program
+  myo eval runs/pointing-1           see how well it does
+  myo task show ar > my.yaml         start a task of your own
+  myo train my.yaml
+
+Exit status: 0 done, 1 failed, 2 wrong usage, 130 stopped by Ctrl-C.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Train a simulated user on a task
+    Train(train::Train),
+    /// Evaluate a trained user on fresh episodes
+    Eval(eval::Eval),
+    /// Tasks: list, show, check
+    #[command(subcommand)]
+    Task(task::Command),
+    /// Models of the body: list, show, export
+    #[command(subcommand)]
+    Model(model::Command),
+}
+
+/// Runs the command of this process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(cli: Cli) -> Result<()> {
+    if let Some(threads) = cli.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;
+    }
+    match cli.command {
+        Command::Train(args) => train::run(&args),
+        Command::Eval(args) => eval::run(&args),
+        Command::Task(command) => task::run(command),
+        Command::Model(command) => model::run(command),
+    }
+}

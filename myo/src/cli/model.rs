@@ -1,0 +1,172 @@
+//! `myo model`: models of the body.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+use myo::model::mjcf::{MjcfOptions, to_mjcf};
+use myo::model::{Model, ModelDescription, builtin, builtin_names};
+
+use super::failure::{Failure, Result, model_failure};
+use super::output::{print, print_json, row, table};
+
+/// What to do with models.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Names of the models that come with the program
+    #[command(after_help = "Example:\n  myo model list")]
+    List {
+        /// Print a JSON list of objects with `name`, `joints`, `muscles`, `source`
+        #[arg(long)]
+        json: bool,
+    },
+    /// What a model consists of
+    #[command(after_help = "Example:\n  myo model show mobl-arms")]
+    Show {
+        /// Name of a model, or a model file
+        model: String,
+        /// Print the whole description as JSON, with the keys of the model file
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write a model for another program
+    #[command(after_help = "Examples:
+  myo model export mobl-arms --format mjcf > arm.xml     for MuJoCo, which simulates the very same model
+  myo model export mobl-arms --format yaml --out arm.yaml")]
+    Export(Export),
+}
+
+/// Arguments of `myo model export`.
+#[derive(Args)]
+pub struct Export {
+    /// Name of a model, or a model file
+    model: String,
+    /// File format
+    #[arg(long, value_enum, default_value_t = Format::Mjcf)]
+    format: Format,
+    /// File to write [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// MuJoCo's XML
+    Mjcf,
+    /// The model file of this program
+    Yaml,
+}
+
+/// Runs a `myo model` command.
+pub fn run(command: Command) -> Result<()> {
+    match command {
+        Command::List { json } => list(json),
+        Command::Show { model, json } => show(&model, json),
+        Command::Export(export) => write(&export),
+    }
+}
+
+/// A model that comes with the program, or that of a file.
+pub fn describe(name_or_file: &str) -> Result<ModelDescription> {
+    let path = Path::new(name_or_file);
+    let looks_like_path = path.components().count() > 1 || path.extension().is_some();
+    if builtin_names().contains(&name_or_file) || !(looks_like_path || path.exists()) {
+        return builtin(name_or_file).map_err(|error| model_failure(&error));
+    }
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::sentence(format!("cannot read {name_or_file}: {error}")))?;
+    ModelDescription::from_yaml(&text, name_or_file).map_err(|error| model_failure(&error))
+}
+
+/// The checked model of [`describe`].
+pub fn open(name_or_file: &str) -> Result<Model> {
+    Model::new(&describe(name_or_file)?).map_err(|error| model_failure(&error))
+}
+
+fn list(json: bool) -> Result<()> {
+    let models = builtin_names().iter().map(|name| describe(name)).collect::<Result<Vec<_>>>()?;
+    if json {
+        let object = |model: &ModelDescription| {
+            let (joints, muscles) = (model.joints.len(), model.muscles.len());
+            serde_json::json!({"name": model.name, "joints": joints, "muscles": muscles, "source": model.source})
+        };
+        return print_json(&models.iter().map(object).collect::<Vec<_>>());
+    }
+    let mut rows = vec![row(["name", "joints", "coupled", "muscles"])];
+    rows.extend(models.iter().map(|model| {
+        let [joints, coupled, muscles] =
+            [model.joints.len(), model.couplings.len(), model.muscles.len()].map(|n| n.to_string());
+        vec![model.name.clone(), joints, coupled, muscles]
+    }));
+    print(&table(&rows))
+}
+
+fn show(name_or_file: &str, json: bool) -> Result<()> {
+    let description = describe(name_or_file)?;
+    if json {
+        return print_json(&description);
+    }
+    let model = Model::new(&description).map_err(|error| model_failure(&error))?;
+    print(&format!("{}\n\nJoints\n{}\nMuscles\n{}", heading(&model, &description), joints(&model), muscles(&model)))
+}
+
+fn heading(model: &Model, description: &ModelDescription) -> String {
+    let mass: f64 = model.bodies.iter().map(|body| body.mass).sum();
+    format!(
+        "{}: {} bodies of {mass:.2} kg, {} joints of which {} follow others, {} muscles\n{}",
+        model.name,
+        // The world is not one of them.
+        model.bodies.len() - 1,
+        model.joints.len(),
+        model.couplings.len(),
+        model.muscles.len(),
+        description.source.trim(),
+    )
+}
+
+fn joints(model: &Model) -> String {
+    let mut rows = vec![row(["name", "moves", "from", "to", "follows"])];
+    rows.extend(model.joints.iter().enumerate().map(|(index, joint)| {
+        let [from, to] = joint.range.map_or([String::new(), String::new()], |range| range.map(|x| format!("{x:.3}")));
+        let coupling = model.couplings.iter().find(|coupling| coupling.dependent == index);
+        let follows = coupling.map_or(String::new(), |coupling| match coupling.independent {
+            Some(leader) => model.joints[leader].name.clone(),
+            None => "held".into(),
+        });
+        vec![joint.name.clone(), model.bodies[joint.body].name.clone(), from, to, follows]
+    }));
+    table(&rows)
+}
+
+fn muscles(model: &Model) -> String {
+    let mut rows = vec![row(["name", "sites", "from", "to"])];
+    rows.extend(model.muscles.iter().map(|muscle| {
+        let end = |site: Option<&usize>| site.map_or("", |&site| model.bodies[model.sites[site].body].name.as_str());
+        let (from, to) = (end(muscle.path.first()), end(muscle.path.last()));
+        row([&muscle.name, &muscle.path.len().to_string(), from, to])
+    }));
+    table(&rows)
+}
+
+fn write(export: &Export) -> Result<()> {
+    let description = describe(&export.model)?;
+    let model = Model::new(&description).map_err(|error| model_failure(&error))?;
+    let text = match export.format {
+        Format::Mjcf => to_mjcf(&model, &MjcfOptions::default()),
+        Format::Yaml => description.to_yaml()?,
+    };
+    match &export.out {
+        Some(path) => write_file(path, &text),
+        None => print(&text),
+    }
+}
+
+/// Writes a file that is whole or not there.
+fn write_file(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        Ok(file.persist(path)?)
+    });
+    written.map(drop).map_err(|error| Failure::sentence(format!("cannot write {}: {error}", path.display())))
+}

@@ -1,0 +1,101 @@
+//! Standard output: text, tables, JSON.
+
+use std::io::{ErrorKind, Write};
+
+use serde::Serialize;
+
+use super::failure::{Failure, Result};
+
+/// Writes text to standard output as it is.
+pub fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(Failure::OutputClosed),
+        Err(error) => Err(Failure::sentence(format!("cannot write the output: {error}"))),
+        Ok(()) => Ok(()),
+    }
+}
+
+/// Writes a value as JSON that people can read, too.
+pub fn print_json(value: &impl Serialize) -> Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// Columns as wide as their widest cell, two spaces apart; the first row is the heading. Cells that begin with a digit
+/// or a sign stand to the right.
+pub fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| rows.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let numeric: Vec<bool> = (0..columns).map(|column| is_numeric(rows, column)).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).zip(&numeric).map(|((cell, &width), &numeric)| match numeric {
+            true => format!("{cell:>width$}"),
+            false => format!("{cell:<width$}"),
+        });
+        format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
+    };
+    rows.iter().map(line).collect()
+}
+
+fn is_numeric(rows: &[Vec<String>], column: usize) -> bool {
+    let number = |cell: &String| cell.is_empty() || cell.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c));
+    rows.iter().skip(1).filter_map(|row| row.get(column)).all(number)
+}
+
+/// A row of a [`table`].
+pub fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(String::from).to_vec()
+}
+
+/// A count with a comma every three digits.
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
+    groups.join(",")
+}
+
+/// A count or rate with three significant digits: `12.3 k`, `4.56 M`.
+pub fn rounded(x: f64) -> String {
+    let (x, unit) = match x.abs() {
+        size if size >= 999.5e6 => (x / 1e9, " G"),
+        size if size >= 999.5e3 => (x / 1e6, " M"),
+        size if size >= 999.5 => (x / 1e3, " k"),
+        _ => (x, ""),
+    };
+    let digits = if x.abs() >= 99.95 { 0 } else { 2 - usize::from(x.abs() >= 9.995) };
+    format!("{x:.digits$}{unit}")
+}
+
+/// A duration for people: `4.2 s`, `3 min 05 s`, `2 h 10 min`.
+pub fn duration(seconds: f64) -> String {
+    let whole = seconds.max(0.0).round() as u64;
+    match whole {
+        0..60 => format!("{seconds:.1} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+/// A share as a percentage.
+pub fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!((grouped(0), grouped(999), grouped(1_234_567)), ("0".into(), "999".into(), "1,234,567".into()));
+        assert_eq!([12.0, 1234.0, 99_960.0, 4.56e6].map(rounded), ["12.0", "1.23 k", "100 k", "4.56 M"]);
+        assert_eq!([4.21, 185.0, 7805.0].map(duration), ["4.2 s", "3 min 05 s", "2 h 10 min"]);
+    }
+
+    #[test]
+    fn tables_align_words_left_and_numbers_right() {
+        let rows = [row(["name", "n"]), row(["a", "10"]), row(["long", "9"])];
+        assert_eq!(table(&rows), "  name   n\n  a     10\n  long   9\n");
+    }
+}

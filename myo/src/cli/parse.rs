@@ -1,0 +1,63 @@
+//! Values of options.
+
+/// A whole number from 1.
+pub fn positive(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if n >= 1 => Ok(n),
+        _ => Err("a whole number from 1 is needed".into()),
+    }
+}
+
+/// A large count from 1: `60000000`, `60_000_000`, `60M`, `1.5M`, `200k` or `6e7`.
+pub fn count(text: &str) -> Result<u64, String> {
+    let plain = text.replace(['_', ','], "");
+    let (digits, unit) = match plain.as_bytes().last() {
+        Some(b'k' | b'K') => (&plain[..plain.len() - 1], 1e3),
+        Some(b'M') => (&plain[..plain.len() - 1], 1e6),
+        Some(b'G') => (&plain[..plain.len() - 1], 1e9),
+        _ => (&plain[..], 1.0),
+    };
+    let number = digits.trim_end().parse::<f64>().unwrap_or(f64::NAN) * unit;
+    // Beyond 2^53 not every whole number exists in binary fractions.
+    if number.fract() == 0.0 && (1.0..=9e15).contains(&number) {
+        return Ok(number as u64);
+    }
+    Err("a whole number from 1 is needed, such as 60000000, 60M or 200k".into())
+}
+
+/// A share to be reached, or `off`.
+pub fn goal(text: &str) -> Result<Goal, String> {
+    if text == "off" {
+        return Ok(Goal(None));
+    }
+    match text.parse() {
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(Goal(Some(share))),
+        _ => Err("a share above 0, at most 1, is needed, such as 0.95, or `off`".into()),
+    }
+}
+
+/// See [`goal`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal(pub Option<f64>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_may_be_short() {
+        for (text, n) in [("1", 1), ("60M", 60_000_000), ("1.5k", 1500), ("6e7", 60_000_000), ("1_000", 1000)] {
+            assert_eq!(count(text), Ok(n), "{text}");
+        }
+        for text in ["", "k", "0", "-1", "1.5", "nan", "inf", "1e30", "many", "é"] {
+            assert!(count(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn goals_are_shares() {
+        assert_eq!(goal("0.95"), Ok(Goal(Some(0.95))));
+        assert_eq!(goal("off"), Ok(Goal(None)));
+        assert!(["0", "95", "1.01", "nan", ""].iter().all(|text| goal(text).is_err()));
+    }
+}

@@ -1,0 +1,46 @@
+//! Evaluations for people.
+
+use myo::train::Evaluation;
+
+use super::output::{grouped, percent, row, table};
+
+/// A small readable table; lines of it may be added.
+pub fn evaluation(task: &str, evaluation: &Evaluation) -> String {
+    let mut text = format!("{}\n", headline(task, evaluation));
+    if !evaluation.targets.is_empty() {
+        text += &format!("\n{}\n", targets(evaluation));
+    }
+    let mut line = |name: &str, value: Option<String>| {
+        if let Some(value) = value {
+            text += &format!("  {name:<14}  {value}\n");
+        }
+    };
+    line("final distance", evaluation.final_distance_m.map(|m| format!("{:.1} cm", 100.0 * m)));
+    line("effort", evaluation.effort.map(|effort| format!("{effort:.4} (mean squared muscle control)")));
+    line("episode", evaluation.episode_length_s.map(|s| format!("{s:.2} s")));
+    line("return", evaluation.episode_return.map(|x| format!("{x:.2}")));
+    text
+}
+
+fn headline(task: &str, evaluation: &Evaluation) -> String {
+    let episodes = grouped(evaluation.episodes);
+    let success = evaluation.success.map_or("-".into(), percent);
+    let interval = evaluation.success_interval.map_or(String::new(), |[low, high]| {
+        format!(" (95 % interval {:.1} to {:.1} %)", 100.0 * low, 100.0 * high)
+    });
+    format!("{task}: {success} of {episodes} fresh episodes succeeded{interval}")
+}
+
+fn targets(evaluation: &Evaluation) -> String {
+    let mut rows = vec![row(["target", "success", "movement time", "sd"])];
+    rows.extend(evaluation.targets.iter().enumerate().map(|(index, target)| {
+        let seconds = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.2} s"));
+        vec![
+            (index + 1).to_string(),
+            percent(target.success),
+            seconds(target.movement_time_s),
+            seconds(target.movement_time_s_sd),
+        ]
+    }));
+    table(&rows)
+}

@@ -1,0 +1,60 @@
+//! What the command line writes into a run's `config.json`, and reads from it.
+
+use std::path::Path;
+
+use myo::tasks::Task;
+use myo::train::{Checkpoint, RunError, RunFolder};
+use serde::{Deserialize, Serialize};
+
+use super::failure::{Failure, Result, complain};
+use super::output::grouped;
+
+/// The caller's part of `config.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Description {
+    /// The whole task, with the keys of a task file.
+    pub task: Task,
+    /// What computed the physics.
+    pub backend: String,
+    /// Version of this program.
+    pub version: String,
+    /// Share of deterministic success at which training stops, if any.
+    pub until: Option<f64>,
+    /// Control steps after which training stops.
+    pub steps: u64,
+}
+
+impl Description {
+    /// What a run is about.
+    pub fn of(run: &RunFolder) -> Result<Self> {
+        let value = run.config().run.clone();
+        serde_json::from_value(value).map_err(|error| {
+            let path = run.path().join("config.json");
+            RunError::BadConfig { path, reason: error.to_string() }.into()
+        })
+    }
+}
+
+/// The task that was trained in a run folder.
+pub fn run_task(path: &Path) -> Result<Task> {
+    Ok(Description::of(&RunFolder::open(path)?)?.task)
+}
+
+/// The newest checkpoint that is whole; tells about newer ones that are not. None if none was written yet.
+pub fn newest_checkpoint(run: &RunFolder) -> Result<Option<Checkpoint>> {
+    let latest = run.latest_checkpoint();
+    for (path, reason) in &latest.refused {
+        complain(&format!("warning: {} cannot be used: {reason}", path.display()));
+    }
+    match &latest.checkpoint {
+        Some(checkpoint) if !latest.refused.is_empty() => {
+            complain(&format!("the checkpoint of {} control steps is used instead", grouped(checkpoint.env_steps())));
+        }
+        None if !latest.refused.is_empty() => {
+            let folder = run.path().display();
+            return Err(Failure::sentence(format!("{folder} has no checkpoint that can be used; train it again")));
+        }
+        _ => {}
+    }
+    Ok(latest.checkpoint)
+}

@@ -1,0 +1,69 @@
+//! A task and the body that does it, ready to be simulated.
+
+use myo::ModelReach;
+use myo::env::{CpuEnv, EnvConfig};
+use myo::model::Model;
+use myo::tasks::{Report, Source, Task, load};
+
+use super::failure::{Failure, Mistake, Result, task_mistakes};
+use super::model;
+
+/// A task and its model.
+pub struct Stage {
+    /// What to do.
+    pub task: Task,
+    /// Who does it.
+    pub model: Model,
+}
+
+impl Stage {
+    /// Reads a preset or a task file and refuses what cannot be done; tells warnings.
+    pub fn open(name_or_file: &str) -> Result<Self> {
+        let source = read(name_or_file)?;
+        let (report, model) = examine(&source)?;
+        let (errors, warnings) = mistakes(&source, &report);
+        warnings.iter().for_each(Mistake::tell);
+        if !errors.is_empty() {
+            return Err(Failure::Mistakes(errors));
+        }
+        Ok(Self { task: source.task, model })
+    }
+
+    /// A task that was checked before.
+    pub fn of(task: Task) -> Result<Self> {
+        let model = model::open(&task.model)?;
+        Ok(Self { task, model })
+    }
+
+    /// Environments that do the task.
+    pub fn env(&self, num_envs: usize, seed: u64) -> Result<CpuEnv> {
+        Ok(CpuEnv::new(&self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })?)
+    }
+}
+
+/// Reads a preset or a task file.
+pub fn read(name_or_file: &str) -> Result<Source> {
+    load(name_or_file).map_err(|error| Failure::Mistakes(task_mistakes(&error)))
+}
+
+/// Everything wrong or odd about a task for its body, and the body.
+pub fn examine(source: &Source) -> Result<(Report, Model)> {
+    let model = model::open(&source.task.model).map_err(|failure| at_model_key(source, failure))?;
+    let reach = ModelReach::new(&model)?;
+    Ok((source.check(&reach), model))
+}
+
+/// An unknown model is a mistake of the task.
+fn at_model_key(source: &Source, failure: Failure) -> Failure {
+    match failure {
+        Failure::Sentence(text) => Failure::Mistakes(vec![Mistake::in_task(source, "model", &text)]),
+        other => other,
+    }
+}
+
+/// The errors and the warnings of a report, with their places.
+pub fn mistakes(source: &Source, report: &Report) -> (Vec<Mistake>, Vec<Mistake>) {
+    let errors = report.errors.iter().map(|error| Mistake::in_task(source, &error.path(), &error.to_string()));
+    let warnings = report.warnings.iter().map(|odd| Mistake::in_task(source, &odd.path(), &odd.to_string()).warning());
+    (errors.collect(), warnings.collect())
+}

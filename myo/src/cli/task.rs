@@ -1,0 +1,130 @@
+//! `myo task`: what the simulated user has to do.
+
+use std::path::Path;
+
+use clap::Subcommand;
+use myo::tasks::{Task, preset, preset_names, preset_text, task_schema};
+use serde_json::json;
+
+use super::failure::{Failure, Mistake, Result};
+use super::output::{print, print_json, row, table};
+use super::run_config::run_task;
+use super::stage;
+
+/// What to do with tasks.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Tasks that come with the program
+    #[command(after_help = "Example:\n  myo task list")]
+    List {
+        /// Print a JSON list of objects with `name`, `description`, `targets` (their number), `time_limit_s`, `model`
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the commented file of a task, to read or to start one of your own
+    #[command(after_help = "Examples:
+  myo task show ar > my.yaml
+  myo train my.yaml
+  myo task show runs/ar-1        the task that was trained there")]
+    Show {
+        /// Name of a task, or a run folder
+        name: String,
+    },
+    /// Say what is wrong with a task, and what is odd
+    #[command(after_help = "Examples:
+  myo task check my.yaml
+  myo task check my.yaml --json
+
+Each finding is one line, `file:line:column: sentence`. Exit status 1 if the task cannot be trained, 0 if it can;
+warnings do not count.
+
+JSON: `ok`, and two lists `errors` and `warnings` of objects with `file`, `line`, `column` (null if about no place)
+and `message`.")]
+    Check {
+        /// Task file, or name of a task
+        task: String,
+        /// Print the findings as JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the JSON Schema of task files, for editors and forms
+    #[command(after_help = "Example:\n  myo task schema > myo-task.schema.json    completes and checks task files in editors")]
+    Schema,
+}
+
+/// Runs a `myo task` command.
+pub fn run(command: Command) -> Result<()> {
+    match command {
+        Command::List { json } => list(json),
+        Command::Show { name } => show(&name),
+        Command::Check { task, json } => check(&task, json),
+        Command::Schema => print_json(&task_schema()),
+    }
+}
+
+fn list(json: bool) -> Result<()> {
+    let tasks: Vec<(&str, Task)> = preset_names().into_iter().filter_map(|name| Some((name, preset(name)?))).collect();
+    if json {
+        let object = |(name, task): &(&str, Task)| {
+            json!({
+                "name": name,
+                "description": task.description,
+                "targets": task.targets.len(),
+                "time_limit_s": task.time_limit_s,
+                "model": task.model,
+            })
+        };
+        return print_json(&tasks.iter().map(object).collect::<Vec<_>>());
+    }
+    let mut rows = vec![row(["name", "targets", "time limit", "description"])];
+    rows.extend(tasks.iter().map(|(name, task)| {
+        row([name, &task.targets.len().to_string(), &format!("{} s", task.time_limit_s), &task.description])
+    }));
+    print(&table(&rows))
+}
+
+fn show(name: &str) -> Result<()> {
+    if let Some(text) = preset_text(name) {
+        return print(text);
+    }
+    if Path::new(name).join("config.json").exists() {
+        return print(&run_task(Path::new(name))?.to_yaml());
+    }
+    print(&stage::read(name)?.text)
+}
+
+fn check(name_or_file: &str, json: bool) -> Result<()> {
+    let (errors, warnings) = match findings(name_or_file) {
+        Ok(found) => found,
+        Err(Failure::Mistakes(errors)) => (errors, Vec::new()),
+        Err(failure) => return Err(failure),
+    };
+    if json {
+        let list = |mistakes: &[Mistake]| mistakes.iter().map(as_json).collect::<Vec<_>>();
+        print_json(&json!({"ok": errors.is_empty(), "errors": list(&errors), "warnings": list(&warnings)}))?;
+        return if errors.is_empty() { Ok(()) } else { Err(Failure::Mistakes(Vec::new())) };
+    }
+    warnings.iter().for_each(Mistake::tell);
+    if !errors.is_empty() {
+        return Err(Failure::Mistakes(errors));
+    }
+    let odd = if warnings.is_empty() { "" } else { ", with warnings" };
+    print(&format!("{name_or_file} can be trained{odd}\n"))
+}
+
+fn findings(name_or_file: &str) -> Result<(Vec<Mistake>, Vec<Mistake>)> {
+    let source = stage::read(name_or_file)?;
+    let (report, _) = stage::examine(&source)?;
+    Ok(stage::mistakes(&source, &report))
+}
+
+fn as_json(mistake: &Mistake) -> serde_json::Value {
+    let place = mistake.place.as_ref();
+    json!({
+        "file": place.map(|place| &place.file),
+        "line": place.map(|place| place.line),
+        "column": place.map(|place| place.column),
+        "message": mistake.message,
+    })
+}
+

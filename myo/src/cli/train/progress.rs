@@ -1,0 +1,70 @@
+//! Progress of training, on standard error.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use myo::train::UpdateMetrics;
+
+use crate::cli::failure::complain;
+use crate::cli::output::{duration, percent, rounded};
+
+/// Time between two lines where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Share of a new rate in the one shown.
+const FRESH: f64 = 0.1;
+
+/// A bar on a terminal, a line every few seconds elsewhere.
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    limit: u64,
+    rate: Option<f64>,
+    last_line: Instant,
+}
+
+impl Progress {
+    /// For a training of at most `limit` control steps.
+    pub fn new(limit: u64) -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| bar(limit));
+        Self { bar, limit, rate: None, last_line: Instant::now() }
+    }
+
+    /// Shows an update.
+    pub fn show(&mut self, metrics: &UpdateMetrics, success: Option<f64>) {
+        let now = metrics.steps_per_s();
+        let rate = self.rate.map_or(now, |rate| rate + FRESH * (now - rate));
+        self.rate = Some(rate);
+        if let Some(bar) = &self.bar {
+            bar.set_position(metrics.env_steps);
+            bar.set_message(self.sentence(metrics, success, rate));
+        } else if self.last_line.elapsed() >= LINE_EVERY {
+            self.last_line = Instant::now();
+            complain(&self.sentence(metrics, success, rate));
+        }
+    }
+
+    fn sentence(&self, metrics: &UpdateMetrics, success: Option<f64>, rate: f64) -> String {
+        let mean = |x: Option<f64>, show: fn(f64) -> String| x.map_or("-".into(), show);
+        let left = duration(self.limit.saturating_sub(metrics.env_steps) as f64 / rate);
+        format!(
+            "{} steps, {} steps/s, success {}, return {}, at most {left} left",
+            rounded(metrics.env_steps as f64),
+            rounded(rate),
+            mean(success, percent),
+            mean(metrics.episode_mean("return"), |x| format!("{x:.1}")),
+        )
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar(limit: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:20} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(limit).with_style(style)
+}

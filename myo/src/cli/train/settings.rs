@@ -1,0 +1,85 @@
+//! Settings of the learner, as the command line changes them.
+
+use myo::model::Nearest;
+use myo::train::PpoConfig;
+use serde_json::Value;
+
+use crate::cli::failure::{Failure, Result};
+
+/// Share of deterministic success at which training stops unless asked otherwise.
+pub const UNTIL: Option<f64> = Some(0.95);
+
+/// Control steps after which training stops unless asked otherwise.
+pub const STEPS: u64 = 60_000_000;
+
+/// The learner's defaults with the changes asked for, `NAME=VALUE` each.
+pub fn settings(num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {
+    let mut table = serde_json::to_value(PpoConfig::default())?;
+    changes.iter().try_for_each(|change| apply(&mut table, change))?;
+    let mut config: PpoConfig = serde_json::from_value(table)?;
+    config.num_envs = num_envs.unwrap_or(config.num_envs);
+    config.validate()?;
+    Ok(config)
+}
+
+fn apply(table: &mut Value, change: &str) -> Result<()> {
+    let Some((name, text)) = change.split_once('=') else {
+        return Err(Failure::sentence(format!("`--set {change}` needs the form NAME=VALUE, such as gamma=0.98")));
+    };
+    let Some(entry) = table.get_mut(name) else {
+        let valid = table.as_object().into_iter().flat_map(|table| table.keys()).map(String::as_str);
+        return Err(Failure::sentence(format!("unknown setting `{name}`; {}", Nearest::to(name, valid))));
+    };
+    match serde_json::from_str::<Value>(text) {
+        Ok(value) if same_kind(&value, entry) => *entry = value,
+        _ => return Err(Failure::sentence(format!("`{name}` is `{text}`; it must be {}", kind(entry)))),
+    }
+    Ok(())
+}
+
+/// Whole numbers stay whole numbers; a list is a list of whole numbers.
+fn same_kind(value: &Value, default: &Value) -> bool {
+    match default {
+        Value::Number(number) if number.is_u64() => value.is_u64(),
+        Value::Number(_) => value.is_number(),
+        Value::Array(_) => value.as_array().is_some_and(|list| list.iter().all(Value::is_u64)),
+        _ => true,
+    }
+}
+
+fn kind(default: &Value) -> &'static str {
+    match default {
+        Value::Number(number) if number.is_u64() => "a whole number, 0 or more",
+        Value::Number(_) => "a number",
+        _ => "a list of whole numbers, such as [128,128]",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sentence(changes: &[&str]) -> String {
+        let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
+        match settings(None, &changes) {
+            Err(Failure::Sentence(text)) => text,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn settings_change_one_by_one() {
+        let changes = ["gamma=0.9".to_owned(), "policy_hidden=[64,32]".to_owned()];
+        let config = settings(Some(8), &changes).unwrap();
+        assert_eq!((config.gamma, config.num_envs), (0.9, 8));
+        assert_eq!(config.policy_hidden, [64, 32]);
+    }
+
+    #[test]
+    fn bad_settings_are_told_in_one_sentence() {
+        assert!(sentence(&["gama=0.9"]).starts_with("unknown setting `gama`; did you mean `gamma`"));
+        assert_eq!(sentence(&["epochs=1.5"]), "`epochs` is `1.5`; it must be a whole number, 0 or more");
+        assert_eq!(sentence(&["gamma=2"]), "gamma is 2.0; it must be at least 0 and less than 1");
+        assert_eq!(sentence(&["gamma"]), "`--set gamma` needs the form NAME=VALUE, such as gamma=0.98");
+    }
+}

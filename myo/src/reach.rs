@@ -1,0 +1,22 @@
+//! The bridge between the body's reach and the checks of a task.
+
+use myo_dynamics::{Coupling, Plan, PlanError, ReachableSpace};
+use myo_model::Model;
+use myo_tasks::Reach;
+
+/// What a model can reach with its fingertip, for [`myo_tasks::check()`].
+#[derive(Clone, Debug)]
+pub struct ModelReach(ReachableSpace);
+
+impl ModelReach {
+    /// Explores the poses of a model.
+    pub fn new(model: &Model) -> Result<Self, PlanError> {
+        Ok(Self(ReachableSpace::new(&Plan::exact(model, Coupling::Reduced)?.specialised())))
+    }
+}
+
+impl Reach for ModelReach {
+    fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+        self.0.distance_out_of_reach(point_rel_shoulder)
+    }
+}
