@@ -1,0 +1,173 @@
+//! Where the fingertip can get to.
+
+use crate::plan::Plan;
+use crate::step::{fingertip, kinematics::kinematics};
+use crate::workspace::Workspace;
+use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};
+use nalgebra::{Matrix3, Vector3};
+
+/// Poses in the cloud that searches start from: one per 6 cm or so of the arm's space.
+const CLOUD: usize = 8192;
+/// Halvings of the space of poses, along one coordinate each.
+const HALVINGS: usize = 4;
+/// A search starts in each of these regions, because from one alone it may end beside the goal.
+const REGIONS: usize = 1 << HALVINGS;
+/// Nearer than this (m) the fingertip is there: less than any target's size, more than what a search leaves.
+const THERE: f64 = 1e-3;
+/// Most rounds of one search; five to ten are usual.
+const MAX_ROUNDS: usize = 40;
+/// How far (m) one round tries to move: the derivative says little about more.
+const LONGEST_STEP: f64 = 0.1;
+/// A round that comes closer by less than this (m) ends the search.
+const LEAST_GAIN: f64 = 1e-5;
+/// What a coordinate without limits is searched over (rad).
+const UNLIMITED: [f64; 2] = [-std::f64::consts::PI, std::f64::consts::PI];
+
+/// The points that the fingertip can reach within the joint limits, couplings respected, forces aside.
+///
+/// A query starts from the nearest of some random poses and refines them (Levenberg 1944, Marquardt 1963, with the
+/// coordinates held in their ranges). The result depends on the plan and the point alone.
+#[derive(Clone, Debug)]
+pub struct ReachableSpace {
+    plan: Plan<f64>,
+    ranges: Vec<[f64; 2]>,
+    /// Pose and fingertip.
+    cloud: Vec<(Vec<f64>, Vector3<f64>)>,
+}
+
+/// One search: pose, what is left to the goal, and the derivative of the fingertip, one column per coordinate.
+struct Search<'a> {
+    space: &'a ReachableSpace,
+    ws: Workspace<f64>,
+    still: Vec<f64>,
+}
+
+impl ReachableSpace {
+    /// Samples the poses of a plan.
+    pub fn new(plan: &Plan<f64>) -> Self {
+        let ranges: Vec<[f64; 2]> = plan.dofs.iter().map(|dof| dof.range.unwrap_or(UNLIMITED)).collect();
+        let mut space = Self { plan: plan.clone(), ranges, cloud: vec![] };
+        let mut search = Search::new(&space);
+        let cloud = (0..CLOUD).map(|k| space.pose(k)).map(|pose| {
+            let tip = search.tip(&pose);
+            (pose, tip)
+        });
+        space.cloud = cloud.collect();
+        space
+    }
+
+    /// A pose drawn at random from the region that its number belongs to.
+    fn pose(&self, number: usize) -> Vec<f64> {
+        let word = <f64 as Scalar>::Word::splat;
+        let draw = |dof: usize| {
+            let [env, stream, zero] = [word(number as u32), word(dof as u32), word(0)];
+            unit::<f64>(philox(Counter { seed: seed_words(0), env, episode: zero, step: zero, stream })[0])
+        };
+        let region = number * REGIONS / CLOUD;
+        let share = |dof: usize| match dof {
+            0..HALVINGS => 0.5 * (draw(dof) + f64::from(u8::from(region >> dof & 1 == 1))),
+            _ => draw(dof),
+        };
+        self.ranges.iter().enumerate().map(|(k, [lo, hi])| lo + (hi - lo) * share(k)).collect()
+    }
+
+    /// How far (m) a point stays from the fingertip at best, zero where the fingertip can get. The point is relative to
+    /// the shoulder centre, in world axes.
+    pub fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+        let goal = Vector3::from(point_rel_shoulder);
+        let mut search = Search::new(self);
+        let mut best = f64::INFINITY;
+        for pose in self.starts(goal) {
+            best = best.min(search.refine(goal, pose.clone()));
+            if best < THERE {
+                return 0.0;
+            }
+        }
+        best
+    }
+
+    /// From each region of the poses the one whose fingertip is nearest to a point, nearest first.
+    fn starts(&self, goal: Vector3<f64>) -> Vec<&Vec<f64>> {
+        let mut nearest = [(f64::INFINITY, 0); REGIONS];
+        for (k, (_, tip)) in self.cloud.iter().enumerate() {
+            let distance = (tip - goal).norm_squared();
+            let region = &mut nearest[k * REGIONS / CLOUD];
+            if distance < region.0 {
+                *region = (distance, k);
+            }
+        }
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.iter().map(|&(_, k)| &self.cloud[k].0).collect()
+    }
+}
+
+impl<'a> Search<'a> {
+    fn new(space: &'a ReachableSpace) -> Self {
+        Self { space, ws: Workspace::new(&space.plan), still: vec![0.0; space.plan.ndof()] }
+    }
+
+    fn tip(&mut self, pose: &[f64]) -> Vector3<f64> {
+        kinematics(&self.space.plan, pose, &self.still, &mut self.ws);
+        Vector3::from(fingertip(&self.space.plan, &self.ws))
+    }
+
+    /// Velocity of the fingertip per unit of each coordinate's speed, at the last pose.
+    fn jacobian(&self, tip: Vector3<f64>) -> Vec<Vector3<f64>> {
+        let plan = &self.space.plan;
+        let at = crate::spatial::Vec3::new(tip.x, tip.y, tip.z);
+        let column = |screw: Option<usize>| screw.map_or([0.0; 3], |screw| self.ws.screw[screw].at(at).array());
+        plan.links[plan.fingertip.link].screw_of_dof.iter().map(|&screw| column(screw).into()).collect()
+    }
+
+    /// Distance that remains after moving from `pose` towards the goal as far as possible.
+    fn refine(&mut self, goal: Vector3<f64>, mut pose: Vec<f64>) -> f64 {
+        let mut tip = self.tip(&pose);
+        let mut jacobian = self.jacobian(tip);
+        let mut left = (goal - tip).norm_squared();
+        let mut damping = 1e-3;
+        for _ in 0..MAX_ROUNDS {
+            if left < THERE * THERE {
+                break;
+            }
+            let way = (goal - tip).cap_magnitude(LONGEST_STEP);
+            let next = self.moved(&pose, &jacobian, way, damping);
+            let next_tip = self.tip(&next);
+            let next_left = (goal - next_tip).norm_squared();
+            if next_left < left {
+                let gain = left.sqrt() - next_left.sqrt();
+                (pose, tip, left, damping) = (next, next_tip, next_left, damping * 0.1);
+                jacobian = self.jacobian(tip);
+                if gain < LEAST_GAIN && damping < 1e-3 {
+                    break;
+                }
+            } else {
+                damping *= 10.0;
+                if damping > 1e2 {
+                    break;
+                }
+            }
+        }
+        left.sqrt()
+    }
+
+    /// A step `J^T (J J^T + damping)^-1 way` of the coordinates that are not held by a limit, cut at the limits.
+    fn moved(&self, pose: &[f64], jacobian: &[Vector3<f64>], way: Vector3<f64>, damping: f64) -> Vec<f64> {
+        let held = |k: usize| {
+            let ([lo, hi], slope) = (self.space.ranges[k], jacobian[k].dot(&way));
+            pose[k] <= lo && slope < 0.0 || pose[k] >= hi && slope > 0.0
+        };
+        let free: Vec<bool> = (0..pose.len()).map(|k| !held(k)).collect();
+        let mut square = Matrix3::identity() * damping;
+        for (column, _) in jacobian.iter().zip(&free).filter(|(_, free)| **free) {
+            square += column * column.transpose();
+        }
+        // Positive definite, whatever the columns are.
+        let dual = square.cholesky().map_or_else(Vector3::zeros, |c| c.solve(&way));
+        (0..pose.len())
+            .map(|k| {
+                let [lo, hi] = self.space.ranges[k];
+                if free[k] { (pose[k] + jacobian[k].dot(&dual)).clamp(lo, hi) } else { pose[k] }
+            })
+            .collect()
+    }
+}
