@@ -93,7 +93,8 @@ pub fn run(args: &Eval) -> Result<()> {
 }
 
 fn bar(episodes: u64) -> ProgressBar {
-    let target = if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let target =
+        if std::io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let style = ProgressStyle::with_template("{bar:20} {pos} of {len} episodes, {eta} left");
     ProgressBar::with_draw_target(Some(episodes), target)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))

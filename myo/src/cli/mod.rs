@@ -1,5 +1,6 @@
 //! The command line: one file per command.
 
+mod bench;
 mod eval;
 mod failure;
 mod interrupt;
@@ -51,6 +52,9 @@ enum Command {
     /// Models of the body: list, show, export
     #[command(subcommand)]
     Model(model::Command),
+    /// Benchmarks: physics, environment, training, NaN hunt
+    #[command(subcommand)]
+    Bench(bench::Command),
 }
 
 /// Runs the command of this process.
@@ -72,5 +76,6 @@ fn run(cli: Cli) -> Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Task(command) => task::run(command),
         Command::Model(command) => model::run(command),
+        Command::Bench(command) => bench::run(&command, cli.threads),
     }
 }

@@ -25,9 +25,9 @@ pub fn evaluation(task: &str, evaluation: &Evaluation) -> String {
 fn headline(task: &str, evaluation: &Evaluation) -> String {
     let episodes = grouped(evaluation.episodes);
     let success = evaluation.success.map_or("-".into(), percent);
-    let interval = evaluation.success_interval.map_or(String::new(), |[low, high]| {
-        format!(" (95 % interval {:.1} to {:.1} %)", 100.0 * low, 100.0 * high)
-    });
+    let interval = evaluation
+        .success_interval
+        .map_or(String::new(), |[low, high]| format!(" (95 % interval {:.1} to {:.1} %)", 100.0 * low, 100.0 * high));
     format!("{task}: {success} of {episodes} fresh episodes succeeded{interval}")
 }
 

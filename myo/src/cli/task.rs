@@ -48,7 +48,9 @@ and `message`.")]
         json: bool,
     },
     /// Print the JSON Schema of task files, for editors and forms
-    #[command(after_help = "Example:\n  myo task schema > myo-task.schema.json    completes and checks task files in editors")]
+    #[command(
+        after_help = "Example:\n  myo task schema > myo-task.schema.json    completes and checks task files in editors"
+    )]
     Schema,
 }
 
@@ -127,4 +129,3 @@ fn as_json(mistake: &Mistake) -> serde_json::Value {
         "message": mistake.message,
     })
 }
-

@@ -1,0 +1,70 @@
+//! `myo bench`: how fast it is here.
+
+mod env;
+mod machine;
+mod mujoco;
+mod nan;
+mod physics;
+mod random;
+mod train;
+
+use clap::{Subcommand, ValueEnum};
+use myo::scalar::Level;
+
+use super::failure::{Failure, Result};
+
+/// What to measure.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Physics alone, on one core unless `--threads` says more
+    Physics(physics::Physics),
+    /// The whole environment: physics, task, reward, observation, reset
+    Env(env::Env),
+    /// Time from the start of training until it is good enough, for several seeds
+    Train(train::Train),
+    /// Look for numbers that are not finite in many steps of random actions
+    Nan(nan::Nan),
+}
+
+/// Runs a `myo bench` command.
+pub fn run(command: &Command, threads: Option<usize>) -> Result<()> {
+    match command {
+        Command::Physics(args) => physics::run(args, threads.unwrap_or(1)),
+        Command::Env(args) => env::run(args),
+        Command::Train(args) => train::run(args),
+        Command::Nan(args) => nan::run(args),
+    }
+}
+
+/// An instruction-set level by name.
+#[derive(Clone, Copy, ValueEnum)]
+enum LevelName {
+    /// Plain code, NEON on ARM
+    Portable,
+    /// 8 lanes
+    Avx2,
+    /// 16 lanes
+    Avx512,
+}
+
+impl LevelName {
+    /// The level, if this processor has it.
+    fn level(self) -> Result<Level> {
+        let (level, name) = match self {
+            Self::Portable => (Level::Portable, "portable"),
+            Self::Avx2 => (Level::Avx2, "avx2"),
+            Self::Avx512 => (Level::Avx512, "avx512"),
+        };
+        if Level::available().contains(&level) {
+            return Ok(level);
+        }
+        let names: Vec<_> = Level::available().into_iter().map(Level::name).collect();
+        Err(Failure::sentence(format!("this processor has no {name}; it has {}", names.join(", "))))
+    }
+}
+
+/// The least and the middle of some times.
+fn best_and_median(mut times: Vec<f64>) -> (f64, f64) {
+    times.sort_by(f64::total_cmp);
+    (times.first().copied().unwrap_or(f64::NAN), times.get(times.len() / 2).copied().unwrap_or(f64::NAN))
+}

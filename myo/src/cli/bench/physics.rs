@@ -1,0 +1,220 @@
+//! `myo bench physics`: random controls, redrawn every 25 steps; only the steps are timed.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use myo::dynamics::{Batch, Coupling, Plan};
+use myo::scalar::Level;
+use serde::Serialize;
+use serde_json::json;
+
+use super::machine::Machine;
+use super::mujoco::{Opponent, default_python};
+use super::random::Random;
+use super::{LevelName, best_and_median};
+use crate::cli::failure::{Failure, Result, complain};
+use crate::cli::output::{percent, print, print_json, rounded, row, table};
+use crate::cli::{model, parse};
+
+/// Physics steps between two draws of the controls: a control step of 50 ms at 500 Hz.
+const SUBSTEPS: usize = 25;
+/// Measurements; the opponents take turns.
+const REPEATS: usize = 11;
+/// Control steps per measurement.
+const STEPS: usize = 20;
+/// The same for MuJoCo, which steps one body at a time.
+const MUJOCO_STEPS: usize = 200;
+/// Control steps before the first measurement: bodies leave the pose they start in and come to their limits.
+const WARM_UP: usize = 40;
+
+/// Arguments of `myo bench physics`.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Physics {
+    /// Compare with MuJoCo's `mj_step` through a Python interpreter that has the package `mujoco` [default: that of the
+    /// tests, else python3]
+    #[arg(long, value_name = "PYTHON", num_args = 0..=1)]
+    against_mujoco: Option<Option<PathBuf>>,
+
+    /// Instruction sets, separated by commas [default: the widest of this processor]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    level: Vec<LevelName>,
+
+    /// Name of a model, or a model file
+    #[arg(long, default_value = "mobl-arms")]
+    model: String,
+
+    /// Bodies side by side [default: 1024 for each thread]
+    #[arg(long, value_name = "N", value_parser = parse::positive)]
+    envs: Option<usize>,
+
+    /// Print the rows as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+const HELP: &str = "\
+Examples:
+  myo bench physics
+  myo bench physics --against-mujoco --level avx512,avx2
+  myo bench physics --threads 8 --json
+
+Every body gets new random excitations in [0, 1] every 25 physics steps of 2 ms. Rates are those of the best of 11
+measurements; `median` is the middle one. With `--against-mujoco` the two take turns, on one core if `--threads` is 1,
+and `ratio` is the quotient of the physics steps per second.
+
+JSON: `rows` of objects with `backend`, `level`, `model`, `envs`, `threads`, `physics_steps_per_s`,
+`control_steps_per_s`, `physics_steps_per_s_median`, `limited` (share of control steps that end with a joint beyond its
+limit), `ratio`, `ratio_median`, `machine`, `date`, `version`; and `ratio` of the first row.";
+
+/// One measured backend.
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    backend: String,
+    level: Option<&'static str>,
+    model: String,
+    envs: usize,
+    threads: usize,
+    physics_steps_per_s: f64,
+    control_steps_per_s: f64,
+    physics_steps_per_s_median: f64,
+    limited: f64,
+    ratio: Option<f64>,
+    ratio_median: Option<f64>,
+    #[serde(flatten)]
+    machine: Machine,
+}
+
+/// Runs `myo bench physics`.
+pub fn run(args: &Physics, threads: usize) -> Result<()> {
+    let levels = args.level.iter().map(|name| name.level()).collect::<Result<Vec<_>>>()?;
+    let levels = if levels.is_empty() { vec![Level::detect()] } else { levels };
+    let model = model::open(&args.model)?;
+    let plan = Plan::exact(&model, Coupling::Reduced)?.specialised();
+    let python = args.against_mujoco.clone().map(|python| python.unwrap_or_else(default_python));
+    // Before the threads start, because they stay on the core of the one that starts them.
+    let mut opponent = python.as_ref().map(|python| Opponent::start(python, &model, threads == 1)).transpose()?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;
+
+    let envs = args.envs.unwrap_or(1024 * threads);
+    let mut rows = Vec::new();
+    for level in levels {
+        complain(&format!("measuring {} bodies with {}", envs, level.name()));
+        let mut runner = Runner::new(&plan, envs, level);
+        pool.install(|| runner.measure(WARM_UP));
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for _ in 0..REPEATS {
+            ours.push(pool.install(|| runner.measure(STEPS)));
+            if let (Some(opponent), Some(python)) = (&mut opponent, &python) {
+                theirs.push(opponent.step(MUJOCO_STEPS, python)?);
+            }
+        }
+        let name = |backend: &str, level, envs, threads, steps, times: &[(f64, f64)]| {
+            Row::new(backend, level, &model.name, envs, threads, (envs * steps * SUBSTEPS) as f64, times)
+        };
+        let mut own = name("cpu", Some(level.name()), envs, threads, STEPS, &ours);
+        let other = opponent.as_ref().map(|opponent| {
+            let backend = format!("mujoco {}", opponent.version);
+            name(&backend, None, 1, 1, MUJOCO_STEPS, &theirs)
+        });
+        own.ratio = other.as_ref().map(|other| own.physics_steps_per_s / other.physics_steps_per_s);
+        own.ratio_median =
+            other.as_ref().map(|other| own.physics_steps_per_s_median / other.physics_steps_per_s_median);
+        rows.push(own);
+        rows.extend(other);
+    }
+    show(args.json, &rows)
+}
+
+impl Row {
+    /// From seconds and shares of limited steps; every measurement took `steps` physics steps.
+    fn new(
+        backend: &str,
+        level: Option<&'static str>,
+        model: &str,
+        envs: usize,
+        threads: usize,
+        steps: f64,
+        times: &[(f64, f64)],
+    ) -> Self {
+        let (best, median) = best_and_median(times.iter().map(|(seconds, _)| *seconds).collect());
+        Self {
+            backend: backend.into(),
+            level,
+            model: model.into(),
+            envs,
+            threads,
+            physics_steps_per_s: steps / best,
+            control_steps_per_s: steps / best / SUBSTEPS as f64,
+            physics_steps_per_s_median: steps / median,
+            limited: times.iter().map(|(_, limited)| limited).sum::<f64>() / times.len() as f64,
+            ratio: None,
+            ratio_median: None,
+            machine: Machine::here(),
+        }
+    }
+}
+
+/// A batch with random controls.
+struct Runner<'a> {
+    plan: &'a Plan<f64>,
+    batch: Batch,
+    random: Random,
+    ctrl: Vec<f32>,
+}
+
+impl<'a> Runner<'a> {
+    fn new(plan: &'a Plan<f64>, envs: usize, level: Level) -> Self {
+        let ctrl = vec![0.0; plan.nmuscle()];
+        Self { plan, batch: Batch::new(plan, envs, level), random: Random(1), ctrl }
+    }
+
+    /// Seconds that a number of control steps took, and the share of them that ended with a joint beyond its limit.
+    fn measure(&mut self, control_steps: usize) -> (f64, f64) {
+        let (mut seconds, mut limited) = (0.0, 0);
+        for _ in 0..control_steps {
+            for body in 0..self.batch.size() {
+                self.ctrl.iter_mut().for_each(|x| *x = self.random.unit());
+                self.batch.set_ctrl(body, &self.ctrl);
+            }
+            let start = Instant::now();
+            self.batch.step(SUBSTEPS);
+            seconds += start.elapsed().as_secs_f64();
+            limited += (0..self.batch.size()).filter(|&body| self.is_limited(body)).count();
+        }
+        (seconds, limited as f64 / (control_steps * self.batch.size()) as f64)
+    }
+
+    fn is_limited(&self, body: usize) -> bool {
+        let beyond = |(q, range): (f32, Option<[f64; 2]>)| {
+            range.is_some_and(|[low, high]| f64::from(q) < low || f64::from(q) > high)
+        };
+        self.batch.qpos(body).into_iter().zip(self.plan.dofs.iter().map(|dof| dof.range)).any(beyond)
+    }
+}
+
+fn show(json: bool, rows: &[Row]) -> Result<()> {
+    if json {
+        return print_json(&json!({"rows": rows, "ratio": rows.first().and_then(|row| row.ratio)}));
+    }
+    let heading =
+        ["backend", "level", "envs", "threads", "physics steps/s", "median", "control steps/s", "limited", "ratio"];
+    let mut cells = vec![row(heading)];
+    cells.extend(rows.iter().map(|r| {
+        row([
+            &r.backend,
+            r.level.unwrap_or("-"),
+            &r.envs.to_string(),
+            &r.threads.to_string(),
+            &rounded(r.physics_steps_per_s),
+            &rounded(r.physics_steps_per_s_median),
+            &rounded(r.control_steps_per_s),
+            &percent(r.limited),
+            &r.ratio.map_or(String::new(), |ratio| format!("{ratio:.0}")),
+        ])
+    }));
+    let machine = Machine::here();
+    print(&format!("{}, {}, myo {}\n{}", machine.machine, machine.date, machine.version, table(&cells)))
+}

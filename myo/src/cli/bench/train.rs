@@ -1,0 +1,133 @@
+//! `myo bench train`: how long until a new simulated user is good enough.
+
+use clap::Args;
+use myo::train::Trainer;
+use serde::Serialize;
+use serde_json::json;
+
+use super::machine::Machine;
+use crate::cli::failure::{Failure, Result, complain};
+use crate::cli::interrupt::Interrupt;
+use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
+use crate::cli::parse::{self, Goal};
+use crate::cli::stage::Stage;
+use crate::cli::train::{End, STEPS, Session, UNTIL, settings};
+
+/// Arguments of `myo bench train`.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Train {
+    /// Name of a task, or a task file
+    task: String,
+
+    /// Seeds to train with: 1 to N
+    #[arg(long, value_name = "N", default_value = "5", value_parser = parse::positive)]
+    seeds: usize,
+
+    /// Share of fresh episodes in which the deterministic policy must succeed [default: 0.95]
+    #[arg(long, value_name = "SHARE", value_parser = parse::goal)]
+    until: Option<Goal>,
+
+    /// Control steps after which a seed has failed [default: 60M]
+    #[arg(long, value_name = "N", value_parser = parse::count)]
+    steps: Option<u64>,
+
+    /// Environments side by side [default: that of the learner's settings]
+    #[arg(long, value_name = "N", value_parser = parse::positive)]
+    envs: Option<usize>,
+
+    /// Change a setting of the learner; may be given several times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+
+    /// Print the rows as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+const HELP: &str = "\
+Examples:
+  myo bench train pointing-single
+  myo bench train ar --seeds 3 --threads 2 --json
+
+Time runs from the first step of training until 1,000 fresh episodes confirm the goal; looking at the goal is included.
+No run folders are left.
+
+JSON: `rows` of objects with `backend`, `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
+`success`, `stopped_by` (`until` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
+reached the goal.";
+
+#[derive(Clone, Debug, Serialize)]
+struct Row {
+    backend: &'static str,
+    task: String,
+    seed: u64,
+    envs: usize,
+    threads: usize,
+    wall_s: f64,
+    env_steps: u64,
+    control_steps_per_s: f64,
+    success: Option<f64>,
+    stopped_by: &'static str,
+    #[serde(flatten)]
+    machine: Machine,
+}
+
+/// Runs `myo bench train`.
+pub fn run(args: &Train) -> Result<()> {
+    settings(args.envs, &args.set)?;
+    let stage = Stage::open(&args.task)?;
+    let interrupt = Interrupt::listen()?;
+    let mut rows = Vec::new();
+    for seed in 1..=args.seeds as u64 {
+        complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
+        rows.push(measure(args, &stage, seed, &interrupt)?);
+    }
+    let reached = rows.iter().filter(|row| row.stopped_by == End::Until.name()).count();
+    if args.json {
+        return print_json(&json!({"rows": rows, "reached": reached}));
+    }
+    let mut cells = vec![row(["seed", "time", "control steps", "control steps/s", "success", "stopped by"])];
+    cells.extend(rows.iter().map(|r| {
+        row([
+            &r.seed.to_string(),
+            &duration(r.wall_s),
+            &rounded(r.env_steps as f64),
+            &rounded(r.control_steps_per_s),
+            &r.success.map_or("-".into(), percent),
+            r.stopped_by,
+        ])
+    }));
+    let Machine { machine, date, version } = Machine::here();
+    let threads = rayon::current_num_threads();
+    print(&format!(
+        "{}, {machine} of which {threads} used, {date}, myo {version}\n{}  {reached} of {} seeds reached the goal\n",
+        stage.task.name,
+        table(&cells),
+        rows.len()
+    ))
+}
+
+fn measure(args: &Train, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
+    let config = settings(args.envs, &args.set)?;
+    let envs = config.num_envs;
+    let trainer = Trainer::new(Box::new(stage.env(envs, seed)?), config, seed)?;
+    let until = args.until.map_or(UNTIL, |goal| goal.0);
+    let outcome = Session::new(stage, trainer, until, args.steps.unwrap_or(STEPS)).run(interrupt)?;
+    if outcome.end == End::Interrupted {
+        return Err(Failure::Interrupted);
+    }
+    Ok(Row {
+        backend: "cpu",
+        task: stage.task.name.clone(),
+        seed,
+        envs,
+        threads: rayon::current_num_threads(),
+        wall_s: outcome.wall_s,
+        env_steps: outcome.env_steps,
+        control_steps_per_s: outcome.env_steps as f64 / outcome.wall_s,
+        success: outcome.evaluation.and_then(|evaluation| evaluation.success),
+        stopped_by: outcome.end.name(),
+        machine: Machine::here(),
+    })
+}
