@@ -22,7 +22,7 @@ impl Machine {
         let name = processor().unwrap_or_else(|| std::env::consts::ARCH.into());
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         Self {
-            machine: format!("{name}, {threads} threads"),
+            machine: format!("{name}, {threads} hardware threads"),
             date: date(now / 86400),
             version: env!("CARGO_PKG_VERSION"),
         }

@@ -88,6 +88,8 @@ struct Row {
 
 /// Runs `myo bench physics`.
 pub fn run(args: &Physics, threads: usize) -> Result<()> {
+    // Before this process stays on one core, which is then all that it could tell of.
+    let machine = Machine::here();
     let levels = args.level.iter().map(|name| name.level()).collect::<Result<Vec<_>>>()?;
     let levels = if levels.is_empty() { vec![Level::detect()] } else { levels };
     let model = model::open(&args.model)?;
@@ -112,7 +114,7 @@ pub fn run(args: &Physics, threads: usize) -> Result<()> {
             }
         }
         let name = |backend: &str, level, envs, threads, steps, times: &[(f64, f64)]| {
-            Row::new(backend, level, &model.name, envs, threads, (envs * steps * SUBSTEPS) as f64, times)
+            Row::new(backend, level, &model.name, envs, threads, (envs * steps * SUBSTEPS) as f64, times, &machine)
         };
         let mut own = name("cpu", Some(level.name()), envs, threads, STEPS, &ours);
         let other = opponent.as_ref().map(|opponent| {
@@ -125,7 +127,7 @@ pub fn run(args: &Physics, threads: usize) -> Result<()> {
         rows.push(own);
         rows.extend(other);
     }
-    show(args.json, &rows)
+    show(args.json, &rows, &machine)
 }
 
 impl Row {
@@ -138,6 +140,7 @@ impl Row {
         threads: usize,
         steps: f64,
         times: &[(f64, f64)],
+        machine: &Machine,
     ) -> Self {
         let (best, median) = best_and_median(times.iter().map(|(seconds, _)| *seconds).collect());
         Self {
@@ -152,7 +155,7 @@ impl Row {
             limited: times.iter().map(|(_, limited)| limited).sum::<f64>() / times.len() as f64,
             ratio: None,
             ratio_median: None,
-            machine: Machine::here(),
+            machine: machine.clone(),
         }
     }
 }
@@ -195,7 +198,7 @@ impl<'a> Runner<'a> {
     }
 }
 
-fn show(json: bool, rows: &[Row]) -> Result<()> {
+fn show(json: bool, rows: &[Row], machine: &Machine) -> Result<()> {
     if json {
         return print_json(&json!({"rows": rows, "ratio": rows.first().and_then(|row| row.ratio)}));
     }
@@ -215,6 +218,5 @@ fn show(json: bool, rows: &[Row]) -> Result<()> {
             &r.ratio.map_or(String::new(), |ratio| format!("{ratio:.0}")),
         ])
     }));
-    let machine = Machine::here();
     print(&format!("{}, {}, myo {}\n{}", machine.machine, machine.date, machine.version, table(&cells)))
 }

@@ -101,7 +101,7 @@ pub fn run(args: &Train) -> Result<()> {
     let Machine { machine, date, version } = Machine::here();
     let threads = rayon::current_num_threads();
     print(&format!(
-        "{}, {machine} of which {threads} used, {date}, myo {version}\n{}  {reached} of {} seeds reached the goal\n",
+        "{}, {machine}, {threads} used, {date}, myo {version}\n{}  {reached} of {} seeds reached the goal\n",
         stage.task.name,
         table(&cells),
         rows.len()
