@@ -1,4 +1,5 @@
 //! Physics steps per second of one core: random excitations in [0, 1], redrawn every 25 steps.
+//! An argument (`avx512`, `avx2`, `portable`) asks for one level.
 use myo_dynamics::{Batch, Coupling, Plan};
 use myo_model::{Model, builtin};
 use myo_scalar::Level;
@@ -9,12 +10,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let exact = Plan::exact(&model, Coupling::Reduced)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let size = 1024;
+    let wanted = std::env::args().nth(1);
     for (name, plan) in [("exact", &exact), ("specialised", &exact.specialised())] {
-        for level in Level::available() {
+        for level in Level::available().into_iter().filter(|level| wanted.as_ref().is_none_or(|w| w == level.name())) {
             let mut batch = Batch::new(plan, size, level);
             let mut seed = 1u32;
             let mut best = f64::INFINITY;
-            for _ in 0..20 {
+            for _ in 0..60 {
                 for body in 0..size {
                     let ctrl: Vec<f32> = (0..plan.nmuscle())
                         .map(|_| {

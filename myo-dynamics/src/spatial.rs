@@ -131,6 +131,24 @@ impl<S: Scalar> Rotation<S> {
     }
 }
 
+/// A frame: axes and origin (m, from O).
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<S> {
+    /// Axes.
+    pub rotation: Rotation<S>,
+    /// Origin.
+    pub position: Vec3<S>,
+}
+
+impl<S: Scalar> Frame<S> {
+    /// Position of a point given in this frame (m, from O).
+    #[inline(always)]
+    pub fn place(&self, local: Vec3<S>) -> Vec3<S> {
+        let Rotation { x, y, z } = self.rotation;
+        x.mul_add(local.x, y.mul_add(local.y, z.mul_add(local.z, self.position)))
+    }
+}
+
 /// A spatial motion: angular part, and linear part of the point that passes through O.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<S> {
@@ -268,18 +286,13 @@ impl<S: Scalar> Symmetric<S> {
         let a = r.apply(Vec3::new(d.x, o.z, o.y));
         let b = r.apply(Vec3::new(o.z, d.y, o.x));
         let c = r.apply(Vec3::new(o.y, o.x, d.z));
-        let entry = |ai: S, bi: S, ci: S, rx: S, ry: S, rz: S| ai.mul_add(rx, bi.mul_add(ry, ci * rz));
+        // Rows of R * self, and of R.
+        let (ax, ay, az) = (Vec3::new(a.x, b.x, c.x), Vec3::new(a.y, b.y, c.y), Vec3::new(a.z, b.z, c.z));
+        let rx = Vec3::new(r.x.x, r.y.x, r.z.x);
+        let (ry, rz) = (Vec3::new(r.x.y, r.y.y, r.z.y), Vec3::new(r.x.z, r.y.z, r.z.z));
         Self {
-            diagonal: Vec3::new(
-                entry(a.x, b.x, c.x, r.x.x, r.y.x, r.z.x),
-                entry(a.y, b.y, c.y, r.x.y, r.y.y, r.z.y),
-                entry(a.z, b.z, c.z, r.x.z, r.y.z, r.z.z),
-            ),
-            off: Vec3::new(
-                entry(a.y, b.y, c.y, r.x.z, r.y.z, r.z.z),
-                entry(a.x, b.x, c.x, r.x.z, r.y.z, r.z.z),
-                entry(a.x, b.x, c.x, r.x.y, r.y.y, r.z.y),
-            ),
+            diagonal: Vec3::new(ax.dot(rx), ay.dot(ry), az.dot(rz)),
+            off: Vec3::new(ay.dot(rz), ax.dot(rz), ax.dot(ry)),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! State of the body, and everything that one step computes on the way.
 
 use crate::plan::Plan;
-use crate::spatial::{Inertia, Motion, Rotation, Vec3, Wrench};
+use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
 use myo_scalar::{Mask, Real, Scalar};
 
 /// What changes from step to step: the body's full state.
@@ -101,8 +101,6 @@ pub struct Workspace<S: Scalar> {
     pub set_inertia: Vec<Inertia<S>>,
     /// Sums over the plan's sets.
     pub set_wrench: Vec<Wrench<S>>,
-    /// Path points (m, from O).
-    pub point: Vec<Vec3<S>>,
     /// Direction and moment of each straight segment, in the order of the plan's pairs.
     pub line: Vec<Wrench<S>>,
     /// Derivative of length per hinge segment.
@@ -163,7 +161,6 @@ impl<S: Scalar> Workspace<S> {
             inertia: vec![massless; nlink],
             set_inertia: vec![massless; plan.sets.len()],
             set_wrench: vec![Wrench::zero(); plan.sets.len()],
-            point: vec![Vec3::zero(); plan.tendons.points.len()],
             line: vec![Wrench::zero(); nsegment],
             hinge_slope: vec![o; plan.tendons.hinge.len()],
             double_hinge_slope: vec![[o; 2]; plan.tendons.double_hinge.len()],
@@ -196,7 +193,13 @@ impl<S: Scalar> Workspace<S> {
         if point.link == 0 {
             return local;
         }
-        self.rotation[point.link].apply(local) + self.position[point.link]
+        self.frame(point.link).place(local)
+    }
+
+    /// Axes and origin of a link.
+    #[inline(always)]
+    pub fn frame(&self, link: usize) -> Frame<S> {
+        Frame { rotation: self.rotation[link], position: self.position[link] }
     }
 }
 

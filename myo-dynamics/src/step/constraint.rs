@@ -18,7 +18,7 @@ pub const MAX_ROUNDS: usize = 8;
 pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
     for (k, limit) in plan.limits.iter().enumerate() {
         let joint = joint_state(&limit.drive, &state.qpos, &state.qvel);
-        let [lo, hi] = limit.range.map(S::splat);
+        let (lo, hi) = (S::splat(limit.range[0]), S::splat(limit.range[1]));
         // Only the nearer bound can be violated.
         let (above, below) = (joint.position - lo, hi - joint.position);
         let lower = above.lt(below);
@@ -53,13 +53,16 @@ pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut W
 /// Solves for `qacc`; fills the contact's force.
 #[inline(always)]
 pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
-    let limited = ws.limit.iter().fold(S::Mask::splat(false), |any, row| any | row.exists).any();
+    let mut violated = S::Mask::splat(false);
+    for row in &ws.limit {
+        violated = violated | row.exists;
+    }
+    let limited = violated.any();
     let touching = ws.contact.exists.any();
     ws.rounds = 0;
     loop {
         assemble(plan, ws, limited, touching);
-        cholesky::factor(plan.ndof(), &mut ws.matrix, &mut ws.pivot);
-        cholesky::solve(plan.ndof(), &ws.matrix, &ws.pivot, &mut ws.qacc);
+        cholesky::factor_and_solve(plan.ndof(), &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
         ws.rounds += 1;
         if !(limited || touching) || !update(plan, ws, touching).any() || ws.rounds == MAX_ROUNDS {
             break;
@@ -115,28 +118,36 @@ fn add_row<S: Scalar>(n: usize, row: &Row<S>, jacobian: &[S], matrix: &mut [S], 
 #[inline(always)]
 fn update<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: bool) -> S::Mask {
     let mut changed = S::Mask::splat(false);
-    let mut judge = |row: &mut Row<S>, acceleration: S| {
-        let active = row.exists & acceleration.lt(row.reference);
-        changed = changed | (active & !row.active) | (row.active & !active);
-        row.active = active;
-    };
     for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
         if let Some(dof) = limit.drive.dof {
-            judge(row, ws.qacc[dof] * row.slope);
+            changed = changed | judge(row, ws.qacc[dof] * row.slope);
         }
     }
     if touching {
         let n = plan.ndof();
         for (row, jacobian) in ws.contact.rows.iter_mut().zip(ws.contact_jacobian.chunks_exact(n)) {
-            judge(row, product(jacobian, &ws.qacc));
+            changed = changed | judge(row, product(jacobian, &ws.qacc));
         }
     }
     changed
 }
 
+/// Decides whether a row pushes; returns where that is news.
+#[inline(always)]
+fn judge<S: Scalar>(row: &mut Row<S>, acceleration: S) -> S::Mask {
+    let active = row.exists & acceleration.lt(row.reference);
+    let changed = (active & !row.active) | (row.active & !active);
+    row.active = active;
+    changed
+}
+
 #[inline(always)]
 fn product<S: Scalar>(a: &[S], b: &[S]) -> S {
-    a.iter().zip(b).fold(S::zero(), |sum, (&x, &y)| x.mul_add(y, sum))
+    let mut sum = S::zero();
+    for (&x, &y) in a.iter().zip(b) {
+        sum = x.mul_add(y, sum);
+    }
+    sum
 }
 
 /// Normal force: the sum of the pyramid's edge forces `-D (J a - aref)`.

@@ -5,7 +5,7 @@
 use crate::obstacles::{CompiledBox, Obstacles};
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
-use crate::workspace::{PYRAMID, Row, State, Workspace};
+use crate::workspace::{Row, State, Workspace};
 use myo_scalar::{Mask, Scalar};
 
 /// Farther than anything in reach (m).
@@ -110,13 +110,16 @@ fn pyramid<S: Scalar>(
     let [first, second] = tangents(nearest.normal);
     let n = plan.ndof();
     let friction = S::splat(obstacles.friction);
-    let edges = [first, -first, second, -second].map(|t| Wrench::at(at, t.mul_add(friction, nearest.normal)));
     let violation = nearest.distance - S::splat(obstacles.margin);
     let screws = &plan.links[sphere.centre.link].screw_of_dof;
-    for (k, edge) in edges.into_iter().enumerate() {
+    for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
+        let edge = Wrench::at(at, direction.mul_add(friction, nearest.normal));
         let mut velocity = S::zero();
         for (dof, screw) in screws.iter().enumerate() {
-            let entry = screw.map_or(S::zero(), |screw| ws.screw[screw].dot(edge));
+            let entry = match *screw {
+                Some(screw) => ws.screw[screw].dot(edge),
+                None => S::zero(),
+            };
             ws.contact_jacobian[k * n + dof] = entry;
             velocity = entry.mul_add(state.qvel[dof], velocity);
         }
@@ -124,7 +127,6 @@ fn pyramid<S: Scalar>(
         let exists = ws.contact.exists;
         ws.contact.rows[k] = Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
     }
-    debug_assert_eq!(edges.len(), PYRAMID);
 }
 
 /// Two directions across a normal, as MuJoCo chooses them: from the world's y axis, or z where the normal is near y.

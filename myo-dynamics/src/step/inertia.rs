@@ -23,7 +23,7 @@ fn in_world<S: Scalar>(body: &Body<S::Const>, ws: &Workspace<S>) -> (Symmetric<S
     let [xx, yy, zz, yz, xz, xy] = body.inertia;
     let local = Symmetric { diagonal: Vec3::splat([xx, yy, zz]), off: Vec3::splat([yz, xz, xy]) };
     let rotation = &ws.rotation[body.link];
-    let com = rotation.apply(Vec3::splat(body.com)) + ws.position[body.link];
+    let com = ws.frame(body.link).place(Vec3::splat(body.com));
     // An inertia that is the same about every axis does not notice rotations.
     let zero = S::Const::default();
     let isotropic = xx == yy && yy == zz && [yz, xz, xy] == [zero; 3];

@@ -4,7 +4,7 @@ use crate::plan::{Drive, Form, Link, LinkMotion, Placement, Plan, PoseProfile};
 use crate::polynomial::Polynomial;
 use crate::spatial::{Motion, Rotation, Vec3};
 use crate::workspace::{JointState, Workspace};
-use myo_scalar::{Real, Scalar};
+use myo_scalar::Scalar;
 
 /// Fills `joint`, `rotation`, `position`, `screw`, `velocity` and `acceleration`.
 #[inline(always)]
@@ -44,15 +44,18 @@ pub fn joint_state<S: Scalar>(drive: &Drive<S::Const>, qpos: &[S], qvel: &[S]) -
     let still =
         JointState { position: S::splat(drive.poly[0]), rate: zero, slope: zero, drift: zero, sin: zero, cos: one };
     let Some(dof) = drive.dof else { return still };
-    let (q, v, c) = (qpos[dof], qvel[dof], |k: usize| S::splat(drive.poly[k]));
+    let (q, v) = (qpos[dof], qvel[dof]);
+    let [c0, c1, c2, c3, c4] = &drive.poly;
+    let (c0, c1, c2) = (S::splat(*c0), S::splat(*c1), S::splat(*c2));
     match drive.form {
         Form::Identity => JointState { position: q, rate: v, slope: one, ..still },
-        Form::Linear => JointState { position: c(1).mul_add(q, c(0)), rate: c(1) * v, slope: c(1), ..still },
+        Form::Linear => JointState { position: c1.mul_add(q, c0), rate: c1 * v, slope: c1, ..still },
         Form::Curved => {
-            let position = c(4).mul_add(q, c(3)).mul_add(q, c(2)).mul_add(q, c(1)).mul_add(q, c(0));
-            let k = |k: usize, factor: f64| c(k) * S::lit(factor);
-            let slope = k(4, 4.0).mul_add(q, k(3, 3.0)).mul_add(q, k(2, 2.0)).mul_add(q, c(1));
-            let curvature = k(4, 12.0).mul_add(q, k(3, 6.0)).mul_add(q, k(2, 2.0));
+            let (c3, c4) = (S::splat(*c3), S::splat(*c4));
+            let position = c4.mul_add(q, c3).mul_add(q, c2).mul_add(q, c1).mul_add(q, c0);
+            let (two_c2, three_c3, four_c4) = (c2 * S::lit(2.0), c3 * S::lit(3.0), c4 * S::lit(4.0));
+            let slope = four_c4.mul_add(q, three_c3).mul_add(q, two_c2).mul_add(q, c1);
+            let curvature = (four_c4 * S::lit(3.0)).mul_add(q, three_c3 * S::lit(2.0)).mul_add(q, two_c2);
             JointState { position, rate: slope * v, slope, drift: curvature * v * v, ..still }
         }
     }
@@ -100,11 +103,11 @@ fn place<S: Scalar>(parent: usize, placement: &Placement<S::Const>, ws: &Workspa
         Some(columns) => rotation.times(columns),
         None => rotation,
     };
-    let is_zero = placement.offset.iter().all(|c| c.to_f64() == 0.0);
+    let is_zero = placement.offset == [S::Const::default(); 3];
     let position = match (parent, is_zero) {
         (0, _) => offset,
         (_, true) => ws.position[parent],
-        (_, false) => rotation.apply(offset) + ws.position[parent],
+        (_, false) => ws.frame(parent).place(offset),
     };
     (axes, position)
 }

@@ -4,7 +4,7 @@
 //! give the rate of its length from the two links' velocities and the wrench that a force along it puts on them.
 
 use crate::plan::{DoubleHingeSegment, HingeSegment, Plan, ProfileSegment};
-use crate::spatial::Wrench;
+use crate::spatial::{Vec3, Wrench};
 use crate::workspace::{JointState, Workspace};
 use myo_scalar::Scalar;
 
@@ -33,21 +33,21 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mu
         add_product(&mut ws.tendon_velocity[segment.muscle], slope, joint.rate);
     }
     for (k, segment) in tendons.double_hinge.iter().enumerate() {
-        let [first, second] = segment.links.map(|link| ws.joint[link]);
+        let (first, second) = (ws.joint[segment.links[0]], ws.joint[segment.links[1]]);
         let (length, slope) = double_hinge_length(segment, first, second);
         ws.double_hinge_slope[k] = slope;
         ws.tendon_length[segment.muscle] += length;
         add_product(&mut ws.tendon_velocity[segment.muscle], slope[0], first.rate);
         add_product(&mut ws.tendon_velocity[segment.muscle], slope[1], second.rate);
     }
-    for (k, point) in tendons.points.iter().enumerate() {
-        ws.point[k] = ws.place(point);
-    }
     let mut k = 0;
     for pair in &tendons.pairs {
+        let (frame_a, frame_b) = (ws.frame(pair.a), ws.frame(pair.b));
         let velocity = if pair.a == 0 { ws.velocity[pair.b] } else { ws.velocity[pair.b] - ws.velocity[pair.a] };
         for segment in &pair.segments {
-            let (a, b) = (ws.point[segment.a], ws.point[segment.b]);
+            let [a, b] = [&tendons.points[segment.a].position, &tendons.points[segment.b].position];
+            let a = if pair.a == 0 { Vec3::splat(*a) } else { frame_a.place(Vec3::splat(*a)) };
+            let b = frame_b.place(Vec3::splat(*b));
             let between = b - a;
             let square = between.dot(between).max(S::lit(SHORTEST_SQUARED));
             let inverse = square.rsqrt();
@@ -71,9 +71,10 @@ pub fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         add_product(&mut ws.joint_torque[segment.link], ws.hinge_slope[k], ws.muscle_force[segment.muscle]);
     }
     for (k, segment) in tendons.double_hinge.iter().enumerate() {
-        for (slope, link) in ws.double_hinge_slope[k].into_iter().zip(segment.links) {
-            add_product(&mut ws.joint_torque[link], slope, ws.muscle_force[segment.muscle]);
-        }
+        let force = ws.muscle_force[segment.muscle];
+        let [first, second] = ws.double_hinge_slope[k];
+        add_product(&mut ws.joint_torque[segment.links[0]], first, force);
+        add_product(&mut ws.joint_torque[segment.links[1]], second, force);
     }
     let mut k = 0;
     for pair in &tendons.pairs {
@@ -106,11 +107,17 @@ fn profile_length<S: Scalar>(segment: &ProfileSegment<S::Const>, q: S) -> (S, S)
 /// Length and its derivative with respect to the hinge angle: `l' = (l^2)' / (2 l)`.
 #[inline(always)]
 fn hinge_length<S: Scalar>(segment: &HingeSegment<S::Const>, joint: JointState<S>) -> (S, S) {
-    let [c0, c1, c2] = segment.square.map(S::splat);
-    let square = c1.mul_add(joint.cos, c2.mul_add(joint.sin, c0)).max(S::lit(SHORTEST_SQUARED));
-    let slope = c2.mul_add(joint.cos, -(c1 * joint.sin));
+    let (square, slope) = harmonic(&segment.square, joint);
+    let square = square.max(S::lit(SHORTEST_SQUARED));
     let inverse = square.rsqrt();
     (square * inverse, slope * inverse * S::lit(0.5))
+}
+
+/// `c0 + c1 cos + c2 sin` of a hinge, and its derivative.
+#[inline(always)]
+fn harmonic<S: Scalar>(c: &[S::Const; 3], joint: JointState<S>) -> (S, S) {
+    let (c0, c1, c2) = (S::splat(c[0]), S::splat(c[1]), S::splat(c[2]));
+    (c1.mul_add(joint.cos, c2.mul_add(joint.sin, c0)), c2.mul_add(joint.cos, -(c1 * joint.sin)))
 }
 
 /// Length and its derivatives with respect to the two hinge angles.
@@ -121,11 +128,8 @@ fn double_hinge_length<S: Scalar>(
     second: JointState<S>,
 ) -> (S, [S; 2]) {
     // Each row, and its derivative, as a function of the second hinge.
-    let row = |k: usize| {
-        let [c0, c1, c2] = segment.square[k].map(S::splat);
-        (c1.mul_add(second.cos, c2.mul_add(second.sin, c0)), c2.mul_add(second.cos, -(c1 * second.sin)))
-    };
-    let [(r0, d0), (r1, d1), (r2, d2)] = [row(0), row(1), row(2)];
+    let [row0, row1, row2] = &segment.square;
+    let ((r0, d0), (r1, d1), (r2, d2)) = (harmonic(row0, second), harmonic(row1, second), harmonic(row2, second));
     let square = r1.mul_add(first.cos, r2.mul_add(first.sin, r0)).max(S::lit(SHORTEST_SQUARED));
     let inverse = square.rsqrt();
     let half = inverse * S::lit(0.5);
