@@ -1,0 +1,305 @@
+//! One list of properties for every backend. A backend is done when it passes.
+
+use myo_env::{Autoreset, Backend, BatchEnv, CpuEnv, EnvConfig, EnvError, ReferenceEnv, StepStorage, VectorEnv};
+use myo_model::{Model, builtin};
+use myo_scalar::Level;
+use myo_tasks::{Task, preset};
+
+fn arm(task: &Task) -> Model {
+    Model::new(&builtin(&task.model).unwrap()).unwrap()
+}
+
+fn make<C: Backend>(task: &Task, config: EnvConfig) -> BatchEnv<C> {
+    BatchEnv::new(&arm(task), task, &config).unwrap()
+}
+
+/// A task short enough to end often.
+fn short(name: &str) -> Task {
+    let mut task = preset(name).unwrap();
+    task.time_limit_s = 0.5;
+    task
+}
+
+/// Reproducible actions in [-1, 1], different in every environment.
+fn actions(env: &dyn VectorEnv, step: usize) -> Vec<f32> {
+    let spec = env.spec();
+    let of = |k: usize| ((k * 2_654_435_761 + step * 40_503) % 1_000_003) as f32 / 500_001.5 - 1.0;
+    (0..spec.num_envs * spec.action_size()).map(of).collect()
+}
+
+/// Everything that a roll-out returns, flattened.
+fn rollout(env: &mut dyn VectorEnv, steps: usize) -> Vec<StepStorage> {
+    let mut out = StepStorage::new(env.spec());
+    (0..steps)
+        .map(|step| {
+            let actions = actions(env, step);
+            env.step(&actions, out.buffers()).unwrap();
+            out.clone()
+        })
+        .collect()
+}
+
+fn bits(rows: &[f32]) -> Vec<u32> {
+    rows.iter().map(|x| x.to_bits()).collect()
+}
+
+fn assert_same_bits(a: &[StepStorage], b: &[StepStorage]) {
+    for (step, (a, b)) in a.iter().zip(b).enumerate() {
+        assert_eq!(bits(&a.observation), bits(&b.observation), "observation of step {step}");
+        assert_eq!(bits(&a.reward), bits(&b.reward), "reward of step {step}");
+        assert_eq!(a.terminated, b.terminated, "terminated in step {step}");
+        assert_eq!(a.truncated, b.truncated, "truncated in step {step}");
+    }
+}
+
+/// Index of a named entry of the observation.
+fn entry(env: &dyn VectorEnv, name: &str) -> usize {
+    env.spec().observation_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no entry {name}"))
+}
+
+fn column(env: &dyn VectorEnv, name: &str) -> usize {
+    env.spec().episode_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no column {name}"))
+}
+
+fn same_seed_gives_the_same_bits_and_another_seed_does_not<C: Backend>() {
+    let task = short("pointing");
+    let run = |seed| rollout(&mut make::<C>(&task, EnvConfig { num_envs: 5, seed, ..Default::default() }), 25);
+    assert_same_bits(&run(3), &run(3));
+    assert_ne!(bits(&run(3)[0].observation), bits(&run(4)[0].observation));
+}
+
+fn neighbours_and_threads_do_not_matter<C: Backend>() {
+    let task = short("pointing");
+    let run = |num_envs, threads| {
+        let mut env = make::<C>(&task, EnvConfig { num_envs, threads: Some(threads), ..Default::default() });
+        let (nobs, nact) = (env.spec().observation_size(), env.spec().action_size());
+        let mut out = StepStorage::new(env.spec());
+        let mut seen = vec![];
+        for step in 0..25 {
+            let mut all = vec![0.3; num_envs * nact];
+            for (k, a) in all[..nact].iter_mut().enumerate() {
+                *a = ((k + step) % 7) as f32 / 3.5 - 1.0;
+            }
+            env.step(&all, out.buffers()).unwrap();
+            seen.extend(bits(&out.observation[..nobs]));
+        }
+        seen
+    };
+    let alone = run(1, 1);
+    assert_eq!(alone, run(37, 1));
+    assert_eq!(alone, run(130, 3));
+}
+
+fn same_step_keeps_the_terminal_observation_and_resets_everything<C: Backend>() {
+    let task = short("pointing");
+    let mut env = make::<C>(&task, EnvConfig { num_envs: 3, ..Default::default() });
+    let limit = env.spec().max_episode_steps;
+    assert_eq!(limit, 10);
+    let run = rollout(&mut env, 2 * limit);
+    let (time, phase) = (entry(&env, "time_left"), entry(&env, "phase"));
+    let (nobs, length) = (env.spec().observation_size(), column(&env, "length"));
+    for (step, out) in run.iter().enumerate() {
+        let last = (step + 1) % limit == 0;
+        for i in 0..3 {
+            assert_eq!(out.truncated[i], last, "step {step}");
+            assert!(!out.terminated[i]);
+            let now = &out.observation[i * nobs..(i + 1) * nobs];
+            if last {
+                let end = &out.final_observation[i * nobs..(i + 1) * nobs];
+                assert!(end[time].abs() < 1e-6, "no time left in the terminal observation");
+                assert!((now[time] - 1.0).abs() < 1e-6, "all time left after the reset");
+                assert_eq!(now[phase], 0.0);
+                assert_ne!(bits(end), bits(now));
+                assert_eq!(out.episode[i * env.spec().episode_size() + length], limit as f32);
+            }
+        }
+    }
+    // Two resets of one environment draw different episodes.
+    assert_ne!(bits(&run[limit - 1].observation), bits(&run[2 * limit - 1].observation));
+}
+
+fn next_step_ignores_one_action_and_gives_no_reward<C: Backend>() {
+    let task = short("pointing");
+    let make_one = |autoreset| make::<C>(&task, EnvConfig { num_envs: 2, autoreset, ..Default::default() });
+    let (mut next, mut same) = (make_one(Autoreset::NextStep), make_one(Autoreset::SameStep));
+    let limit = next.spec().max_episode_steps;
+    let (a, b) = (rollout(&mut next, limit + 1), rollout(&mut same, limit));
+    assert_same_bits(&a[..limit - 1], &b[..limit - 1]);
+    assert!(a[limit - 1].truncated.iter().all(|&t| t));
+    assert_eq!(bits(&a[limit - 1].observation), bits(&b[limit - 1].final_observation), "the last observation as it is");
+    assert_eq!(bits(&a[limit].observation), bits(&b[limit - 1].observation), "then the reset one");
+    assert!(a[limit].reward.iter().all(|&r| r == 0.0));
+    assert!(a[limit].truncated.iter().chain(&a[limit].terminated).all(|&flag| !flag));
+}
+
+fn disabled_asks_for_a_reset_by_mask<C: Backend>() {
+    let task = short("pointing");
+    let config = EnvConfig { num_envs: 3, autoreset: Autoreset::Disabled, ..Default::default() };
+    let mut env = make::<C>(&task, config);
+    let limit = env.spec().max_episode_steps;
+    let run = rollout(&mut env, limit);
+    let (zeros, mut out) = (vec![0.0; 3 * env.spec().action_size()], StepStorage::new(env.spec()));
+    assert_eq!(env.step(&zeros, out.buffers()), Err(EnvError::NeedsReset { env: 0 }));
+    let nobs = env.spec().observation_size();
+    let mut observation = vec![f32::INFINITY; 3 * nobs];
+    env.reset(None, Some(&[true, false, true]), &mut observation).unwrap();
+    assert_eq!(bits(&observation[nobs..2 * nobs]), bits(&run[limit - 1].observation[nobs..2 * nobs]));
+    assert_ne!(bits(&observation[..nobs]), bits(&run[limit - 1].observation[..nobs]));
+    assert_eq!(env.step(&zeros, out.buffers()), Err(EnvError::NeedsReset { env: 1 }));
+    env.reset(None, Some(&[false, true, false]), &mut observation).unwrap();
+    env.step(&zeros, out.buffers()).unwrap();
+}
+
+fn a_saved_state_continues_bit_for_bit<C: Backend>() {
+    let task = short("pointing");
+    let config = EnvConfig { num_envs: 21, ..Default::default() };
+    let mut env = make::<C>(&task, config);
+    rollout(&mut env, 7);
+    let saved = env.save_state();
+    let mut copy = make::<C>(&task, EnvConfig { seed: 99, ..config });
+    copy.load_state(&saved).unwrap();
+    assert_same_bits(&rollout(&mut env, 15), &rollout(&mut copy, 15));
+    let refused = copy.load_state(&saved[..saved.len() - 1]).unwrap_err().to_string();
+    assert!(refused.contains("does not fit"), "{refused}");
+    let mut smaller = make::<C>(&task, EnvConfig { num_envs: 20, ..config });
+    let refused = smaller.load_state(&saved).unwrap_err().to_string();
+    assert!(refused.contains("it has 21 environments, this environment 20"), "{refused}");
+}
+
+fn bad_calls_are_refused_and_change_nothing<C: Backend>() {
+    let task = short("pointing");
+    let mut env = make::<C>(&task, EnvConfig { num_envs: 2, ..Default::default() });
+    let before = env.save_state();
+    let nact = env.spec().action_size();
+    let mut out = StepStorage::new(env.spec());
+    let wrong = env.step(&[0.0; 3], out.buffers()).unwrap_err();
+    assert_eq!(wrong, EnvError::WrongLength { what: "actions", got: 3, expected: 2 * nact });
+    let mut actions = vec![0.0; 2 * nact];
+    actions[nact + 4] = f32::INFINITY;
+    let wrong = env.step(&actions, out.buffers()).unwrap_err();
+    assert_eq!(wrong, EnvError::NonFiniteAction { env: 1, index: 4, value: f32::INFINITY });
+    assert_eq!(env.save_state(), before);
+}
+
+/// Hanging relaxed, with the fingertip inside a sphere around it: the dwell runs out after exactly so many steps.
+fn dwell_counts_rounded_steps<C: Backend>() {
+    let mut task = preset("pointing-single").unwrap();
+    let text = task.to_yaml();
+    assert!(text.contains("dwell_s: 0.25"), "{text}");
+    task = Task::from_yaml(&text.replace("dwell_s: 0.25", "dwell_s: 0.3"), "test").unwrap();
+    let myo_tasks::Target::Pointing(sphere) = &mut task.targets[0] else { panic!("pointing-single has a sphere") };
+    // The fingertip of the hanging arm, from the shoulder.
+    let [x, y, z] = [0.052, -0.029, -0.708].map(myo_tasks::Range::fixed);
+    sphere.position = myo_tasks::Region { x, y, z };
+    sphere.radius = myo_tasks::Range::fixed(0.3);
+    task.reset = myo_tasks::Reset { pose: myo_tasks::Pose::Zero, activation_max: 0.0, ..Default::default() };
+    let mut env = make::<C>(&task, EnvConfig { num_envs: 2, ..Default::default() });
+    let mut out = StepStorage::new(env.spec());
+    let relaxed = vec![-1.0; 2 * env.spec().action_size()];
+    for step in 1..=6 {
+        env.step(&relaxed, out.buffers()).unwrap();
+        assert_eq!(out.terminated, [step == 6; 2], "0.3 s at 20 Hz are six steps; this is step {step}");
+    }
+    let row = &out.episode[..env.spec().episode_size()];
+    assert_eq!(row[column(&env, "success")], 1.0);
+    assert!((row[column(&env, "target_1_time")] - 0.3).abs() < 1e-6);
+    let terms: f32 = ["distance", "subtask", "completion", "neural_effort", "acceleration_effort"]
+        .iter()
+        .map(|name| row[column(&env, &format!("reward_{name}"))])
+        .sum();
+    assert!((row[column(&env, "return")] - terms).abs() < 1e-4, "the return is the sum of its terms");
+}
+
+fn motor_noise_differs_between_muscles<C: Backend>() {
+    let mut task = preset("pointing-single").unwrap();
+    task.noise.constant = 0.185;
+    task.reset.activation_max = 0.0;
+    let mut env = make::<C>(&task, EnvConfig { num_envs: 1, ..Default::default() });
+    let mut out = StepStorage::new(env.spec());
+    env.step(&vec![0.0; env.spec().action_size()], out.buffers()).unwrap();
+    let first = entry(&env, "activation.DELT1");
+    let mut activations = bits(&out.observation[first..first + env.spec().action_size()]);
+    activations.sort_unstable();
+    activations.dedup();
+    assert_eq!(activations.len(), env.spec().action_size(), "every muscle draws its own noise");
+}
+
+fn every_preset_runs_with_finite_numbers<C: Backend>() {
+    for name in myo_tasks::preset_names() {
+        let task = short(name);
+        let mut env = make::<C>(&task, EnvConfig { num_envs: 4, ..Default::default() });
+        let run = rollout(&mut env, 30);
+        for out in &run {
+            assert!(out.observation.iter().chain(&out.reward).all(|x| x.is_finite()), "{name}");
+        }
+        let nobs = env.spec().observation_size();
+        let varies = |k: usize| run.iter().any(|out| out.observation[k] != run[0].observation[k]);
+        for joint in ["joint_position.elbow_flexion", "joint_velocity.elbow_flexion", "time_left"] {
+            assert!(varies(entry(&env, joint)), "{name}: {joint} never changes");
+        }
+        assert_eq!(run[0].observation.len(), 4 * nobs);
+    }
+}
+
+macro_rules! conformance {
+    ($backend:ident, $type:ty: $($property:ident),* $(,)?) => {
+        mod $backend {
+            $(#[test]
+            fn $property() {
+                super::$property::<$type>();
+            })*
+        }
+    };
+    ($($backend:ident: $type:ty),* $(,)?) => {
+        $(conformance!($backend, $type:
+            same_seed_gives_the_same_bits_and_another_seed_does_not,
+            neighbours_and_threads_do_not_matter,
+            same_step_keeps_the_terminal_observation_and_resets_everything,
+            next_step_ignores_one_action_and_gives_no_reward,
+            disabled_asks_for_a_reset_by_mask,
+            a_saved_state_continues_bit_for_bit,
+            bad_calls_are_refused_and_change_nothing,
+            dwell_counts_rounded_steps,
+            motor_noise_differs_between_muscles,
+            every_preset_runs_with_finite_numbers,
+        );)*
+    };
+}
+conformance!(cpu: f32, reference: f64);
+
+/// The backends draw the same integers and agree in floats as far as single precision goes, at every level.
+#[test]
+fn lanes_follow_the_reference() {
+    for name in ["pointing", "public-display"] {
+        let task = short(name);
+        let config = EnvConfig { num_envs: 20, ..Default::default() };
+        let mut reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
+        let nobs = reference.spec().observation_size();
+        let target = entry(&reference, "target_position.x");
+        let wanted = rollout(&mut reference, 20);
+        for level in Level::available() {
+            let config = EnvConfig { level: Some(level), ..config };
+            let mut lanes = CpuEnv::new(&arm(&task), &task, &config).unwrap();
+            for (step, (a, b)) in rollout(&mut lanes, 20).iter().zip(&wanted).enumerate() {
+                assert_eq!(a.truncated, b.truncated, "{level:?}");
+                for (k, (x, y)) in a.observation.iter().zip(&b.observation).enumerate() {
+                    // Targets are a draw, no integration; the rest has run through up to 250 physics steps.
+                    let tolerance = if (target..target + 3).contains(&(k % nobs)) { 1e-6 } else { 2e-2 };
+                    let name = &lanes.spec().observation_names[k % nobs];
+                    let error = (x - y).abs();
+                    assert!(error <= tolerance * (1.0 + y.abs()), "{level:?} step {step} {name}: {x} for {y}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_control_step_that_does_not_fit_the_physics_is_refused() {
+    let mut task = preset("pointing").unwrap();
+    task.control_dt_s = 0.0333;
+    let refused = CpuEnv::new(&arm(&task), &task, &EnvConfig::default()).err().expect("0.0333 / 0.002 is not whole");
+    assert!(refused.to_string().contains("0.0333 s, which is no whole number"), "{refused}");
+    let none = CpuEnv::new(&arm(&task), &task, &EnvConfig { num_envs: 0, ..Default::default() }).err();
+    assert!(none.expect("zero environments").to_string().contains("at least one"));
+}
