@@ -119,6 +119,9 @@ pub enum Pose {
 }
 
 /// Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
+///
+/// The defaults are those that train soonest. The published system (MyoInteract) has `inside_is_zero: false`,
+/// `remaining_path: true`, `time_cost: 0`, `subtask_bonus: 0`, `completion_bonus: 10`, `neural_effort: 0`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Reward {
@@ -128,31 +131,30 @@ pub struct Reward {
     pub distance: f64,
 
     /// `true`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that dwelling anywhere in it
-    /// costs nothing; for a button it counts from the pressed face. `false`: from the centre, as published. Default false.
+    /// costs nothing; for a button it counts from the pressed face. `false`: from the centre. Default true.
     #[garde(skip)]
     pub inside_is_zero: bool,
 
-    /// Whether the distance goes on over the centres of the targets still to come, as published. Default true.
+    /// Whether the distance goes on over the centres of the targets still to come. Default false.
     #[garde(skip)]
     pub remaining_path: bool,
 
-    /// Cost per second as long as the task is not finished. Default 0: the distance alone makes time expensive.
+    /// Cost per second as long as the task is not finished. Default 0.6.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub time_cost: f64,
 
-    /// Given once when a target is done, the last one included. Default 0.
+    /// Given once when a target is done, the last one included. Default 3.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub subtask_bonus: f64,
 
-    /// Given once when the whole task is done. Default 10.
+    /// Given once when the whole task is done. Default 6.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub completion_bonus: f64,
 
-    /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0; weights of 0.001
-    /// and 0.002 have trained well.
+    /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0.002.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub neural_effort: f64,
@@ -164,7 +166,7 @@ pub struct Reward {
     pub acceleration_effort: f64,
 }
 
-/// Which parts the observation has, in this order. All of them by default.
+/// Which parts the observation has, in this order. All of them by default, accelerations aside.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[expect(clippy::struct_excessive_bools, reason = "each part is its own switch in the file")]
@@ -173,7 +175,7 @@ pub struct Observation {
     pub joint_position: bool,
     /// Velocities of the independent joints. Default true.
     pub joint_velocity: bool,
-    /// Accelerations of the independent joints. Default true.
+    /// Accelerations of the independent joints, in 100 rad/s2. Default false: they are noisy and velocities say enough.
     pub joint_acceleration: bool,
     /// Position of the fingertip. Default true.
     pub fingertip_position: bool,
@@ -296,12 +298,12 @@ impl Default for Reward {
     fn default() -> Self {
         Self {
             distance: 1.0,
-            inside_is_zero: false,
-            remaining_path: true,
-            time_cost: 0.0,
-            subtask_bonus: 0.0,
-            completion_bonus: 10.0,
-            neural_effort: 0.0,
+            inside_is_zero: true,
+            remaining_path: false,
+            time_cost: 0.6,
+            subtask_bonus: 3.0,
+            completion_bonus: 6.0,
+            neural_effort: 0.002,
             acceleration_effort: 0.0,
         }
     }
@@ -312,7 +314,7 @@ impl Default for Observation {
         Self {
             joint_position: true,
             joint_velocity: true,
-            joint_acceleration: true,
+            joint_acceleration: false,
             fingertip_position: true,
             activation: true,
             target_position: true,
