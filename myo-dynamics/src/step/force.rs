@@ -36,12 +36,14 @@ pub fn project<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     for (k, set) in plan.sets.iter().enumerate() {
         ws.set_wrench[k] = set_wrench(set, ws);
     }
+    let torque = &mut ws.torque[..];
+    let (screws, wrenches) = (&ws.screw[..], &ws.set_wrench[..]);
     for projection in &plan.projections {
-        ws.torque[projection.dof] += ws.screw[projection.screw].dot(ws.set_wrench[projection.set]);
+        torque[projection.dof] += screws[projection.screw].dot(wrenches[projection.set]);
     }
-    for (index, link) in plan.links.iter().enumerate() {
+    for ((link, joint), &applied) in plan.links.iter().zip(&ws.joint).zip(&ws.joint_torque) {
         if let Some(dof) = link.drive.dof {
-            ws.torque[dof] = ws.joint[index].slope.mul_add(ws.joint_torque[index], ws.torque[dof]);
+            torque[dof] = joint.slope.mul_add(applied, torque[dof]);
         }
     }
 }

@@ -54,12 +54,15 @@ pub fn mass_matrix<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
     for (k, set) in plan.sets.iter().enumerate() {
         ws.set_inertia[k] = set_inertia(set, ws);
     }
-    ws.mass.fill(S::zero());
+    let (mass, screws, inertias) = (&mut ws.mass[..], &ws.screw[..], &ws.set_inertia[..]);
+    for entry in mass.iter_mut() {
+        *entry = S::zero();
+    }
     for term in &plan.mass_terms {
-        let wrench = ws.set_inertia[term.set].apply(ws.screw[term.screw]);
+        let wrench = inertias[term.set].apply(screws[term.screw]);
         for &(screw, dof) in &term.rows {
             let (row, column) = (dof.max(term.column), dof.min(term.column));
-            ws.mass[row * n + column] += ws.screw[screw].dot(wrench);
+            mass[row * n + column] += screws[screw].dot(wrench);
         }
     }
     for (k, dof) in plan.dofs.iter().enumerate() {

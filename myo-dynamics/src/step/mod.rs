@@ -122,8 +122,10 @@ mod stages {
 /// Fills `muscle_force`.
 #[inline(always)]
 pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
-    for (k, muscle) in plan.muscles.iter().enumerate() {
-        ws.muscle_force[k] = muscle.force(ws.tendon_length[k], ws.tendon_velocity[k], state.act[k]);
+    let paths = ws.tendon_length.iter().zip(&ws.tendon_velocity);
+    let muscles = plan.muscles.iter().zip(&state.act).zip(paths);
+    for (((muscle, &act), (&length, &velocity)), force) in muscles.zip(&mut ws.muscle_force) {
+        *force = muscle.force(length, velocity, act);
     }
 }
 
@@ -131,9 +133,8 @@ pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mu
 #[inline(always)]
 pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State<S>, ws: &Workspace<S>) {
     let h = S::splat(plan.timestep);
-    for (k, muscle) in plan.muscles.iter().enumerate() {
-        let rate = muscle.activation_rate(ctrl[k], state.act[k]);
-        state.act[k] = rate.mul_add(h, state.act[k]);
+    for ((muscle, &excitation), act) in plan.muscles.iter().zip(ctrl).zip(&mut state.act) {
+        *act = muscle.activation_rate(excitation, *act).mul_add(h, *act);
     }
     for k in 0..plan.ndof() {
         state.qvel[k] = ws.qacc[k].mul_add(h, state.qvel[k]);

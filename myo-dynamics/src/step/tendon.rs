@@ -4,7 +4,7 @@
 //! give the rate of its length from the two links' velocities and the wrench that a force along it puts on them.
 
 use crate::plan::{DoubleHingeSegment, HingeSegment, Plan, ProfileSegment};
-use crate::spatial::{Vec3, Wrench};
+use crate::spatial::{Frame, Vec3, Wrench};
 use crate::workspace::{JointState, Workspace};
 use myo_scalar::Scalar;
 
@@ -15,47 +15,50 @@ const SHORTEST_SQUARED: f64 = 1e-20;
 #[inline(always)]
 pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) {
     let tendons = &plan.tendons;
+    // Slices of their own here and below: after a store through `ws` the compiler would fetch all addresses anew.
+    let (length, rate) = (&mut ws.tendon_length[..], &mut ws.tendon_velocity[..]);
+    let (joints, velocities) = (&ws.joint[..], &ws.velocity[..]);
+    let (rotations, positions) = (&ws.rotation[..], &ws.position[..]);
     for (muscle, &constant) in tendons.constant.iter().enumerate() {
-        ws.tendon_length[muscle] = S::splat(constant);
-        ws.tendon_velocity[muscle] = S::zero();
+        length[muscle] = S::splat(constant);
+        rate[muscle] = S::zero();
     }
-    for (k, profile) in tendons.profiles.iter().enumerate() {
-        let (length, slope) = profile_length(profile, qpos[profile.dof]);
-        ws.profile_slope[k] = slope;
-        ws.tendon_length[profile.muscle] += length;
-        add_product(&mut ws.tendon_velocity[profile.muscle], slope, qvel[profile.dof]);
+    for (profile, slope) in tendons.profiles.iter().zip(&mut ws.profile_slope) {
+        let added;
+        (added, *slope) = profile_length(profile, qpos[profile.dof]);
+        length[profile.muscle] += added;
+        add_product(&mut rate[profile.muscle], *slope, qvel[profile.dof]);
     }
-    for (k, segment) in tendons.hinge.iter().enumerate() {
-        let joint = ws.joint[segment.link];
-        let (length, slope) = hinge_length(segment, joint);
-        ws.hinge_slope[k] = slope;
-        ws.tendon_length[segment.muscle] += length;
-        add_product(&mut ws.tendon_velocity[segment.muscle], slope, joint.rate);
+    for (segment, slope) in tendons.hinge.iter().zip(&mut ws.hinge_slope) {
+        let joint = &joints[segment.link];
+        let added;
+        (added, *slope) = hinge_length(segment, joint);
+        length[segment.muscle] += added;
+        add_product(&mut rate[segment.muscle], *slope, joint.rate);
     }
-    for (k, segment) in tendons.double_hinge.iter().enumerate() {
-        let (first, second) = (ws.joint[segment.links[0]], ws.joint[segment.links[1]]);
-        let (length, slope) = double_hinge_length(segment, first, second);
-        ws.double_hinge_slope[k] = slope;
-        ws.tendon_length[segment.muscle] += length;
-        add_product(&mut ws.tendon_velocity[segment.muscle], slope[0], first.rate);
-        add_product(&mut ws.tendon_velocity[segment.muscle], slope[1], second.rate);
+    for (segment, slope) in tendons.double_hinge.iter().zip(&mut ws.double_hinge_slope) {
+        let (first, second) = (&joints[segment.links[0]], &joints[segment.links[1]]);
+        let added;
+        (added, *slope) = double_hinge_length(segment, first, second);
+        length[segment.muscle] += added;
+        add_product(&mut rate[segment.muscle], slope[0], first.rate);
+        add_product(&mut rate[segment.muscle], slope[1], second.rate);
     }
-    let mut k = 0;
+    let (points, mut lines) = (&tendons.points[..], ws.line.iter_mut());
     for pair in &tendons.pairs {
-        let (frame_a, frame_b) = (ws.frame(pair.a), ws.frame(pair.b));
-        let velocity = if pair.a == 0 { ws.velocity[pair.b] } else { ws.velocity[pair.b] - ws.velocity[pair.a] };
-        for segment in &pair.segments {
-            let [a, b] = [&tendons.points[segment.a].position, &tendons.points[segment.b].position];
-            let a = if pair.a == 0 { Vec3::splat(*a) } else { frame_a.place(Vec3::splat(*a)) };
-            let b = frame_b.place(Vec3::splat(*b));
+        let frame_a = Frame { rotation: rotations[pair.a], position: positions[pair.a] };
+        let frame_b = Frame { rotation: rotations[pair.b], position: positions[pair.b] };
+        let velocity = if pair.a == 0 { velocities[pair.b] } else { velocities[pair.b] - velocities[pair.a] };
+        for (segment, line) in pair.segments.iter().zip(&mut lines) {
+            let (a, b) = (&points[segment.a].position, &points[segment.b].position);
+            let (a, b) = (Vec3::splat(*a), frame_b.place(Vec3::splat(*b)));
+            let a = if pair.a == 0 { a } else { frame_a.place(a) };
             let between = b - a;
             let square = between.dot(between).max(S::lit(SHORTEST_SQUARED));
             let inverse = square.rsqrt();
-            let line = Wrench::at(b, between.scale(inverse));
-            ws.line[k] = line;
-            ws.tendon_length[segment.muscle] = square.mul_add(inverse, ws.tendon_length[segment.muscle]);
-            ws.tendon_velocity[segment.muscle] += velocity.dot(line);
-            k += 1;
+            *line = Wrench::at(b, between.scale(inverse));
+            length[segment.muscle] = square.mul_add(inverse, length[segment.muscle]);
+            rate[segment.muscle] += velocity.dot(*line);
         }
     }
 }
@@ -64,28 +67,27 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mu
 #[inline(always)]
 pub fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let tendons = &plan.tendons;
-    for (k, profile) in tendons.profiles.iter().enumerate() {
-        add_product(&mut ws.torque[profile.dof], ws.profile_slope[k], ws.muscle_force[profile.muscle]);
+    let (force, wrenches) = (&ws.muscle_force[..], &mut ws.wrench[..]);
+    let (torque, joint_torque) = (&mut ws.torque[..], &mut ws.joint_torque[..]);
+    for (profile, &slope) in tendons.profiles.iter().zip(&ws.profile_slope) {
+        add_product(&mut torque[profile.dof], slope, force[profile.muscle]);
     }
-    for (k, segment) in tendons.hinge.iter().enumerate() {
-        add_product(&mut ws.joint_torque[segment.link], ws.hinge_slope[k], ws.muscle_force[segment.muscle]);
+    for (segment, &slope) in tendons.hinge.iter().zip(&ws.hinge_slope) {
+        add_product(&mut joint_torque[segment.link], slope, force[segment.muscle]);
     }
-    for (k, segment) in tendons.double_hinge.iter().enumerate() {
-        let force = ws.muscle_force[segment.muscle];
-        let [first, second] = ws.double_hinge_slope[k];
-        add_product(&mut ws.joint_torque[segment.links[0]], first, force);
-        add_product(&mut ws.joint_torque[segment.links[1]], second, force);
+    for (segment, &[first, second]) in tendons.double_hinge.iter().zip(&ws.double_hinge_slope) {
+        add_product(&mut joint_torque[segment.links[0]], first, force[segment.muscle]);
+        add_product(&mut joint_torque[segment.links[1]], second, force[segment.muscle]);
     }
-    let mut k = 0;
+    let mut lines = ws.line.iter();
     for pair in &tendons.pairs {
         let mut wrench = Wrench::zero();
-        for segment in &pair.segments {
-            wrench = ws.line[k].mul_add(ws.muscle_force[segment.muscle], wrench);
-            k += 1;
+        for (segment, line) in pair.segments.iter().zip(&mut lines) {
+            wrench = line.mul_add(force[segment.muscle], wrench);
         }
-        ws.wrench[pair.b] += wrench;
+        wrenches[pair.b] += wrench;
         if pair.a != 0 {
-            ws.wrench[pair.a] -= wrench;
+            wrenches[pair.a] -= wrench;
         }
     }
 }
@@ -106,7 +108,7 @@ fn profile_length<S: Scalar>(segment: &ProfileSegment<S::Const>, q: S) -> (S, S)
 
 /// Length and its derivative with respect to the hinge angle: `l' = (l^2)' / (2 l)`.
 #[inline(always)]
-fn hinge_length<S: Scalar>(segment: &HingeSegment<S::Const>, joint: JointState<S>) -> (S, S) {
+fn hinge_length<S: Scalar>(segment: &HingeSegment<S::Const>, joint: &JointState<S>) -> (S, S) {
     let (square, slope) = harmonic(&segment.square, joint);
     let square = square.max(S::lit(SHORTEST_SQUARED));
     let inverse = square.rsqrt();
@@ -115,7 +117,7 @@ fn hinge_length<S: Scalar>(segment: &HingeSegment<S::Const>, joint: JointState<S
 
 /// `c0 + c1 cos + c2 sin` of a hinge, and its derivative.
 #[inline(always)]
-fn harmonic<S: Scalar>(c: &[S::Const; 3], joint: JointState<S>) -> (S, S) {
+fn harmonic<S: Scalar>(c: &[S::Const; 3], joint: &JointState<S>) -> (S, S) {
     let (c0, c1, c2) = (S::splat(c[0]), S::splat(c[1]), S::splat(c[2]));
     (c1.mul_add(joint.cos, c2.mul_add(joint.sin, c0)), c2.mul_add(joint.cos, -(c1 * joint.sin)))
 }
@@ -124,8 +126,8 @@ fn harmonic<S: Scalar>(c: &[S::Const; 3], joint: JointState<S>) -> (S, S) {
 #[inline(always)]
 fn double_hinge_length<S: Scalar>(
     segment: &DoubleHingeSegment<S::Const>,
-    first: JointState<S>,
-    second: JointState<S>,
+    first: &JointState<S>,
+    second: &JointState<S>,
 ) -> (S, [S; 2]) {
     // Each row, and its derivative, as a function of the second hinge.
     let [row0, row1, row2] = &segment.square;
