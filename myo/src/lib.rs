@@ -8,7 +8,7 @@
 //! - [`model`]: descriptions of bodies, the built-in arm, MJCF
 //! - [`dynamics`]: rigid-body physics
 //! - [`tasks`]: what the simulated user has to do
-//! - [`env`]: the vectorised environment
+//! - [`mod@env`]: the vectorised environment
 //! - [`train`]: learning, evaluation, run folders
 //!
 //! ```

@@ -132,16 +132,23 @@ impl Mistake {
         let (place, text) = (self.place.as_ref()?, self.text.as_ref()?);
         let (line, column) = (usize::try_from(place.line).ok()?, usize::try_from(place.column).ok()?);
         let start = SourceOffset::from_location(text, line, column).offset();
-        let word = text.get(start..)?.split(['\n', ' ', ',', '[', ']', '{', '}']).next().unwrap_or_default();
+        let length = value_length(text.get(start..)?);
         let severity = if self.warning { miette::Severity::Warning } else { miette::Severity::Error };
         let diagnostic = miette::MietteDiagnostic::new(&self.message)
             .with_severity(severity)
-            .with_label(LabeledSpan::underline(start..start + word.len()));
+            .with_label(LabeledSpan::underline(start..start + length));
         let report = miette::Report::new(diagnostic).with_source_code(NamedSource::new(&place.file, text.clone()));
         let mut drawing = String::new();
         GraphicalReportHandler::new().render_report(&mut drawing, report.as_ref()).ok()?;
         Some(drawing)
     }
+}
+
+/// Bytes of the value that a text begins with: a list or group as far as its line goes, or a word.
+fn value_length(text: &str) -> usize {
+    let line = text.lines().next().unwrap_or_default();
+    let closing = if line.starts_with(['[', '{']) { line.rfind([']', '}']) } else { None };
+    closing.map_or_else(|| line.find([' ', ',', ':', ']', '}']).unwrap_or(line.len()), |last| last + 1)
 }
 
 #[cfg(test)]
@@ -163,6 +170,12 @@ mod tests {
         let mistake = Mistake { message: "unknown key `nam`".into(), place: Some(place), text, warning: false };
         let drawing = mistake.drawing().unwrap();
         assert!(drawing.contains("unknown key `nam`") && drawing.contains("my.yaml:2:1"), "{drawing}");
+    }
+
+    #[test]
+    fn values_are_underlined_whole() {
+        let lengths = ["[1, 2]  # far\n3]", "dwell_s: 1", "0.3, 2]", "[1,\n2]", ""].map(value_length);
+        assert_eq!(lengths, [6, 7, 3, 2, 0]);
     }
 
     #[test]

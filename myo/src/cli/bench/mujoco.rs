@@ -18,6 +18,7 @@ const TOLERANCE: f64 = 1e-8;
 pub struct Opponent {
     /// Version of MuJoCo.
     pub version: String,
+    python: PathBuf,
     process: Child,
     orders: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
@@ -44,18 +45,25 @@ impl Opponent {
         let (orders, answers) = (process.stdin.take(), process.stdout.take());
         let Some(answers) = answers else { return Err(Failure::sentence("the Python process has no output")) };
         let answers = BufReader::new(answers);
-        let mut opponent = Self { version: String::new(), process, orders, answers, _model_file: model_file };
-        opponent.version = opponent.answer(python)?;
+        let mut opponent = Self {
+            version: String::new(),
+            python: python.to_owned(),
+            process,
+            orders,
+            answers,
+            _model_file: model_file,
+        };
+        opponent.version = opponent.answer()?;
         Ok(opponent)
     }
 
     /// Seconds that a number of control steps of 25 physics steps took, and the share of them that ended at a limit.
-    pub fn step(&mut self, control_steps: usize, python: &Path) -> Result<(f64, f64)> {
+    pub fn step(&mut self, control_steps: usize) -> Result<(f64, f64)> {
         if let Some(orders) = &mut self.orders {
             // A process that has ended is told by its missing answer.
             let _ = writeln!(orders, "{control_steps}").and_then(|()| orders.flush());
         }
-        let answer = self.answer(python)?;
+        let answer = self.answer()?;
         let numbers: Vec<f64> = answer.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         match numbers[..] {
             [seconds, limited] => Ok((seconds, limited)),
@@ -63,7 +71,7 @@ impl Opponent {
         }
     }
 
-    fn answer(&mut self, python: &Path) -> Result<String> {
+    fn answer(&mut self) -> Result<String> {
         let mut line = String::new();
         if self.answers.read_line(&mut line)? > 0 {
             return Ok(line.trim().to_owned());
@@ -74,7 +82,7 @@ impl Opponent {
             let _ = stderr.read_to_string(&mut said);
         }
         let reason = said.trim().lines().last().unwrap_or("it said nothing").to_owned();
-        let python = python.display();
+        let python = self.python.display();
         Err(Failure::sentence(format!(
             "{python} cannot step the model with MuJoCo: {reason}. Name an interpreter that has the package `mujoco`: \
              --against-mujoco PYTHON"

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use clap::Args;
-use myo::env::{StepStorage, VectorEnv};
+use myo::env::{EnvSpec, StepStorage, VectorEnv};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -57,6 +57,19 @@ Exit status 1 if an observation or a reward was NaN or infinite.
 JSON: `control_steps`, `resets`, `non_finite` (rows of an observation or reward that were not finite), `first` (null, or
 an object with `env`, `step`, `what`), `task`, `seed`, `envs`, `wall_s`, `machine`, `date`, `version`.";
 
+/// What was found so far.
+#[derive(Default)]
+struct Findings {
+    /// Control steps of all environments.
+    control_steps: u64,
+    /// Episodes that ended or were broken off.
+    resets: usize,
+    /// Rows that were not finite.
+    bad: u64,
+    /// The first of them.
+    first: Option<First>,
+}
+
 /// Where the first number that is not finite was.
 struct First {
     env: usize,
@@ -69,42 +82,47 @@ pub fn run(args: &Nan) -> Result<()> {
     let stage = Stage::open(&args.task)?;
     let mut env = stage.env(args.envs, args.seed)?;
     let spec = env.spec().clone();
-    let (width, actors) = (spec.observation_size(), spec.action_size());
     let mut out = StepStorage::new(&spec);
-    let mut actions = vec![0.0; args.envs * actors];
+    let mut actions = vec![0.0; args.envs * spec.action_size()];
     let mut random: Vec<Random> = (0..args.envs).map(|i| Random((args.seed << 32) + i as u64)).collect();
-    let (mut bad, mut resets, mut first) = (0, 0, None);
-    let steps = args.steps.div_ceil(args.envs as u64);
+    let mut found = Findings::default();
     let (start, mut told) = (Instant::now(), Instant::now());
     env.reset(Some(args.seed), None, &mut out.observation)?;
-    for step in 0..steps {
-        actions.par_chunks_mut(actors).zip(&mut random).for_each(|(action, random)| draw(action, random));
+    for step in 0..args.steps.div_ceil(args.envs as u64) {
+        let rows = actions.par_chunks_mut(spec.action_size()).zip(&mut random);
+        rows.for_each(|(action, random)| draw(action, random));
         env.step(&actions, out.buffers())?;
-        resets += out.terminated.iter().zip(&out.truncated).filter(|(done, late)| **done || **late).count();
-        for (i, (observation, reward)) in out.observation.chunks_exact(width).zip(&out.reward).enumerate() {
-            if reward.is_finite() && observation.iter().all(|x| x.is_finite()) {
-                continue;
-            }
-            bad += 1;
-            let entry = observation.iter().position(|x| !x.is_finite());
-            let what = entry.map_or("reward".into(), |entry| spec.observation_names[entry].clone());
-            first.get_or_insert(First { env: i, step, what });
-        }
+        found.look(step, &spec, &out);
         if step % RESET_EVERY == RESET_EVERY - 1 {
             let mask: Vec<bool> = random.iter_mut().map(|random| random.unit() < 0.1).collect();
-            resets += mask.iter().filter(|reset| **reset).count();
+            found.resets += mask.iter().filter(|reset| **reset).count();
             env.reset(None, Some(&mask), &mut out.observation)?;
         }
         if told.elapsed().as_secs() >= 10 {
             told = Instant::now();
-            complain(&format!(
-                "{} of {} control steps",
-                rounded((step * args.envs as u64) as f64),
-                rounded(args.steps as f64)
-            ));
+            let [done, all] = [found.control_steps, args.steps].map(|steps| rounded(steps as f64));
+            complain(&format!("{done} of {all} control steps"));
         }
     }
-    show(args, &stage, (steps * args.envs as u64, resets, bad), first.as_ref(), start.elapsed().as_secs_f64())
+    show(args, &stage, &found, start.elapsed().as_secs_f64())
+}
+
+impl Findings {
+    /// Takes in one step of all environments.
+    fn look(&mut self, step: u64, spec: &EnvSpec, out: &StepStorage) {
+        self.control_steps += spec.num_envs as u64;
+        self.resets += out.terminated.iter().zip(&out.truncated).filter(|(done, late)| **done || **late).count();
+        let rows = out.observation.chunks_exact(spec.observation_size()).zip(&out.reward);
+        for (env, (observation, reward)) in rows.enumerate() {
+            let entry = observation.iter().position(|x| !x.is_finite());
+            if entry.is_none() && reward.is_finite() {
+                continue;
+            }
+            self.bad += 1;
+            let what = || entry.map_or("the reward".into(), |entry| spec.observation_names[entry].clone());
+            self.first.get_or_insert_with(|| First { env, step, what: what() });
+        }
+    }
 }
 
 fn draw(action: &mut [f32], random: &mut Random) {
@@ -118,40 +136,29 @@ fn draw(action: &mut [f32], random: &mut Random) {
     }
 }
 
-fn show(
-    args: &Nan,
-    stage: &Stage,
-    (control_steps, resets, bad): (u64, usize, u64),
-    first: Option<&First>,
-    wall_s: f64,
-) -> Result<()> {
+fn show(args: &Nan, stage: &Stage, found: &Findings, wall_s: f64) -> Result<()> {
     let task = &stage.task.name;
     let Machine { machine, date, version } = Machine::here();
     if args.json {
         print_json(&json!({
-            "control_steps": control_steps,
-            "resets": resets,
-            "non_finite": bad,
-            "first": first.map(|first| json!({"env": first.env, "step": first.step, "what": first.what})),
+            "control_steps": found.control_steps,
+            "resets": found.resets,
+            "non_finite": found.bad,
+            "first": found.first.as_ref().map(|f| json!({"env": f.env, "step": f.step, "what": f.what})),
             "task": task, "seed": args.seed, "envs": args.envs, "wall_s": wall_s,
             "machine": machine, "date": date, "version": version,
         }))?;
     } else {
+        let [steps, resets, bad] = [found.control_steps, found.resets as u64, found.bad].map(grouped);
         print(&format!(
-            "{task}: {} control steps of random actions, {} resets, {} not finite ({}, seed {}, {machine}, {date}, myo {version})\n",
-            grouped(control_steps),
-            grouped(resets as u64),
-            grouped(bad),
+            "{task}: {steps} control steps of random actions, {resets} resets, {bad} not finite\n  \
+             {} in {} environments, seed {}, {machine}, {date}, myo {version}\n",
             duration(wall_s),
+            args.envs,
             args.seed,
         ))?;
     }
-    match first {
-        None => Ok(()),
-        Some(First { env, step, what }) => Err(Failure::sentence(format!(
-            "{what} of environment {env} was not finite in step {step}; the same again: myo bench nan --task {} --envs {} \
-             --seed {}",
-            args.task, args.envs, args.seed
-        ))),
-    }
+    let Some(First { env, step, what }) = &found.first else { return Ok(()) };
+    let again = format!("myo bench nan --task {} --envs {} --seed {}", args.task, args.envs, args.seed);
+    Err(Failure::sentence(format!("{what} of environment {env} was not finite in step {step}; to repeat it: {again}")))
 }

@@ -93,69 +93,69 @@ pub fn run(args: &Physics, threads: usize) -> Result<()> {
     let levels = args.level.iter().map(|name| name.level()).collect::<Result<Vec<_>>>()?;
     let levels = if levels.is_empty() { vec![Level::detect()] } else { levels };
     let model = model::open(&args.model)?;
-    let plan = Plan::exact(&model, Coupling::Reduced)?.specialised();
     let python = args.against_mujoco.clone().map(|python| python.unwrap_or_else(default_python));
     // Before the threads start, because they stay on the core of the one that starts them.
-    let mut opponent = python.as_ref().map(|python| Opponent::start(python, &model, threads == 1)).transpose()?;
+    let opponent = python.map(|python| Opponent::start(&python, &model, threads == 1)).transpose()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;
-
+    let plan = Plan::exact(&model, Coupling::Reduced)?.specialised();
     let envs = args.envs.unwrap_or(1024 * threads);
-    let mut rows = Vec::new();
-    for level in levels {
-        complain(&format!("measuring {} bodies with {}", envs, level.name()));
-        let mut runner = Runner::new(&plan, envs, level);
-        pool.install(|| runner.measure(WARM_UP));
-        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-        for _ in 0..REPEATS {
-            ours.push(pool.install(|| runner.measure(STEPS)));
-            if let (Some(opponent), Some(python)) = (&mut opponent, &python) {
-                theirs.push(opponent.step(MUJOCO_STEPS, python)?);
-            }
-        }
-        let name = |backend: &str, level, envs, threads, steps, times: &[(f64, f64)]| {
-            Row::new(backend, level, &model.name, envs, threads, (envs * steps * SUBSTEPS) as f64, times, &machine)
-        };
-        let mut own = name("cpu", Some(level.name()), envs, threads, STEPS, &ours);
-        let other = opponent.as_ref().map(|opponent| {
-            let backend = format!("mujoco {}", opponent.version);
-            name(&backend, None, 1, 1, MUJOCO_STEPS, &theirs)
-        });
-        own.ratio = other.as_ref().map(|other| own.physics_steps_per_s / other.physics_steps_per_s);
-        own.ratio_median =
-            other.as_ref().map(|other| own.physics_steps_per_s_median / other.physics_steps_per_s_median);
-        rows.push(own);
-        rows.extend(other);
-    }
-    show(args.json, &rows, &machine)
+    let mut scene = Scene { model: &model.name, plan, envs, pool, opponent, machine };
+    let rows = levels.into_iter().map(|level| scene.measure(level)).collect::<Result<Vec<_>>>()?.concat();
+    show(args.json, &rows, &scene.machine)
 }
 
-impl Row {
-    /// From seconds and shares of limited steps; every measurement took `steps` physics steps.
-    fn new(
-        backend: &str,
-        level: Option<&'static str>,
-        model: &str,
-        envs: usize,
-        threads: usize,
-        steps: f64,
-        times: &[(f64, f64)],
-        machine: &Machine,
-    ) -> Self {
-        let (best, median) = best_and_median(times.iter().map(|(seconds, _)| *seconds).collect());
-        Self {
+/// What is measured, and against whom.
+struct Scene<'a> {
+    model: &'a str,
+    plan: Plan<f64>,
+    envs: usize,
+    pool: rayon::ThreadPool,
+    opponent: Option<Opponent>,
+    machine: Machine,
+}
+
+impl Scene<'_> {
+    /// The row of a level, and that of MuJoCo measured in turns with it.
+    fn measure(&mut self, level: Level) -> Result<Vec<Row>> {
+        complain(&format!("measuring {} bodies with {}", self.envs, level.name()));
+        let mut runner = Runner::new(&self.plan, self.envs, level);
+        self.pool.install(|| runner.measure(WARM_UP));
+        let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+        for _ in 0..REPEATS {
+            ours.push(self.pool.install(|| runner.measure(STEPS)));
+            if let Some(opponent) = &mut self.opponent {
+                theirs.push(opponent.step(MUJOCO_STEPS)?);
+            }
+        }
+        let threads = self.pool.current_num_threads();
+        let mut own = self.row("cpu", (self.envs, threads), STEPS, &ours);
+        own.level = Some(level.name());
+        let Some(opponent) = &self.opponent else { return Ok(vec![own]) };
+        let other = self.row(&format!("mujoco {}", opponent.version), (1, 1), MUJOCO_STEPS, &theirs);
+        own.ratio = Some(own.physics_steps_per_s / other.physics_steps_per_s);
+        own.ratio_median = Some(own.physics_steps_per_s_median / other.physics_steps_per_s_median);
+        Ok(vec![own, other])
+    }
+
+    /// From seconds and shares of limited steps; every measurement took so many control steps.
+    fn row(&self, backend: &str, (envs, threads): (usize, usize), steps: usize, measured: &[(f64, f64)]) -> Row {
+        let (best, median) = best_and_median(measured.iter().map(|(seconds, _)| *seconds).collect());
+        let control_steps = (envs * steps) as f64;
+        let physics_steps = control_steps * SUBSTEPS as f64;
+        Row {
             backend: backend.into(),
-            level,
-            model: model.into(),
+            level: None,
+            model: self.model.into(),
             envs,
             threads,
-            physics_steps_per_s: steps / best,
-            control_steps_per_s: steps / best / SUBSTEPS as f64,
-            physics_steps_per_s_median: steps / median,
-            limited: times.iter().map(|(_, limited)| limited).sum::<f64>() / times.len() as f64,
+            physics_steps_per_s: physics_steps / best,
+            control_steps_per_s: control_steps / best,
+            physics_steps_per_s_median: physics_steps / median,
+            limited: measured.iter().map(|(_, limited)| limited).sum::<f64>() / measured.len() as f64,
             ratio: None,
             ratio_median: None,
-            machine: machine.clone(),
+            machine: self.machine.clone(),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Progress {
         let mean = |x: Option<f64>, show: fn(f64) -> String| x.map_or("-".into(), show);
         let left = duration(self.limit.saturating_sub(metrics.env_steps) as f64 / rate);
         format!(
-            "{} steps, {} steps/s, success {}, return {}, at most {left} left",
+            "{} steps, {}/s, success {}, return {}, at most {left} left",
             rounded(metrics.env_steps as f64),
             rounded(rate),
             mean(success, percent),
@@ -65,6 +65,6 @@ impl Progress {
 }
 
 fn bar(limit: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:20} {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style = ProgressStyle::with_template("{bar:10} {wide_msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(limit).with_style(style)
 }
