@@ -415,16 +415,6 @@ pub enum PlanError {
         /// The geom.
         name: String,
     },
-    /// A path segment that can shrink to nothing has no direction.
-    #[error("muscle '{muscle}': via points '{a}' and '{b}' coincide, so the force between them has no direction")]
-    CoincidentPoints {
-        /// The muscle.
-        muscle: String,
-        /// First site.
-        a: String,
-        /// Second site.
-        b: String,
-    },
     /// Inertia in the reference pose is singular.
     #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]
     Singular {

@@ -1,0 +1,200 @@
+//! Properties of the equations of motion.
+
+mod common;
+
+use common::{arm, difference, draw, exact, greatest, random_state};
+use myo_dynamics::spatial::{Motion, Vec3, Wrench};
+use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
+use myo_dynamics::{Coupling, Obstacles, Plan, PlanError, State, Workspace};
+use myo_model::description::Shape;
+
+/// The skeleton with its springs alone: no muscles, dampers or limits.
+fn conservative() -> Plan<f64> {
+    let mut plan = exact(Coupling::Reduced);
+    plan.muscles.clear();
+    plan.limits.clear();
+    plan.tendons.constant.clear();
+    plan.tendons.pairs.clear();
+    plan.dofs.iter_mut().for_each(|dof| dof.damping = 0.0);
+    plan
+}
+
+/// Kinetic energy, and that of gravity and springs (J).
+fn energy(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> f64 {
+    let n = plan.ndof();
+    step::forward(plan, &Obstacles::none(plan), state, ws);
+    let entry = |i: usize, j: usize| ws.mass[i.max(j) * n + i.min(j)];
+    let kinetic: f64 = (0..n * n).map(|k| 0.5 * entry(k / n, k % n) * state.qvel[k / n] * state.qvel[k % n]).sum();
+    let gravity = Vec3::splat(plan.gravity);
+    let place = |body: &myo_dynamics::plan::Body<f64>| ws.frame(body.link).place(Vec3::splat(body.com));
+    let potential: f64 = plan.bodies.iter().map(|body| -body.mass * gravity.dot(place(body))).sum();
+    let spring = |(dof, &q): (&myo_dynamics::plan::Dof<f64>, &f64)| (0.5 * dof.stiffness * q + dof.spring_torque) * q;
+    kinetic + potential + plan.dofs.iter().zip(&state.qpos).map(spring).sum::<f64>()
+}
+
+/// Greatest change of energy (J) over a fifth of a second.
+fn drift(timestep: f64) -> f64 {
+    let plan = Plan { timestep, ..conservative() };
+    let (mut state, mut ws) = (random_state(&plan, 3), Workspace::<f64>::new(&plan));
+    let start = energy(&plan, &state, &mut ws);
+    let mut worst: f64 = 0.0;
+    for _ in 0..(0.2 / timestep) as usize {
+        step::step(&plan, &Obstacles::none(&plan), &[], &mut state, &mut ws);
+        worst = worst.max((energy(&plan, &state, &mut ws) - start).abs());
+    }
+    worst
+}
+
+#[test]
+fn energy_is_conserved_to_first_order_in_the_time_step() {
+    let (coarse, fine) = (drift(1e-4), drift(5e-5));
+    assert!(fine < 0.05, "{fine} J");
+    assert!((1.8..2.2).contains(&(coarse / fine)), "{coarse} J at twice the step, {fine} J");
+}
+
+#[test]
+fn mass_matrix_is_the_inverse_dynamics_of_unit_accelerations() {
+    for coupling in [Coupling::Reduced, Coupling::Soft] {
+        let plan = Plan { gravity: [0.0; 3], ..exact(coupling) };
+        let (n, mut ws) = (plan.ndof(), Workspace::<f64>::new(&plan));
+        let state = State { qvel: vec![0.0; n], ..random_state(&plan, 5) };
+        step::forward(&plan, &Obstacles::none(&plan), &state, &mut ws);
+        for dof in 0..n {
+            for (link, acceleration) in plan.links.iter().zip(&mut ws.acceleration) {
+                *acceleration = link.screw_of_dof[dof].map_or(Motion::zero(), |screw| ws.screw[screw]);
+            }
+            ws.wrench.fill(Wrench::zero());
+            ws.joint_torque.fill(0.0);
+            ws.torque.fill(0.0);
+            inertia::resist(&plan, &mut ws);
+            force::project(&plan, &mut ws);
+            for k in 0..n {
+                let armature = if k == dof { plan.dofs[k].armature } else { 0.0 };
+                let entry = ws.mass[k.max(dof) * n + k.min(dof)];
+                assert!((entry - armature + ws.torque[k]).abs() < 1e-12, "{coupling:?} ({k}, {dof})");
+            }
+        }
+    }
+}
+
+#[test]
+fn reduced_equations_are_the_full_ones_projected() {
+    let (full, reduced) = (exact(Coupling::Soft), exact(Coupling::Reduced));
+    let (mut f, mut r) = (Workspace::<f64>::new(&full), Workspace::<f64>::new(&reduced));
+    let (n, m) = (reduced.ndof(), full.ndof());
+    for number in 0..100 {
+        let state = random_state(&reduced, number);
+        let everything = State {
+            qpos: reduced.joint_positions(&state.qpos),
+            qvel: reduced.joint_rates(&state.qpos, &state.qvel),
+            act: state.act.clone(),
+        };
+        step::forward(&reduced, &Obstacles::none(&reduced), &state, &mut r);
+        step::forward(&full, &Obstacles::none(&full), &everything, &mut f);
+        // Column k of G: the rates of all joints at unit speed of coordinate k. Linear couplings add no acceleration.
+        let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
+        let g: Vec<Vec<f64>> = (0..n).map(|k| reduced.joint_rates(&state.qpos, &unit(k))).collect();
+        let torque: Vec<f64> = g.iter().map(|g| g.iter().zip(&f.torque).map(|(a, b)| a * b).sum()).collect();
+        assert!(difference(&torque, &r.torque) < 1e-10 * greatest(&r.torque).max(1.0), "torque, state {number}");
+        for i in 0..n {
+            for j in 0..=i {
+                let entry = |k: usize| g[i][k / m] * f.mass[(k / m).max(k % m) * m + (k / m).min(k % m)] * g[j][k % m];
+                let projected: f64 = (0..m * m).map(entry).sum();
+                assert!((projected - r.mass[i * n + j]).abs() < 1e-12, "({i}, {j}), state {number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn limits_push_back() {
+    let plan = conservative();
+    let limited = Plan { limits: exact(Coupling::Reduced).limits, ..plan.clone() };
+    let (mut free, mut held) = (Workspace::<f64>::new(&plan), Workspace::<f64>::new(&limited));
+    for (k, dof) in limited.dofs.iter().enumerate() {
+        let [lo, hi] = dof.range.unwrap();
+        for (beyond, sign) in [(lo - 0.05, 1.0), (hi + 0.05, -1.0)] {
+            let mut state = State { qvel: vec![0.0; plan.ndof()], ..random_state(&plan, 8) };
+            state.qpos[k] = beyond;
+            step::forward(&plan, &Obstacles::none(&plan), &state, &mut free);
+            step::forward(&limited, &Obstacles::none(&limited), &state, &mut held);
+            assert!(sign * (held.qacc[k] - free.qacc[k]) > 0.0, "{} at {beyond}", dof.name);
+        }
+    }
+}
+
+#[test]
+fn limits_hold_under_full_activation() {
+    let plan = exact(Coupling::Reduced);
+    let (mut state, mut ws) = (random_state(&plan, 4), Workspace::<f64>::new(&plan));
+    for number in 0..20 {
+        let ctrl: Vec<f64> = (0..plan.nmuscle()).map(|k| draw(number, k).round()).collect();
+        for _ in 0..100 {
+            step::step(&plan, &Obstacles::none(&plan), &ctrl, &mut state, &mut ws);
+        }
+        assert!(state.act.iter().all(|a| (0.0..=1.0).contains(a)));
+        for (dof, q) in plan.dofs.iter().zip(&state.qpos) {
+            let [lo, hi] = dof.range.unwrap();
+            assert!((lo - 0.3..hi + 0.3).contains(q), "{}: {q}", dof.name);
+        }
+    }
+}
+
+#[test]
+fn automatic_muscle_force_equals_mujocos() {
+    // `actuator_acc0` of MuJoCo 3.17.0.
+    let acc0 = [(0, 0.5703720182790424), (7, 0.48458461438019523), (13, 1.522256259070472), (25, 0.06943510415051846)];
+    let mut model = arm("mobl-arms");
+    let given = Plan::exact(&model, Coupling::Reduced).unwrap();
+    model.muscles.iter_mut().for_each(|muscle| muscle.parameters.gain.force = None);
+    let automatic = Plan::exact(&model, Coupling::Reduced).unwrap();
+    for (k, acc0) in acc0 {
+        let parameters = &arm("mobl-arms").muscles[k].parameters;
+        let [shortest, longest] = parameters.length_range;
+        let middle = 0.5 * (shortest + longest);
+        // What a full activation adds at the same length is proportional to the peak force.
+        let active =
+            |plan: &Plan<f64>| plan.muscles[k].force(middle, 0.0, 1.0) - plan.muscles[k].force(middle, 0.0, 0.0);
+        let expected = parameters.gain.scale / acc0 / parameters.gain.force.unwrap();
+        let ratio = active(&automatic) / active(&given);
+        assert!((ratio / expected - 1.0).abs() < 1e-9, "muscle {k}: {ratio} for {expected}");
+    }
+}
+
+#[test]
+fn models_that_cannot_be_simulated_are_refused_by_name() {
+    let mut model = arm("mobl-arms");
+    model.geoms[0].shape = Shape::Box { half_size: [0.01; 3] };
+    let refused = Plan::exact(&model, Coupling::Reduced).unwrap_err();
+    assert_eq!(refused, PlanError::NotASphere { name: "fingertip".into() });
+    assert!(refused.to_string().starts_with("geom 'fingertip' is a box"), "{refused}");
+
+    let mut model = arm("mobl-arms");
+    let second = myo_model::model::Geom { name: "thumb".into(), ..model.geoms[0].clone() };
+    model.geoms.push(second);
+    let refused = Plan::exact(&model, Coupling::Reduced).unwrap_err();
+    assert!(refused.to_string().starts_with("geom 'thumb': only one colliding sphere"), "{refused}");
+
+    let mut model = arm("mobl-arms");
+    let last = model.joints.len() - 1;
+    model.joints[last].armature = 0.0;
+    for body in model.bodies.iter_mut().skip(model.joints[last].body) {
+        (body.mass, body.inertia) = (0.0, nalgebra::Matrix3::zeros());
+    }
+    let refused = Plan::exact(&model, Coupling::Reduced).unwrap_err();
+    assert!(refused.to_string().starts_with("joint 'pro_sup' moves no mass"), "{refused}");
+}
+
+#[test]
+fn a_step_leaves_nothing_of_the_step_before() {
+    let plan = exact(Coupling::Reduced).specialised();
+    let none = Obstacles::none(&plan);
+    let (mut used, mut fresh) = (Workspace::<f64>::new(&plan), Workspace::<f64>::new(&plan));
+    step::forward(&plan, &none, &random_state(&plan, 1), &mut used);
+    let state = random_state(&plan, 2);
+    step::forward(&plan, &none, &state, &mut used);
+    step::forward(&plan, &none, &state, &mut fresh);
+    assert_eq!(used.qacc, fresh.qacc);
+    kinematics(&plan, &state.qpos, &state.qvel, &mut fresh);
+    assert_eq!(step::fingertip(&plan, &used), step::fingertip(&plan, &fresh));
+}
