@@ -1,4 +1,56 @@
-//! Rigid-body dynamics of muscle-driven models.
+//! Rigid-body dynamics of muscle-driven models: one physics, written once, for one body in `f64` or many in lanes of `f32`.
+//!
+//! - [`Plan`] is a model compiled into tables. [`Plan::exact`] is the reference, compared with MuJoCo; [`Plan::specialised`]
+//!   computes the same from cheaper tables; [`Plan::cast`] rounds them.
+//! - [`State`] is what changes from step to step, [`Workspace`] what a step computes on the way. The caller owns both;
+//!   a step allocates nothing.
+//! - [`step::step`] advances a state; [`step::forward`] stops at the acceleration.
+//! - [`Obstacles`] are boxes to press with the fingertip, the force on them is in [`Workspace::contact`].
+//! - [`Batch`] steps many bodies on all lanes and threads. Its results depend neither on threads nor on a body's place, bit
+//!   for bit; other widths of lanes differ by rounding.
+//! - [`ReachableSpace`] tells how far a point is from anything the fingertip can touch.
+//!
+//! Joint couplings are compiled away ([`Coupling::Reduced`]) or kept as MuJoCo's soft constraints ([`Coupling::Soft`]).
+//! Joint limits and contacts are MuJoCo's soft constraints in both cases, solved to convergence. Positions are relative to
+//! the shoulder centre in the zero pose ([`Plan::origin`] says where that is), x forward, y to the left, z up, in metres.
+//!
+//! ```
+//! use myo_dynamics::{Coupling, Obstacles, Plan, State, Workspace, step};
+//! use myo_model::{Model, builtin};
+//!
+//! let arm = Model::new(&builtin("mobl-arms")?)?;
+//! let plan = Plan::exact(&arm, Coupling::Reduced)?;
+//! let (mut state, mut ws) = (State::<f64>::new(&plan), Workspace::<f64>::new(&plan));
+//! // A tenth of a second with all muscles at a tenth.
+//! let ctrl = vec![0.1; plan.nmuscle()];
+//! for _ in 0..50 {
+//!     step::step(&plan, &Obstacles::none(&plan), &ctrl, &mut state, &mut ws);
+//! }
+//! let [x, y, z] = step::fingertip(&plan, &ws);
+//! println!("The fingertip is at {x:.3}, {y:.3}, {z:.3} m.");
+//! # assert!(z < 0.0 && x.is_finite() && y.is_finite());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The same on every core, a thousand bodies at once:
+//!
+//! ```
+//! # use myo_dynamics::{Batch, Coupling, Plan};
+//! # use myo_model::{Model, builtin};
+//! use myo_scalar::Level;
+//!
+//! # let plan = Plan::exact(&Model::new(&builtin("mobl-arms")?)?, Coupling::Reduced)?;
+//! let mut arms = Batch::new(&plan.specialised(), 1000, Level::detect());
+//! arms.set_ctrl(7, &vec![0.5; plan.nmuscle()]);
+//! arms.step(25);
+//! assert!(arms.act(7)[0] > 0.4 && arms.act(8)[0] == 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
+//! hinges and slides, straight paths through points, and one sphere that collides with boxes; what it cannot simulate
+//! faithfully it refuses ([`PlanError`]).
+
 mod batch;
 mod impedance;
 mod obstacles;

@@ -21,6 +21,7 @@ pub fn factor_and_solve<S: Scalar>(n: usize, matrix: &mut [S], pivot: &mut [S], 
 
 /// [`factor`] and [`solve`] for one size.
 #[inline(always)]
+#[expect(clippy::needless_range_loop, reason = "the indices are those of the equations")]
 fn sized<S: Scalar, const N: usize>(matrix: &[S], x: &mut [S]) {
     let (matrix, x) = (&matrix[..N * N], &mut x[..N]);
     let mut l = [[S::zero(); N]; N];
