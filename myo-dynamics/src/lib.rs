@@ -1,4 +1,4 @@
-//! Rigid-body dynamics of muscle-driven models: one physics, written once, for one body in `f64` or many in lanes of `f32`.
+//! Rigid-body dynamics of muscle-driven models: one physics, written once, in `f64` for one body and in lanes for many.
 //!
 //! - [`Plan`] is a model compiled into tables. [`Plan::exact`] is the reference, compared with MuJoCo; [`Plan::specialised`]
 //!   computes the same from cheaper tables; [`Plan::cast`] rounds them.
