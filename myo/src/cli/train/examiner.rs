@@ -1,6 +1,6 @@
 //! Evaluation during training.
 
-use myo::env::{CpuEnv, VectorEnv};
+use myo::env::CpuEnv;
 use myo::train::{Evaluation, Policy, evaluate};
 
 use crate::cli::failure::Result;
@@ -42,11 +42,10 @@ impl<'a> Examiner<'a> {
         Ok(Some(evaluation).filter(|_| !interrupt.wanted()))
     }
 
-    /// Control steps that an evaluation took, about.
-    pub fn cost(&self, evaluation: &Evaluation) -> u64 {
-        let dt = self.env.as_ref().map_or(1.0, |env| env.spec().control_dt);
-        let steps = evaluation.episode_length_s.unwrap_or(0.0) / dt;
-        (steps * evaluation.episodes as f64) as u64
+    /// Control steps that an evaluation takes at most; nearly so many if any episode runs to its limit.
+    pub fn cost(&self, episodes: usize) -> u64 {
+        let rounds = episodes.div_ceil(ENVS) as u64;
+        rounds * ENVS as u64 * u64::from(self.stage.task.time_limit_steps())
     }
 }
 

@@ -179,7 +179,7 @@ impl<'a> Session<'a> {
         let mut reached = None;
         for episodes in [QUICK_EPISODES, EPISODES] {
             reached = self.evaluate(episodes, interrupt)?;
-            cost += reached.as_ref().map_or(0, |evaluation| self.examiner.cost(evaluation));
+            cost += self.examiner.cost(episodes);
             reached = reached.filter(|evaluation| evaluation.success >= self.until);
             if reached.is_none() {
                 break;
