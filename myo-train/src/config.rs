@@ -15,7 +15,7 @@ pub struct PpoConfig {
     /// Control steps of every environment between two updates (default 16). Longer roll-outs lean less on the value
     /// network, and update less often.
     pub steps_per_update: usize,
-    /// Passes over the collected samples in one update (default 4). More learn more from the same samples, until
+    /// Passes over the collected samples in one update (default 2). More learn more from the same samples, until
     /// the policy has moved too far from the one that collected them.
     pub epochs: usize,
     /// Gradient steps per pass (default 4); each sees an equal share of the samples.
@@ -25,7 +25,7 @@ pub struct PpoConfig {
     /// Widths of the hidden layers of the value network (default 128, 128).
     pub value_hidden: Vec<usize>,
 
-    /// Discount per control step, in [0, 1) (default 0.97: at 20 Hz a reward counts half after 1.1 s). Lower learns
+    /// Discount per control step, in [0, 1) (default 0.95: at 20 Hz a reward counts half after 0.7 s). Lower learns
     /// sooner, higher plans further.
     pub gamma: f64,
     /// Decay of the advantage estimate, in [0, 1] (default 0.95). 0 trusts the value network alone, 1 the returns alone.
@@ -46,7 +46,7 @@ pub struct PpoConfig {
     /// The step size never rises above this (default 3e-3).
     pub learning_rate_max: f64,
     /// Divergence from the collecting policy that one update should reach, mean over its last pass, in nats (default
-    /// 0.012). 0 keeps the step size fixed. Larger moves faster and may collapse: 0.03 failed on the built-in arm.
+    /// 0.02). 0 keeps the step size fixed. Larger moves faster and may collapse: 0.03 failed on the built-in arm.
     pub kl_target: f64,
     /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
     /// below `kl_target / kl_tolerance` (default 1.5).
@@ -70,10 +70,10 @@ pub struct PpoConfig {
     /// The logarithm of the standard deviation never rises above this (default 0.5).
     pub log_std_max: f64,
     /// The environment gets `clip(action_offset + action_scale * a, -1, 1)` for the policy's output `a` (default -0.5).
-    /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.35 a, 0, 1)`: a new policy
+    /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.5 a, 0, 1)`: a new policy
     /// holds them at a quarter, rather than at half strength against each other.
     pub action_offset: f64,
-    /// See [`PpoConfig::action_offset`] (default 0.7).
+    /// See [`PpoConfig::action_offset`] (default 1).
     pub action_scale: f64,
 
     /// Normalised observations are held within plus or minus this many standard deviations (default 5).
@@ -88,11 +88,11 @@ impl Default for PpoConfig {
         Self {
             num_envs: 1024,
             steps_per_update: 16,
-            epochs: 4,
+            epochs: 2,
             minibatches: 4,
             policy_hidden: vec![128, 128],
             value_hidden: vec![128, 128],
-            gamma: 0.97,
+            gamma: 0.95,
             gae_lambda: 0.95,
             clip: 0.2,
             entropy_coefficient: 0.002,
@@ -101,7 +101,7 @@ impl Default for PpoConfig {
             learning_rate: 1e-3,
             learning_rate_min: 1e-5,
             learning_rate_max: 3e-3,
-            kl_target: 0.012,
+            kl_target: 0.02,
             kl_factor: 1.5,
             kl_tolerance: 1.5,
             adam_beta1: 0.9,
@@ -112,7 +112,7 @@ impl Default for PpoConfig {
             log_std_min: -3.0,
             log_std_max: 0.5,
             action_offset: -0.5,
-            action_scale: 0.7,
+            action_scale: 1.0,
             observation_clip: 5.0,
             observation_std_floor: 0.05,
         }
