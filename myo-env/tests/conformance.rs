@@ -1,6 +1,6 @@
 //! One list of properties for every backend. A backend is done when it passes.
 
-use myo_env::{Autoreset, Backend, BatchEnv, CpuEnv, EnvConfig, EnvError, ReferenceEnv, StepStorage, VectorEnv};
+use myo_env::{Autoreset, Backend, BatchEnv, CpuEnv, Env, EnvConfig, EnvError, ReferenceEnv, StepStorage, VectorEnv};
 use myo_model::{Model, builtin};
 use myo_scalar::Level;
 use myo_tasks::{Task, preset};
@@ -302,4 +302,23 @@ fn a_control_step_that_does_not_fit_the_physics_is_refused() {
     assert!(refused.to_string().contains("0.0333 s, which is no whole number"), "{refused}");
     let none = CpuEnv::new(&arm(&task), &task, &EnvConfig { num_envs: 0, ..Default::default() }).err();
     assert!(none.expect("zero environments").to_string().contains("at least one"));
+}
+
+#[test]
+fn one_environment_equals_the_first_of_many() {
+    let task = short("pointing");
+    let mut one = Env::new(&arm(&task), &task, 7).unwrap();
+    let mut many = make::<f32>(&task, EnvConfig { num_envs: 9, seed: 7, ..Default::default() });
+    let (nobs, nact) = (one.spec().observation_size(), one.spec().action_size());
+    let mut out = StepStorage::new(many.spec());
+    for step in 0..one.spec().max_episode_steps {
+        let all = actions(&many, step);
+        many.step(&all, out.buffers()).unwrap();
+        let last = one.step(&all[..nact]).unwrap();
+        assert_eq!(last.truncated, out.truncated[0]);
+        let wanted = if last.truncated { &out.final_observation } else { &out.observation };
+        assert_eq!(bits(last.observation), bits(&wanted[..nobs]));
+    }
+    assert_eq!(one.step(&vec![0.0; nact]), Err(EnvError::NeedsReset { env: 0 }));
+    assert_eq!(bits(one.reset(None)), bits(&out.observation[..nobs]), "the second episode of either");
 }

@@ -42,6 +42,8 @@ mod philox;
 mod plain;
 mod portable;
 mod scalar;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use level::{Kernel, Level, dispatch};
 pub use philox::{Counter, normal_pair, philox, seed_words, unit};

@@ -42,3 +42,8 @@ pub use myo_train as train;
 mod reach;
 
 pub use reach::ModelReach;
+
+/// The example on the repository's front page compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -1,8 +1,8 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
 use super::{
-    Body, ContactSphere, Coupling, CurvedJoint, Dof, Drive, Equality, Form, Limit, Link, LinkMotion, Placement, Plan,
-    PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
+    Body, ContactSphere, Coupling, CurvedJoint, Dof, Drive, Elements, Equality, Form, Limit, Link, LinkMotion,
+    Placement, Plan, PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -24,6 +24,7 @@ impl Plan<f64> {
         let bodies = tree.bodies(model);
         let sphere = model.geoms.first().map(|geom| contact_sphere(model, &tree, geom));
         let fingertip = tree.site(model, model.fingertip_site);
+        let elements = tree.elements(model);
         let h = model.options.timestep;
         let mut plan = Plan {
             timestep: h,
@@ -46,6 +47,7 @@ impl Plan<f64> {
             fingertip,
             contact_sphere: sphere,
             joints: drives,
+            elements,
         };
         plan.connect();
         plan.muscles = model.muscles.iter().map(|m| Muscle::new(&m.parameters, 1.0)).collect();
@@ -253,6 +255,13 @@ impl Tree {
     fn point(&self, body: usize, position: Vector3<f64>) -> Point<f64> {
         let (link, place) = self.placement[body];
         Point { link, position: (place * nalgebra::Point3::from(position)).coords.into() }
+    }
+
+    fn elements(&self, model: &Model) -> Elements<f64> {
+        Elements {
+            bodies: (0..model.bodies.len()).map(|body| self.point(body, Vector3::zeros())).collect(),
+            sites: (0..model.sites.len()).map(|site| self.site(model, site)).collect(),
+        }
     }
 
     fn site(&self, model: &Model, site: usize) -> Point<f64> {

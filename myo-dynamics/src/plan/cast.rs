@@ -1,8 +1,8 @@
 //! The same plan in another precision.
 
 use super::{
-    Body, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, EnergyProfile, Equality, HingeSegment, Limit,
-    Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment, Tendons,
+    Body, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality, HingeSegment,
+    Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment, Tendons,
 };
 use crate::polynomial::Polynomial;
 use myo_scalar::Real;
@@ -44,6 +44,16 @@ impl Plan<f64> {
             fingertip: self.fingertip.cast(),
             contact_sphere: self.contact_sphere.as_ref().map(ContactSphere::cast),
             joints: self.joints.iter().map(Drive::cast).collect(),
+            elements: self.elements.cast(),
+        }
+    }
+}
+
+impl Elements<f64> {
+    fn cast<D: Real>(&self) -> Elements<D> {
+        Elements {
+            bodies: self.bodies.iter().map(Point::cast).collect(),
+            sites: self.sites.iter().map(Point::cast).collect(),
         }
     }
 }

@@ -69,6 +69,17 @@ pub struct Plan<C> {
     pub contact_sphere: Option<ContactSphere<C>>,
     /// Where each joint of the model finds its position.
     pub joints: Vec<Drive<C>>,
+    /// For drawing: where the model's elements are. Only exact plans have them; specialised ones drop links.
+    pub elements: Elements<C>,
+}
+
+/// Places of the model's elements, in the model's order.
+#[derive(Clone, Debug, Default)]
+pub struct Elements<C> {
+    /// Origin of each body.
+    pub bodies: Vec<Point<C>>,
+    /// Each site.
+    pub sites: Vec<Point<C>>,
 }
 
 /// A generalised coordinate and the passive forces that are linear in it:

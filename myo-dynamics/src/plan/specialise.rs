@@ -8,7 +8,7 @@
 
 use super::build::assign_screws;
 use super::{
-    DoubleHingeSegment, Drive, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Placement, Plan, Point,
+    DoubleHingeSegment, Drive, Elements, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Placement, Plan, Point,
     PoseProfile, ProfileSegment, Segment, SegmentPair, Tendons,
 };
 use crate::polynomial::{Domain, Polynomial, fit, nodes};
@@ -27,7 +27,7 @@ impl Plan<f64> {
     /// A plan that computes the same from cheaper tables.
     #[must_use]
     pub fn specialised(&self) -> Self {
-        let mut plan = self.clone();
+        let mut plan = Self { elements: Elements::default(), ..self.clone() };
         for dof in 0..self.ndof() {
             if let Some(profiled) = plan.with_profile(dof) {
                 plan = profiled;
