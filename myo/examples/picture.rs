@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::new(&builtin(&task.model)?)?;
     let plan = Plan::exact(&model, Coupling::Reduced)?;
     let latest = RunFolder::open(run.as_ref())?.latest_checkpoint();
-    let (_, checkpoint) = latest.checkpoint.ok_or("the run has no checkpoint")?;
+    let checkpoint = latest.checkpoint.ok_or("the run has no checkpoint")?;
     let mut policy = checkpoint.policy();
     let mut env = Env::new(&model, &task, 5)?;
     let mut moments = vec![moment(&env, &plan)];
