@@ -3,13 +3,13 @@
 //!
 //! `model.xml` and `press.xml` are the arm for MuJoCo, without and with a button; `states.json` holds every quantity of one
 //! evaluation in 1,000 random states, `rollouts.json` joint positions over one second of random excitations, `press.json`
-//! the force on the button. Positions are those of all joints; forces have MuJoCo's sign.
+//! the force on the button; `gadget.xml` and `gadget.json` are single steps of a body with what the arm lacks. Positions are those of all joints; forces have MuJoCo's sign.
 
 use myo_dynamics::spatial::Wrench;
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
 use myo_dynamics::{Batch, Coupling, Obstacles, Plan, State, StaticBox, Surface, Workspace};
 use myo_model::mjcf::{Button, MjcfOptions, to_mjcf};
-use myo_model::{Model, builtin};
+use myo_model::{Model, ModelDescription, builtin};
 use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
 use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::{Value, json};
@@ -21,6 +21,7 @@ const ROLLOUTS: u32 = 16;
 const CONTROL_STEPS: usize = 20;
 const PHYSICS_STEPS: usize = 25;
 const PRESSES: u32 = 60;
+const GADGETS: u32 = 300;
 /// How far joints may be beyond their limits (rad): four degrees.
 const BEYOND: f64 = 0.07;
 /// How far coupled joints may be from where their coupling holds them (rad).
@@ -40,7 +41,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     write("states.json", Value::from_iter((0..STATES).map(|k| arm.state(Draws::new(1, k)))).to_string())?;
     write("rollouts.json", Value::from_iter((0..ROLLOUTS).map(|k| arm.rollout(Draws::new(2, k)))).to_string())?;
     write("press.json", Value::from_iter((0..PRESSES).map(|k| arm.press(Draws::new(3, k), k))).to_string())?;
+    let description = ModelDescription::from_yaml(include_str!("gadget.yaml"), "gadget.yaml")?;
+    let gadget = Model::new(&description)?;
+    write("gadget.xml", to_mjcf(&gadget, &MjcfOptions::default()))?;
+    let plan = Plan::exact(&gadget, Coupling::Soft)?;
+    write("gadget.json", Value::from_iter((0..GADGETS).map(|k| single_step(&plan, Draws::new(4, k)))).to_string())?;
     Ok(())
+}
+
+/// One step of a plan from a random state, some joints beyond their limits.
+fn single_step(plan: &Plan<f64>, mut draws: Draws) -> Value {
+    let n = plan.ndof();
+    let mut state = State {
+        qpos: draws.vector(n, -1.2, 1.2),
+        qvel: draws.vector(n, -3.0, 3.0),
+        act: draws.vector(plan.nmuscle(), 0.0, 1.0),
+    };
+    let before = state.clone();
+    let ctrl = draws.vector(plan.nmuscle(), 0.0, 1.0);
+    let mut ws = Workspace::<f64>::new(plan);
+    step::step(plan, &Obstacles::none(plan), &ctrl, &mut state, &mut ws);
+    json!({
+        "qpos": before.qpos, "qvel": before.qvel, "act": before.act, "ctrl": ctrl, "qacc": ws.qacc,
+        "muscle_force": ws.muscle_force, "qpos_next": state.qpos, "qvel_next": state.qvel, "act_next": state.act,
+    })
 }
 
 /// A sequence of reproducible random numbers.

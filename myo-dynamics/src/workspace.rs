@@ -137,6 +137,8 @@ pub struct Workspace<S: Scalar> {
     pub pivot: Vec<S>,
     /// Generalised acceleration, `ndof`.
     pub qacc: Vec<S>,
+    /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`.
+    pub step_qacc: Vec<S>,
     /// Rounds that the constraint solver took in the last step.
     pub rounds: usize,
 }
@@ -179,6 +181,7 @@ impl<S: Scalar> Workspace<S> {
             matrix: vec![o; ndof * ndof],
             pivot: vec![o; ndof],
             qacc: vec![o; ndof],
+            step_qacc: vec![o; ndof],
             rounds: 0,
         }
     }

@@ -8,6 +8,8 @@ where that has been done already. The directory holds
     states.json    [{qpos, qvel, act, ctrl, tendon_length, tendon_velocity, muscle_force, qfrc_bias, qfrc_passive, qacc_soft}]
     rollouts.json  [{qpos0, qvel0, act0, ctrl: one row per control step, qpos_reduced, qpos_lanes: one row after each}]
     press.json     [{qpos, qvel, act, ctrl, button: {pos, quat}, touch_force}]
+    gadget.xml     a small body with slides, curved couplings and implicit damping
+    gadget.json    [{qpos, qvel, act, ctrl, qacc, muscle_force, qpos_next, qvel_next, act_next}]
 
 Positions are in full coordinates, joints in the order of the model; forces have MuJoCo's sign (a pull is negative).
 """
@@ -86,3 +88,13 @@ def arm(data):
 @pytest.fixture(scope="session")
 def arm_with_button(data):
     return load(data / "press.xml")
+
+
+@pytest.fixture(scope="session")
+def gadget(data):
+    return load(data / "gadget.xml")
+
+
+@pytest.fixture(scope="session")
+def gadget_steps(data):
+    return read(data / "gadget.json")

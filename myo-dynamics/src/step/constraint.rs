@@ -8,7 +8,7 @@
 use crate::plan::Plan;
 use crate::step::{cholesky, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
-use myo_scalar::{Mask, Real, Scalar};
+use myo_scalar::{Mask, Scalar};
 
 /// Rounds after which the set of pushing rows is taken as it is.
 pub const MAX_ROUNDS: usize = 8;
@@ -73,17 +73,12 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     }
 }
 
-/// `matrix = M + h B + J^T D J` and `qacc = tau + J^T D aref` over the rows that push.
+/// `matrix = M + J^T D J` and `qacc = tau + J^T D aref` over the rows that push.
 #[inline(always)]
 fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, limited: bool, touching: bool) {
     let n = plan.ndof();
     ws.matrix.copy_from_slice(&ws.mass);
     ws.qacc.copy_from_slice(&ws.torque);
-    if plan.implicit_damping {
-        for (k, dof) in plan.dofs.iter().enumerate() {
-            ws.matrix[k * n + k] += S::lit(plan.timestep.to_f64() * dof.damping.to_f64());
-        }
-    }
     if limited {
         for (row, limit) in ws.limit.iter().zip(&plan.limits) {
             let Some(dof) = limit.drive.dof else { continue };

@@ -131,15 +131,45 @@ pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mu
 
 /// Semi-implicit Euler: new velocities first, then positions with them; activations beside.
 #[inline(always)]
-pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State<S>, ws: &Workspace<S>) {
+pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State<S>, ws: &mut Workspace<S>) {
     let h = S::splat(plan.timestep);
     for ((muscle, &excitation), act) in plan.muscles.iter().zip(ctrl).zip(&mut state.act) {
         *act = muscle.activation_rate(excitation, *act).mul_add(h, *act);
     }
+    if plan.implicit_damping {
+        damp_implicitly(plan, state, ws);
+    } else {
+        ws.step_qacc.copy_from_slice(&ws.qacc);
+    }
     for k in 0..plan.ndof() {
-        state.qvel[k] = ws.qacc[k].mul_add(h, state.qvel[k]);
+        state.qvel[k] = ws.step_qacc[k].mul_add(h, state.qvel[k]);
         state.qpos[k] = state.qvel[k].mul_add(h, state.qpos[k]);
     }
+}
+
+/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`. The
+/// forces of constraints stay those of the explicit acceleration.
+#[inline(always)]
+fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    let n = plan.ndof();
+    for i in 0..n {
+        let mut force = S::zero();
+        for j in 0..n {
+            force = ws.mass[i.max(j) * n + i.min(j)].mul_add(ws.qacc[j], force);
+        }
+        ws.step_qacc[i] = force;
+    }
+    let h = S::splat(plan.timestep);
+    ws.matrix.copy_from_slice(&ws.mass);
+    for (k, dof) in plan.dofs.iter().enumerate() {
+        ws.matrix[k * n + k] += h * S::splat(dof.damping);
+    }
+    for joint in &plan.curved_joints {
+        let slope = kinematics::joint_state(&joint.drive, &state.qpos, &state.qvel).slope;
+        let dof = joint.drive.dof.expect("curved joints follow a coordinate");
+        ws.matrix[dof * n + dof] += h * S::splat(joint.damping) * slope * slope;
+    }
+    cholesky::factor_and_solve(n, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
 }
 
 /// Position of the fingertip (m, from the shoulder centre), after [`kinematics::kinematics`].
