@@ -7,16 +7,25 @@ use myo_dynamics::spatial::{Motion, Vec3, Wrench};
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
 use myo_dynamics::{Coupling, Obstacles, Plan, PlanError, State, Workspace};
 use myo_model::description::Shape;
+use myo_model::{Model, ModelDescription};
 
-/// The skeleton with its springs alone: no muscles, dampers or limits.
-fn conservative() -> Plan<f64> {
-    let mut plan = exact(Coupling::Reduced);
+/// A skeleton with its springs alone: no muscles, dampers or limits.
+fn conservative(mut plan: Plan<f64>) -> Plan<f64> {
     plan.muscles.clear();
     plan.limits.clear();
     plan.tendons.constant.clear();
     plan.tendons.pairs.clear();
     plan.dofs.iter_mut().for_each(|dof| dof.damping = 0.0);
+    plan.curved_joints.iter_mut().for_each(|joint| joint.damping = 0.0);
+    plan.implicit_damping = false;
     plan
+}
+
+/// A small body with slides and curved couplings.
+fn gadget() -> Plan<f64> {
+    let text = include_str!("../examples/gadget.yaml");
+    let description = ModelDescription::from_yaml(text, "gadget.yaml").unwrap();
+    Plan::exact(&Model::new(&description).unwrap(), Coupling::Reduced).unwrap()
 }
 
 /// Kinetic energy, and that of gravity and springs (J).
@@ -29,12 +38,20 @@ fn energy(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> f64 
     let place = |body: &myo_dynamics::plan::Body<f64>| ws.frame(body.link).place(Vec3::splat(body.com));
     let potential: f64 = plan.bodies.iter().map(|body| -body.mass * gravity.dot(place(body))).sum();
     let spring = |(dof, &q): (&myo_dynamics::plan::Dof<f64>, &f64)| (0.5 * dof.stiffness * q + dof.spring_torque) * q;
-    kinetic + potential + plan.dofs.iter().zip(&state.qpos).map(spring).sum::<f64>()
+    let curved: f64 = plan
+        .curved_joints
+        .iter()
+        .map(|joint| {
+            let position = step::kinematics::joint_state(&joint.drive, &state.qpos, &state.qvel).position;
+            0.5 * joint.stiffness * (position - joint.spring_ref).powi(2)
+        })
+        .sum();
+    kinetic + potential + curved + plan.dofs.iter().zip(&state.qpos).map(spring).sum::<f64>()
 }
 
 /// Greatest change of energy (J) over a fifth of a second.
-fn drift(timestep: f64) -> f64 {
-    let plan = Plan { timestep, ..conservative() };
+fn drift(plan: Plan<f64>, timestep: f64) -> f64 {
+    let plan = Plan { timestep, ..conservative(plan) };
     let (mut state, mut ws) = (random_state(&plan, 3), Workspace::<f64>::new(&plan));
     let start = energy(&plan, &state, &mut ws);
     let mut worst: f64 = 0.0;
@@ -47,9 +64,11 @@ fn drift(timestep: f64) -> f64 {
 
 #[test]
 fn energy_is_conserved_to_first_order_in_the_time_step() {
-    let (coarse, fine) = (drift(1e-4), drift(5e-5));
-    assert!(fine < 0.05, "{fine} J");
-    assert!((1.8..2.2).contains(&(coarse / fine)), "{coarse} J at twice the step, {fine} J");
+    for plan in [exact(Coupling::Reduced), gadget()] {
+        let (coarse, fine) = (drift(plan.clone(), 1e-4), drift(plan, 5e-5));
+        assert!(fine < 0.05, "{fine} J");
+        assert!((1.8..2.2).contains(&(coarse / fine)), "{coarse} J at twice the step, {fine} J");
+    }
 }
 
 #[test]
@@ -108,7 +127,7 @@ fn reduced_equations_are_the_full_ones_projected() {
 
 #[test]
 fn limits_push_back() {
-    let plan = conservative();
+    let plan = conservative(exact(Coupling::Reduced));
     let limited = Plan { limits: exact(Coupling::Reduced).limits, ..plan.clone() };
     let (mut free, mut held) = (Workspace::<f64>::new(&plan), Workspace::<f64>::new(&limited));
     for (k, dof) in limited.dofs.iter().enumerate() {
