@@ -260,7 +260,7 @@ mod tests {
         let config = PpoConfig::default();
         assert_eq!(adapted_rate(1e-3, 0.1, &config), 1e-3 / 1.5);
         assert_eq!(adapted_rate(1e-3, 0.001, &config), 1.5e-3);
-        assert_eq!(adapted_rate(1e-3, 0.012, &config), 1e-3);
+        assert_eq!(adapted_rate(1e-3, config.kl_target, &config), 1e-3);
         assert_eq!(adapted_rate(1e-5, 0.1, &config), 1e-5);
         assert_eq!(adapted_rate(3e-3, 0.0, &config), 3e-3);
         assert_eq!(adapted_rate(1e-3, 0.1, &PpoConfig { kl_target: 0.0, ..config }), 1e-3);

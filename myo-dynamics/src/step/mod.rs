@@ -15,6 +15,7 @@ use crate::obstacles::Obstacles;
 use crate::plan::Plan;
 use crate::workspace::{State, Workspace};
 use myo_scalar::{Scalar, Stage};
+use std::marker::PhantomData;
 
 /// Advances the state by one time step under muscle excitations `ctrl` in [0, 1].
 #[inline(always)]
@@ -37,86 +38,98 @@ pub fn forward<S: Scalar>(
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
-    S::outline(stages::Positions { plan, state, ws });
-    S::outline(stages::Paths { plan, state, ws });
-    S::outline(stages::Forces { plan, state, ws });
-    S::outline(stages::Constraints { plan, obstacles, state, ws });
+    outlined::<S, Positions>(plan, obstacles, state, ws);
+    outlined::<S, Paths>(plan, obstacles, state, ws);
+    outlined::<S, Forces>(plan, obstacles, state, ws);
+    outlined::<S, Constraints>(plan, obstacles, state, ws);
 }
 
-/// The parts of a step that are functions of their own.
-mod stages {
-    use super::*;
+/// A part of a step that is a function of its own; see [`Scalar::outline`].
+trait Part {
+    fn apply<S: Scalar>(
+        plan: &Plan<S::Const>,
+        obstacles: &Obstacles<S::Const>,
+        state: &State<S>,
+        ws: &mut Workspace<S>,
+    );
+}
 
-    /// Where everything is and how fast it moves.
-    pub struct Positions<'a, S: Scalar> {
-        pub plan: &'a Plan<S::Const>,
-        pub state: &'a State<S>,
-        pub ws: &'a mut Workspace<S>,
+/// Where everything is and how fast it moves.
+struct Positions;
+
+impl Part for Positions {
+    #[inline(always)]
+    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+        kinematics::kinematics(plan, &state.qpos, &state.qvel, ws);
     }
+}
 
-    impl<S: Scalar> Stage<S> for Positions<'_, S> {
+/// Muscle paths and forces.
+struct Paths;
+
+impl Part for Paths {
+    #[inline(always)]
+    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+        tendon::lengths(plan, &state.qpos, &state.qvel, ws);
+        muscle_forces(plan, state, ws);
+    }
+}
+
+/// Generalised forces and the mass matrix.
+struct Forces;
+
+impl Part for Forces {
+    #[inline(always)]
+    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+        force::passive(plan, state, ws);
+        tendon::pull(plan, ws);
+        inertia::resist(plan, ws);
+        force::project(plan, ws);
+        inertia::mass_matrix(plan, state, ws);
+    }
+}
+
+/// Limits, couplings, contact, and the acceleration.
+struct Constraints;
+
+impl Part for Constraints {
+    #[inline(always)]
+    fn apply<S: Scalar>(
+        plan: &Plan<S::Const>,
+        obstacles: &Obstacles<S::Const>,
+        state: &State<S>,
+        ws: &mut Workspace<S>,
+    ) {
+        constraint::limits(plan, state, ws);
+        constraint::equalities(plan, state, ws);
+        contact::contact(plan, obstacles, state, ws);
+        constraint::solve(plan, ws);
+    }
+}
+
+/// Runs a part in a function of its own.
+#[inline(always)]
+fn outlined<S: Scalar, P: Part>(
+    plan: &Plan<S::Const>,
+    obstacles: &Obstacles<S::Const>,
+    state: &State<S>,
+    ws: &mut Workspace<S>,
+) {
+    struct Call<'a, S: Scalar, P> {
+        plan: &'a Plan<S::Const>,
+        obstacles: &'a Obstacles<S::Const>,
+        state: &'a State<S>,
+        ws: &'a mut Workspace<S>,
+        part: PhantomData<P>,
+    }
+    impl<S: Scalar, P: Part> Stage<S> for Call<'_, S, P> {
         type Output = ();
         #[inline(always)]
         fn run(self) {
-            kinematics::kinematics(self.plan, &self.state.qpos, &self.state.qvel, self.ws);
+            P::apply(self.plan, self.obstacles, self.state, self.ws);
         }
     }
-
-    /// Muscle paths and forces.
-    pub struct Paths<'a, S: Scalar> {
-        pub plan: &'a Plan<S::Const>,
-        pub state: &'a State<S>,
-        pub ws: &'a mut Workspace<S>,
-    }
-
-    impl<S: Scalar> Stage<S> for Paths<'_, S> {
-        type Output = ();
-        #[inline(always)]
-        fn run(self) {
-            tendon::lengths(self.plan, &self.state.qpos, &self.state.qvel, self.ws);
-            muscle_forces(self.plan, self.state, self.ws);
-        }
-    }
-
-    /// Generalised forces and the mass matrix.
-    pub struct Forces<'a, S: Scalar> {
-        pub plan: &'a Plan<S::Const>,
-        pub state: &'a State<S>,
-        pub ws: &'a mut Workspace<S>,
-    }
-
-    impl<S: Scalar> Stage<S> for Forces<'_, S> {
-        type Output = ();
-        #[inline(always)]
-        fn run(self) {
-            let Self { plan, state, ws } = self;
-            force::passive(plan, state, ws);
-            tendon::pull(plan, ws);
-            inertia::resist(plan, ws);
-            force::project(plan, ws);
-            inertia::mass_matrix(plan, state, ws);
-        }
-    }
-
-    /// Limits, couplings, contact, and the acceleration.
-    pub struct Constraints<'a, S: Scalar> {
-        pub plan: &'a Plan<S::Const>,
-        pub obstacles: &'a Obstacles<S::Const>,
-        pub state: &'a State<S>,
-        pub ws: &'a mut Workspace<S>,
-    }
-
-    impl<S: Scalar> Stage<S> for Constraints<'_, S> {
-        type Output = ();
-        #[inline(always)]
-        fn run(self) {
-            let Self { plan, obstacles, state, ws } = self;
-            constraint::limits(plan, state, ws);
-            constraint::equalities(plan, state, ws);
-            contact::contact(plan, obstacles, state, ws);
-            constraint::solve(plan, ws);
-        }
-    }
+    S::outline(Call { plan, obstacles, state, ws, part: PhantomData::<P> });
 }
 
 /// Fills `muscle_force`.
