@@ -48,7 +48,8 @@ impl<C: Backend> BatchEnv<C> {
             max_episode_steps: task.time_limit_steps() as usize,
             autoreset: config.autoreset,
         };
-        let storage = Storage::new(C::lanes(level), config.num_envs, EnvState::<C>::count_numbers(&tables));
+        let count = EnvState::<C>::new(&tables).numbers().count();
+        let storage = Storage::new(C::lanes(level), config.num_envs, count);
         let finished = vec![false; config.num_envs];
         let pool = config.threads.map(thread_pool).transpose()?;
         let mut env = Self { tables, spec, level, storage, finished, pool };

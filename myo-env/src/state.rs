@@ -55,12 +55,6 @@ impl<S: Scalar> EnvState<S> {
         }
     }
 
-    /// How many numbers [`EnvState::numbers`] visits.
-    pub fn count_numbers(tables: &Tables<S::Const>) -> usize {
-        let (ndof, nmuscle, ntarget) = (tables.plan.ndof(), tables.plan.nmuscle(), tables.task.targets.len());
-        3 * ndof + nmuscle + 5 * ntarget + 3 + 3 + REWARD_TERMS + 1
-    }
-
     /// How many integers [`EnvState::words`] visits.
     pub const WORDS: usize = 5;
 
