@@ -46,7 +46,7 @@ pub struct PpoConfig {
     /// The step size never rises above this (default 3e-3).
     pub learning_rate_max: f64,
     /// Divergence from the collecting policy that one update should reach, mean over its last pass, in nats (default
-    /// 0.02). 0 keeps the step size fixed. Larger moves faster and may collapse: 0.03 failed on the built-in arm.
+    /// 0.02). 0 keeps the step size fixed. Larger moves faster and may collapse.
     pub kl_target: f64,
     /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
     /// below `kl_target / kl_tolerance` (default 1.5).
