@@ -1,0 +1,144 @@
+//! The graphics cards of this machine, each listed once.
+
+use serde::Serialize;
+
+/// What kind of device does the work. The order is the order of preference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A card with memory of its own.
+    Discrete,
+    /// Part of the processor, sharing its memory.
+    Integrated,
+    /// Seen through a virtual machine, or the driver does not say what it is.
+    Virtual,
+    /// The processor itself, imitating a card.
+    Software,
+}
+
+/// One device that can run kernels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Adapter {
+    /// As the driver calls it.
+    pub name: String,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// The interface it is reached through: `vulkan`, `metal` or `dx12`.
+    pub backend: String,
+    /// What it is.
+    pub kind: Kind,
+    /// Greatest buffer, in bytes.
+    pub max_buffer_bytes: u64,
+    /// Greatest part of a buffer that a kernel can use, in bytes.
+    pub max_binding_bytes: u64,
+    /// Greatest number of threads in a workgroup.
+    pub max_workgroup_threads: u32,
+    /// Memory that a workgroup can share, in bytes.
+    pub max_workgroup_bytes: u32,
+    /// Threads can exchange values within a subgroup.
+    pub subgroups: bool,
+    /// Kernels can calculate in 16-bit floats.
+    pub f16: bool,
+    /// There are matrix units that kernels can use.
+    pub cooperative_matrix: bool,
+    /// Compiled kernels can be kept on disk.
+    pub pipeline_cache: bool,
+    /// Kernels can be timed on the device.
+    pub timestamps: bool,
+}
+
+/// All adapters of this machine, best first: cards, then integrated, virtual and software devices. Empty without a driver.
+///
+/// A card that several interfaces reach is listed once, through Vulkan if possible, then Metal, then Direct3D 12.
+pub fn adapters() -> Vec<Adapter> {
+    candidates().into_iter().map(|candidate| candidate.adapter).collect()
+}
+
+/// An adapter with what is needed to open it.
+pub(crate) struct Candidate {
+    pub adapter: Adapter,
+    pub raw: wgpu::Adapter,
+}
+
+/// What [`adapters`] lists, ready to be opened.
+pub(crate) fn candidates() -> Vec<Candidate> {
+    let raw = pollster::block_on(instance().enumerate_adapters(BACKENDS));
+    let infos: Vec<_> = raw.iter().map(wgpu::Adapter::get_info).collect();
+    let mut candidates: Vec<_> = raw
+        .into_iter()
+        .enumerate()
+        .filter(|(i, raw)| runs_kernels(raw) && !is_duplicate(*i, &infos))
+        .map(|(i, raw)| Candidate { adapter: describe(&infos[i], &raw), raw })
+        .collect();
+    candidates.sort_by_key(|candidate| candidate.adapter.kind);
+    candidates
+}
+
+const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+
+/// Without validation layers of the system unless `WGPU_VALIDATION=1` asks for them: wgpu checks every call itself.
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: BACKENDS,
+        flags: wgpu::InstanceFlags::empty().with_env(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    })
+}
+
+fn runs_kernels(raw: &wgpu::Adapter) -> bool {
+    raw.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
+}
+
+/// Whether a better interface, or the same one before, lists the same card.
+fn is_duplicate(i: usize, infos: &[wgpu::AdapterInfo]) -> bool {
+    infos.iter().enumerate().any(|(k, other)| {
+        let (this, k_first) = (&infos[i], k < i);
+        match rank(other.backend).cmp(&rank(this.backend)) {
+            // Every driver of an interface lists all cards of a model, so the model is enough, also for twins.
+            std::cmp::Ordering::Less => (other.vendor, other.device) == (this.vendor, this.device),
+            // Two drivers of one interface for one card.
+            std::cmp::Ordering::Equal => {
+                k_first && !this.device_pci_bus_id.is_empty() && other.device_pci_bus_id == this.device_pci_bus_id
+            }
+            std::cmp::Ordering::Greater => false,
+        }
+    })
+}
+
+/// Order of preference of the interfaces. Direct3D comes last: its own compiler is slow on large kernels.
+fn rank(backend: wgpu::Backend) -> u8 {
+    match backend {
+        wgpu::Backend::Vulkan => 0,
+        wgpu::Backend::Metal => 1,
+        _ => 2,
+    }
+}
+
+fn describe(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> Adapter {
+    let (limits, features) = (raw.limits(), raw.features());
+    Adapter {
+        name: info.name.clone(),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        backend: info.backend.to_str().to_owned(),
+        kind: kind(info.device_type),
+        max_buffer_bytes: limits.max_buffer_size,
+        max_binding_bytes: limits.max_storage_buffer_binding_size,
+        max_workgroup_threads: limits.max_compute_invocations_per_workgroup,
+        max_workgroup_bytes: limits.max_compute_workgroup_storage_size,
+        subgroups: features.contains(wgpu::Features::SUBGROUP),
+        f16: features.contains(wgpu::Features::SHADER_F16),
+        cooperative_matrix: features.contains(wgpu::Features::EXPERIMENTAL_COOPERATIVE_MATRIX),
+        pipeline_cache: features.contains(wgpu::Features::PIPELINE_CACHE),
+        timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+    }
+}
+
+fn kind(device_type: wgpu::DeviceType) -> Kind {
+    match device_type {
+        wgpu::DeviceType::DiscreteGpu => Kind::Discrete,
+        wgpu::DeviceType::IntegratedGpu => Kind::Integrated,
+        wgpu::DeviceType::Cpu => Kind::Software,
+        wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => Kind::Virtual,
+    }
+}

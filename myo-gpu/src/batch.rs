@@ -1,0 +1,124 @@
+//! Work for the device, in order.
+
+use std::sync::PoisonError;
+
+use bytemuck::Pod;
+
+use crate::buffer::Buffer;
+use crate::error::GpuError;
+use crate::gpu::Gpu;
+use crate::kernel::{Bindings, Kernel};
+use crate::transfer::Read;
+
+/// Kernels and copies that run one after the other, each seeing what those before it wrote, submitted at once.
+///
+/// Recording never fails; what was wrong comes out when the batch is submitted, and nothing of it has run then.
+#[derive(Debug)]
+pub struct Batch {
+    gpu: Gpu,
+    /// Open while kernel follows kernel. It must end before the encoder does.
+    pass: Option<wgpu::ComputePass<'static>>,
+    encoder: wgpu::CommandEncoder,
+    wrong: Option<GpuError>,
+}
+
+impl Gpu {
+    /// An empty batch.
+    pub fn batch(&self) -> Batch {
+        let descriptor = wgpu::CommandEncoderDescriptor { label: Some("batch") };
+        // On a lost device this encoder is of no use, which comes out when it is submitted.
+        let encoder = self.device().create_command_encoder(&descriptor);
+        Batch { gpu: self.clone(), pass: None, encoder, wrong: None }
+    }
+}
+
+impl Batch {
+    /// Runs a kernel on at least `threads` threads, in whole workgroups of the size that the kernel states.
+    ///
+    /// Workgroups lie in a rectangle, so the kernel calculates the index of its thread as
+    /// `(workgroup_id.y * num_workgroups.x + workgroup_id.x) * workgroup_size + local_invocation_index`
+    /// and must return where that is `threads` or more.
+    pub fn dispatch(&mut self, kernel: &Kernel, bindings: &Bindings, threads: u32) -> &mut Self {
+        let most = self.gpu.limits().max_compute_workgroups_per_dimension;
+        let [x, y] = grid(threads.div_ceil(kernel.workgroup_size()), most);
+        if x > 0 {
+            let pass = self.pass();
+            pass.set_pipeline(&kernel.0.pipeline);
+            pass.set_bind_group(0, &bindings.0, &[]);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+        self
+    }
+
+    /// Copies `count` elements.
+    pub fn copy<T: Pod>(
+        &mut self,
+        from: &Buffer<T>,
+        from_offset: usize,
+        to: &Buffer<T>,
+        to_offset: usize,
+        count: usize,
+    ) -> &mut Self {
+        match (from.bytes(from_offset, count), to.bytes(to_offset, count)) {
+            (Ok(source), Ok(target)) => {
+                self.end_pass();
+                let size = target.end - target.start;
+                self.encoder.copy_buffer_to_buffer(from.raw(), source.start, to.raw(), target.start, size);
+            }
+            (Err(wrong), _) | (_, Err(wrong)) => self.remember(wrong),
+        }
+        self
+    }
+
+    /// Hands the work to the device and returns at once.
+    ///
+    /// # Errors
+    /// What was wrong with any of the calls above, no memory left, or device lost.
+    pub fn submit(self) -> Result<(), GpuError> {
+        let (gpu, encoder) = self.close()?;
+        gpu.guarded(|| gpu.queue().submit([encoder.finish()])).map(drop).map_err(|fault| fault.during("a batch"))
+    }
+
+    /// Hands the work to the device together with reading some buffers, and waits for both: one wait instead of two.
+    ///
+    /// # Errors
+    /// As for [`submit`](Self::submit).
+    pub fn submit_and_read(self, reads: &mut [Read<'_>]) -> Result<(), GpuError> {
+        let (gpu, encoder) = self.close()?;
+        let mut staging = gpu.staging().lock().unwrap_or_else(PoisonError::into_inner);
+        staging.run(&gpu, encoder, reads).map_err(|fault| fault.during("a batch"))
+    }
+
+    fn pass(&mut self) -> &mut wgpu::ComputePass<'static> {
+        let Self { encoder, pass, .. } = self;
+        pass.get_or_insert_with(|| {
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()).forget_lifetime()
+        })
+    }
+
+    fn end_pass(&mut self) {
+        let pass = self.pass.take();
+        if let Err(fault) = self.gpu.guarded(|| drop(pass)) {
+            self.remember(fault.during("a batch"));
+        }
+    }
+
+    /// The first mistake is the one to report.
+    fn remember(&mut self, wrong: GpuError) {
+        self.wrong.get_or_insert(wrong);
+    }
+
+    fn close(mut self) -> Result<(Gpu, wgpu::CommandEncoder), GpuError> {
+        self.end_pass();
+        match self.wrong {
+            Some(wrong) => Err(wrong),
+            None => Ok((self.gpu, self.encoder)),
+        }
+    }
+}
+
+/// The least rectangle of at least `groups` workgroups with no side over `most`.
+fn grid(groups: u32, most: u32) -> [u32; 2] {
+    let y = groups.div_ceil(most);
+    [groups.div_ceil(y.max(1)), y]
+}

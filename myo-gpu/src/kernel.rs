@@ -1,0 +1,186 @@
+//! Compute kernels.
+
+use std::sync::Arc;
+
+use crate::buffer::BufferRef;
+use crate::error::GpuError;
+use crate::gpu::Gpu;
+use crate::health::Fault;
+use crate::source::{self, Source};
+
+/// Storage buffers that every device with compute kernels can bind at once.
+pub const MAX_STORAGE_BUFFERS: usize = 8;
+
+/// How a kernel uses one of its buffers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Access {
+    /// `var<storage, read>`.
+    Read,
+    /// `var<storage, read_write>`.
+    ReadWrite,
+    /// `var<uniform>`: small, the same for all threads.
+    Uniform,
+}
+
+/// A compiled compute kernel. Clones are handles on the same one.
+#[derive(Clone, Debug)]
+pub struct Kernel(pub(crate) Arc<Inner>);
+
+#[derive(Debug)]
+pub(crate) struct Inner {
+    label: String,
+    gpu: Gpu,
+    layout: wgpu::BindGroupLayout,
+    bindings: usize,
+    pub pipeline: wgpu::ComputePipeline,
+    pub workgroup: u32,
+}
+
+/// Buffers bound to a kernel, made once and used again and again. They live as long as this does.
+#[derive(Clone, Debug)]
+pub struct Bindings(pub(crate) wgpu::BindGroup);
+
+impl Kernel {
+    /// Its name in messages.
+    pub fn label(&self) -> &str {
+        &self.0.label
+    }
+
+    /// Threads in one workgroup.
+    pub fn workgroup_size(&self) -> u32 {
+        self.0.workgroup
+    }
+
+    /// Binds buffers to `@group(0) @binding(0)` and following.
+    ///
+    /// # Errors
+    /// The number of buffers is wrong, one is of another device, or larger than the device allows for a uniform.
+    pub fn bind(&self, buffers: &[BufferRef<'_>]) -> Result<Bindings, GpuError> {
+        let Inner { label, gpu, layout, bindings, .. } = &*self.0;
+        let refused = |reason| GpuError::Bind { kernel: label.clone(), reason };
+        if buffers.len() != *bindings {
+            return Err(refused(format!("it has {bindings} bindings, but {} buffers were given", buffers.len())));
+        }
+        let entries: Vec<_> = (0..).zip(buffers).map(|(binding, buffer)| entry(binding, buffer)).collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries };
+        gpu.guarded(|| gpu.device().create_bind_group(&descriptor)).map(Bindings).map_err(|fault| match fault {
+            Fault::Refused(reason) => refused(reason),
+            other => other.during(&format!("binding kernel {label}")),
+        })
+    }
+}
+
+fn entry<'a>(binding: u32, buffer: &BufferRef<'a>) -> wgpu::BindGroupEntry<'a> {
+    wgpu::BindGroupEntry { binding, resource: buffer.raw.as_entire_binding() }
+}
+
+impl Gpu {
+    /// Compiles the compute entry point `entry` of a shader for buffers at `@group(0)`, `@binding(0)` and following.
+    ///
+    /// Accesses out of bounds are caught and loops end, whatever the shader says.
+    ///
+    /// # Errors
+    /// More than [`MAX_STORAGE_BUFFERS`], or the shader is refused; the message says where.
+    pub fn compile(
+        &self,
+        label: &str,
+        source: Source<'_>,
+        entry: &str,
+        bindings: &[Access],
+    ) -> Result<Kernel, GpuError> {
+        self.compile_with(label, source, entry, bindings, wgpu::ShaderRuntimeChecks::checked())
+    }
+
+    /// As [`compile`](Self::compile), but without these checks and without clearing the workgroup's memory at the start.
+    ///
+    /// # Safety
+    /// Whatever is in the buffers, the kernel must not access anything outside them or outside its own arrays, divide
+    /// an integer by zero, or loop forever. Kernels generated as straight-line code, or with constant loop bounds, that
+    /// first return on all threads beyond the number of elements, fulfil this.
+    pub unsafe fn compile_trusted(
+        &self,
+        label: &str,
+        source: Source<'_>,
+        entry: &str,
+        bindings: &[Access],
+    ) -> Result<Kernel, GpuError> {
+        self.compile_with(label, source, entry, bindings, wgpu::ShaderRuntimeChecks::unchecked())
+    }
+
+    fn compile_with(
+        &self,
+        label: &str,
+        source: Source<'_>,
+        entry: &str,
+        bindings: &[Access],
+        checks: wgpu::ShaderRuntimeChecks,
+    ) -> Result<Kernel, GpuError> {
+        check_count(label, bindings)?;
+        let refused = |reason| GpuError::Kernel { kernel: label.to_owned(), reason };
+        let module = source::module(source).map_err(refused)?;
+        let workgroup = source::workgroup_size(&module, entry).map_err(refused)?;
+        let (layout, pipeline) =
+            self.guarded(|| self.pipeline(label, module, entry, bindings, checks)).map_err(|fault| match fault {
+                Fault::Refused(reason) => refused(reason),
+                other => other.during(&format!("compiling kernel {label}")),
+            })?;
+        let (label, gpu, bindings) = (label.to_owned(), self.clone(), bindings.len());
+        Ok(Kernel(Arc::new(Inner { label, gpu, layout, bindings, pipeline, workgroup })))
+    }
+
+    fn pipeline(
+        &self,
+        label: &str,
+        module: naga::Module,
+        entry: &str,
+        bindings: &[Access],
+        checks: wgpu::ShaderRuntimeChecks,
+    ) -> (wgpu::BindGroupLayout, wgpu::ComputePipeline) {
+        let (device, label) = (self.device(), Some(label));
+        let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module));
+        // SAFETY: unchecked only where the caller of `compile_trusted` vouches for the kernel.
+        let module =
+            unsafe { device.create_shader_module_trusted(wgpu::ShaderModuleDescriptor { label, source }, checks) };
+        let entries: Vec<_> = (0..).zip(bindings).map(|(binding, access)| layout_entry(binding, *access)).collect();
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: checks.bounds_checks,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        (layout, pipeline)
+    }
+}
+
+fn check_count(label: &str, bindings: &[Access]) -> Result<(), GpuError> {
+    let got = bindings.iter().filter(|access| **access != Access::Uniform).count();
+    match got > MAX_STORAGE_BUFFERS {
+        true => Err(GpuError::TooManyBuffers { kernel: label.to_owned(), got, max: MAX_STORAGE_BUFFERS }),
+        false => Ok(()),
+    }
+}
+
+fn layout_entry(binding: u32, access: Access) -> wgpu::BindGroupLayoutEntry {
+    let ty = match access {
+        Access::Uniform => wgpu::BufferBindingType::Uniform,
+        Access::Read => wgpu::BufferBindingType::Storage { read_only: true },
+        Access::ReadWrite => wgpu::BufferBindingType::Storage { read_only: false },
+    };
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+        count: None,
+    }
+}

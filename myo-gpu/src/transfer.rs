@@ -1,0 +1,129 @@
+//! Moving numbers between the program and the device.
+
+use bytemuck::Pod;
+
+use crate::buffer::Buffer;
+use crate::error::GpuError;
+use crate::gpu::Gpu;
+use crate::health::Fault;
+
+/// Elements of a buffer, and where in the program they shall go. Made by [`Buffer::part`].
+#[derive(Debug)]
+pub struct Read<'a> {
+    raw: &'a wgpu::Buffer,
+    start: u64,
+    out: &'a mut [u8],
+}
+
+impl<T: Pod> Buffer<T> {
+    /// The elements from `offset` on, as many as `out` has room for, to be read with others at once.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfRange`].
+    pub fn part<'a>(&'a self, offset: usize, out: &'a mut [T]) -> Result<Read<'a>, GpuError> {
+        let start = self.bytes(offset, out.len())?.start;
+        Ok(Read { raw: self.raw(), start, out: bytemuck::cast_slice_mut(out) })
+    }
+}
+
+impl Gpu {
+    /// Writes elements from `offset` on. They are there before any work submitted later begins.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfRange`], no memory left for the copy, device lost.
+    pub fn write<T: Pod>(&self, buffer: &Buffer<T>, offset: usize, data: &[T]) -> Result<(), GpuError> {
+        let bytes = buffer.bytes(offset, data.len())?;
+        if data.is_empty() {
+            return Ok(());
+        }
+        self.guarded(|| self.queue().write_buffer(buffer.raw(), bytes.start, bytemuck::cast_slice(data)))
+            .map_err(|fault| fault.during(&format!("writing buffer {}", buffer.label())))
+    }
+
+    /// Reads elements from `offset` on, as many as `out` has room for, after all work submitted so far.
+    ///
+    /// # Errors
+    /// [`GpuError::OutOfRange`], no memory left for the copy, device lost.
+    pub fn read<T: Pod>(&self, buffer: &Buffer<T>, offset: usize, out: &mut [T]) -> Result<(), GpuError> {
+        self.read_many(&mut [buffer.part(offset, out)?])
+    }
+
+    /// Reads several parts with one submission and one wait.
+    ///
+    /// # Errors
+    /// As for [`read`](Self::read).
+    pub fn read_many(&self, reads: &mut [Read<'_>]) -> Result<(), GpuError> {
+        self.batch().submit_and_read(reads)
+    }
+}
+
+/// Bytes of the smallest staging buffer; below it, making a new one costs more than it saves.
+const STAGING_MIN: u64 = 1 << 16;
+
+/// A buffer that both sides can see, reused from one reading to the next.
+#[derive(Debug, Default)]
+pub(crate) struct Staging(Option<wgpu::Buffer>);
+
+impl Staging {
+    /// Adds the copies to the commands, submits them, waits for them and fills the parts.
+    pub fn run(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, reads: &mut [Read<'_>]) -> Result<(), Fault> {
+        // On any error the buffer, which may be mapped still, is left behind.
+        let buffer = self.take(gpu, reads.iter().map(Read::size).sum())?;
+        gpu.guarded(|| copy_out(gpu, &buffer, encoder, reads))??;
+        self.0 = Some(buffer);
+        Ok(())
+    }
+
+    fn take(&mut self, gpu: &Gpu, size: u64) -> Result<wgpu::Buffer, Fault> {
+        match self.0.take() {
+            Some(buffer) if buffer.size() >= size => Ok(buffer),
+            _ => gpu.guarded(|| {
+                gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("staging"),
+                    size: size.next_power_of_two().max(STAGING_MIN),
+                    usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            }),
+        }
+    }
+}
+
+impl Read<'_> {
+    fn size(&self) -> u64 {
+        self.out.len() as u64
+    }
+}
+
+fn copy_out(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    mut encoder: wgpu::CommandEncoder,
+    reads: &mut [Read<'_>],
+) -> Result<(), Fault> {
+    let mut end = 0;
+    for read in reads.iter().filter(|read| read.size() > 0) {
+        encoder.copy_buffer_to_buffer(read.raw, read.start, buffer, end, read.size());
+        end += read.size();
+    }
+    let submission_index = Some(gpu.queue().submit([encoder.finish()]));
+    if end > 0 {
+        // Whether it worked shows when the range is asked for.
+        buffer.map_async(wgpu::MapMode::Read, ..end, |_| ());
+    }
+    let wait = wgpu::PollType::Wait { submission_index, timeout: None };
+    gpu.device().poll(wait).map_err(|e| Fault::Refused(e.to_string()))?;
+    if end > 0 {
+        fill(&buffer.get_mapped_range(..end).map_err(|e| Fault::Refused(e.to_string()))?, reads);
+        buffer.unmap();
+    }
+    Ok(())
+}
+
+fn fill(mut mapped: &[u8], reads: &mut [Read<'_>]) {
+    for read in reads {
+        let (this, rest) = mapped.split_at(read.out.len());
+        read.out.copy_from_slice(this);
+        mapped = rest;
+    }
+}
