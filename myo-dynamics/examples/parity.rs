@@ -83,7 +83,7 @@ impl Draws {
         let word = <f64 as Scalar>::Word::splat;
         let [env, episode, step, stream] = [self.case, self.stream, 0, self.next].map(word);
         self.next += 1;
-        lo + (hi - lo) * unit::<f64>(philox(Counter { seed: seed_words(2026), env, episode, step, stream })[0])
+        lo + (hi - lo) * unit::<f64>(philox::<f64>(Counter { seed: seed_words(2026), env, episode, step, stream })[0])
     }
     fn vector(&mut self, count: usize, lo: f64, hi: f64) -> Vec<f64> {
         (0..count).map(|_| self.between(lo, hi)).collect()

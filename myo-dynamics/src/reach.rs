@@ -61,7 +61,7 @@ impl ReachableSpace {
         let word = <f64 as Scalar>::Word::splat;
         let draw = |dof: usize| {
             let [env, stream, zero] = [word(number as u32), word(dof as u32), word(0)];
-            unit::<f64>(philox(Counter { seed: seed_words(0), env, episode: zero, step: zero, stream })[0])
+            unit::<f64>(philox::<f64>(Counter { seed: seed_words(0), env, episode: zero, step: zero, stream })[0])
         };
         let region = number * REGIONS / CLOUD;
         let share = |dof: usize| match dof {

@@ -3,9 +3,10 @@
 use crate::observe::observe;
 use crate::state::{EnvState, REWARD_TERMS};
 use crate::tables::Tables;
+use crate::vector::Autoreset;
 use myo_dynamics::{Workspace, step};
 use myo_muscle::noisy_excitation;
-use myo_scalar::{Counter, Mask, Real, Scalar, Stage, Word, normal_pair, philox, unit};
+use myo_scalar::{Carried, Counter, Mask, Real, Scalar, Stage, Visitor, Word, normal_pair, philox, unit};
 use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
 
 /// Random streams of this crate.
@@ -20,6 +21,8 @@ pub struct Scratch<S: Scalar> {
     pub physics: Workspace<S>,
     /// Muscle excitations.
     pub ctrl: Vec<S>,
+    /// The same while noise is added, an even number.
+    noisy: Vec<S>,
     /// Observation after the step, before any reset.
     pub observation: Vec<S>,
     /// Observation after resets.
@@ -35,6 +38,7 @@ impl<S: Scalar> Scratch<S> {
         Self {
             physics: Workspace::new(&tables.plan),
             ctrl: vec![S::zero(); tables.plan.nmuscle()],
+            noisy: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(2)],
             observation: vec![],
             next_observation: vec![],
             episode: vec![],
@@ -74,7 +78,7 @@ pub fn episode_names(ntarget: usize) -> Vec<String> {
 /// Actions in [-1, 1] to a control step: noise, physics, judgement, reward, observation, summary.
 #[inline(always)]
 pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
-    excite(tables, env, &mut ws.ctrl);
+    S::outline(stages::Excite { tables, env, ws });
     S::outline(stages::Physics { tables, env, ws });
     let sensed = sense(tables, env, &mut ws.physics);
     let distance = distance_before(tables, env, &sensed);
@@ -89,19 +93,25 @@ pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>,
 
 /// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise.
 #[inline(always)]
-fn excite<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ctrl: &mut [S]) {
+fn excite<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+    let Scratch { ctrl, noisy, .. } = ws;
     for u in ctrl.iter_mut() {
         *u = u.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5));
     }
     if let Some([signal_dependent, constant]) = tables.noise {
-        for (pair, two) in ctrl.chunks_mut(2).enumerate() {
-            let stream = S::Word::splat(NOISE_STREAM + pair as u32);
-            let words = philox(Counter { stream, ..env.counter() });
-            for (k, u) in two.iter_mut().enumerate() {
-                let (z1, z2) = normal_pair(words[2 * k], words[2 * k + 1]);
-                *u = noisy_excitation(*u, signal_dependent, constant, z1, z2);
-            }
-        }
+        let n = ctrl.len();
+        noisy[..n].copy_from_slice(ctrl);
+        let counter = env.counter();
+        // One block of random words serves two muscles.
+        S::map_chunks(noisy, |pair, two: [S; 2]| {
+            let words = philox::<S>(Counter { stream: S::Word::splat(NOISE_STREAM) + pair, ..counter });
+            let add = |u, a, b| {
+                let (z1, z2) = normal_pair(a, b);
+                noisy_excitation(u, signal_dependent, constant, z1, z2)
+            };
+            [add(two[0], words[0], words[1]), add(two[1], words[2], words[3])]
+        });
+        ctrl.copy_from_slice(&noisy[..n]);
     }
     env.step = env.step + S::Word::splat(1);
 }
@@ -109,6 +119,22 @@ fn excite<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ctrl: &mu
 /// The stages of a control step that are functions of their own.
 mod stages {
     use super::*;
+
+    /// Noise.
+    pub struct Excite<'a, S: Scalar> {
+        pub tables: &'a Tables<S::Const>,
+        pub env: &'a mut EnvState<S>,
+        pub ws: &'a mut Scratch<S>,
+    }
+
+    impl<S: Scalar> Stage<S> for Excite<'_, S> {
+        const NAME: &'static str = "excitation and noise";
+        type Output = ();
+        #[inline(always)]
+        fn run(self) {
+            excite(self.tables, self.env, self.ws);
+        }
+    }
 
     /// All physics steps of a control step.
     pub struct Physics<'a, S: Scalar> {
@@ -118,6 +144,7 @@ mod stages {
     }
 
     impl<S: Scalar> Stage<S> for Physics<'_, S> {
+        const NAME: &'static str = "physics";
         type Output = ();
         #[inline(always)]
         fn run(self) {
@@ -134,6 +161,7 @@ mod stages {
     }
 
     impl<S: Scalar> Stage<S> for Look<'_, S> {
+        const NAME: &'static str = "fingertip";
         type Output = ();
         #[inline(always)]
         fn run(self) {
@@ -152,6 +180,7 @@ mod stages {
     }
 
     impl<S: Scalar> Stage<S> for Observe<'_, S> {
+        const NAME: &'static str = "observation";
         type Output = ();
         #[inline(always)]
         fn run(self) {
@@ -168,6 +197,7 @@ mod stages {
     }
 
     impl<S: Scalar> Stage<S> for Draw<'_, S> {
+        const NAME: &'static str = "draws of a new episode";
         type Output = ();
         #[inline(always)]
         fn run(self) {
@@ -178,17 +208,32 @@ mod stages {
 
 /// Runs the physics; a short tap between two control steps counts, so the greatest force is kept.
 #[inline(always)]
-fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
-    let (mut touch_force, mut touched) = (S::zero(), S::lit(-1.0));
-    for _ in 0..tables.substeps {
-        step::step(&tables.plan, &tables.obstacles, &ws.ctrl, &mut env.body, &mut ws.physics);
-        let contact = &ws.physics.contact;
-        let harder = contact.exists & touch_force.lt(contact.force);
-        touch_force = S::select(harder, contact.force, touch_force);
-        touched = S::select(harder, contact.index, touched);
-    }
+pub fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+    let Scratch { physics, ctrl, .. } = ws;
+    (env.touch, env.touched) = (S::zero(), S::lit(-1.0));
+    S::repeat(tables.substeps as usize, &mut Substep { env, physics }, |Substep { env, physics }| {
+        step::step(&tables.plan, &tables.obstacles, ctrl, &mut env.body, physics);
+        let contact = &physics.contact;
+        let harder = contact.exists & env.touch.lt(contact.force);
+        env.touch = S::select(harder, contact.force, env.touch);
+        env.touched = S::select(harder, contact.index, env.touched);
+    });
     env.qacc.copy_from_slice(&ws.physics.qacc);
-    (env.touch, env.touched) = (touch_force, touched);
+}
+
+/// What a physics step hands on.
+struct Substep<'a, S: Scalar> {
+    env: &'a mut EnvState<S>,
+    physics: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Carried<S> for Substep<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let body = &mut self.env.body;
+        visitor.numbers(body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act));
+        visitor.numbers([&mut self.env.touch, &mut self.env.touched]);
+        visitor.numbers(&mut self.physics.qacc);
+    }
 }
 
 /// Where the fingertip is at the state reached, and what it touched on the way.
@@ -256,7 +301,60 @@ fn summarise<S: Scalar>(
     }
 }
 
-/// Starts a new episode where the mask is true: body, targets, phase and all counters. Observations follow in
+/// A control step and what follows the end of an episode. Observations are in `observation` (before any reset) and
+/// `next_observation`, the summary in `episode`.
+#[inline(always)]
+pub fn step_and_autoreset<S: Scalar>(
+    tables: &Tables<S::Const>,
+    autoreset: Autoreset,
+    env: &mut EnvState<S>,
+    ws: &mut Scratch<S>,
+) -> Outcome<S> {
+    let waiting = S::lit(0.5).lt(env.pending);
+    let outcome = control_step(tables, env, ws);
+    let terminated = outcome.terminated & !waiting;
+    let truncated = outcome.truncated & !waiting;
+    let done = terminated | truncated;
+    let again = match autoreset {
+        Autoreset::SameStep => done,
+        Autoreset::NextStep => waiting,
+        Autoreset::Disabled => S::Mask::splat(false),
+    };
+    let Scratch { observation, next_observation, .. } = ws;
+    next_observation.clone_from(observation);
+    S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| reset(tables, again, env, ws));
+    if autoreset == Autoreset::NextStep {
+        env.pending = S::indicator(done);
+    }
+    Outcome { reward: outcome.reward.only(!waiting), terminated, truncated }
+}
+
+/// What a reset changes.
+struct Fresh<'a, S: Scalar> {
+    env: &'a mut EnvState<S>,
+    ws: &'a mut Scratch<S>,
+}
+
+impl<S: Scalar> Carried<S> for Fresh<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.numbers(self.env.numbers());
+        for word in self.env.words() {
+            visitor.word(word);
+        }
+        visitor.numbers(&mut self.ws.next_observation);
+    }
+}
+
+/// Starts the random streams of environments where the mask is true anew.
+#[inline(always)]
+pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S>) {
+    for (old, new) in env.seed.iter_mut().zip(seed) {
+        *old = S::select_word(mask, new, *old);
+    }
+    env.episode = S::select_word(mask, S::Word::splat(0), env.episode);
+}
+
+/// Starts a new episode where the mask is true: body, targets, phase and all counters. Observations of all follow in
 /// `next_observation`.
 #[inline(always)]
 pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
@@ -284,22 +382,28 @@ fn draw_episode<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut E
 #[inline(always)]
 fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
     let start = &tables.start;
-    let counter = env.counter();
-    for k in 0..env.body.qpos.len() {
-        let position = draw::<S>(counter, POSE_STREAM, k).mul_add(S::splat(start.width[k]), S::splat(start.lowest[k]));
-        let share = draw::<S>(counter, VELOCITY_STREAM, k).mul_add(S::lit(2.0), S::lit(-1.0));
-        env.body.qpos[k] = S::select(mask, position, env.body.qpos[k]);
-        env.body.qvel[k] = S::select(mask, share * S::splat(start.speed), env.body.qvel[k]);
+    let (counter, body) = (env.counter(), &mut env.body);
+    let (ndof, nmuscle) = (body.qpos.len(), body.act.len());
+    for (k, draw) in uniform::<S>(counter, POSE_STREAM, ndof).into_iter().enumerate() {
+        let position = draw.mul_add(S::splat(start.width[k]), S::splat(start.lowest[k]));
+        body.qpos[k] = S::select(mask, position, body.qpos[k]);
     }
-    for k in 0..env.body.act.len() {
-        let act = draw::<S>(counter, ACTIVATION_STREAM, k) * S::splat(start.activation);
-        env.body.act[k] = S::select(mask, act, env.body.act[k]);
+    for (velocity, draw) in body.qvel.iter_mut().zip(uniform::<S>(counter, VELOCITY_STREAM, ndof)) {
+        let share = draw.mul_add(S::lit(2.0), S::lit(-1.0));
+        *velocity = S::select(mask, share * S::splat(start.speed), *velocity);
+    }
+    for (act, draw) in body.act.iter_mut().zip(uniform::<S>(counter, ACTIVATION_STREAM, nmuscle)) {
+        *act = S::select(mask, draw * S::splat(start.activation), *act);
     }
 }
 
-/// Uniform number `k` of a stream.
+/// The first `count` uniform numbers in [0, 1) of a stream.
 #[inline(always)]
-fn draw<S: Scalar>(counter: Counter<S::Word>, stream: u32, k: usize) -> S {
-    let block = philox(Counter { stream: S::Word::splat(stream + (k / 4) as u32), ..counter });
-    unit(block[k % 4])
+fn uniform<S: Scalar>(counter: Counter<S::Word>, stream: u32, count: usize) -> Vec<S> {
+    let mut draws = vec![S::zero(); count.next_multiple_of(4)];
+    S::map_chunks(&mut draws, |block, _: [S; 4]| {
+        philox::<S>(Counter { stream: S::Word::splat(stream) + block, ..counter }).map(unit)
+    });
+    draws.truncate(count);
+    draws
 }

@@ -1,6 +1,6 @@
 //! Work on consecutive blocks of environments: what one thread does of a step or a reset.
 
-use crate::control::{Scratch, control_step, reset};
+use crate::control::{Scratch, reseed, reset, step_and_autoreset};
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::{Autoreset, StepBuffers};
@@ -280,32 +280,14 @@ fn step_block<S: Scalar>(
     block: usize,
     out: &mut StepBuffers<'_>,
 ) {
-    let waiting = S::lit(0.5).lt(env.pending);
-    let outcome = control_step(tables, env, ws);
-    let terminated = outcome.terminated & !waiting;
-    let truncated = outcome.truncated & !waiting;
-    let done = terminated | truncated;
-    let ended = flags_of::<S>(done);
+    let outcome = step_and_autoreset(tables, autoreset, env, ws);
+    let (terminated, truncated) = (outcome.terminated, outcome.truncated);
+    let ended = flags_of::<S>(terminated | truncated);
     let (nobs, nepisode) = (ws.observation.len(), ws.episode.len());
     write_rows(&ws.observation, &ended, rows!(out.final_observation, block, S::LANES, nobs));
     write_rows(&ws.episode, &ended, rows!(out.episode, block, S::LANES, nepisode));
-    let again = match autoreset {
-        Autoreset::SameStep => done,
-        Autoreset::NextStep => waiting,
-        Autoreset::Disabled => S::Mask::splat(false),
-    };
-    let next = if again.any() {
-        reset(tables, again, env, ws);
-        &ws.next_observation
-    } else {
-        &ws.observation
-    };
-    write_rows(next, &[true; MAX_LANES], rows!(out.observation, block, S::LANES, nobs));
-    if autoreset == Autoreset::NextStep {
-        env.pending = S::indicator(done);
-    }
-    let reward = outcome.reward.only(!waiting);
-    write_rows(&[reward], &[true; MAX_LANES], rows!(out.reward, block, S::LANES, 1));
+    write_rows(&ws.next_observation, &[true; MAX_LANES], rows!(out.observation, block, S::LANES, nobs));
+    write_rows(&[outcome.reward], &[true; MAX_LANES], rows!(out.reward, block, S::LANES, 1));
     let (terminated, truncated) = (flags_of::<S>(terminated), flags_of::<S>(truncated));
     let rows = rows!(out.terminated, block, S::LANES, 1);
     rows.copy_from_slice(&terminated[..rows.len()]);
@@ -341,11 +323,7 @@ impl<C: Real> Job<C> for ResetJob<'_, C> {
                 Some(mask) => mask_from::<S>(mask.iter().skip(block * S::LANES).copied()),
             };
             if let Some(seed) = self.seed {
-                let seed = myo_scalar::seed_words::<S::Word>(seed);
-                for (old, new) in env.seed.iter_mut().zip(seed) {
-                    *old = S::select_word(mask, new, *old);
-                }
-                env.episode = S::select_word(mask, S::Word::splat(0), env.episode);
+                reseed(myo_scalar::seed_words(seed), mask, &mut env);
             }
             reset(tables, mask, &mut env, &mut ws);
             store(&mut env, numbers, words);

@@ -1,4 +1,4 @@
-//! Elementary functions of `f32` lanes, from the operations that every processor has.
+//! Elementary functions of `f32` lanes and symbolic numbers, from the operations that every processor has.
 //!
 //! The polynomials are the single-precision ones of the Cephes library (Moshier 1989), which are minimax on the
 //! reduced ranges; errors stay near one unit in the last place.
@@ -6,7 +6,7 @@
 use crate::scalar::{Scalar, Word};
 
 /// What the elementary functions need beyond [`Scalar`]: the bits of a number.
-pub(crate) trait Bits: Scalar<Const = f32> {
+pub(crate) trait Bits: Scalar {
     fn to_bits(self) -> Self::Word;
     fn from_bits(bits: Self::Word) -> Self;
     /// Nearest whole number.

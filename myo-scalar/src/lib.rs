@@ -3,11 +3,12 @@
 //! Everything that happens to one environment is written once, generic over [`Scalar`], without data-dependent
 //! branches, and run by
 //! - `f64`: the reference, slow and obvious;
-//! - lanes of `f32` (16 on AVX-512, 8 elsewhere): one environment per lane, picked at run time by [`dispatch`].
+//! - lanes of `f32` (16 on AVX-512, 8 elsewhere): one environment per lane, picked at run time by [`dispatch`];
+//! - [`symbolic::Sym`], which only writes down what is computed, so that a graphics card can run it.
 //!
-//! The trait is narrow so that a symbolic number, which only records operations, can implement it too: a mask
-//! is a value like any other, and the only question generic code may ask a mask is [`Mask::any`], to *skip* work whose
-//! results would not be selected.
+//! A mask is a value like any other, and the only question generic code may ask a mask is [`Mask::any`], to *skip* work
+//! whose results would not be selected. Loops and branches that a graphics card should keep are [`Scalar::repeat`],
+//! [`Scalar::repeat_while`], [`Scalar::when`] and [`Scalar::map_chunks`]; what they hand on is [`Carried`].
 //!
 //! [`philox`] draws counter-based random numbers whose integers are the same for every implementation.
 //!
@@ -36,15 +37,18 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod carried;
 mod elementary;
 mod level;
 mod philox;
 mod plain;
 mod portable;
 mod scalar;
+pub mod symbolic;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use carried::{Carried, Visitor};
 pub use level::{Kernel, Level, dispatch};
 pub use philox::{Counter, normal_pair, philox, seed_words, unit};
 pub use portable::F32x8;

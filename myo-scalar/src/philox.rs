@@ -3,6 +3,7 @@
 //! A draw is a pure function of where it is used, so the result depends neither on threads nor on the order of
 //! evaluation, and every implementation of [`Word`] computes the same integers.
 
+use crate::carried::{Carried, Visitor};
 use crate::scalar::{Scalar, Word};
 
 /// Names one block of four random words.
@@ -28,17 +29,36 @@ pub fn seed_words<W: Word>(seed: u64) -> [W; 2] {
 
 /// Four random words per lane.
 #[inline(always)]
-pub fn philox<W: Word>(counter: Counter<W>) -> [W; 4] {
+pub fn philox<S: Scalar>(counter: Counter<S::Word>) -> [S::Word; 4] {
     const ROUNDS: usize = 10;
-    let mut key = counter.seed;
-    let [mut c0, mut c1, mut c2, mut c3] = [counter.stream, counter.step, counter.episode, counter.env];
-    for _ in 0..ROUNDS {
+    let mut state = State { key: counter.seed, words: [counter.stream, counter.step, counter.episode, counter.env] };
+    S::repeat(ROUNDS, &mut state, State::round);
+    state.words
+}
+
+/// Between two rounds.
+struct State<W> {
+    key: [W; 2],
+    words: [W; 4],
+}
+
+impl<W: Word> State<W> {
+    #[inline(always)]
+    fn round(&mut self) {
+        let (key, [c0, c1, c2, c3]) = (self.key, self.words);
         let (hi0, lo0) = c0.mul_wide(0xD251_1F53);
         let (hi1, lo1) = c2.mul_wide(0xCD9E_8D57);
-        (c0, c1, c2, c3) = (hi1 ^ c1 ^ key[0], lo1, hi0 ^ c3 ^ key[1], lo0);
-        key = [key[0] + W::splat(0x9E37_79B9), key[1] + W::splat(0xBB67_AE85)];
+        self.words = [hi1 ^ c1 ^ key[0], lo1, hi0 ^ c3 ^ key[1], lo0];
+        self.key = [key[0] + W::splat(0x9E37_79B9), key[1] + W::splat(0xBB67_AE85)];
     }
-    [c0, c1, c2, c3]
+}
+
+impl<S: Scalar> Carried<S> for State<S::Word> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        for word in self.key.iter_mut().chain(&mut self.words) {
+            visitor.word(word);
+        }
+    }
 }
 
 /// Uniform in [0, 1): the upper 24 bits, exact in single precision.

@@ -1,5 +1,6 @@
 //! The seam between the physics and the numbers it runs on.
 
+use crate::carried::Carried;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Mul, Neg, Not, Shl, Shr, Sub, SubAssign};
 
@@ -43,6 +44,8 @@ pub trait Word:
 /// Generic work on one kind of number that is compiled as a function of its own. `run` and all that it calls, other
 /// stages aside, must be `#[inline(always)]`.
 pub trait Stage<S> {
+    /// Name, for tables of operation counts.
+    const NAME: &'static str;
     /// What the stage returns.
     type Output;
     /// Does it.
@@ -122,6 +125,45 @@ pub trait Scalar:
     /// Runs a stage in a function of its own, compiled with these lanes' instructions. It bounds the size of functions,
     /// and so the time that the compiler takes; pass references, not numbers.
     fn outline<T: Stage<Self>>(stage: T) -> T::Output;
+
+    /// Runs `body` `count` times. `vars` are what it changes and what is read afterwards.
+    ///
+    /// A symbolic number records the body once; ordinary Rust loops are unrolled.
+    #[inline(always)]
+    fn repeat<V: Carried<Self>>(count: usize, vars: &mut V, mut body: impl FnMut(&mut V)) {
+        for _ in 0..count {
+            body(vars);
+        }
+    }
+    /// Runs `body` until it asks nowhere for another run, at most `limit` times. A lane that asks for none may see further
+    /// ones, which must leave it as it is.
+    #[inline(always)]
+    fn repeat_while<V: Carried<Self>>(limit: usize, vars: &mut V, mut body: impl FnMut(&mut V) -> Self::Mask) {
+        for _ in 0..limit {
+            if !body(vars).any() {
+                break;
+            }
+        }
+    }
+    /// Runs `body` if the mask is true somewhere. Lanes where it is not may see the run, which must leave them as they are.
+    #[inline(always)]
+    fn when<V: Carried<Self>>(mask: Self::Mask, vars: &mut V, body: impl FnOnce(&mut V)) {
+        if mask.any() {
+            body(vars);
+        }
+    }
+    /// Replaces every `N` values in a row by what `body` makes of them and of the chunk's number.
+    ///
+    /// # Panics
+    /// If the values are no whole number of chunks.
+    #[inline(always)]
+    fn map_chunks<const N: usize>(values: &mut [Self], mut body: impl FnMut(Self::Word, [Self; N]) -> [Self; N]) {
+        let (chunks, rest) = values.as_chunks_mut();
+        assert!(rest.is_empty(), "the values are whole chunks");
+        for (index, chunk) in chunks.iter_mut().enumerate() {
+            *chunk = body(Self::Word::splat(index as u32), *chunk);
+        }
+    }
 
     /// `self <= other`, for numbers.
     #[inline(always)]

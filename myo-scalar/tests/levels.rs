@@ -107,7 +107,7 @@ impl Kernel for Draw {
             for (lane, e) in env.iter_mut().enumerate() {
                 *e = self.first_env + (i + lane) as u32;
             }
-            let block = philox(Counter {
+            let block = philox::<S>(Counter {
                 seed: seed_words(self.seed),
                 env: S::Word::load(&env),
                 episode: S::Word::splat(7),
@@ -148,7 +148,8 @@ fn philox_known_answer() {
     // Published with the authors' Random123 library: counter and key of all ones.
     let ones = u32::MAX;
     let word = <f64 as Scalar>::Word::splat(ones);
-    let block = philox(Counter { seed: seed_words(u64::MAX), env: word, episode: word, step: word, stream: word });
+    let block =
+        philox::<f64>(Counter { seed: seed_words(u64::MAX), env: word, episode: word, step: word, stream: word });
     let mut got = [0u32; 4];
     for (k, w) in block.into_iter().enumerate() {
         w.store(&mut got[k..]);

@@ -8,7 +8,7 @@
 use crate::plan::Plan;
 use crate::step::{cholesky, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
-use myo_scalar::{Mask, Scalar};
+use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
 /// Rounds after which the set of pushing rows is taken as it is.
 pub const MAX_ROUNDS: usize = 8;
@@ -60,16 +60,26 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let limited = violated.any();
     let touching = ws.contact.exists.any();
     ws.rounds = 0;
-    loop {
+    S::repeat_while(MAX_ROUNDS, &mut Round(ws), |Round(ws)| {
         assemble(plan, ws, limited, touching);
         cholesky::factor_and_solve(plan.ndof(), &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
         ws.rounds += 1;
-        if !(limited || touching) || !update(plan, ws, touching).any() || ws.rounds == MAX_ROUNDS {
-            break;
-        }
-    }
+        if limited || touching { update(plan, ws, touching) } else { S::Mask::splat(false) }
+    });
     if touching {
         contact_force(plan, ws);
+    }
+}
+
+/// What a round hands on: which rows push, and the acceleration.
+struct Round<'a, S: Scalar>(&'a mut Workspace<S>);
+
+impl<S: Scalar> Carried<S> for Round<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        for row in self.0.limit.iter_mut().chain(&mut self.0.contact.rows) {
+            visitor.mask(&mut row.active);
+        }
+        visitor.numbers(&mut self.0.qacc);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::obstacles::{CompiledBox, Obstacles};
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
 use crate::workspace::{Row, State, Workspace};
-use myo_scalar::{Mask, Scalar};
+use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
 /// Farther than anything in reach (m).
 const FAR: f64 = 1e3;
@@ -41,8 +41,22 @@ pub fn contact<S: Scalar>(
     let nearest = nearest_surface(sphere, &obstacles.boxes, centre);
     ws.contact.index = nearest.index;
     ws.contact.exists = nearest.distance.lt(S::splat(obstacles.margin));
-    if ws.contact.exists.any() {
+    S::when(ws.contact.exists, &mut Edges(ws), |Edges(ws)| {
         pyramid(plan, sphere, obstacles, state, centre, nearest, ws);
+    });
+}
+
+/// The rows that [`pyramid`] writes.
+struct Edges<'a, S: Scalar>(&'a mut Workspace<S>);
+
+impl<S: Scalar> Carried<S> for Edges<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        for row in &mut self.0.contact.rows {
+            visitor.mask(&mut row.exists);
+            visitor.mask(&mut row.active);
+            visitor.numbers([&mut row.weight, &mut row.reference, &mut row.slope]);
+        }
+        visitor.numbers(&mut self.0.contact_jacobian);
     }
 }
 

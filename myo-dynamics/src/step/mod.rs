@@ -46,6 +46,7 @@ pub fn forward<S: Scalar>(
 
 /// A part of a step that is a function of its own; see [`Scalar::outline`].
 trait Part {
+    const NAME: &'static str;
     fn apply<S: Scalar>(
         plan: &Plan<S::Const>,
         obstacles: &Obstacles<S::Const>,
@@ -58,6 +59,7 @@ trait Part {
 struct Positions;
 
 impl Part for Positions {
+    const NAME: &'static str = "positions";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
         kinematics::kinematics(plan, &state.qpos, &state.qvel, ws);
@@ -68,6 +70,7 @@ impl Part for Positions {
 struct Paths;
 
 impl Part for Paths {
+    const NAME: &'static str = "muscle paths and forces";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
         tendon::lengths(plan, &state.qpos, &state.qvel, ws);
@@ -79,6 +82,7 @@ impl Part for Paths {
 struct Forces;
 
 impl Part for Forces {
+    const NAME: &'static str = "generalised forces and mass matrix";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
         force::passive(plan, state, ws);
@@ -93,6 +97,7 @@ impl Part for Forces {
 struct Constraints;
 
 impl Part for Constraints {
+    const NAME: &'static str = "constraints and acceleration";
     #[inline(always)]
     fn apply<S: Scalar>(
         plan: &Plan<S::Const>,
@@ -123,6 +128,7 @@ fn outlined<S: Scalar, P: Part>(
         part: PhantomData<P>,
     }
     impl<S: Scalar, P: Part> Stage<S> for Call<'_, S, P> {
+        const NAME: &'static str = P::NAME;
         type Output = ();
         #[inline(always)]
         fn run(self) {

@@ -19,7 +19,9 @@ pub fn exact(coupling: Coupling) -> Plan<f64> {
 pub fn draw(stream: u32, entry: usize) -> f64 {
     let word = <f64 as Scalar>::Word::splat;
     let (episode, step) = (word(0), word(0));
-    unit(philox(Counter { seed: seed_words(1), env: word(stream), episode, step, stream: word(entry as u32) })[0])
+    unit(
+        philox::<f64>(Counter { seed: seed_words(1), env: word(stream), episode, step, stream: word(entry as u32) })[0],
+    )
 }
 
 /// A reproducible random state within the joint limits.

@@ -1,7 +1,7 @@
 //! Drawing the targets of an episode.
 
 use super::{CompiledTask, Point, Sphere, TARGET_STREAM, TargetKind, TaskState, difference, norm, select_point};
-use myo_scalar::{Counter, Mask, Scalar, Word, philox, unit};
+use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 
 /// Draws of one position before the farthest of them is taken, closer to its predecessor than asked. A task whose rule can
 /// hardly be met is warned about before training.
@@ -37,27 +37,50 @@ fn draw_sphere<S: Scalar>(
     counter: Counter<S::Word>,
     previous: Option<Point<S>>,
 ) -> (Point<S>, S) {
-    let mut best = [S::zero(); 3];
-    let mut radius = S::zero();
-    let mut farthest = S::lit(-1.0);
-    for draw in 0..MAX_DRAWS {
-        let words = philox(Counter { step: S::Word::splat(draw), ..counter });
-        let mut candidate = best;
+    let least = S::splat(sphere.min_distance);
+    let mut search = Search {
+        draw: S::Word::splat(0),
+        best: [S::zero(); 3],
+        // Nothing is closer than minus one, so the first candidate is always taken.
+        farthest: S::lit(-1.0),
+        radius: S::zero(),
+    };
+    S::repeat_while(MAX_DRAWS as usize, &mut search, |search| {
+        let words = philox::<S>(Counter { step: search.draw, ..counter });
+        let mut candidate = search.best;
         for (k, x) in candidate.iter_mut().enumerate() {
             *x = unit::<S>(words[k]).mul_add(S::splat(sphere.extent[k]), S::splat(sphere.lo[k]));
         }
-        if draw == 0 {
-            radius = unit::<S>(words[3]).mul_add(S::splat(sphere.radius_extent), S::splat(sphere.radius));
-        }
+        let radius = unit::<S>(words[3]).mul_add(S::splat(sphere.radius_extent), S::splat(sphere.radius));
+        let first = search.farthest.lt(S::zero());
+        search.radius = S::select(first, radius, search.radius);
         let distance = previous.map_or(S::zero(), |p| norm(difference(candidate, p)));
         // The first candidate far enough is kept: a later one replaces only a closer one.
-        let searching = farthest.lt(S::splat(sphere.min_distance)) | farthest.lt(S::zero());
-        let better = searching & farthest.lt(distance);
-        best = select_point(better, candidate, best);
-        farthest = S::select(better, distance, farthest);
-        if !(mask & farthest.lt(S::splat(sphere.min_distance))).any() {
-            break;
-        }
+        let searching = search.farthest.lt(least) | first;
+        let better = searching & search.farthest.lt(distance);
+        search.best = select_point(better, candidate, search.best);
+        search.farthest = S::select(better, distance, search.farthest);
+        search.draw = search.draw + S::Word::splat(1);
+        mask & search.farthest.lt(least)
+    });
+    (search.best, search.radius)
+}
+
+/// The search for a centre.
+struct Search<S: Scalar> {
+    /// Draws so far.
+    draw: S::Word,
+    /// The candidate that is farthest from the previous target.
+    best: Point<S>,
+    /// Its distance from it.
+    farthest: S,
+    /// Radius, of the first draw.
+    radius: S,
+}
+
+impl<S: Scalar> Carried<S> for Search<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.word(&mut self.draw);
+        visitor.numbers(self.best.iter_mut().chain([&mut self.farthest, &mut self.radius]));
     }
-    (best, radius)
 }

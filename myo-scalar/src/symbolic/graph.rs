@@ -1,0 +1,339 @@
+//! Nodes, and how they are shared.
+
+use super::fold;
+use super::number::Handle;
+use super::region::{Region, Statement, Store};
+use super::with_graph;
+use super::{Sym, SymWord};
+use std::collections::HashMap;
+
+/// Index of a node.
+pub type Id = u32;
+
+/// What a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// `f32`.
+    Number,
+    /// `u32`.
+    Word,
+    /// `bool`.
+    Mask,
+}
+
+/// How the entries of a buffer are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Access {
+    /// Entry `row` of environment `env` lies at `row * environments + env`.
+    PerEnv,
+    /// Entry `row` is the same for all environments.
+    Shared,
+}
+
+/// A buffer outside the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Buffer {
+    /// Its number among the program's buffers.
+    pub binding: u32,
+    /// How its entries are counted.
+    pub access: Access,
+}
+
+impl Buffer {
+    /// Reads a number. Reads see what was there before the program ran.
+    pub fn number(self, row: usize) -> Sym {
+        Sym::new(with_graph(|graph| graph.leaf(Op::Input(self, row as u32), Kind::Number)))
+    }
+    /// Reads an integer.
+    pub fn word(self, row: usize) -> SymWord {
+        SymWord::new(with_graph(|graph| graph.leaf(Op::Input(self, row as u32), Kind::Word)))
+    }
+    /// Writes a number at the program's end, or where the enclosing branch ends.
+    pub fn set_number(self, row: usize, value: Sym) {
+        with_graph(|graph| {
+            graph.statement(Statement::Store(Store { buffer: self, row: row as u32, value: value.id() }))
+        });
+    }
+    /// Writes an integer.
+    pub fn set_word(self, row: usize, value: SymWord) {
+        with_graph(|graph| {
+            graph.statement(Statement::Store(Store { buffer: self, row: row as u32, value: value.id() }))
+        });
+    }
+}
+
+/// An operation; operands are in [`Node::args`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Op {
+    /// A constant, as the bits of an `f64`.
+    Number(u64),
+    /// A constant integer.
+    Word(u32),
+    /// A constant truth value.
+    Truth(bool),
+    /// What a buffer held before the program.
+    Input(Buffer, u32),
+    /// Value of a loop's variable when its body begins: statement, number of the variable.
+    Carried(u32, u32),
+    /// Value of a variable after a loop or branch.
+    Outcome(u32, u32),
+    /// `a + b`.
+    Add,
+    /// `a - b`.
+    Sub,
+    /// `a * b`.
+    Mul,
+    /// `a * b + c`.
+    MulAdd,
+    /// `-a`.
+    Neg,
+    /// Square root.
+    Sqrt,
+    /// Reciprocal square root.
+    Rsqrt,
+    /// Reciprocal.
+    Recip,
+    /// Absolute value.
+    Abs,
+    /// Lesser of two.
+    Min,
+    /// Greater of two.
+    Max,
+    /// Whole number not above.
+    Floor,
+    /// Nearest whole number, halves to even.
+    Round,
+    /// `a < b`.
+    Less,
+    /// `a ? b : c`.
+    Select,
+    /// Both.
+    And,
+    /// Either.
+    Or,
+    /// Not.
+    Not,
+    /// Wrapping sum of integers.
+    WordAdd,
+    /// Exclusive or of bits.
+    Xor,
+    /// Common bits.
+    BitAnd,
+    /// Joint bits.
+    BitOr,
+    /// Shift to the left by a constant.
+    ShiftLeft(u32),
+    /// Shift to the right by a constant.
+    ShiftRight(u32),
+    /// Upper half of a 64-bit product.
+    MulHigh,
+    /// Lower half of a 64-bit product.
+    MulLow,
+    /// Integer to number.
+    ToNumber,
+    /// Whole number to integer, two's complement.
+    ToWord,
+    /// Number to its bits.
+    ToBits,
+    /// Bits to the number.
+    FromBits,
+}
+
+/// An operation on other nodes; unused operands are zero.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// The operation.
+    pub op: Op,
+    /// Its operands.
+    pub args: [Id; 3],
+    /// What comes out.
+    pub kind: Kind,
+    /// Where it is computed.
+    pub region: u32,
+    /// For whom: index into the program's stages.
+    pub stage: u32,
+}
+
+impl Op {
+    /// How many operands it has.
+    pub fn arity(self) -> usize {
+        use Op::*;
+        match self {
+            Number(_) | Word(_) | Truth(_) | Input(..) | Carried(..) | Outcome(..) => 0,
+            Neg | Sqrt | Rsqrt | Recip | Abs | Floor | Round | Not | ShiftLeft(_) | ShiftRight(_) | ToNumber
+            | ToWord | ToBits | FromBits => 1,
+            Add | Sub | Mul | Min | Max | Less | And | Or | WordAdd | Xor | BitAnd | BitOr | MulHigh | MulLow => 2,
+            MulAdd | Select => 3,
+        }
+    }
+
+    /// Whether it is a constant.
+    pub fn is_constant(self) -> bool {
+        matches!(self, Op::Number(_) | Op::Word(_) | Op::Truth(_))
+    }
+
+    /// Whether its first two operands may change places.
+    fn commutes(self) -> bool {
+        use Op::*;
+        matches!(self, Add | Mul | MulAdd | Min | Max | And | Or | WordAdd | Xor | BitAnd | BitOr)
+    }
+}
+
+impl Node {
+    /// The operands that count.
+    pub fn operands(&self) -> &[Id] {
+        &self.args[..self.op.arity()]
+    }
+}
+
+/// A stage of the generic code, by name; the first one is the whole program.
+#[derive(Clone, Debug)]
+pub struct StageName {
+    /// Its name.
+    pub name: &'static str,
+    /// Index of the stage that it is part of.
+    pub parent: u32,
+}
+
+/// A program while it is recorded.
+pub struct Graph {
+    pub nodes: Vec<Node>,
+    pub regions: Vec<Region>,
+    pub statements: Vec<Statement>,
+    pub stages: Vec<StageName>,
+    /// Regions whose numbers may be used now, outermost first.
+    pub open: Vec<u32>,
+    stage: u32,
+    known: HashMap<(Op, [Id; 3], Kind), Vec<Id>>,
+}
+
+impl Graph {
+    pub fn new() -> Self {
+        Self {
+            nodes: vec![],
+            regions: vec![Region::default()],
+            statements: vec![],
+            stages: vec![StageName { name: "program", parent: 0 }],
+            open: vec![0],
+            stage: 0,
+            known: HashMap::new(),
+        }
+    }
+
+    /// The region that is being recorded.
+    pub fn region(&self) -> u32 {
+        *self.open.last().expect("the outermost region stays open")
+    }
+
+    /// A constant; constants belong to the whole program.
+    pub fn number(&mut self, x: f64) -> Id {
+        // Minus zero is zero here.
+        self.constant(Op::Number((x + 0.0).to_bits()), Kind::Number)
+    }
+    pub fn word(&mut self, x: u32) -> Id {
+        self.constant(Op::Word(x), Kind::Word)
+    }
+    pub fn truth(&mut self, x: bool) -> Id {
+        self.constant(Op::Truth(x), Kind::Mask)
+    }
+
+    fn constant(&mut self, op: Op, kind: Kind) -> Id {
+        self.share(op, [0; 3], kind, 0)
+    }
+
+    /// A node without operands that belongs to the whole program.
+    pub fn leaf(&mut self, op: Op, kind: Kind) -> Id {
+        self.share(op, [0; 3], kind, 0)
+    }
+
+    /// A node that is not shared, of a given region.
+    pub fn fresh(&mut self, op: Op, kind: Kind, region: u32) -> Id {
+        self.push(op, [0; 3], kind, region)
+    }
+
+    /// An operation, simplified, shared with an equal one that is in sight.
+    pub fn apply(&mut self, op: Op, args: &[Id], kind: Kind) -> Id {
+        let mut operands = [0; 3];
+        operands[..args.len()].copy_from_slice(args);
+        if let Some(id) = fold::simplify(self, op, operands) {
+            return id;
+        }
+        if op.commutes() && self.rank(operands[1]) > self.rank(operands[0]) {
+            operands.swap(0, 1);
+        }
+        for &arg in args {
+            self.check_in_sight(arg);
+        }
+        self.share(op, operands, kind, self.region())
+    }
+
+    /// Constants come second, whatever their age.
+    fn rank(&self, id: Id) -> (bool, Id) {
+        (!self.nodes[id as usize].op.is_constant(), id)
+    }
+
+    fn check_in_sight(&self, id: Id) {
+        let region = self.nodes[id as usize].region;
+        assert!(
+            self.open.contains(&region),
+            "a number computed in a loop or branch is used outside; it must be one of its variables (node {id}: {:?})",
+            self.nodes[id as usize].op
+        );
+    }
+
+    fn share(&mut self, op: Op, args: [Id; 3], kind: Kind, region: u32) -> Id {
+        if let Some(equal) = self.known.get(&(op, args, kind)) {
+            let in_sight = equal.iter().find(|&&id| self.open.contains(&self.nodes[id as usize].region));
+            if let Some(&id) = in_sight {
+                return id;
+            }
+        }
+        let id = self.push(op, args, kind, region);
+        self.known.entry((op, args, kind)).or_default().push(id);
+        id
+    }
+
+    fn push(&mut self, op: Op, args: [Id; 3], kind: Kind, region: u32) -> Id {
+        self.nodes.push(Node { op, args, kind, region, stage: self.stage });
+        (self.nodes.len() - 1) as Id
+    }
+
+    /// Appends a statement to the region being recorded; returns its number.
+    pub fn statement(&mut self, statement: Statement) -> u32 {
+        let number = self.statements.len() as u32;
+        self.statements.push(statement);
+        let region = self.region() as usize;
+        self.regions[region].statements.push(number);
+        number
+    }
+
+    /// Opens a region within the current one.
+    pub fn open_region(&mut self) -> u32 {
+        self.regions.push(Region::default());
+        let region = (self.regions.len() - 1) as u32;
+        self.open.push(region);
+        region
+    }
+
+    pub fn close_region(&mut self) {
+        self.open.pop();
+    }
+
+    /// Enters a stage of the current one; returns the one to go back to.
+    pub fn enter_stage(&mut self, name: &'static str) -> u32 {
+        let (parent, before) = (self.stage, self.stage);
+        let known = self.stages.iter().skip(1).position(|stage| stage.name == name && stage.parent == parent);
+        self.stage = match known {
+            Some(position) => position as u32 + 1,
+            None => {
+                self.stages.push(StageName { name, parent });
+                (self.stages.len() - 1) as u32
+            }
+        };
+        before
+    }
+
+    pub fn leave_stage(&mut self, before: u32) {
+        self.stage = before;
+    }
+}

@@ -1,0 +1,63 @@
+//! Symbolic numbers: generic code, run once on them, writes down what it computes.
+//!
+//! [`trace`] runs a closure whose [`Sym`] numbers record every operation in a graph. Equal operations on equal operands are
+//! one node, constants are folded, and algebraic identities applied as the graph grows; what no output needs is
+//! dropped when the [`Program`] is finished. Loops and branches that must stay ones are the trait's
+//! [`repeat`](crate::Scalar::repeat), [`repeat_while`](crate::Scalar::repeat_while), [`when`](crate::Scalar::when) and
+//! [`map_chunks`](crate::Scalar::map_chunks); ordinary Rust loops are unrolled, since the graph never sees them.
+//!
+//! ```
+//! use myo_scalar::Scalar;
+//! use myo_scalar::symbolic::{Access, Buffer, Sym, trace};
+//!
+//! let xs = Buffer { binding: 0, access: Access::PerEnv };
+//! let program = trace(|| {
+//!     let x: Sym = xs.number(0);
+//!     let y = (x + x * Sym::zero()) * Sym::lit(2.0) * Sym::lit(3.0);
+//!     xs.set_number(0, y);
+//! });
+//! // One multiplication by six is left.
+//! assert_eq!(program.operations(), 1);
+//! ```
+
+mod count;
+mod fold;
+mod graph;
+mod number;
+mod order;
+mod program;
+mod region;
+
+pub use count::StageCount;
+pub use graph::{Access, Buffer, Id, Kind, Node, Op};
+pub use number::{Sym, SymMask, SymWord};
+pub use order::Item;
+pub use program::Program;
+pub use region::{Branch, Carry, Chunks, Loop, Statement, Store};
+
+use graph::Graph;
+use std::cell::RefCell;
+
+thread_local! {
+    /// The graph that this thread's symbolic numbers refer to.
+    static GRAPH: RefCell<Option<Graph>> = const { RefCell::new(None) };
+}
+
+/// Runs `record` and returns what its symbolic numbers computed and stored. Numbers must not outlive it.
+///
+/// # Panics
+/// Inside another `trace` on the same thread, and where `record` uses a number from a loop or branch outside it.
+pub fn trace(record: impl FnOnce()) -> Program {
+    GRAPH.with_borrow_mut(|graph| {
+        assert!(graph.is_none(), "a trace is running on this thread already");
+        *graph = Some(Graph::new());
+    });
+    record();
+    let graph = GRAPH.with_borrow_mut(Option::take).expect("the graph put in above");
+    Program::new(graph)
+}
+
+/// Works on the graph of the running trace.
+fn with_graph<T>(work: impl FnOnce(&mut Graph) -> T) -> T {
+    GRAPH.with_borrow_mut(|graph| work(graph.as_mut().expect("symbolic numbers exist only inside `trace`")))
+}

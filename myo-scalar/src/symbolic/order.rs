@@ -1,0 +1,149 @@
+//! In which order to compute.
+//!
+//! A region's numbers are computed where a statement first needs them, operands that need most room first
+//! (Sethi and Ullman 1970, doi 10.1145/321607.321620), so that few numbers wait at a time.
+
+use super::graph::{Id, Op};
+use super::program::Program;
+use super::region::Statement;
+
+/// One thing to do in a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Item {
+    /// Compute a node.
+    Node(Id),
+    /// Run a statement; its body's items are those of its region.
+    Statement(u32),
+}
+
+impl Program {
+    /// What to do in each region, in order; constants are left out.
+    pub fn order(&self) -> Vec<Vec<Item>> {
+        let room = self.room();
+        (0..self.regions.len() as u32).map(|region| Scheduler::new(self, &room, region).run()).collect()
+    }
+
+    /// Numbers that wait at a time while a node is computed from scratch, were the graph a tree.
+    fn room(&self) -> Vec<u32> {
+        let mut room = vec![0; self.nodes.len()];
+        for id in self.live_nodes() {
+            let node = &self.nodes[id as usize];
+            let mut needs: Vec<u32> = node.operands().iter().map(|&arg| room[arg as usize]).collect();
+            needs.sort_unstable_by(|a, b| b.cmp(a));
+            let most = needs.iter().enumerate().map(|(waiting, need)| need + waiting as u32).max();
+            room[id as usize] = if node.op.is_constant() { 0 } else { most.unwrap_or(0).max(1) };
+        }
+        room
+    }
+
+    /// Nodes outside a statement's bodies that it or they name.
+    fn outside(&self, statement: u32) -> Vec<Id> {
+        let mut regions = Vec::new();
+        let mut named = Vec::new();
+        self.collect(statement, &mut regions, &mut named);
+        named.retain(|&id| !regions.contains(&self.nodes[id as usize].region));
+        named
+    }
+
+    fn collect(&self, statement: u32, regions: &mut Vec<u32>, named: &mut Vec<Id>) {
+        let each = &self.statements[statement as usize];
+        named.extend(self.live_carries(statement).map(|(_, carry)| carry.init));
+        match each {
+            Statement::Loop(_) => {}
+            Statement::Branch(x) => named.push(x.mask),
+            Statement::Chunks(x) => named.extend(&x.init),
+            Statement::Store(x) => named.push(x.value),
+        }
+        let Some(body) = each.body() else { return };
+        regions.push(body);
+        named.extend(self.results(body, statement));
+        let inside = self.live_nodes().filter(|&id| self.nodes[id as usize].region == body);
+        for id in inside {
+            named.extend(self.nodes[id as usize].operands());
+        }
+        for inner in self.statements_of(body) {
+            self.collect(inner, regions, named);
+        }
+    }
+
+    /// What the end of a body names.
+    fn results(&self, body: u32, statement: u32) -> Vec<Id> {
+        debug_assert_eq!(self.statements[statement as usize].body(), Some(body));
+        match &self.statements[statement as usize] {
+            Statement::Loop(x) => self.live_carries(statement).map(|(_, carry)| carry.next).chain(x.again).collect(),
+            Statement::Branch(_) => self.live_carries(statement).map(|(_, carry)| carry.next).collect(),
+            Statement::Chunks(x) => x.next.clone(),
+            Statement::Store(_) => vec![],
+        }
+    }
+
+    /// Buffers that a statement writes.
+    fn written(&self, statement: u32, buffers: &mut Vec<u32>) {
+        match &self.statements[statement as usize] {
+            Statement::Store(store) => buffers.push(store.buffer.binding),
+            other => {
+                for inner in other.body().into_iter().flat_map(|body| self.statements_of(body)) {
+                    self.written(inner, buffers);
+                }
+            }
+        }
+    }
+}
+
+struct Scheduler<'a> {
+    program: &'a Program,
+    room: &'a [u32],
+    region: u32,
+    done: Vec<bool>,
+    items: Vec<Item>,
+}
+
+impl<'a> Scheduler<'a> {
+    fn new(program: &'a Program, room: &'a [u32], region: u32) -> Self {
+        Self { program, room, region, done: vec![false; program.nodes.len()], items: vec![] }
+    }
+
+    fn run(mut self) -> Vec<Item> {
+        let program = self.program;
+        for statement in program.statements_of(self.region) {
+            self.read_before_writing(statement);
+            for id in program.outside(statement) {
+                self.compute(id);
+            }
+            self.items.push(Item::Statement(statement));
+        }
+        let owner =
+            (0..program.statements.len() as u32).find(|&s| program.statements[s as usize].body() == Some(self.region));
+        for id in owner.map(|owner| program.results(self.region, owner)).unwrap_or_default() {
+            self.compute(id);
+        }
+        self.items
+    }
+
+    /// Reads of a buffer see what was there before the program, so they come before the first write.
+    fn read_before_writing(&mut self, statement: u32) {
+        let program = self.program;
+        let mut written = vec![];
+        program.written(statement, &mut written);
+        for id in program.live_nodes() {
+            if let Op::Input(buffer, _) = program.nodes[id as usize].op
+                && written.contains(&buffer.binding)
+            {
+                self.compute(id);
+            }
+        }
+    }
+
+    fn compute(&mut self, id: Id) {
+        let node = &self.program.nodes[id as usize];
+        if node.region != self.region || node.op.is_constant() || std::mem::replace(&mut self.done[id as usize], true) {
+            return;
+        }
+        let mut operands = node.operands().to_vec();
+        operands.sort_by_key(|&arg| std::cmp::Reverse(self.room[arg as usize]));
+        for arg in operands {
+            self.compute(arg);
+        }
+        self.items.push(Item::Node(id));
+    }
+}

@@ -1,0 +1,197 @@
+//! A finished program: what of the graph is needed.
+
+use super::graph::{Graph, Id, Node, Op, StageName};
+use super::region::{Carry, Region, Statement};
+
+/// What a trace computed and stored, without what no store needs.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// All nodes; only those that [`Program::is_live`] matter. Node 0 is a constant.
+    pub nodes: Vec<Node>,
+    /// All statements.
+    pub statements: Vec<Statement>,
+    pub(super) regions: Vec<Region>,
+    pub(super) stages: Vec<StageName>,
+    live: Vec<bool>,
+    live_statements: Vec<bool>,
+    live_vars: Vec<Vec<bool>>,
+}
+
+impl Program {
+    pub(super) fn new(graph: Graph) -> Self {
+        let Graph { nodes, regions, statements, stages, .. } = graph;
+        let nvar = |statement: &Statement| match statement {
+            Statement::Loop(x) => x.vars.len(),
+            Statement::Branch(x) => x.vars.len(),
+            Statement::Chunks(_) | Statement::Store(_) => 0,
+        };
+        let mut program = Self {
+            live: vec![false; nodes.len()],
+            live_statements: vec![false; statements.len()],
+            live_vars: statements.iter().map(|s| vec![false; nvar(s)]).collect(),
+            nodes,
+            statements,
+            regions,
+            stages,
+        };
+        program.resolve_constant_vars();
+        program.mark();
+        program
+    }
+
+    /// Whether some store needs a node.
+    pub fn is_live(&self, id: Id) -> bool {
+        self.live[id as usize]
+    }
+
+    /// Whether some store needs variable `index` of a statement.
+    pub fn is_live_var(&self, statement: u32, index: usize) -> bool {
+        self.live_vars[statement as usize][index]
+    }
+
+    /// Live statements of a region, in order.
+    pub fn statements_of(&self, region: u32) -> impl Iterator<Item = u32> + '_ {
+        let all = self.regions[region as usize].statements.iter().copied();
+        all.filter(|&s| self.live_statements[s as usize])
+    }
+
+    /// Live nodes.
+    pub fn live_nodes(&self) -> impl Iterator<Item = Id> + '_ {
+        (0..self.nodes.len() as Id).filter(|&id| self.is_live(id))
+    }
+
+    /// Operations that are computed, constants, inputs and variables not counted; loops count once.
+    pub fn operations(&self) -> usize {
+        self.live_nodes().filter(|&id| self.nodes[id as usize].op.arity() > 0).count()
+    }
+
+    /// Variables that a loop leaves as they are become what they were before it.
+    fn resolve_constant_vars(&mut self) {
+        let mut same: Vec<Id> = (0..self.nodes.len() as Id).collect();
+        for statement in &self.statements {
+            let Statement::Loop(each) = statement else { continue };
+            for carry in each.vars.iter().filter(|carry| carry.is_constant()) {
+                // Statements are in order of their beginning, so the outer loop's variable is resolved already.
+                same[carry.start as usize] = same[carry.init as usize];
+            }
+        }
+        let of = |id: &mut Id| *id = same[*id as usize];
+        for node in &mut self.nodes {
+            let arity = node.op.arity();
+            node.args[..arity].iter_mut().for_each(of);
+        }
+        for statement in &mut self.statements {
+            statement.operands_mut(of);
+        }
+    }
+
+    /// Marks everything that stores need.
+    fn mark(&mut self) {
+        let mut todo = Vec::new();
+        let mut enclosing = vec![None; self.regions.len()];
+        for (number, statement) in self.statements.iter().enumerate() {
+            if let Some(body) = statement.body() {
+                enclosing[body as usize] = Some(number as u32);
+            }
+        }
+        let home = self.homes();
+        for number in 0..self.statements.len() as u32 {
+            if let Statement::Store(store) = &self.statements[number as usize] {
+                todo.push(store.value);
+                self.need(number, &home, &enclosing, &mut todo);
+            }
+        }
+        while let Some(id) = todo.pop() {
+            if std::mem::replace(&mut self.live[id as usize], true) {
+                continue;
+            }
+            let node = self.nodes[id as usize];
+            todo.extend(node.operands());
+            if let Op::Carried(statement, index) | Op::Outcome(statement, index) = node.op {
+                self.need(statement, &home, &enclosing, &mut todo);
+                if let Some(carry) = self.carry(statement, index) {
+                    let carry = *carry;
+                    self.live_vars[statement as usize][index as usize] = true;
+                    todo.extend([carry.init, carry.next]);
+                }
+            }
+        }
+    }
+
+    /// Region that each statement is in.
+    fn homes(&self) -> Vec<u32> {
+        let mut home = vec![0; self.statements.len()];
+        for (region, each) in self.regions.iter().enumerate() {
+            for &statement in &each.statements {
+                home[statement as usize] = region as u32;
+            }
+        }
+        home
+    }
+
+    /// Marks a statement and those around it, and what decides whether they run.
+    fn need(&mut self, statement: u32, home: &[u32], enclosing: &[Option<u32>], todo: &mut Vec<Id>) {
+        let mut next = Some(statement);
+        while let Some(number) = next {
+            if std::mem::replace(&mut self.live_statements[number as usize], true) {
+                return;
+            }
+            match &self.statements[number as usize] {
+                Statement::Loop(x) => todo.extend(x.again),
+                Statement::Branch(x) => todo.push(x.mask),
+                Statement::Chunks(x) => {
+                    todo.push(x.index);
+                    todo.extend(x.init.iter().chain(&x.start).chain(&x.next));
+                }
+                Statement::Store(_) => {}
+            }
+            next = enclosing[home[number as usize] as usize];
+        }
+    }
+
+    fn carry(&self, statement: u32, index: u32) -> Option<&Carry> {
+        match &self.statements[statement as usize] {
+            Statement::Loop(x) => x.vars.get(index as usize),
+            Statement::Branch(x) => x.vars.get(index as usize),
+            Statement::Chunks(_) | Statement::Store(_) => None,
+        }
+    }
+
+    /// Live variables of a statement, with their numbers.
+    pub fn live_carries(&self, statement: u32) -> impl Iterator<Item = (usize, &Carry)> + '_ {
+        let vars: &[Carry] = match &self.statements[statement as usize] {
+            Statement::Loop(x) => &x.vars,
+            Statement::Branch(x) => &x.vars,
+            Statement::Chunks(_) | Statement::Store(_) => &[],
+        };
+        vars.iter().enumerate().filter(move |(index, _)| self.is_live_var(statement, *index))
+    }
+}
+
+impl Statement {
+    /// The region inside.
+    pub fn body(&self) -> Option<u32> {
+        match self {
+            Self::Loop(x) => Some(x.body),
+            Self::Branch(x) => Some(x.body),
+            Self::Chunks(x) => Some(x.body),
+            Self::Store(_) => None,
+        }
+    }
+
+    /// Every node that the statement names, except those that its body begins with.
+    fn operands_mut(&mut self, mut of: impl FnMut(&mut Id)) {
+        match self {
+            Self::Loop(x) => {
+                x.again.iter_mut().for_each(&mut of);
+                x.vars.iter_mut().flat_map(|carry| [&mut carry.init, &mut carry.next]).for_each(of);
+            }
+            Self::Branch(x) => {
+                of(&mut x.mask);
+                x.vars.iter_mut().flat_map(|carry| [&mut carry.init, &mut carry.next]).for_each(of);
+            }
+            Self::Chunks(x) => x.init.iter_mut().chain(&mut x.next).for_each(of),
+            Self::Store(x) => of(&mut x.value),
+        }
+    }
+}

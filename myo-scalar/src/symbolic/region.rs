@@ -1,0 +1,202 @@
+//! Loops, branches and stores: what happens in order.
+
+use super::graph::{Buffer, Id, Kind, Op};
+use super::number::{Handle, Sym, SymMask, SymWord};
+use super::with_graph;
+use crate::carried::{Carried, Visitor};
+
+/// Statements that run in order; the numbers they need are computed between them.
+#[derive(Clone, Debug, Default)]
+pub struct Region {
+    /// Numbers of the statements.
+    pub statements: Vec<u32>,
+}
+
+/// A variable of a loop or branch.
+#[derive(Clone, Copy, Debug)]
+pub struct Carry {
+    /// Before.
+    pub init: Id,
+    /// For loops, [`Op::Carried`]: at the beginning of the body.
+    pub start: Id,
+    /// At the end of the body.
+    pub next: Id,
+    /// What it is.
+    pub kind: Kind,
+}
+
+impl Carry {
+    /// Whether the body leaves it as it is.
+    pub fn is_constant(&self) -> bool {
+        self.next == self.start || self.next == self.init
+    }
+}
+
+/// A loop.
+#[derive(Clone, Debug)]
+pub struct Loop {
+    /// Runs at most.
+    pub limit: u32,
+    /// Goes on only where this is true at the end of the body.
+    pub again: Option<Id>,
+    /// Its region.
+    pub body: u32,
+    /// Its variables.
+    pub vars: Vec<Carry>,
+}
+
+/// A branch.
+#[derive(Clone, Debug)]
+pub struct Branch {
+    /// Where it is taken.
+    pub mask: Id,
+    /// Its region.
+    pub body: u32,
+    /// Its variables; `start` is `init`.
+    pub vars: Vec<Carry>,
+}
+
+/// A loop over the chunks of an array.
+#[derive(Clone, Debug)]
+pub struct Chunks {
+    /// Region of the body.
+    pub body: u32,
+    /// Number of the chunk within the body, an integer.
+    pub index: Id,
+    /// The array before.
+    pub init: Vec<Id>,
+    /// Entries of one chunk at the beginning of the body.
+    pub start: Vec<Id>,
+    /// Entries of one chunk at its end.
+    pub next: Vec<Id>,
+}
+
+/// A write to a buffer.
+#[derive(Clone, Copy, Debug)]
+pub struct Store {
+    /// Where.
+    pub buffer: Buffer,
+    /// Which entry.
+    pub row: u32,
+    /// What.
+    pub value: Id,
+}
+
+/// What happens in order.
+#[derive(Clone, Debug)]
+pub enum Statement {
+    /// See [`Loop`].
+    Loop(Loop),
+    /// See [`Branch`].
+    Branch(Branch),
+    /// See [`Chunks`].
+    Chunks(Chunks),
+    /// See [`Store`].
+    Store(Store),
+}
+
+/// Applies one function to every variable.
+struct Each<F>(F);
+
+impl<F: FnMut(Id, Kind) -> Id> Visitor<Sym> for Each<F> {
+    fn number(&mut self, x: &mut Sym) {
+        *x = Sym::new((self.0)(x.id(), Kind::Number));
+    }
+    fn mask(&mut self, x: &mut SymMask) {
+        *x = SymMask::new((self.0)(x.id(), Kind::Mask));
+    }
+    fn word(&mut self, x: &mut SymWord) {
+        *x = SymWord::new((self.0)(x.id(), Kind::Word));
+    }
+}
+
+fn each<V: Carried<Sym>>(vars: &mut V, apply: impl FnMut(Id, Kind) -> Id) {
+    vars.visit(&mut Each(apply));
+}
+
+/// Number that the next statement will have. It is reserved, since nodes of its body name it.
+fn reserve() -> u32 {
+    with_graph(|graph| {
+        let placeholder = Branch { mask: 0, body: 0, vars: vec![] };
+        graph.statement(Statement::Branch(placeholder))
+    })
+}
+
+/// Records a loop.
+pub fn record_loop<V: Carried<Sym>>(limit: usize, vars: &mut V, body: impl FnOnce(&mut V) -> Option<SymMask>) {
+    let statement = reserve();
+    let region = with_graph(|graph| graph.open_region());
+    let mut carries = Vec::new();
+    each(vars, |init, kind| {
+        let op = Op::Carried(statement, carries.len() as u32);
+        let start = with_graph(|graph| graph.fresh(op, kind, region));
+        carries.push(Carry { init, start, next: start, kind });
+        start
+    });
+    let again = body(vars).map(Handle::id);
+    with_graph(|graph| graph.close_region());
+    finish(statement, vars, &mut carries);
+    let made = Loop { limit: limit as u32, again, body: region, vars: carries };
+    with_graph(|graph| graph.statements[statement as usize] = Statement::Loop(made));
+}
+
+/// Records a branch.
+pub fn record_branch<V: Carried<Sym>>(mask: SymMask, vars: &mut V, body: impl FnOnce(&mut V)) {
+    if let Some(known) = mask.known() {
+        if known {
+            body(vars);
+        }
+        return;
+    }
+    let statement = reserve();
+    let region = with_graph(|graph| graph.open_region());
+    let mut carries = Vec::new();
+    each(vars, |init, kind| {
+        carries.push(Carry { init, start: init, next: init, kind });
+        init
+    });
+    body(vars);
+    with_graph(|graph| graph.close_region());
+    finish(statement, vars, &mut carries);
+    let made = Branch { mask: mask.id(), body: region, vars: carries };
+    with_graph(|graph| graph.statements[statement as usize] = Statement::Branch(made));
+}
+
+/// Notes the variables' last values and replaces them by the statement's outcome.
+fn finish<V: Carried<Sym>>(statement: u32, vars: &mut V, carries: &mut [Carry]) {
+    let mut index = 0;
+    each(vars, |next, kind| {
+        let carry = &mut carries[index];
+        carry.next = next;
+        let outcome = if carry.is_constant() {
+            carry.init
+        } else {
+            with_graph(|graph| graph.fresh(Op::Outcome(statement, index as u32), kind, graph.region()))
+        };
+        index += 1;
+        outcome
+    });
+}
+
+/// Records a loop over chunks.
+pub fn record_chunks<const N: usize>(values: &mut [Sym], body: impl FnOnce(SymWord, [Sym; N]) -> [Sym; N]) {
+    let statement = reserve();
+    let region = with_graph(|graph| graph.open_region());
+    let carried = |k: usize, kind| with_graph(|graph| graph.fresh(Op::Carried(statement, k as u32), kind, region));
+    let index = carried(0, Kind::Word);
+    let start: [Sym; N] = std::array::from_fn(|k| Sym::new(carried(k + 1, Kind::Number)));
+    let next = body(SymWord::new(index), start);
+    with_graph(|graph| graph.close_region());
+    let made = Chunks {
+        body: region,
+        index,
+        init: values.iter().map(|x| x.id()).collect(),
+        start: start.iter().map(|x| x.id()).collect(),
+        next: next.iter().map(|x| x.id()).collect(),
+    };
+    with_graph(|graph| graph.statements[statement as usize] = Statement::Chunks(made));
+    for (k, value) in values.iter_mut().enumerate() {
+        let op = Op::Outcome(statement, k as u32);
+        *value = Sym::new(with_graph(|graph| graph.fresh(op, Kind::Number, graph.region())));
+    }
+}
