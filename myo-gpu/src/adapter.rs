@@ -1,12 +1,16 @@
 //! The graphics cards of this machine, each listed once.
 
+use std::sync::LazyLock;
+
 use serde::Serialize;
 
 /// What kind of device does the work. The order is the order of preference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[cfg_attr(test, derive(Default))]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// A card with memory of its own.
+    #[cfg_attr(test, default)]
     Discrete,
     /// Part of the processor, sharing its memory.
     Integrated,
@@ -18,6 +22,7 @@ pub enum Kind {
 
 /// One device that can run kernels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(Default))]
 #[non_exhaustive]
 pub struct Adapter {
     /// As the driver calls it.
@@ -63,7 +68,7 @@ pub(crate) struct Candidate {
 
 /// What [`adapters`] lists, ready to be opened.
 pub(crate) fn candidates() -> Vec<Candidate> {
-    let raw = pollster::block_on(instance().enumerate_adapters(BACKENDS));
+    let raw = pollster::block_on(INSTANCE.enumerate_adapters(BACKENDS));
     let infos: Vec<_> = raw.iter().map(wgpu::Adapter::get_info).collect();
     let mut candidates: Vec<_> = raw
         .into_iter()
@@ -77,14 +82,16 @@ pub(crate) fn candidates() -> Vec<Candidate> {
 
 const BACKENDS: wgpu::Backends = wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
 
+/// The same for all devices: only then are buffers of another device told apart.
+///
 /// Without validation layers of the system unless `WGPU_VALIDATION=1` asks for them: wgpu checks every call itself.
-fn instance() -> wgpu::Instance {
+static INSTANCE: LazyLock<wgpu::Instance> = LazyLock::new(|| {
     wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: BACKENDS,
         flags: wgpu::InstanceFlags::empty().with_env(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     })
-}
+});
 
 fn runs_kernels(raw: &wgpu::Adapter) -> bool {
     raw.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS)
@@ -140,5 +147,38 @@ fn kind(device_type: wgpu::DeviceType) -> Kind {
         wgpu::DeviceType::IntegratedGpu => Kind::Integrated,
         wgpu::DeviceType::Cpu => Kind::Software,
         wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => Kind::Virtual,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::{AdapterInfo, Backend, DeviceType};
+
+    fn info(backend: Backend, device: u32, bus: &str) -> AdapterInfo {
+        AdapterInfo { vendor: 1, device, device_pci_bus_id: bus.into(), ..AdapterInfo::new(DeviceType::Cpu, backend) }
+    }
+
+    fn kept(infos: &[AdapterInfo]) -> Vec<usize> {
+        (0..infos.len()).filter(|i| !is_duplicate(*i, infos)).collect()
+    }
+
+    #[test]
+    fn a_card_is_listed_once_through_its_best_interface() {
+        let [dx, vulkan, other] =
+            [info(Backend::Dx12, 5, ""), info(Backend::Vulkan, 5, "0:1"), info(Backend::Dx12, 6, "")];
+        assert_eq!(kept(&[dx, vulkan, other]), [1, 2]);
+    }
+
+    #[test]
+    fn twins_are_both_listed() {
+        let twins = [info(Backend::Vulkan, 5, "0:1"), info(Backend::Vulkan, 5, "0:2"), info(Backend::Dx12, 5, "")];
+        assert_eq!(kept(&twins), [0, 1]);
+        assert_eq!(kept(&[info(Backend::Vulkan, 5, ""), info(Backend::Vulkan, 5, "")]), [0, 1]);
+    }
+
+    #[test]
+    fn of_two_drivers_for_one_card_the_first_is_listed() {
+        assert_eq!(kept(&[info(Backend::Vulkan, 5, "0:1"), info(Backend::Vulkan, 5, "0:1")]), [0]);
     }
 }

@@ -8,6 +8,7 @@ use crate::buffer::Buffer;
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::kernel::{Bindings, Kernel};
+use crate::timing::Timer;
 use crate::transfer::Read;
 
 /// Kernels and copies that run one after the other, each seeing what those before it wrote, submitted at once.
@@ -15,10 +16,11 @@ use crate::transfer::Read;
 /// Recording never fails; what was wrong comes out when the batch is submitted, and nothing of it has run then.
 #[derive(Debug)]
 pub struct Batch {
-    gpu: Gpu,
+    pub(crate) gpu: Gpu,
     /// Open while kernel follows kernel. It must end before the encoder does.
     pass: Option<wgpu::ComputePass<'static>>,
-    encoder: wgpu::CommandEncoder,
+    pub(crate) encoder: wgpu::CommandEncoder,
+    pub(crate) timer: Option<Timer>,
     wrong: Option<GpuError>,
 }
 
@@ -28,7 +30,7 @@ impl Gpu {
         let descriptor = wgpu::CommandEncoderDescriptor { label: Some("batch") };
         // On a lost device this encoder is of no use, which comes out when it is submitted.
         let encoder = self.device().create_command_encoder(&descriptor);
-        Batch { gpu: self.clone(), pass: None, encoder, wrong: None }
+        Batch { gpu: self.clone(), pass: None, encoder, timer: None, wrong: None }
     }
 }
 
@@ -42,7 +44,7 @@ impl Batch {
         let most = self.gpu.limits().max_compute_workgroups_per_dimension;
         let [x, y] = grid(threads.div_ceil(kernel.workgroup_size()), most);
         if x > 0 {
-            let pass = self.pass();
+            let pass = self.pass(kernel);
             pass.set_pipeline(&kernel.0.pipeline);
             pass.set_bind_group(0, &bindings.0, &[]);
             pass.dispatch_workgroups(x, y, 1);
@@ -50,7 +52,7 @@ impl Batch {
         self
     }
 
-    /// Copies `count` elements.
+    /// Copies `count` elements from one buffer to another.
     pub fn copy<T: Pod>(
         &mut self,
         from: &Buffer<T>,
@@ -89,14 +91,20 @@ impl Batch {
         staging.run(&gpu, encoder, reads).map_err(|fault| fault.during("a batch"))
     }
 
-    fn pass(&mut self) -> &mut wgpu::ComputePass<'static> {
-        let Self { encoder, pass, .. } = self;
+    /// The open pass, or a new one for each kernel that is timed.
+    fn pass(&mut self, kernel: &Kernel) -> &mut wgpu::ComputePass<'static> {
+        if self.timer.is_some() {
+            self.end_pass();
+        }
+        let Self { encoder, pass, timer, .. } = self;
         pass.get_or_insert_with(|| {
-            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()).forget_lifetime()
+            let timestamp_writes = timer.as_mut().and_then(|timer| timer.next(kernel));
+            let descriptor = wgpu::ComputePassDescriptor { label: Some(kernel.label()), timestamp_writes };
+            encoder.begin_compute_pass(&descriptor).forget_lifetime()
         })
     }
 
-    fn end_pass(&mut self) {
+    pub(crate) fn end_pass(&mut self) {
         let pass = self.pass.take();
         if let Err(fault) = self.gpu.guarded(|| drop(pass)) {
             self.remember(fault.during("a batch"));
@@ -121,4 +129,20 @@ impl Batch {
 fn grid(groups: u32, most: u32) -> [u32; 2] {
     let y = groups.div_ceil(most);
     [groups.div_ceil(y.max(1)), y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grid;
+
+    #[test]
+    fn a_grid_holds_all_groups_and_few_more() {
+        for groups in [0, 1, 2, 65_535, 65_536, 65_537, 131_071, 1 << 20, (1 << 26) + 1, u32::MAX] {
+            let [x, y] = grid(groups, 65_535).map(u64::from);
+            assert!(x * y >= u64::from(groups) && x * y < u64::from(groups) + y.max(1), "{groups}: {x} x {y}");
+            assert!(x <= 65_535 || groups == u32::MAX);
+        }
+        assert_eq!(grid(0, 65_535)[0], 0);
+        assert_eq!(grid(65_535, 65_535), [65_535, 1]);
+    }
 }

@@ -30,7 +30,6 @@ impl<T> Clone for Buffer<T> {
 #[derive(Clone, Copy, Debug)]
 pub struct BufferRef<'a> {
     pub(crate) raw: &'a wgpu::Buffer,
-    pub(crate) label: &'a str,
 }
 
 impl<T: Pod> Buffer<T> {
@@ -53,7 +52,7 @@ impl<T: Pod> Buffer<T> {
 
     /// All of it, to be bound to a kernel.
     pub fn binding(&self) -> BufferRef<'_> {
-        BufferRef { raw: &self.raw, label: &self.label }
+        BufferRef { raw: &self.raw }
     }
 
     pub(crate) fn raw(&self) -> &wgpu::Buffer {

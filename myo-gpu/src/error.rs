@@ -100,6 +100,12 @@ pub enum GpuError {
         /// Elements that there are.
         len: usize,
     },
+    /// A device without a clock that kernels can be timed by.
+    #[error("{adapter} cannot time kernels: its driver has no timestamps")]
+    NoClock {
+        /// Its name.
+        adapter: String,
+    },
     /// Work that the checks refused, for instance buffers bound to another kernel.
     #[error("{what} was refused: {reason}")]
     Refused {

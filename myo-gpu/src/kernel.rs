@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::buffer::BufferRef;
+use crate::cache::{Cached, Slot};
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::health::Fault;
@@ -32,6 +33,7 @@ pub(crate) struct Inner {
     gpu: Gpu,
     layout: wgpu::BindGroupLayout,
     bindings: usize,
+    cached: Cached,
     pub pipeline: wgpu::ComputePipeline,
     pub workgroup: u32,
 }
@@ -49,6 +51,11 @@ impl Kernel {
     /// Threads in one workgroup.
     pub fn workgroup_size(&self) -> u32 {
         self.0.workgroup
+    }
+
+    /// Whether the compiled kernel was found on disk or is there now.
+    pub fn cached(&self) -> &Cached {
+        &self.0.cached
     }
 
     /// Binds buffers to `@group(0) @binding(0)` and following.
@@ -119,47 +126,62 @@ impl Gpu {
         let refused = |reason| GpuError::Kernel { kernel: label.to_owned(), reason };
         let module = source::module(source).map_err(refused)?;
         let workgroup = source::workgroup_size(&module, entry).map_err(refused)?;
-        let (layout, pipeline) =
-            self.guarded(|| self.pipeline(label, module, entry, bindings, checks)).map_err(|fault| match fault {
-                Fault::Refused(reason) => refused(reason),
-                other => other.during(&format!("compiling kernel {label}")),
-            })?;
+        let compiled = self.guarded(|| {
+            let slot = Slot::open(self, &module);
+            let module = self.shader(label, module, checks);
+            let layout = self.layout(label, bindings);
+            let cache = slot.as_ref().map(|slot| &slot.raw);
+            let pipeline = self.pipeline(label, &module, entry, &layout, cache, checks);
+            (layout, pipeline, slot)
+        });
+        let (layout, pipeline, slot) = compiled.map_err(|fault| match fault {
+            Fault::Refused(reason) => refused(reason),
+            other => other.during(&format!("compiling kernel {label}")),
+        })?;
+        let cached = slot.map_or(Cached::Off, Slot::store);
         let (label, gpu, bindings) = (label.to_owned(), self.clone(), bindings.len());
-        Ok(Kernel(Arc::new(Inner { label, gpu, layout, bindings, pipeline, workgroup })))
+        Ok(Kernel(Arc::new(Inner { label, gpu, layout, bindings, cached, pipeline, workgroup })))
+    }
+
+    fn shader(&self, label: &str, module: naga::Module, checks: wgpu::ShaderRuntimeChecks) -> wgpu::ShaderModule {
+        let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module));
+        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source };
+        // SAFETY: unchecked only where the caller of `compile_trusted` vouches for the kernel.
+        unsafe { self.device().create_shader_module_trusted(descriptor, checks) }
+    }
+
+    fn layout(&self, label: &str, bindings: &[Access]) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = (0..).zip(bindings).map(|(binding, access)| layout_entry(binding, *access)).collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
+        self.device().create_bind_group_layout(&descriptor)
     }
 
     fn pipeline(
         &self,
         label: &str,
-        module: naga::Module,
+        module: &wgpu::ShaderModule,
         entry: &str,
-        bindings: &[Access],
+        layout: &wgpu::BindGroupLayout,
+        cache: Option<&wgpu::PipelineCache>,
         checks: wgpu::ShaderRuntimeChecks,
-    ) -> (wgpu::BindGroupLayout, wgpu::ComputePipeline) {
-        let (device, label) = (self.device(), Some(label));
-        let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module));
-        // SAFETY: unchecked only where the caller of `compile_trusted` vouches for the kernel.
-        let module =
-            unsafe { device.create_shader_module_trusted(wgpu::ShaderModuleDescriptor { label, source }, checks) };
-        let entries: Vec<_> = (0..).zip(bindings).map(|(binding, access)| layout_entry(binding, *access)).collect();
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+    ) -> wgpu::ComputePipeline {
+        let label = Some(label);
+        let layout = self.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
-            bind_group_layouts: &[Some(&layout)],
+            bind_group_layouts: &[Some(layout)],
             immediate_size: 0,
         });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        self.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
-            layout: Some(&pipeline_layout),
-            module: &module,
+            layout: Some(&layout),
+            module,
             entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions {
                 zero_initialize_workgroup_memory: checks.bounds_checks,
                 ..Default::default()
             },
-            cache: None,
-        });
-        (layout, pipeline)
+            cache,
+        })
     }
 }
 

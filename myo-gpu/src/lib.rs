@@ -37,20 +37,24 @@
 mod adapter;
 mod batch;
 mod buffer;
+mod cache;
 mod error;
 mod gpu;
 mod health;
 mod kernel;
 mod source;
+mod timing;
 mod transfer;
 mod want;
 
 pub use adapter::{Adapter, Kind, adapters};
 pub use batch::Batch;
 pub use buffer::{Buffer, BufferRef};
+pub use cache::Cached;
 pub use error::GpuError;
 pub use gpu::Gpu;
 pub use kernel::{Access, Bindings, Kernel, MAX_STORAGE_BUFFERS};
 pub use source::Source;
+pub use timing::{MAX_TIMED, Timing};
 pub use transfer::Read;
 pub use want::Want;

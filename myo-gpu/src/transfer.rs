@@ -89,7 +89,12 @@ impl Staging {
     }
 }
 
-impl Read<'_> {
+impl<'a> Read<'a> {
+    /// The first bytes of a buffer that has no type.
+    pub(crate) fn all(raw: &'a wgpu::Buffer, out: &'a mut [u8]) -> Self {
+        Self { raw, start: 0, out }
+    }
+
     fn size(&self) -> u64 {
         self.out.len() as u64
     }
