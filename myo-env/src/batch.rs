@@ -1,14 +1,15 @@
 //! The vectorised environment on the CPU: lanes across environments, threads across blocks of lanes.
 
+use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig};
 use crate::control::episode_names;
 use crate::job::{Backend, ResetJob, StepJob, Storage};
 use crate::observe;
 use crate::state::EnvState;
 use crate::tables::Tables;
-use crate::vector::{Autoreset, EnvError, EnvSpec, StepBuffers, VectorEnv};
+use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_model::Model;
-use myo_scalar::Level;
+use myo_scalar::{Level, Real};
 use myo_tasks::Task;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -25,8 +26,7 @@ pub struct BatchEnv<C: Backend> {
     spec: EnvSpec,
     level: Level,
     storage: Storage<C>,
-    /// With [`Autoreset::Disabled`]: environments that must be reset before the next step.
-    finished: Vec<bool>,
+    finished: Finished,
     pool: Option<ThreadPool>,
 }
 
@@ -38,19 +38,10 @@ impl<C: Backend> BatchEnv<C> {
         }
         let tables = Tables::<C>::new(model, task)?;
         let level = config.level.unwrap_or_else(Level::detect).min(Level::available().pop().unwrap_or(Level::Portable));
-        let dofs: Vec<String> = tables.plan.dofs.iter().map(|dof| dof.name.clone()).collect();
-        let spec = EnvSpec {
-            num_envs: config.num_envs,
-            observation_names: observe::names(model, task, &dofs),
-            action_names: model.muscles.iter().map(|m| m.name.clone()).collect(),
-            episode_names: episode_names(tables.task.targets.len()),
-            control_dt: task.control_dt_s,
-            max_episode_steps: task.time_limit_steps() as usize,
-            autoreset: config.autoreset,
-        };
+        let spec = spec(model, task, &tables, config);
         let count = EnvState::<C>::new(&tables).numbers().count();
         let storage = Storage::new(C::lanes(level), config.num_envs, count);
-        let finished = vec![false; config.num_envs];
+        let finished = Finished::new(&spec);
         let pool = config.threads.map(thread_pool).transpose()?;
         let mut env = Self { tables, spec, level, storage, finished, pool };
         let mut observation = vec![0.0; config.num_envs * env.spec.observation_size()];
@@ -75,6 +66,20 @@ impl<C: Backend> BatchEnv<C> {
     }
 }
 
+/// Sizes and names.
+pub fn spec<C: Real>(model: &Model, task: &Task, tables: &Tables<C>, config: &EnvConfig) -> EnvSpec {
+    let dofs: Vec<String> = tables.plan.dofs.iter().map(|dof| dof.name.clone()).collect();
+    EnvSpec {
+        num_envs: config.num_envs,
+        observation_names: observe::names(model, task, &dofs),
+        action_names: model.muscles.iter().map(|m| m.name.clone()).collect(),
+        episode_names: episode_names(tables.task.targets.len()),
+        control_dt: task.control_dt_s,
+        max_episode_steps: task.time_limit_steps() as usize,
+        autoreset: config.autoreset,
+    }
+}
+
 fn thread_pool(threads: usize) -> Result<ThreadPool, BuildError> {
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     built.map_err(|error| BuildError::Threads { threads, reason: error.to_string() })
@@ -88,24 +93,15 @@ fn run_all<J: Send>(pool: Option<&ThreadPool>, jobs: Vec<J>, run: impl Fn(J) + S
     }
 }
 
-fn check_length(what: &'static str, got: usize, expected: usize) -> Result<(), EnvError> {
-    if got == expected { Ok(()) } else { Err(EnvError::WrongLength { what, got, expected }) }
-}
-
 impl<C: Backend> VectorEnv for BatchEnv<C> {
     fn spec(&self) -> &EnvSpec {
         &self.spec
     }
 
     fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
-        let (n, nobs) = (self.spec.num_envs, self.spec.observation_size());
-        check_length("observation", observation.len(), n * nobs)?;
-        if let Some(mask) = mask {
-            check_length("mask", mask.len(), n)?;
-        }
-        for (env, finished) in self.finished.iter_mut().enumerate() {
-            *finished &= mask.is_some_and(|mask| !mask[env]);
-        }
+        check::reset(&self.spec, mask, observation)?;
+        self.finished.reset(mask);
+        let nobs = self.spec.observation_size();
         let per_task = self.envs_per_task();
         let (tables, level) = (&self.tables, self.level);
         let jobs: Vec<ResetJob<'_, C>> = self
@@ -122,7 +118,8 @@ impl<C: Backend> VectorEnv for BatchEnv<C> {
     }
 
     fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
-        self.check_step(actions, &out)?;
+        check::step(&self.spec, actions, &out)?;
+        self.finished.check()?;
         let (nobs, nact, nepisode) = (self.spec.observation_size(), self.spec.action_size(), self.spec.episode_size());
         let per_task = self.envs_per_task();
         let (tables, level, autoreset) = (&self.tables, self.level, self.spec.autoreset);
@@ -152,43 +149,15 @@ impl<C: Backend> VectorEnv for BatchEnv<C> {
             })
             .collect();
         run_all(self.pool.as_ref(), jobs, |job| C::run(level, job));
-        if autoreset == Autoreset::Disabled {
-            for (env, finished) in self.finished.iter_mut().enumerate() {
-                *finished = terminated[env] || truncated[env];
-            }
-        }
+        self.finished.note(terminated, truncated);
         Ok(())
     }
 
-    fn save_state(&self) -> Vec<u8> {
-        self.storage.save()
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        Ok(self.storage.save())
     }
 
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
         self.storage.load(state).map_err(|reason| EnvError::BadState { reason })
-    }
-}
-
-impl<C: Backend> BatchEnv<C> {
-    fn check_step(&self, actions: &[f32], out: &StepBuffers<'_>) -> Result<(), EnvError> {
-        let spec = &self.spec;
-        let n = spec.num_envs;
-        check_length("actions", actions.len(), n * spec.action_size())?;
-        check_length("observation", out.observation.len(), n * spec.observation_size())?;
-        check_length("reward", out.reward.len(), n)?;
-        check_length("terminated", out.terminated.len(), n)?;
-        check_length("truncated", out.truncated.len(), n)?;
-        check_length("final_observation", out.final_observation.len(), n * spec.observation_size())?;
-        check_length("episode", out.episode.len(), n * spec.episode_size())?;
-        if let Some(env) = self.finished.iter().position(|&finished| finished) {
-            return Err(EnvError::NeedsReset { env });
-        }
-        match actions.iter().position(|a| !a.is_finite()) {
-            None => Ok(()),
-            Some(at) => {
-                let nact = spec.action_size();
-                Err(EnvError::NonFiniteAction { env: at / nact, index: at % nact, value: actions[at] })
-            }
-        }
     }
 }

@@ -47,6 +47,20 @@ pub enum BuildError {
         /// Physics step.
         timestep_s: f64,
     },
+    /// The graphics card cannot run it.
+    #[error(transparent)]
+    Gpu(#[from] myo_gpu::GpuError),
+    /// The kernel would not fit a graphics card.
+    #[error(
+        "model and task take {operations} operations in one kernel, more than the {most} that graphics drivers compile in \
+         reasonable time; take the cpu backend, or simplify the model"
+    )]
+    TooLargeForGpu {
+        /// Operations of the kernel.
+        operations: usize,
+        /// Most that are tried.
+        most: usize,
+    },
     /// The thread pool could not be made.
     #[error("a pool of {threads} threads could not be started: {reason}")]
     Threads {

@@ -1,6 +1,7 @@
 //! Work on consecutive blocks of environments: what one thread does of a step or a reset.
 
 use crate::control::{Scratch, reseed, reset, step_and_autoreset};
+use crate::saved::Shape;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::{Autoreset, StepBuffers};
@@ -104,59 +105,23 @@ impl<C: Real> Storage<C> {
         (env / self.lanes * count + k) * self.lanes + env % self.lanes
     }
 
-    fn header(&self) -> [u64; 3] {
-        [self.num_envs as u64, self.count as u64, size_of::<C>() as u64]
+    fn shape(&self) -> Shape {
+        Shape::of::<C>(self.num_envs, self.count)
     }
 
     /// All states as bytes, independent of the number of lanes.
     pub fn save(&self) -> Vec<u8> {
-        let mut out: Vec<u8> = self.header().iter().flat_map(|x| x.to_le_bytes()).collect();
-        for env in 0..self.num_envs {
-            for k in 0..self.count {
-                out.extend(self.numbers[self.index(env, k, self.count)].to_f64().to_le_bytes());
-            }
-            for k in 0..WORDS {
-                out.extend(self.words[self.index(env, k, WORDS)].to_le_bytes());
-            }
-        }
-        out
+        let number = |env, k| self.numbers[self.index(env, k, self.count)].to_f64();
+        self.shape().save(number, |env, k| self.words[self.index(env, k, WORDS)])
     }
 
     /// Restores what [`Storage::save`] returned; says why it cannot.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), String> {
-        let expected = 24 + self.num_envs * (8 * self.count + 4 * WORDS);
-        let (header, mut rest) = bytes.split_at_checked(24).ok_or("it is shorter than its header")?;
-        for ((name, want), got) in ["environments", "numbers per environment", "bytes per number"]
-            .iter()
-            .zip(self.header())
-            .zip(header.chunks_exact(8))
-        {
-            let got = u64::from_le_bytes(got.try_into().expect("chunks of eight"));
-            if got != want {
-                return Err(format!("it has {got} {name}, this environment {want}"));
-            }
-        }
-        if bytes.len() != expected {
-            return Err(format!("it has {} bytes, expected {expected}", bytes.len()));
-        }
-        let mut take = |n: usize| {
-            let (head, tail) = rest.split_at(n);
-            rest = tail;
-            head
-        };
-        for env in 0..self.num_envs {
-            for k in 0..self.count {
-                let number = f64::from_le_bytes(take(8).try_into().expect("eight bytes"));
-                let index = self.index(env, k, self.count);
-                self.numbers[index] = C::from_f64(number);
-            }
-            for k in 0..WORDS {
-                let word = u32::from_le_bytes(take(4).try_into().expect("four bytes"));
-                let index = self.index(env, k, WORDS);
-                self.words[index] = word;
-            }
-        }
-        Ok(())
+        let (shape, lanes, count) = (self.shape(), self.lanes, self.count);
+        let index = |env: usize, k: usize, count: usize| (env / lanes * count + k) * lanes + env % lanes;
+        let (numbers, words) = (&mut self.numbers, &mut self.words);
+        let number = |env, k, x| numbers[index(env, k, count)] = C::from_f64(x);
+        shape.load(bytes, number, |env, k, x| words[index(env, k, WORDS)] = x)
     }
 }
 

@@ -23,10 +23,13 @@
 //! This crate knows no neural network, no file and no Python.
 
 mod batch;
+mod check;
 mod config;
 mod control;
+pub mod gpu;
 mod job;
 mod observe;
+mod saved;
 mod single;
 mod state;
 mod tables;
@@ -34,6 +37,7 @@ mod vector;
 
 pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
 pub use config::{BuildError, EnvConfig};
+pub use gpu::GpuEnv;
 pub use job::Backend;
 pub use observe::Part;
 pub use single::{Env, Step};

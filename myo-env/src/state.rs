@@ -57,6 +57,8 @@ impl<S: Scalar> EnvState<S> {
 
     /// How many integers [`EnvState::words`] visits.
     pub const WORDS: usize = 5;
+    /// Which of them is the number of the environment.
+    pub const ENV_ROW: usize = 2;
 
     /// Every number, in a fixed order.
     #[inline(always)]

@@ -146,6 +146,9 @@ pub enum EnvError {
         /// What differs.
         reason: String,
     },
+    /// The graphics card failed. After a loss of the device the environment is gone.
+    #[error(transparent)]
+    Gpu(#[from] myo_gpu::GpuError),
 }
 
 /// Many independent copies of one task, stepped together.
@@ -165,7 +168,7 @@ pub trait VectorEnv: Send {
     fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError>;
 
     /// Everything that the next steps depend on, as bytes; [`VectorEnv::load_state`] continues bit for bit.
-    fn save_state(&self) -> Vec<u8>;
+    fn save_state(&self) -> Result<Vec<u8>, EnvError>;
 
     /// Restores what [`VectorEnv::save_state`] returned for an environment of the same kind and size.
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError>;

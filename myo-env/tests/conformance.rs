@@ -1,6 +1,7 @@
 //! One list of properties for every backend. A backend is done when it passes.
 
-use myo_env::{Autoreset, Backend, BatchEnv, CpuEnv, Env, EnvConfig, EnvError, ReferenceEnv, StepStorage, VectorEnv};
+use myo_env::{Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use myo_gpu::{Gpu, Want};
 use myo_model::{Model, builtin};
 use myo_scalar::Level;
 use myo_tasks::{Task, preset};
@@ -9,8 +10,41 @@ fn arm(task: &Task) -> Model {
     Model::new(&builtin(&task.model).unwrap()).unwrap()
 }
 
-fn make<C: Backend>(task: &Task, config: EnvConfig) -> BatchEnv<C> {
-    BatchEnv::new(&arm(task), task, &config).unwrap()
+/// A backend under test.
+trait Subject: VectorEnv + Sized {
+    fn make(task: &Task, config: EnvConfig) -> Self;
+}
+
+impl Subject for CpuEnv {
+    fn make(task: &Task, config: EnvConfig) -> Self {
+        Self::new(&arm(task), task, &config).unwrap()
+    }
+}
+
+impl Subject for ReferenceEnv {
+    fn make(task: &Task, config: EnvConfig) -> Self {
+        Self::new(&arm(task), task, &config).unwrap()
+    }
+}
+
+impl Subject for GpuEnv {
+    fn make(task: &Task, config: EnvConfig) -> Self {
+        Self::new(&gpu(), &arm(task), task, &config).unwrap()
+    }
+}
+
+/// The best graphics card, or a software driver.
+fn gpu() -> Gpu {
+    Gpu::open(&Want::Any).expect("a GPU or a software driver; to skip these tests, set MYO_NO_GPU=1")
+}
+
+/// Whether tests on a graphics card are to be left out.
+fn without_gpu() -> bool {
+    let skip = std::env::var("MYO_NO_GPU").as_deref() == Ok("1");
+    if skip {
+        println!("skipped: MYO_NO_GPU=1 says that there is no graphics card and no software driver");
+    }
+    skip
 }
 
 /// A task short enough to end often.
@@ -61,17 +95,17 @@ fn column(env: &dyn VectorEnv, name: &str) -> usize {
     env.spec().episode_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no column {name}"))
 }
 
-fn same_seed_gives_the_same_bits_and_another_seed_does_not<C: Backend>() {
+fn same_seed_gives_the_same_bits_and_another_seed_does_not<E: Subject>() {
     let task = short("pointing");
-    let run = |seed| rollout(&mut make::<C>(&task, EnvConfig { num_envs: 5, seed, ..Default::default() }), 25);
+    let run = |seed| rollout(&mut E::make(&task, EnvConfig { num_envs: 5, seed, ..Default::default() }), 25);
     assert_same_bits(&run(3), &run(3));
     assert_ne!(bits(&run(3)[0].observation), bits(&run(4)[0].observation));
 }
 
-fn neighbours_and_threads_do_not_matter<C: Backend>() {
+fn neighbours_and_threads_do_not_matter<E: Subject>() {
     let task = short("pointing");
     let run = |num_envs, threads| {
-        let mut env = make::<C>(&task, EnvConfig { num_envs, threads: Some(threads), ..Default::default() });
+        let mut env = E::make(&task, EnvConfig { num_envs, threads: Some(threads), ..Default::default() });
         let (nobs, nact) = (env.spec().observation_size(), env.spec().action_size());
         let mut out = StepStorage::new(env.spec());
         let mut seen = vec![];
@@ -90,9 +124,9 @@ fn neighbours_and_threads_do_not_matter<C: Backend>() {
     assert_eq!(alone, run(130, 3));
 }
 
-fn same_step_keeps_the_terminal_observation_and_resets_everything<C: Backend>() {
+fn same_step_keeps_the_terminal_observation_and_resets_everything<E: Subject>() {
     let task = short("pointing");
-    let mut env = make::<C>(&task, EnvConfig { num_envs: 3, ..Default::default() });
+    let mut env = E::make(&task, EnvConfig { num_envs: 3, ..Default::default() });
     let limit = env.spec().max_episode_steps;
     assert_eq!(limit, 10);
     let run = rollout(&mut env, 2 * limit);
@@ -118,9 +152,9 @@ fn same_step_keeps_the_terminal_observation_and_resets_everything<C: Backend>() 
     assert_ne!(bits(&run[limit - 1].observation), bits(&run[2 * limit - 1].observation));
 }
 
-fn next_step_ignores_one_action_and_gives_no_reward<C: Backend>() {
+fn next_step_ignores_one_action_and_gives_no_reward<E: Subject>() {
     let task = short("pointing");
-    let make_one = |autoreset| make::<C>(&task, EnvConfig { num_envs: 2, autoreset, ..Default::default() });
+    let make_one = |autoreset| E::make(&task, EnvConfig { num_envs: 2, autoreset, ..Default::default() });
     let (mut next, mut same) = (make_one(Autoreset::NextStep), make_one(Autoreset::SameStep));
     let limit = next.spec().max_episode_steps;
     let (a, b) = (rollout(&mut next, limit + 1), rollout(&mut same, limit));
@@ -132,10 +166,10 @@ fn next_step_ignores_one_action_and_gives_no_reward<C: Backend>() {
     assert!(a[limit].truncated.iter().chain(&a[limit].terminated).all(|&flag| !flag));
 }
 
-fn disabled_asks_for_a_reset_by_mask<C: Backend>() {
+fn disabled_asks_for_a_reset_by_mask<E: Subject>() {
     let task = short("pointing");
     let config = EnvConfig { num_envs: 3, autoreset: Autoreset::Disabled, ..Default::default() };
-    let mut env = make::<C>(&task, config);
+    let mut env = E::make(&task, config);
     let limit = env.spec().max_episode_steps;
     let run = rollout(&mut env, limit);
     let (zeros, mut out) = (vec![0.0; 3 * env.spec().action_size()], StepStorage::new(env.spec()));
@@ -150,26 +184,26 @@ fn disabled_asks_for_a_reset_by_mask<C: Backend>() {
     env.step(&zeros, out.buffers()).unwrap();
 }
 
-fn a_saved_state_continues_bit_for_bit<C: Backend>() {
+fn a_saved_state_continues_bit_for_bit<E: Subject>() {
     let task = short("pointing");
     let config = EnvConfig { num_envs: 21, ..Default::default() };
-    let mut env = make::<C>(&task, config);
+    let mut env = E::make(&task, config);
     rollout(&mut env, 7);
-    let saved = env.save_state();
-    let mut copy = make::<C>(&task, EnvConfig { seed: 99, ..config });
+    let saved = env.save_state().unwrap();
+    let mut copy = E::make(&task, EnvConfig { seed: 99, ..config });
     copy.load_state(&saved).unwrap();
     assert_same_bits(&rollout(&mut env, 15), &rollout(&mut copy, 15));
     let refused = copy.load_state(&saved[..saved.len() - 1]).unwrap_err().to_string();
     assert!(refused.contains("does not fit"), "{refused}");
-    let mut smaller = make::<C>(&task, EnvConfig { num_envs: 20, ..config });
+    let mut smaller = E::make(&task, EnvConfig { num_envs: 20, ..config });
     let refused = smaller.load_state(&saved).unwrap_err().to_string();
     assert!(refused.contains("it has 21 environments, this environment 20"), "{refused}");
 }
 
-fn bad_calls_are_refused_and_change_nothing<C: Backend>() {
+fn bad_calls_are_refused_and_change_nothing<E: Subject>() {
     let task = short("pointing");
-    let mut env = make::<C>(&task, EnvConfig { num_envs: 2, ..Default::default() });
-    let before = env.save_state();
+    let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
+    let before = env.save_state().unwrap();
     let nact = env.spec().action_size();
     let mut out = StepStorage::new(env.spec());
     let wrong = env.step(&[0.0; 3], out.buffers()).unwrap_err();
@@ -178,11 +212,11 @@ fn bad_calls_are_refused_and_change_nothing<C: Backend>() {
     actions[nact + 4] = f32::INFINITY;
     let wrong = env.step(&actions, out.buffers()).unwrap_err();
     assert_eq!(wrong, EnvError::NonFiniteAction { env: 1, index: 4, value: f32::INFINITY });
-    assert_eq!(env.save_state(), before);
+    assert_eq!(env.save_state().unwrap(), before);
 }
 
 /// Hanging relaxed, with the fingertip inside a sphere around it: the dwell runs out after exactly so many steps.
-fn dwell_counts_rounded_steps<C: Backend>() {
+fn dwell_counts_rounded_steps<E: Subject>() {
     let mut task = preset("pointing-single").unwrap();
     let text = task.to_yaml();
     assert!(text.contains("dwell_s: 0.25"), "{text}");
@@ -193,7 +227,7 @@ fn dwell_counts_rounded_steps<C: Backend>() {
     sphere.position = myo_tasks::Region { x, y, z };
     sphere.radius = myo_tasks::Range::fixed(0.3);
     task.reset = myo_tasks::Reset { pose: myo_tasks::Pose::Zero, activation_max: 0.0, ..Default::default() };
-    let mut env = make::<C>(&task, EnvConfig { num_envs: 2, ..Default::default() });
+    let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
     let mut out = StepStorage::new(env.spec());
     let relaxed = vec![-1.0; 2 * env.spec().action_size()];
     for step in 1..=6 {
@@ -210,11 +244,11 @@ fn dwell_counts_rounded_steps<C: Backend>() {
     assert!((row[column(&env, "return")] - terms).abs() < 1e-4, "the return is the sum of its terms");
 }
 
-fn motor_noise_differs_between_muscles<C: Backend>() {
+fn motor_noise_differs_between_muscles<E: Subject>() {
     let mut task = preset("pointing-single").unwrap();
     task.noise.constant = 0.185;
     task.reset.activation_max = 0.0;
-    let mut env = make::<C>(&task, EnvConfig { num_envs: 1, ..Default::default() });
+    let mut env = E::make(&task, EnvConfig { num_envs: 1, ..Default::default() });
     let mut out = StepStorage::new(env.spec());
     env.step(&vec![0.0; env.spec().action_size()], out.buffers()).unwrap();
     let first = entry(&env, "activation.DELT1");
@@ -224,10 +258,10 @@ fn motor_noise_differs_between_muscles<C: Backend>() {
     assert_eq!(activations.len(), env.spec().action_size(), "every muscle draws its own noise");
 }
 
-fn every_preset_runs_with_finite_numbers<C: Backend>() {
+fn every_preset_runs_with_finite_numbers<E: Subject>() {
     for name in myo_tasks::preset_names() {
         let task = short(name);
-        let mut env = make::<C>(&task, EnvConfig { num_envs: 4, ..Default::default() });
+        let mut env = E::make(&task, EnvConfig { num_envs: 4, ..Default::default() });
         let run = rollout(&mut env, 30);
         for out in &run {
             assert!(out.observation.iter().chain(&out.reward).all(|x| x.is_finite()), "{name}");
@@ -242,16 +276,18 @@ fn every_preset_runs_with_finite_numbers<C: Backend>() {
 }
 
 macro_rules! conformance {
-    ($backend:ident, $type:ty: $($property:ident),* $(,)?) => {
+    ($backend:ident, $type:ty, $skip:expr; $($property:ident),* $(,)?) => {
         mod $backend {
             $(#[test]
             fn $property() {
-                super::$property::<$type>();
+                if !$skip {
+                    super::$property::<$type>();
+                }
             })*
         }
     };
-    ($($backend:ident: $type:ty),* $(,)?) => {
-        $(conformance!($backend, $type:
+    ($($backend:ident: $type:ty, skip if $skip:expr);* $(;)?) => {
+        $(conformance!($backend, $type, $skip;
             same_seed_gives_the_same_bits_and_another_seed_does_not,
             neighbours_and_threads_do_not_matter,
             same_step_keeps_the_terminal_observation_and_resets_everything,
@@ -265,7 +301,11 @@ macro_rules! conformance {
         );)*
     };
 }
-conformance!(cpu: f32, reference: f64);
+conformance!(
+    cpu: myo_env::CpuEnv, skip if false;
+    reference: myo_env::ReferenceEnv, skip if false;
+    gpu: myo_env::GpuEnv, skip if super::without_gpu();
+);
 
 /// The backends draw the same integers and agree in floats as far as single precision goes, at every level.
 #[test]
@@ -308,7 +348,7 @@ fn a_control_step_that_does_not_fit_the_physics_is_refused() {
 fn one_environment_equals_the_first_of_many() {
     let task = short("pointing");
     let mut one = Env::new(&arm(&task), &task, 7).unwrap();
-    let mut many = make::<f32>(&task, EnvConfig { num_envs: 9, seed: 7, ..Default::default() });
+    let mut many = CpuEnv::make(&task, EnvConfig { num_envs: 9, seed: 7, ..Default::default() });
     let (nobs, nact) = (one.spec().observation_size(), one.spec().action_size());
     let mut out = StepStorage::new(many.spec());
     for step in 0..one.spec().max_episode_steps {

@@ -70,8 +70,8 @@ impl VectorEnv for Idle {
         out.reward.iter_mut().zip(actions.chunks(ACTIONS)).for_each(|(r, a)| *r = a[0] - a[1] * a[1]);
         Ok(())
     }
-    fn save_state(&self) -> Vec<u8> {
-        Vec::new()
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        Ok(Vec::new())
     }
     fn load_state(&mut self, _: &[u8]) -> Result<(), EnvError> {
         Ok(())

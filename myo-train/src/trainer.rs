@@ -177,7 +177,8 @@ impl Trainer {
         evaluate(&actor!(self), &x, value_out);
     }
 
-    /// Everything that the next updates depend on.
+    /// Everything that the next updates depend on. If the environment's state is lost, with the graphics card that held it,
+    /// the training that continues begins with new episodes.
     pub fn save(&self) -> Checkpoint {
         Checkpoint {
             config: self.config.clone(),
@@ -191,11 +192,12 @@ impl Trainer {
             optimizer: self.optimizer.clone(),
             normalizer: self.normalizer.clone(),
             observation: self.observation.clone(),
-            env_state: self.env.save_state(),
+            env_state: self.env.save_state().unwrap_or_default(),
         }
     }
 
-    /// Continues from a checkpoint in an environment of the same kind and size, bit for bit.
+    /// Continues from a checkpoint in an environment of the same kind and size, bit for bit; with new episodes where the
+    /// checkpoint was written without the state of the environment.
     pub fn restore(env: Box<dyn VectorEnv>, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
         let config = checkpoint.config.clone();
         let mut trainer = {
@@ -204,14 +206,20 @@ impl Trainer {
             check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
             Self::new(env, config, checkpoint.seed)?
         };
-        trainer.env.load_state(&checkpoint.env_state)?;
+        if checkpoint.env_state.is_empty() {
+            // Other episodes than those of the beginning.
+            let seed = checkpoint.seed.wrapping_add(checkpoint.updates);
+            trainer.env.reset(Some(seed), None, &mut trainer.observation)?;
+        } else {
+            trainer.env.load_state(&checkpoint.env_state)?;
+            trainer.observation.clone_from(&checkpoint.observation);
+        }
         trainer.updates = checkpoint.updates;
         trainer.wall_s = checkpoint.wall_s;
         trainer.learning_rate = checkpoint.learning_rate;
         trainer.parameters.clone_from(&checkpoint.parameters);
         trainer.optimizer.clone_from(&checkpoint.optimizer);
         trainer.normalizer.clone_from(&checkpoint.normalizer);
-        trainer.observation.clone_from(&checkpoint.observation);
         Ok(trainer)
     }
 }

@@ -25,6 +25,8 @@ mod fold;
 mod graph;
 mod number;
 mod order;
+#[cfg(feature = "gpu")]
+pub mod print;
 mod program;
 mod region;
 

@@ -23,6 +23,10 @@ macro_rules! handle {
             pub(super) fn new(id: Id) -> Self {
                 Self(id)
             }
+            /// Whether both are one node, and so certainly equal.
+            pub fn is_same(self, other: Self) -> bool {
+                self.0 == other.0
+            }
             fn apply(op: Op, args: &[Id]) -> Self {
                 Self(with_graph(|graph| graph.apply(op, args, $kind)))
             }

@@ -51,7 +51,8 @@ impl Program {
         match each {
             Statement::Loop(_) => {}
             Statement::Branch(x) => named.push(x.mask),
-            Statement::Chunks(x) => named.extend(&x.init),
+            Statement::Chunks(x) if self.reads_chunks(statement) => named.extend(&x.init),
+            Statement::Chunks(_) => {}
             Statement::Store(x) => named.push(x.value),
         }
         let Some(body) = each.body() else { return };

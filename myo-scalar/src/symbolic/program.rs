@@ -1,7 +1,7 @@
 //! A finished program: what of the graph is needed.
 
 use super::graph::{Graph, Id, Node, Op, StageName};
-use super::region::{Carry, Region, Statement};
+use super::region::{Carry, Chunks, Region, Statement};
 
 /// What a trace computed and stored, without what no store needs.
 #[derive(Clone, Debug)]
@@ -109,6 +109,9 @@ impl Program {
             todo.extend(node.operands());
             if let Op::Carried(statement, index) | Op::Outcome(statement, index) = node.op {
                 self.need(statement, &home, &enclosing, &mut todo);
+                if self.reads_chunks(statement) {
+                    todo.extend(self.chunks(statement).into_iter().flat_map(|x| &x.init));
+                }
                 if let Some(carry) = self.carry(statement, index) {
                     let carry = *carry;
                     self.live_vars[statement as usize][index as usize] = true;
@@ -139,14 +142,23 @@ impl Program {
             match &self.statements[number as usize] {
                 Statement::Loop(x) => todo.extend(x.again),
                 Statement::Branch(x) => todo.push(x.mask),
-                Statement::Chunks(x) => {
-                    todo.push(x.index);
-                    todo.extend(x.init.iter().chain(&x.start).chain(&x.next));
-                }
+                Statement::Chunks(x) => todo.extend(&x.next),
                 Statement::Store(_) => {}
             }
             next = enclosing[home[number as usize] as usize];
         }
+    }
+
+    fn chunks(&self, statement: u32) -> Option<&Chunks> {
+        match &self.statements[statement as usize] {
+            Statement::Chunks(x) => Some(x),
+            _ => None,
+        }
+    }
+
+    /// Whether a statement is a loop over chunks whose body reads what was there before.
+    pub fn reads_chunks(&self, statement: u32) -> bool {
+        self.chunks(statement).is_some_and(|x| x.start.iter().any(|&id| self.is_live(id)))
     }
 
     fn carry(&self, statement: u32, index: u32) -> Option<&Carry> {

@@ -147,13 +147,13 @@ impl VectorEnv for Points {
         Ok(())
     }
 
-    fn save_state(&self) -> Vec<u8> {
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
         let mut bytes = Vec::new();
         for world in &self.worlds {
             world.clone().numbers().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
             [world.done as u64, world.steps as u64, world.random].iter().for_each(|x| bytes.extend(x.to_le_bytes()));
         }
-        bytes
+        Ok(bytes)
     }
 
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
@@ -226,8 +226,8 @@ impl VectorEnv for Constant {
         Ok(())
     }
 
-    fn save_state(&self) -> Vec<u8> {
-        self.steps.iter().map(|&s| s as u8).collect()
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        Ok(self.steps.iter().map(|&s| s as u8).collect())
     }
 
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {

@@ -1,0 +1,60 @@
+//! Whether a call is right, the same for every backend.
+
+use crate::vector::{Autoreset, EnvError, EnvSpec, StepBuffers};
+
+fn length(what: &'static str, got: usize, expected: usize) -> Result<(), EnvError> {
+    if got == expected { Ok(()) } else { Err(EnvError::WrongLength { what, got, expected }) }
+}
+
+/// Arguments of a reset.
+pub fn reset(spec: &EnvSpec, mask: Option<&[bool]>, observation: &[f32]) -> Result<(), EnvError> {
+    length("observation", observation.len(), spec.num_envs * spec.observation_size())?;
+    mask.map_or(Ok(()), |mask| length("mask", mask.len(), spec.num_envs))
+}
+
+/// Arguments of a step.
+pub fn step(spec: &EnvSpec, actions: &[f32], out: &StepBuffers<'_>) -> Result<(), EnvError> {
+    let (n, nact) = (spec.num_envs, spec.action_size());
+    length("actions", actions.len(), n * nact)?;
+    length("observation", out.observation.len(), n * spec.observation_size())?;
+    length("reward", out.reward.len(), n)?;
+    length("terminated", out.terminated.len(), n)?;
+    length("truncated", out.truncated.len(), n)?;
+    length("final_observation", out.final_observation.len(), n * spec.observation_size())?;
+    length("episode", out.episode.len(), n * spec.episode_size())?;
+    match actions.iter().position(|a| !a.is_finite()) {
+        None => Ok(()),
+        Some(at) => Err(EnvError::NonFiniteAction { env: at / nact, index: at % nact, value: actions[at] }),
+    }
+}
+
+/// With [`Autoreset::Disabled`]: environments that must be reset before the next step.
+#[derive(Clone, Debug)]
+pub struct Finished(Vec<bool>);
+
+impl Finished {
+    /// None yet.
+    pub fn new(spec: &EnvSpec) -> Self {
+        let watched = if spec.autoreset == Autoreset::Disabled { spec.num_envs } else { 0 };
+        Self(vec![false; watched])
+    }
+
+    /// Refuses a step while there is one.
+    pub fn check(&self) -> Result<(), EnvError> {
+        self.0.iter().position(|&finished| finished).map_or(Ok(()), |env| Err(EnvError::NeedsReset { env }))
+    }
+
+    /// After a step.
+    pub fn note(&mut self, terminated: &[bool], truncated: &[bool]) {
+        for (finished, (&terminated, &truncated)) in self.0.iter_mut().zip(terminated.iter().zip(truncated)) {
+            *finished = terminated || truncated;
+        }
+    }
+
+    /// After a reset.
+    pub fn reset(&mut self, mask: Option<&[bool]>) {
+        for (env, finished) in self.0.iter_mut().enumerate() {
+            *finished &= mask.is_some_and(|mask| !mask[env]);
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The vectorised environment on a graphics card, seen from the host.
+
+use super::record::{RESEED, RESET, RESULT_ROWS};
+use super::shard::{Kernels, Shard};
+use crate::batch;
+use crate::check::{self, Finished};
+use crate::config::{BuildError, EnvConfig};
+use crate::saved::Shape;
+use crate::state::EnvState;
+use crate::tables::Tables;
+use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_gpu::{Gpu, GpuError};
+use myo_model::Model;
+use myo_tasks::Task;
+
+/// Integers per environment.
+const WORDS: usize = EnvState::<f64>::WORDS;
+/// Least size (bytes) that every card allows one buffer to have.
+const PORTABLE_BUFFER: usize = 128 << 20;
+
+/// Environments on a graphics card.
+///
+/// The same seed and actions give the same bits on the same card and driver.
+pub struct GpuEnv {
+    gpu: Gpu,
+    kernels: Kernels,
+    shards: Vec<Shard>,
+    spec: EnvSpec,
+    /// Numbers in the state of one environment.
+    count: usize,
+    finished: Finished,
+    scratch: Scratch,
+}
+
+/// Memory of the host, entries in the order of the card.
+#[derive(Default)]
+struct Scratch {
+    actions: Vec<f32>,
+    observation: Vec<f32>,
+    result: Vec<f32>,
+    final_observation: Vec<f32>,
+    episode: Vec<f32>,
+}
+
+impl GpuEnv {
+    /// Compiles the kernels, builds the environments and resets them all. `level` and `threads` of the configuration are
+    /// of no concern here.
+    ///
+    /// # Errors
+    /// The task or model cannot be simulated, is too large for a kernel, or the card refuses.
+    pub fn new(gpu: &Gpu, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
+        if config.num_envs == 0 {
+            return Err(BuildError::NoEnvironments);
+        }
+        let tables = Tables::<f64>::new(model, task)?;
+        let kernels = Kernels::new(gpu, &tables, config.autoreset)?;
+        let spec = batch::spec(model, task, &tables, config);
+        let count = EnvState::<f64>::new(&tables).numbers().count();
+        let widest = count.max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
+        let per_shard = (PORTABLE_BUFFER / (4 * widest)).next_power_of_two() / 2;
+        let shards = (0..config.num_envs)
+            .step_by(per_shard)
+            .map(|first| Shard::new(gpu, &kernels, &spec, count, first, per_shard.min(config.num_envs - first)))
+            .collect::<Result<Vec<_>, GpuError>>()?;
+        let finished = Finished::new(&spec);
+        let mut env = Self { gpu: gpu.clone(), kernels, shards, spec, count, finished, scratch: Scratch::default() };
+        env.start_episodes(Some(config.seed), None)?;
+        Ok(env)
+    }
+
+    /// The card.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// The compiled kernels.
+    pub fn kernels(&self) -> &Kernels {
+        &self.kernels
+    }
+
+    /// The environments on the card, in order.
+    pub fn shards(&self) -> &[Shard] {
+        &self.shards
+    }
+
+    /// Resets on the card.
+    fn start_episodes(&mut self, seed: Option<u64>, mask: Option<&[bool]>) -> Result<(), GpuError> {
+        let asked = if seed.is_some() { RESET | RESEED } else { RESET };
+        self.command(asked, seed.unwrap_or_default(), mask)
+    }
+
+    /// Runs the reset kernel, with a command for the masked environments and none for the others. Observations of all
+    /// are written anew.
+    fn command(&mut self, asked: u32, seed: u64, mask: Option<&[bool]>) -> Result<(), GpuError> {
+        let mut batch = self.gpu.batch();
+        for shard in &self.shards {
+            let envs = shard.first..shard.first + shard.num_envs;
+            let command: Vec<u32> = match mask {
+                None => vec![asked; shard.num_envs],
+                Some(mask) => mask[envs].iter().map(|&reset| if reset { asked } else { 0 }).collect(),
+            };
+            self.gpu.write(&shard.command, 0, &command)?;
+            self.gpu.write(&shard.seed, 0, &[seed as u32, (seed >> 32) as u32])?;
+            shard.reset(&self.kernels, &mut batch);
+        }
+        batch.submit()
+    }
+}
+
+/// Rows of environments to columns, or back.
+fn transpose(from: &[f32], rows: usize, columns: usize, to: &mut [f32]) {
+    for (column, to) in to.chunks_exact_mut(rows).enumerate() {
+        for (row, x) in to.iter_mut().enumerate() {
+            *x = from[row * columns + column];
+        }
+    }
+}
+
+/// Copies environments of a shard into rows, where `which` says so.
+fn fill_rows(columns: &[f32], num_envs: usize, which: impl Fn(usize) -> bool, rows: &mut [f32]) {
+    let width = rows.len() / num_envs;
+    for (env, row) in rows.chunks_exact_mut(width.max(1)).enumerate().filter(|(env, _)| which(*env)) {
+        for (k, x) in row.iter_mut().enumerate() {
+            *x = columns[k * num_envs + env];
+        }
+    }
+}
+
+impl VectorEnv for GpuEnv {
+    fn spec(&self) -> &EnvSpec {
+        &self.spec
+    }
+
+    fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
+        check::reset(&self.spec, mask, observation)?;
+        self.start_episodes(seed, mask)?;
+        self.finished.reset(mask);
+        let nobs = self.spec.observation_size();
+        for shard in &self.shards {
+            let n = shard.num_envs;
+            let columns = &mut self.scratch.observation;
+            columns.resize(nobs * n, 0.0);
+            self.gpu.read(&shard.observation, 0, columns)?;
+            fill_rows(columns, n, |_| true, &mut observation[shard.first * nobs..][..n * nobs]);
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, actions: &[f32], mut out: StepBuffers<'_>) -> Result<(), EnvError> {
+        check::step(&self.spec, actions, &out)?;
+        self.finished.check()?;
+        let nact = self.spec.action_size();
+        for shard in &self.shards {
+            let n = shard.num_envs;
+            let columns = &mut self.scratch.actions;
+            columns.resize(nact * n, 0.0);
+            transpose(&actions[shard.first * nact..][..n * nact], n, nact, columns);
+            self.gpu.write(&shard.actions, 0, columns)?;
+        }
+        for shard in &self.shards {
+            run(&self.gpu, &self.kernels, &self.spec, shard, &mut self.scratch, &mut out)?;
+        }
+        self.finished.note(out.terminated, out.truncated);
+        Ok(())
+    }
+
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        let (n, count) = (self.spec.num_envs, self.count);
+        let (mut numbers, mut words) = (vec![0.0; n * count], vec![0; n * WORDS]);
+        for shard in &self.shards {
+            let (first, size) = (shard.first, shard.num_envs);
+            self.gpu.read_many(&mut [
+                shard.numbers.part(0, &mut numbers[first * count..][..size * count])?,
+                shard.words.part(0, &mut words[first * WORDS..][..size * WORDS])?,
+            ])?;
+        }
+        let number = |env, k| f64::from(numbers[self.place(env, k, count)]);
+        Ok(Shape::of::<f32>(n, count).save(number, |env, k| words[self.place(env, k, WORDS)]))
+    }
+
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        let (n, count) = (self.spec.num_envs, self.count);
+        let (mut numbers, mut words) = (vec![0.0; n * count], vec![0; n * WORDS]);
+        let number = |env, k, x| numbers[self.place(env, k, count)] = x as f32;
+        let word = |env, k, x| words[self.place(env, k, WORDS)] = x;
+        Shape::of::<f32>(n, count).load(state, number, word).map_err(|reason| EnvError::BadState { reason })?;
+        for shard in &self.shards {
+            let (first, size) = (shard.first, shard.num_envs);
+            self.gpu.write(&shard.numbers, 0, &numbers[first * count..][..size * count])?;
+            self.gpu.write(&shard.words, 0, &words[first * WORDS..][..size * WORDS])?;
+        }
+        Ok(self.command(0, 0, None)?)
+    }
+}
+
+impl GpuEnv {
+    /// Place of entry `k` of an environment among the entries of all shards, `count` per environment.
+    fn place(&self, env: usize, k: usize, count: usize) -> usize {
+        let per_shard = self.shards[0].num_envs;
+        let shard = &self.shards[env / per_shard];
+        shard.first * count + k * shard.num_envs + (env - shard.first)
+    }
+}
+
+/// Steps a shard and copies its results out.
+fn run(
+    gpu: &Gpu,
+    kernels: &Kernels,
+    spec: &EnvSpec,
+    shard: &Shard,
+    scratch: &mut Scratch,
+    out: &mut StepBuffers<'_>,
+) -> Result<(), GpuError> {
+    let (n, first) = (shard.num_envs, shard.first);
+    let (nobs, nepisode) = (spec.observation_size(), spec.episode_size());
+    scratch.observation.resize(nobs * n, 0.0);
+    scratch.result.resize(RESULT_ROWS * n, 0.0);
+    let mut batch = gpu.batch();
+    shard.step(kernels, &mut batch);
+    batch.submit_and_read(&mut [
+        shard.observation.part(0, &mut scratch.observation)?,
+        shard.result.part(0, &mut scratch.result)?,
+    ])?;
+    fill_rows(&scratch.observation, n, |_| true, &mut out.observation[first * nobs..][..n * nobs]);
+    out.reward[first..first + n].copy_from_slice(&scratch.result[..n]);
+    let flag = |row: usize, env: usize| scratch.result[row * n + env] > 0.5;
+    for env in 0..n {
+        out.terminated[first + env] = flag(1, env);
+        out.truncated[first + env] = flag(2, env);
+    }
+    let ended = |env: usize| flag(1, env) || flag(2, env);
+    if !(0..n).any(ended) {
+        return Ok(());
+    }
+    scratch.final_observation.resize(nobs * n, 0.0);
+    scratch.episode.resize(nepisode * n, 0.0);
+    gpu.read_many(&mut [
+        shard.final_observation.part(0, &mut scratch.final_observation)?,
+        shard.episode.part(0, &mut scratch.episode)?,
+    ])?;
+    fill_rows(&scratch.final_observation, n, ended, &mut out.final_observation[first * nobs..][..n * nobs]);
+    fill_rows(&scratch.episode, n, ended, &mut out.episode[first * nepisode..][..n * nepisode]);
+    Ok(())
+}

@@ -1,0 +1,12 @@
+//! The environment on a graphics card: one thread per environment, one dispatch per control step.
+//!
+//! Numbers stay on the card, entry `row` of environment `env` at `row * environments + env`. [`GpuEnv`] is the
+//! [`VectorEnv`](crate::VectorEnv) that copies actions in and results out; [`Shard`]s are what a learner on the card works
+//! with, without copies.
+
+mod env;
+pub mod record;
+mod shard;
+
+pub use env::GpuEnv;
+pub use shard::{Kernels, Shard};

@@ -1,0 +1,55 @@
+//! A program as a compute kernel: naga's intermediate representation, which wgpu takes directly, and WGSL for people.
+//!
+//! One invocation runs one environment. Its number is
+//! `(workgroup_id.y * num_workgroups.x + workgroup_id.x) * workgroup_size + local_invocation_index`; invocations past the
+//! last environment do nothing. The number of environments is a `u32` uniform, the binding after the last buffer.
+
+mod body;
+mod shell;
+
+use super::program::Program;
+use naga::Module;
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// Name of the kernel's entry point.
+pub const ENTRY_POINT: &str = "main";
+
+/// How buffers appear to a kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Only read.
+    Read,
+    /// Written, and perhaps read.
+    Write,
+    /// The uniform with the number of environments.
+    Environments,
+}
+
+/// A kernel.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// What a graphics interface compiles.
+    pub module: Module,
+    /// Use of each binding in order.
+    pub bindings: Vec<Use>,
+}
+
+impl Program {
+    /// Prints the program as a kernel. `names` are those of the buffers, by binding.
+    pub fn to_kernel(&self, names: &[&str], workgroup_size: u32) -> Kernel {
+        shell::print(self, names, workgroup_size)
+    }
+}
+
+impl Kernel {
+    /// The kernel as WGSL.
+    ///
+    /// # Errors
+    /// If the kernel is invalid, which would be a defect of this crate.
+    pub fn to_wgsl(&self) -> Result<String, String> {
+        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
+        let info = validator.validate(&self.module).map_err(|error| format!("{:?}", error.into_inner()))?;
+        let flags = naga::back::wgsl::WriterFlags::empty();
+        naga::back::wgsl::write_string(&self.module, &info, flags).map_err(|error| error.to_string())
+    }
+}
