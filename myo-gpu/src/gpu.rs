@@ -1,7 +1,7 @@
 //! An open device.
 
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::adapter::{Adapter, Candidate, candidates};
 use crate::cache;
@@ -10,22 +10,31 @@ use crate::health::{Fault, Health, guarded};
 use crate::transfer::Staging;
 use crate::want::Want;
 
-/// An open device. Clones are handles on the same one; it closes with the last of them.
+/// An open device. Clones are handles on the same one.
+///
+/// A device stays open until the process ends, and opening its adapter again gives the same one: drivers hang or crash when
+/// a device is closed while another thread ends. The memory of buffers is given back when they are dropped.
 #[derive(Clone, Debug)]
-pub struct Gpu(Arc<Inner>);
+pub struct Gpu {
+    open: &'static Open,
+    cache: Option<Arc<Path>>,
+}
 
 #[derive(Debug)]
-struct Inner {
-    adapter: Adapter,
+struct Open {
+    number: usize,
     info: wgpu::AdapterInfo,
+    adapter: Adapter,
     limits: wgpu::Limits,
     features: wgpu::Features,
     device: wgpu::Device,
     queue: wgpu::Queue,
     health: Health,
-    cache: Option<PathBuf>,
     staging: Mutex<Staging>,
 }
+
+/// The devices of this process.
+static DEVICES: Mutex<Vec<&'static Open>> = Mutex::new(Vec::new());
 
 impl Gpu {
     /// Opens an adapter with all that it can do. Compiled kernels are kept in the folder that the environment variable
@@ -34,23 +43,24 @@ impl Gpu {
     /// # Errors
     /// No adapter, none that is wanted, or the driver does not open it.
     pub fn open(want: &Want) -> Result<Self, GpuError> {
-        Self::open_with_cache(want, cache::default_folder())
+        Self::open_with_cache(want, cache::default_folder().as_deref())
     }
 
     /// As [`open`](Self::open), with compiled kernels kept in this folder, or nowhere.
     ///
     /// # Errors
     /// As for [`open`](Self::open); a folder that cannot be written is none, see [`Kernel::cached`](crate::Kernel::cached).
-    pub fn open_with_cache(want: &Want, folder: Option<PathBuf>) -> Result<Self, GpuError> {
+    pub fn open_with_cache(want: &Want, folder: Option<&Path>) -> Result<Self, GpuError> {
         let mut candidates = candidates();
         let adapters: Vec<_> = candidates.iter().map(|candidate| &candidate.adapter).collect();
-        let chosen = want.choose(&adapters)?;
-        open(candidates.swap_remove(chosen), folder)
+        let number = want.choose(&adapters)?;
+        let open = find_or_open(number, candidates.swap_remove(number))?;
+        Ok(Self { open, cache: folder.map(Arc::from) })
     }
 
     /// The adapter that was opened.
     pub fn adapter(&self) -> &Adapter {
-        &self.0.adapter
+        &self.open.adapter
     }
 
     /// Waits until all submitted work is done.
@@ -65,36 +75,36 @@ impl Gpu {
 
     /// Runs calls of wgpu and returns their errors.
     pub(crate) fn guarded<T>(&self, calls: impl FnOnce() -> T) -> Result<T, Fault> {
-        guarded(&self.0.device, &self.0.health, calls)
+        guarded(&self.open.device, &self.open.health, calls)
     }
 
     pub(crate) fn info(&self) -> &wgpu::AdapterInfo {
-        &self.0.info
+        &self.open.info
     }
 
     pub(crate) fn limits(&self) -> &wgpu::Limits {
-        &self.0.limits
+        &self.open.limits
     }
 
     pub(crate) fn features(&self) -> wgpu::Features {
-        self.0.features
+        self.open.features
     }
 
     pub(crate) fn device(&self) -> &wgpu::Device {
-        &self.0.device
+        &self.open.device
     }
 
     pub(crate) fn queue(&self) -> &wgpu::Queue {
-        &self.0.queue
+        &self.open.queue
     }
 
     pub(crate) fn cache_folder(&self) -> Option<&Path> {
-        self.0.cache.as_deref()
+        self.cache.as_deref()
     }
 
     /// The buffer that reading goes through; whoever reads holds the lock.
     pub(crate) fn staging(&self) -> &Mutex<Staging> {
-        &self.0.staging
+        &self.open.staging
     }
 }
 
@@ -104,7 +114,20 @@ const FEATURES: wgpu::Features = wgpu::Features::SUBGROUP
     .union(wgpu::Features::TIMESTAMP_QUERY)
     .union(wgpu::Features::IMMEDIATES);
 
-fn open(candidate: Candidate, cache: Option<PathBuf>) -> Result<Gpu, GpuError> {
+/// The open device of an adapter, told from its twins by its number in the list; a new one after a loss.
+fn find_or_open(number: usize, candidate: Candidate) -> Result<&'static Open, GpuError> {
+    let info = candidate.raw.get_info();
+    let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+    let same = |open: &&&Open| open.number == number && open.info == info && open.health.check().is_ok();
+    if let Some(open) = devices.iter().find(same) {
+        return Ok(open);
+    }
+    let open = Box::leak(Box::new(Open { number, ..open(candidate)? }));
+    devices.push(open);
+    Ok(open)
+}
+
+fn open(candidate: Candidate) -> Result<Open, GpuError> {
     let Candidate { adapter, raw } = candidate;
     let (limits, features) = (raw.limits(), raw.features().intersection(FEATURES));
     let descriptor = wgpu::DeviceDescriptor {
@@ -116,8 +139,8 @@ fn open(candidate: Candidate, cache: Option<PathBuf>) -> Result<Gpu, GpuError> {
     let (device, queue) = pollster::block_on(raw.request_device(&descriptor))
         .map_err(|e| GpuError::Open { adapter: adapter.name.clone(), reason: e.to_string() })?;
     let health = Health::watch(&device);
-    let (info, staging) = (raw.get_info(), Mutex::default());
-    Ok(Gpu(Arc::new(Inner { adapter, info, limits, features, device, queue, health, cache, staging })))
+    let (number, info, staging) = (0, raw.get_info(), Mutex::default());
+    Ok(Open { number, info, adapter, limits, features, device, queue, health, staging })
 }
 
 #[cfg(test)]
@@ -140,14 +163,23 @@ mod tests {
         ]
     }
 
+    /// Opens the best adapter, with a device of its own.
+    fn alone() -> Option<Gpu> {
+        let Some(candidate) = candidates().into_iter().next() else {
+            assert_eq!(std::env::var("MYO_NO_GPU").as_deref(), Ok("1"), "no GPU; to skip this, set MYO_NO_GPU=1");
+            return None;
+        };
+        Some(Gpu { open: Box::leak(Box::new(open(candidate).unwrap())), cache: None })
+    }
+
+    fn kernel(gpu: &Gpu) -> crate::Kernel {
+        gpu.compile("k", Source::Wgsl(SHADER), "main", &[Access::ReadWrite]).unwrap()
+    }
+
     #[test]
     fn after_a_loss_every_call_says_so() {
-        let Ok(gpu) = Gpu::open_with_cache(&Want::Any, None) else {
-            assert_eq!(std::env::var("MYO_NO_GPU").as_deref(), Ok("1"), "no GPU; to skip this, set MYO_NO_GPU=1");
-            return;
-        };
-        let x = gpu.buffer::<f32>("x", 1).unwrap();
-        let kernel = gpu.compile("k", Source::Wgsl(SHADER), "main", &[Access::ReadWrite]).unwrap();
+        let Some(gpu) = alone() else { return };
+        let (x, kernel) = (gpu.buffer::<f32>("x", 1).unwrap(), kernel(&gpu));
         let bindings = kernel.bind(&[x.binding()]).unwrap();
         let mut begun = gpu.batch();
         begun.dispatch(&kernel, &bindings, 1);
@@ -166,7 +198,30 @@ mod tests {
         ];
         assert!(more.iter().all(lost), "{more:?}");
         assert!(gpu.wait().unwrap_err().to_string().starts_with("the GPU was lost: "), "{:?}", gpu.wait());
-        let again = Gpu::open_with_cache(&Want::Any, None).unwrap();
-        assert!(calls(&again).iter().all(Result::is_ok));
+    }
+
+    #[test]
+    fn an_adapter_is_opened_once_and_again_after_a_loss() {
+        if alone().is_none() {
+            return;
+        }
+        let [first, second] = [(); 2].map(|()| Gpu::open_with_cache(&Want::Any, None).unwrap());
+        assert!(std::ptr::eq(first.open, second.open));
+        first.device().destroy();
+        assert!(second.wait().is_err());
+        let third = Gpu::open_with_cache(&Want::Any, None).unwrap();
+        assert!(!std::ptr::eq(first.open, third.open));
+        assert!(calls(&third).iter().all(Result::is_ok));
+    }
+
+    #[test]
+    fn buffers_of_another_device_are_refused() {
+        let (Some(gpu), Some(other)) = (alone(), alone()) else { return };
+        let elsewhere = other.buffer::<f32>("elsewhere", 64).unwrap();
+        let kernel = kernel(&gpu);
+        assert!(matches!(kernel.bind(&[elsewhere.binding()]), Err(GpuError::Bind { .. })));
+        assert!(matches!(gpu.write(&elsewhere, 0, &[1.0]), Err(GpuError::Refused { .. })));
+        assert!(matches!(gpu.read(&elsewhere, 0, &mut [1.0]), Err(GpuError::Refused { .. })));
+        gpu.wait().unwrap();
     }
 }

@@ -60,6 +60,9 @@ impl Gpu {
 /// Bytes of the smallest staging buffer; below it, making a new one costs more than it saves.
 const STAGING_MIN: u64 = 1 << 16;
 
+/// Bytes of the largest one that is kept.
+const STAGING_KEPT: u64 = 1 << 26;
+
 /// A buffer that both sides can see, reused from one reading to the next.
 #[derive(Debug, Default)]
 pub(crate) struct Staging(Option<wgpu::Buffer>);
@@ -70,7 +73,7 @@ impl Staging {
         // On any error the buffer, which may be mapped still, is left behind.
         let buffer = self.take(gpu, reads.iter().map(Read::size).sum())?;
         gpu.guarded(|| copy_out(gpu, &buffer, encoder, reads))??;
-        self.0 = Some(buffer);
+        self.0 = Some(buffer).filter(|buffer| buffer.size() <= STAGING_KEPT);
         Ok(())
     }
 

@@ -45,7 +45,7 @@ fn kernels_are_kept_on_disk_where_that_is_possible() {
     let Some(any) = gpu() else { return };
     let folder = tempfile::tempdir().unwrap();
     let compile = |folder: &std::path::Path| {
-        let gpu = Gpu::open_with_cache(&Want::Any, Some(folder.to_owned())).unwrap();
+        let gpu = Gpu::open_with_cache(&Want::Any, Some(folder)).unwrap();
         common::kernel(&gpu, "x[i] = 1.0;", &[myo_gpu::Access::ReadWrite]).cached().clone()
     };
     if !any.adapter().pipeline_cache {

@@ -134,6 +134,6 @@ fn dispatches_are_timed_one_by_one() {
     batch.dispatch(&add, &bindings, 64).dispatch(&add, &bindings, 1 << 16);
     let times = batch.submit_and_time().unwrap();
     assert_eq!(times.iter().map(|time| time.kernel.as_str()).collect::<Vec<_>>(), ["test", "test"]);
-    assert!(times[1].seconds > times[0].seconds && times[1].seconds < 10.0, "{times:?}");
+    assert!(times.iter().all(|time| time.seconds > 0.0 && time.seconds < 10.0), "{times:?}");
     assert_eq!(read(&gpu, &x)[..65], [[300.0; 64].as_slice(), &[100.0]].concat());
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{gpu, kernel, shader};
-use myo_gpu::{Access, Batch, Gpu, GpuError, Source, Want};
+use myo_gpu::{Access, Batch, Gpu, GpuError, Source};
 
 const UPDATE: &[Access] = &[Access::ReadWrite];
 
@@ -72,10 +72,6 @@ fn buffers_that_do_not_fit_the_kernel_are_refused() {
     let x = gpu.buffer::<f32>("x", 64).unwrap();
     let message = one.bind(&[x.binding(), x.binding()]).unwrap_err().to_string();
     assert_eq!(message, "kernel test cannot be bound: it has 1 bindings, but 2 buffers were given");
-    let elsewhere = Gpu::open(&Want::Any).unwrap().buffer::<f32>("elsewhere", 64).unwrap();
-    assert!(matches!(one.bind(&[elsewhere.binding()]), Err(GpuError::Bind { .. })));
-    assert!(matches!(gpu.write(&elsewhere, 0, &[1.0]), Err(GpuError::Refused { .. })));
-    assert!(matches!(gpu.read(&elsewhere, 0, &mut [1.0]), Err(GpuError::Refused { .. })));
     one.bind(&[x.binding()]).unwrap();
 }
 
