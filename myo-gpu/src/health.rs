@@ -1,5 +1,6 @@
 //! Whether the device still works, and errors as values.
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, OnceLock};
 
@@ -14,9 +15,9 @@ impl Health {
     pub fn watch(device: &wgpu::Device) -> Self {
         let health = Self::default();
         let (lost, uncaptured) = (health.clone(), health.clone());
-        device.set_device_lost_callback(move |cause, message| lost.lose(format!("{cause:?}, {message}")));
+        device.set_device_lost_callback(move |cause, message| _ = lost.lose(format!("{cause:?}, {message}")));
         // Every call catches its own errors; one that comes in between leaves the device in a state nobody knows.
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| uncaptured.lose(error.to_string())));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| _ = uncaptured.lose(error.to_string())));
         health
     }
 
@@ -28,10 +29,10 @@ impl Health {
         }
     }
 
-    /// Remembers the first reason.
-    pub fn lose(&self, reason: String) {
-        let reason = reason.trim_end_matches(['.', ' ', '\n', ',']).to_owned();
-        self.0.get_or_init(|| reason);
+    /// Remembers the first reason, and says it.
+    pub fn lose(&self, reason: String) -> GpuError {
+        let reason = self.0.get_or_init(|| reason.trim_end_matches(['.', ' ', '\n', ',']).to_owned());
+        GpuError::DeviceLost { reason: reason.clone() }
     }
 }
 
@@ -68,10 +69,13 @@ pub(crate) fn guarded<T>(device: &wgpu::Device, health: &Health, calls: impl FnO
     if let Some(error) = errors.into_iter().flatten().next() {
         return Err(fault(error));
     }
-    outcome.map_err(|_| {
-        health.lose("the driver failed while it was waited for".to_owned());
-        health.check().map_or_else(Fault::Lost, |()| Fault::OutOfMemory)
-    })
+    outcome.map_err(|panic| Fault::Lost(health.lose(message(&*panic))))
+}
+
+/// What a panic says.
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("the driver failed").to_owned()
 }
 
 fn fault(error: wgpu::Error) -> Fault {
