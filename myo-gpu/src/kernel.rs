@@ -38,7 +38,8 @@ pub(crate) struct Inner {
     pub workgroup: u32,
 }
 
-/// Buffers bound to a kernel, made once and used again and again. They live as long as this does.
+/// Buffers bound to a kernel, made once and used again and again, also with other kernels of the same accesses. They live
+/// as long as this does.
 #[derive(Clone, Debug)]
 pub struct Bindings(pub(crate) wgpu::BindGroup);
 

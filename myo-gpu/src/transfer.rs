@@ -48,7 +48,8 @@ impl Gpu {
         self.read_many(&mut [buffer.part(offset, out)?])
     }
 
-    /// Reads several parts with one submission and one wait.
+    /// Reads several parts with one submission and one wait, together at most
+    /// [`Adapter::max_buffer_bytes`](crate::Adapter::max_buffer_bytes).
     ///
     /// # Errors
     /// As for [`read`](Self::read).
@@ -83,13 +84,19 @@ impl Staging {
             _ => gpu.guarded(|| {
                 gpu.device().create_buffer(&wgpu::BufferDescriptor {
                     label: Some("staging"),
-                    size: size.next_power_of_two().max(STAGING_MIN),
+                    size: roomy(size),
                     usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
                     mapped_at_creation: false,
                 })
             }),
         }
     }
+}
+
+/// Room for somewhat larger readings later on, unless the buffer will not be kept.
+fn roomy(size: u64) -> u64 {
+    let room = size.next_power_of_two().max(STAGING_MIN);
+    if room <= STAGING_KEPT { room } else { size }
 }
 
 impl<'a> Read<'a> {

@@ -60,7 +60,8 @@ fn a_batch_runs_in_order() {
     let add = kernel(&gpu, "x[i] += 1.0;", UPDATE);
     let double = kernel(&gpu, "x[i] *= 2.0;", UPDATE);
     let (a, b) = (gpu.buffer::<f32>("a", 64).unwrap(), gpu.buffer::<f32>("b", 64).unwrap());
-    let (add_a, double_b) = (add.bind(&[a.binding()]).unwrap(), double.bind(&[b.binding()]).unwrap());
+    // Bindings serve every kernel of the same accesses.
+    let (add_a, double_b) = (add.bind(&[a.binding()]).unwrap(), add.bind(&[b.binding()]).unwrap());
     gpu.write(&a, 0, &[1.0; 64]).unwrap();
     let mut batch = gpu.batch();
     for _ in 0..3 {
