@@ -56,15 +56,17 @@ impl<C: Real> Polynomial<C> {
         }
         y
     }
-    /// Value and derivative at `t`.
-    #[inline(always)]
-    pub fn value_and_slope<S: Scalar<Const = C>>(&self, t: S) -> (S, S) {
-        let (mut y, mut dy) = (S::zero(), S::zero());
-        for &c in &self.0 {
-            dy = dy.mul_add(t, y);
-            y = y.mul_add(t, S::splat(c));
-        }
-        (y, dy)
+}
+
+impl Polynomial<f64> {
+    /// The derivative with respect to `t`.
+    pub fn derivative(&self) -> Self {
+        let powers = (1..self.0.len()).rev();
+        Self(self.0.iter().zip(powers).map(|(c, power)| c * power as f64).collect())
+    }
+    /// The polynomial times a number.
+    pub fn scaled(&self, by: f64) -> Self {
+        Self(self.0.iter().map(|c| c * by).collect())
     }
 }
 
@@ -144,7 +146,7 @@ mod tests {
         let fitted = fit(&values, 1e-9).expect("a sine over half a turn is smooth");
         for k in 0..100 {
             let q = -0.5 + 3.5 * k as f64 / 99.0;
-            let (value, slope) = fitted.value_and_slope(domain.map(q));
+            let (value, slope) = (fitted.value(domain.map(q)), fitted.derivative().value(domain.map(q)));
             assert!((value - 0.3 * q.sin()).abs() < 2e-9, "{q}");
             assert!((slope * domain.scale() - 0.3 * q.cos()).abs() < 1e-7, "{q}");
             assert_eq!(value, fitted.value(domain.map(q)));

@@ -278,21 +278,18 @@ impl<S: Scalar> Symmetric<S> {
             o.y.mul_add(v.x, o.x.mul_add(v.y, d.z * v.z)),
         )
     }
-    /// `R self R^T`: the same tensor in the axes that `R` rotates into.
+    /// The same about every axis.
     #[inline(always)]
-    pub fn rotated(&self, r: &Rotation<S>) -> Self {
-        // Columns of R * self.
+    pub fn isotropic(x: S) -> Self {
+        Self { diagonal: Vec3::new(x, x, x), off: Vec3::zero() }
+    }
+    /// `self + a a^T`.
+    #[inline(always)]
+    pub fn plus_square(&self, a: Vec3<S>) -> Self {
         let (d, o) = (self.diagonal, self.off);
-        let a = r.apply(Vec3::new(d.x, o.z, o.y));
-        let b = r.apply(Vec3::new(o.z, d.y, o.x));
-        let c = r.apply(Vec3::new(o.y, o.x, d.z));
-        // Rows of R * self, and of R.
-        let (ax, ay, az) = (Vec3::new(a.x, b.x, c.x), Vec3::new(a.y, b.y, c.y), Vec3::new(a.z, b.z, c.z));
-        let rx = Vec3::new(r.x.x, r.y.x, r.z.x);
-        let (ry, rz) = (Vec3::new(r.x.y, r.y.y, r.z.y), Vec3::new(r.x.z, r.y.z, r.z.z));
         Self {
-            diagonal: Vec3::new(ax.dot(rx), ay.dot(ry), az.dot(rz)),
-            off: Vec3::new(ay.dot(rz), ax.dot(rz), ax.dot(ry)),
+            diagonal: Vec3::new(a.x.mul_add(a.x, d.x), a.y.mul_add(a.y, d.y), a.z.mul_add(a.z, d.z)),
+            off: Vec3::new(a.y.mul_add(a.z, o.x), a.x.mul_add(a.z, o.y), a.x.mul_add(a.y, o.z)),
         }
     }
 }
@@ -309,6 +306,11 @@ pub struct Inertia<S> {
 }
 
 impl<S: Scalar> Inertia<S> {
+    /// Of nothing.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { mass: S::zero(), first: Vec3::zero(), second: Symmetric::isotropic(S::zero()) }
+    }
     /// Of a body with centre of mass `c` (from O) and inertia `about_com` in world axes.
     #[inline(always)]
     pub fn new(mass: S, c: Vec3<S>, about_com: Symmetric<S>) -> Self {

@@ -151,7 +151,7 @@ impl<S: Scalar> Workspace<S> {
         let joint = JointState { position: o, rate: o, slope: o, drift: o, sin: o, cos: o };
         let nscrew = nlink + plan.screws.len();
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
-        let massless = massless();
+        let massless = Inertia::zero();
         Self {
             joint: vec![joint; nlink],
             rotation: vec![Rotation::identity(); nlink],
@@ -204,9 +204,4 @@ impl<S: Scalar> Workspace<S> {
     pub fn frame(&self, link: usize) -> Frame<S> {
         Frame { rotation: self.rotation[link], position: self.position[link] }
     }
-}
-
-fn massless<S: Scalar>() -> Inertia<S> {
-    let nothing = crate::spatial::Symmetric { diagonal: Vec3::zero(), off: Vec3::zero() };
-    Inertia { mass: S::zero(), first: Vec3::zero(), second: nothing }
 }

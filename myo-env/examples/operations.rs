@@ -14,6 +14,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for stage in program.stage_counts() {
         println!("{:6}  {}", stage.operations, stage.path.join(" / "));
     }
+    if std::env::args().nth(3).is_some() {
+        let mut h = std::collections::BTreeMap::new();
+        for id in program.live_nodes() {
+            let n = &program.nodes[id as usize];
+            if n.op.is_work() {
+                *h.entry((n.stage, format!("{:?}", n.op))).or_insert(0) += 1;
+            }
+        }
+        for (k, v) in h {
+            println!("{k:?} {v}");
+        }
+    }
     let start = std::time::Instant::now();
     let kernel = program.to_kernel(&record::STEP_BUFFERS, 64);
     println!("printed in {:.1?}", start.elapsed());

@@ -7,7 +7,7 @@ use myo_scalar::{Real, Scalar};
 /// Keeps quotients finite, as MuJoCo's `mjMINVAL` does.
 const TINY: f64 = 1e-15;
 
-/// A muscle ready to run: `length * length_scale + length_offset` is the normalised fibre length, and so on.
+/// A muscle ready to run: lengths and velocities of the tendon are taken as they are, the curves' units worked into the coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Muscle<C> {
     active: Active<C>,
@@ -15,34 +15,36 @@ pub struct Muscle<C> {
     activation: Activation<C>,
 }
 
+/// `[scale, offset]` of a linear function.
+type Linear<C> = [C; 2];
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Active<C> {
-    length_scale: C,
-    length_offset: C,
+    /// From tendon length to the distance from the optimum, in units of the distance to the inflection point on that
+    /// side: above the optimum, and below it.
+    above: Linear<C>,
+    below: Linear<C>,
+    /// From tendon velocity to the normalised velocity (1 is the greatest shortening speed).
     velocity_scale: C,
-    /// Reciprocal distance from optimal length to the inflection points below and above it.
-    below: C,
-    above: C,
-    fvmax: C,
-    /// `fvmax - 1`: the normalised lengthening speed at which the force saturates, and its reciprocal.
+    /// From tendon velocity to units of the lengthening speed at which the force saturates.
+    lengthening_scale: C,
+    /// `fvmax - 1`: that speed, and how far the force rises.
     saturation: C,
-    inverse_saturation: C,
-    force: C,
+    /// Half the peak isometric force (N).
+    half_force: C,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Passive<C> {
-    length_scale: C,
-    length_offset: C,
-    /// Reciprocal width of the quadratic part, starting at optimal length.
-    inverse_width: C,
+    /// From tendon length to units of the quadratic part's width, from optimal length on.
+    stretch: Linear<C>,
     /// Force at the end of the quadratic part (N).
     half_force: C,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Activation<C> {
-    rate_act: C,
+    tau_act: C,
     rate_deact: C,
     inverse_smooth: C,
     /// Whether the time constants blend; a property of the model, so a branch on it is not data-dependent.
@@ -72,27 +74,27 @@ impl<C: Real> Muscle<C> {
         let (gain_scale, gain_offset) = normalisation(parameters.length_range, gain);
         let (bias_scale, bias_offset) = normalisation(parameters.length_range, bias);
         let saturation = gain.fvmax - 1.0;
-        let bias_inflection = 0.5 * (1.0 + bias.lmax);
+        let velocity_scale = gain_scale / gain.vmax.max(TINY);
+        // The distance of the normalised length from the optimum, `scale * length + offset - 1`, in some unit.
+        let distance = |scale: f64, offset: f64, unit: f64| [scale / unit, (offset - 1.0) / unit].map(c);
+        let above = (0.5 * (1.0 + gain.lmax) - 1.0).max(TINY);
+        let below = (1.0 - 0.5 * (gain.lmin + 1.0)).max(TINY);
+        let stretch = (0.5 * (1.0 + bias.lmax) - 1.0).max(TINY);
         Self {
             active: Active {
-                length_scale: c(gain_scale),
-                length_offset: c(gain_offset),
-                velocity_scale: c(gain_scale / gain.vmax.max(TINY)),
-                below: c(1.0 / (1.0 - 0.5 * (gain.lmin + 1.0)).max(TINY)),
-                above: c(1.0 / (0.5 * (1.0 + gain.lmax) - 1.0).max(TINY)),
-                fvmax: c(gain.fvmax),
+                above: distance(gain_scale, gain_offset, above),
+                below: distance(gain_scale, gain_offset, -below),
+                velocity_scale: c(velocity_scale),
+                lengthening_scale: c(velocity_scale / saturation.max(TINY)),
                 saturation: c(saturation),
-                inverse_saturation: c(1.0 / saturation.max(TINY)),
-                force: c(peak_force(gain, acc0)),
+                half_force: c(0.5 * peak_force(gain, acc0)),
             },
             passive: Passive {
-                length_scale: c(bias_scale),
-                length_offset: c(bias_offset),
-                inverse_width: c(1.0 / (bias_inflection - 1.0).max(TINY)),
+                stretch: distance(bias_scale, bias_offset, stretch),
                 half_force: c(0.5 * bias.fpmax * peak_force(bias, acc0)),
             },
             activation: Activation {
-                rate_act: c(1.0 / parameters.tau_act),
+                tau_act: c(parameters.tau_act),
                 rate_deact: c(1.0 / parameters.tau_deact),
                 inverse_smooth: c(1.0 / parameters.tau_smooth.max(TINY)),
                 smooth: parameters.tau_smooth > 0.0,
@@ -108,24 +110,16 @@ impl<C: Real> Muscle<C> {
         let (a, p, t) = (&self.active, &self.passive, &self.activation);
         Muscle {
             active: Active {
-                length_scale: c(a.length_scale),
-                length_offset: c(a.length_offset),
+                above: a.above.map(c),
+                below: a.below.map(c),
                 velocity_scale: c(a.velocity_scale),
-                below: c(a.below),
-                above: c(a.above),
-                fvmax: c(a.fvmax),
+                lengthening_scale: c(a.lengthening_scale),
                 saturation: c(a.saturation),
-                inverse_saturation: c(a.inverse_saturation),
-                force: c(a.force),
+                half_force: c(a.half_force),
             },
-            passive: Passive {
-                length_scale: c(p.length_scale),
-                length_offset: c(p.length_offset),
-                inverse_width: c(p.inverse_width),
-                half_force: c(p.half_force),
-            },
+            passive: Passive { stretch: p.stretch.map(c), half_force: c(p.half_force) },
             activation: Activation {
-                rate_act: c(t.rate_act),
+                tau_act: c(t.tau_act),
                 rate_deact: c(t.rate_deact),
                 inverse_smooth: c(t.inverse_smooth),
                 smooth: t.smooth,
@@ -140,8 +134,8 @@ impl<C: Real> Muscle<C> {
     /// `length` (m) and `velocity` (m/s, positive when lengthening) are those of the whole tendon path.
     #[inline(always)]
     pub fn force<S: Scalar<Const = C>>(&self, length: S, velocity: S, activation: S) -> S {
-        let gain =
-            self.active.force_length(length) * self.active.force_velocity(velocity) * S::splat(self.active.force);
+        let active = &self.active;
+        let gain = active.twice_force_length(length) * active.force_velocity(velocity) * S::splat(active.half_force);
         -gain.mul_add(activation, self.passive.force(length))
     }
 
@@ -154,51 +148,57 @@ impl<C: Real> Muscle<C> {
         let stretch = activation.clamp(0.0, 1.0).mul_add(S::lit(1.5), S::lit(0.5));
         let difference = u - activation;
         if t.smooth {
-            let tau_act = stretch * S::splat(t.rate_act).recip();
+            let tau_act = stretch * S::splat(t.tau_act);
             let tau_deact = (stretch * S::splat(t.rate_deact)).recip();
             let blend = smooth_step(difference.mul_add(S::splat(t.inverse_smooth), S::lit(0.5)));
             let tau = (tau_act - tau_deact).mul_add(blend, tau_deact);
             return difference * tau.max(S::lit(TINY)).recip();
         }
-        let rate_act = stretch.recip() * S::splat(t.rate_act);
+        let rate_act = (stretch * S::splat(t.tau_act)).recip();
         let rate_deact = stretch * S::splat(t.rate_deact);
         difference * S::select(S::zero().lt(difference), rate_act, rate_deact)
     }
 }
 
+/// A linear function at `x`.
+#[inline(always)]
+fn linear<S: Scalar>(f: &Linear<S::Const>, x: S) -> S {
+    x.mul_add(S::splat(f[0]), S::splat(f[1]))
+}
+
 impl<C: Real> Active<C> {
-    /// Active force-length curve: one at optimal length, a bump of four parabolas between `lmin` and `lmax`.
+    /// Twice the active force-length curve: the curve is one at optimal length, a bump of four parabolas between `lmin`
+    /// and `lmax`.
+    ///
+    /// With the distance t from the optimum, 1 at the inflection point and 2 at the end, it is `1 - t^2 / 2` inside and
+    /// `(2 - t)^2 / 2` outside; both are `(1 - min(t, 1)^2 + clip(2 - t, 0, 1)^2) / 2`.
     #[inline(always)]
-    fn force_length<S: Scalar<Const = C>>(&self, length: S) -> S {
-        let excess = length.mul_add(S::splat(self.length_scale), S::splat(self.length_offset)) - S::lit(1.0);
-        // Distance from the optimum in units of the distance to the inflection point on that side: 0 to 2.
-        let t = (excess * S::splat(self.above)).max(-(excess * S::splat(self.below)));
-        let rest = (S::lit(2.0) - t).max(S::zero());
-        let top = (t * t).mul_add(S::lit(-0.5), S::lit(1.0));
-        S::select(t.lt(S::lit(1.0)), top, rest * rest * S::lit(0.5))
+    fn twice_force_length<S: Scalar<Const = C>>(&self, length: S) -> S {
+        let t = linear(&self.above, length).max(linear(&self.below, length));
+        let (inner, outer) = (t.min(S::lit(1.0)), (S::lit(2.0) - t).clamp(0.0, 1.0));
+        outer.mul_add(outer, (-inner).mul_add(inner, S::lit(1.0)))
     }
 
     /// Force-velocity curve: zero at the greatest shortening speed, one standing still, `fvmax` lengthening fast.
+    ///
+    /// Two parabolas, `(1 + v)^2` shortening and `1 + s (2 - v/s) v/s` lengthening, with s = `fvmax - 1`; each is
+    /// constant where the other one bends, so that both can be added.
     #[inline(always)]
     fn force_velocity<S: Scalar<Const = C>>(&self, velocity: S) -> S {
-        let v = velocity * S::splat(self.velocity_scale);
-        let shorten = (v + S::lit(1.0)).max(S::zero());
-        let rest = (S::splat(self.saturation) - v).max(S::zero());
-        let lengthen = S::splat(self.fvmax) - rest * rest * S::splat(self.inverse_saturation);
-        S::select(S::zero().lt(v), lengthen, shorten * shorten)
+        let shorten = velocity.mul_add(S::splat(self.velocity_scale), S::lit(1.0)).clamp(0.0, 1.0);
+        let lengthen = (velocity * S::splat(self.lengthening_scale)).clamp(0.0, 1.0);
+        let rise = lengthen * S::splat(self.saturation) * (S::lit(2.0) - lengthen);
+        shorten.mul_add(shorten, rise)
     }
 }
 
 impl<C: Real> Passive<C> {
-    /// Passive force (N): quadratic from optimal length to the inflection point, linear beyond.
+    /// Passive force (N): quadratic from optimal length to the inflection point, `t^2`, then its tangent `2 t - 1`.
     #[inline(always)]
     fn force<S: Scalar<Const = C>>(&self, length: S) -> S {
-        let excess = length.mul_add(S::splat(self.length_scale), S::splat(self.length_offset)) - S::lit(1.0);
-        let t = (excess * S::splat(self.inverse_width)).max(S::zero());
-        // t^2 up to one, then its tangent 2 t - 1: written as one expression of the part below one.
-        let quadratic = t.min(S::lit(1.0));
-        let shape = quadratic.mul_add(quadratic, (t - quadratic) * S::lit(2.0));
-        shape * S::splat(self.half_force)
+        let t = linear(&self.stretch, length);
+        let quadratic = t.clamp(0.0, 1.0);
+        quadratic * t.mul_add(S::lit(2.0), -quadratic) * S::splat(self.half_force)
     }
 }
 

@@ -287,19 +287,7 @@ impl Tree {
                     + (Matrix3::identity() * d.norm_squared() - d * d.transpose()) * body.mass
             })
             .sum();
-        (mass > 0.0 || inertia.norm() > 0.0).then(|| Body {
-            link,
-            mass,
-            com: com.into(),
-            inertia: [
-                inertia[(0, 0)],
-                inertia[(1, 1)],
-                inertia[(2, 2)],
-                inertia[(1, 2)],
-                inertia[(0, 2)],
-                inertia[(0, 1)],
-            ],
-        })
+        (mass > 0.0 || inertia.norm() > 0.0).then(|| Body::new(link, mass, com, inertia))
     }
 }
 

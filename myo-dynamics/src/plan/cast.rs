@@ -109,7 +109,13 @@ impl PoseProfile<f64> {
 
 impl Body<f64> {
     fn cast<D: Real>(&self) -> Body<D> {
-        Body { link: self.link, mass: c(self.mass), com: vector(self.com), inertia: vector(self.inertia) }
+        Body {
+            link: self.link,
+            mass: c(self.mass),
+            com: vector(self.com),
+            isotropic: c(self.isotropic),
+            arms: self.arms.map(vector),
+        }
     }
 }
 
@@ -158,7 +164,7 @@ impl Tendons<f64> {
 
 impl HingeSegment<f64> {
     fn cast<D: Real>(&self) -> HingeSegment<D> {
-        HingeSegment { muscle: self.muscle, link: self.link, square: vector(self.square) }
+        HingeSegment { muscle: self.muscle, link: self.link, square: vector(self.square), half: self.half.map(c) }
     }
 }
 
@@ -174,8 +180,8 @@ impl ProfileSegment<f64> {
             muscle: self.muscle,
             dof: self.dof,
             domain: self.domain.cast(),
-            slope: c(self.slope),
             square: self.square.cast(),
+            half_slope: self.half_slope.cast(),
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod build;
 mod cast;
+mod mass;
 mod reference_pose;
 mod sets;
 mod specialise;
@@ -162,8 +163,8 @@ pub struct Placement<C> {
 pub struct PoseProfile<C> {
     /// Interval of the coordinate.
     pub domain: Domain<C>,
-    /// Axes as columns; none if they never turn.
-    pub axes: Option<[[Polynomial<C>; 3]; 3]>,
+    /// The first two axes as columns, the third being their vector product; none if they never turn.
+    pub axes: Option<[[Polynomial<C>; 3]; 2]>,
     /// Origin.
     pub position: [Polynomial<C>; 3],
     /// Motion per unit of speed: angular, linear at O.
@@ -190,8 +191,10 @@ pub struct Body<C> {
     pub mass: C,
     /// Centre of mass (m).
     pub com: [C; 3],
-    /// Inertia about it (kg m^2): xx, yy, zz, yz, xz, xy.
-    pub inertia: [C; 6],
+    /// Inertia about it (kg m^2): the same about every axis,
+    pub isotropic: C,
+    /// plus `a a^T` of these vectors (kg^(1/2) m), along two of the principal axes.
+    pub arms: [[C; 3]; 2],
 }
 
 /// Links that share a screw: their inertias and wrenches are summed once.
@@ -314,6 +317,8 @@ pub struct HingeSegment<C> {
     pub link: usize,
     /// Coefficients.
     pub square: [C; 3],
+    /// Half of `c1` and `c2`, for the derivative.
+    pub half: [C; 2],
 }
 
 /// A segment across two hinges in a row: its squared length is bilinear in (1, cos, sin) of both, exactly.
@@ -336,10 +341,10 @@ pub struct ProfileSegment<C> {
     pub dof: usize,
     /// Interval of the coordinate.
     pub domain: Domain<C>,
-    /// `dt / dq`.
-    pub slope: C,
     /// Squared length (m^2).
     pub square: Polynomial<C>,
+    /// Half its derivative with respect to the coordinate.
+    pub half_slope: Polynomial<C>,
 }
 
 /// A joint limit.

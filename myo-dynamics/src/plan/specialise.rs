@@ -20,6 +20,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Greatest error of a fit, in SI units: a tenth of what single precision resolves at half a metre.
 const TOLERANCE: f64 = 3e-9;
+/// Segments that can become shorter (m) keep the general form, which guards against division by zero.
+const SHORTEST: f64 = 1e-4;
 /// How far past its limits a coordinate is followed (rad): soft limits give way under strong muscles.
 const BEYOND_LIMITS: f64 = 0.1;
 
@@ -28,6 +30,7 @@ impl Plan<f64> {
     #[must_use]
     pub fn specialised(&self) -> Self {
         let mut plan = Self { elements: Elements::default(), ..self.clone() };
+        plan.lift_masses();
         for dof in 0..self.ndof() {
             if let Some(profiled) = plan.with_profile(dof) {
                 plan = profiled;
@@ -105,19 +108,20 @@ impl Plan<f64> {
         self.tendons.clear_segments();
         for (pair, &Segment { muscle, a, b }) in old.segments() {
             let (a, b) = (old.points[a], old.points[b]);
-            if !(together(pair.a) && together(pair.b)) {
-                self.tendons.add_segment(muscle, a, b);
-                continue;
-            }
             let squared = |ws: &Workspace<f64>| {
                 let between = ws.place(&b) - ws.place(&a);
                 between.dot(between)
             };
             let shortest = samples.poses.iter().map(squared).fold(f64::INFINITY, f64::min).sqrt();
+            if !(together(pair.a) && together(pair.b)) || shortest < SHORTEST {
+                self.tendons.add_segment(muscle, a, b);
+                continue;
+            }
             // dl = d(l^2) / (2 l)
             let square = samples.fit_to(TOLERANCE * 2.0 * shortest, squared)?;
             let (dof, domain) = (samples.dof, samples.domain);
-            self.tendons.profiles.push(ProfileSegment { muscle, dof, domain, slope: domain.scale(), square });
+            let half_slope = square.derivative().scaled(0.5 * domain.scale());
+            self.tendons.profiles.push(ProfileSegment { muscle, dof, domain, square, half_slope });
         }
         Some(())
     }
@@ -129,8 +133,9 @@ impl Plan<f64> {
         for (_, segment) in old.segments() {
             let (a, b) = (old.points[segment.a], old.points[segment.b]);
             let muscle = segment.muscle;
-            if let Some(square) = self.across_hinge(a, b) {
-                self.tendons.hinge.push(HingeSegment { muscle, link: b.link, square });
+            if let Some(square) = self.across_hinge(a, b).filter(never_vanishes) {
+                let half = [0.5 * square[1], 0.5 * square[2]];
+                self.tendons.hinge.push(HingeSegment { muscle, link: b.link, square, half });
             } else if let Some((links, square)) = self.across_two_hinges(a, b) {
                 self.tendons.double_hinge.push(DoubleHingeSegment { muscle, links, square });
             } else {
@@ -174,6 +179,11 @@ impl Plan<f64> {
         }
         Some(([middle, b.link], square))
     }
+}
+
+/// Whether a segment of squared length `c0 + c1 cos + c2 sin` is never too short to have a direction.
+fn never_vanishes([c0, c1, c2]: &[f64; 3]) -> bool {
+    c0 - c1.hypot(*c2) > SHORTEST * SHORTEST
 }
 
 impl Tendons<f64> {
@@ -255,11 +265,7 @@ impl Samples {
     fn pose(&self, link: usize) -> Option<PoseProfile<f64>> {
         let turns = |ws: &Workspace<f64>| !is_identity(&ws.rotation[link]);
         let axes = if self.poses.iter().any(turns) {
-            Some([
-                self.fit_vector(|ws| ws.rotation[link].x)?,
-                self.fit_vector(|ws| ws.rotation[link].y)?,
-                self.fit_vector(|ws| ws.rotation[link].z)?,
-            ])
+            Some([self.fit_vector(|ws| ws.rotation[link].x)?, self.fit_vector(|ws| ws.rotation[link].y)?])
         } else {
             None
         };

@@ -1,7 +1,7 @@
 //! Inertia of the links, the mass matrix, and the forces that inertia and gravity cause.
 
 use crate::plan::{Body, LinkSet, Plan};
-use crate::spatial::{Inertia, Motion, Symmetric, Vec3, Wrench};
+use crate::spatial::{Inertia, Motion, Rotation, Symmetric, Vec3, Wrench};
 use crate::step::kinematics::joint_state;
 use crate::workspace::{State, Workspace};
 use myo_scalar::Scalar;
@@ -9,42 +9,42 @@ use myo_scalar::Scalar;
 /// Fills `inertia` of every massive link and subtracts its inertial wrench (gravity included) from `wrench`.
 #[inline(always)]
 pub fn resist<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    let zero = S::Const::default();
     for body in &plan.bodies {
-        let (about_com, com) = in_world(body, ws);
-        ws.inertia[body.link] = Inertia::new(S::splat(body.mass), com, about_com);
+        let about_com = about_com(body, &ws.rotation[body.link]);
         let (velocity, acceleration) = (ws.velocity[body.link], ws.acceleration[body.link]);
-        ws.wrench[body.link] -= inertial_wrench(S::splat(body.mass), about_com, com, velocity, acceleration);
+        let mut moment = about_com.apply(acceleration.ang);
+        // What resists alike about every axis has its angular momentum along the angular velocity.
+        if body.arms != [[zero; 3]; 2] {
+            moment = moment + velocity.ang.cross(about_com.apply(velocity.ang));
+        }
+        ws.wrench[body.link].ang = ws.wrench[body.link].ang - moment;
+        if body.mass == zero {
+            ws.inertia[body.link] = Inertia { second: about_com, ..Inertia::zero() };
+            continue;
+        }
+        let (mass, com) = (S::splat(body.mass), ws.frame(body.link).place(Vec3::splat(body.com)));
+        ws.inertia[body.link] = Inertia::new(mass, com, about_com);
+        ws.wrench[body.link] -= Wrench::at(com, com_acceleration(com, velocity, acceleration).scale(mass));
     }
 }
 
-/// Inertia about the centre of mass in world axes, and the centre of mass (m, from O).
+/// Inertia about the centre of mass in world axes.
 #[inline(always)]
-fn in_world<S: Scalar>(body: &Body<S::Const>, ws: &Workspace<S>) -> (Symmetric<S>, Vec3<S>) {
-    let [xx, yy, zz, yz, xz, xy] = body.inertia;
-    let local = Symmetric { diagonal: Vec3::splat([xx, yy, zz]), off: Vec3::splat([yz, xz, xy]) };
-    let rotation = &ws.rotation[body.link];
-    let com = ws.frame(body.link).place(Vec3::splat(body.com));
-    // An inertia that is the same about every axis does not notice rotations.
-    let zero = S::Const::default();
-    let isotropic = xx == yy && yy == zz && [yz, xz, xy] == [zero; 3];
-    (if isotropic { local } else { local.rotated(rotation) }, com)
+fn about_com<S: Scalar>(body: &Body<S::Const>, rotation: &Rotation<S>) -> Symmetric<S> {
+    let mut sum = Symmetric::isotropic(S::splat(body.isotropic));
+    for &arm in &body.arms {
+        if arm != [S::Const::default(); 3] {
+            sum = sum.plus_square(rotation.apply(Vec3::splat(arm)));
+        }
+    }
+    sum
 }
 
-/// Newton and Euler: `f = m a_com`, `n_com = I alpha + omega x I omega`.
+/// `a_com = a_O + alpha x c + omega x (v_O + omega x c)`.
 #[inline(always)]
-fn inertial_wrench<S: Scalar>(
-    mass: S,
-    about_com: Symmetric<S>,
-    com: Vec3<S>,
-    velocity: Motion<S>,
-    acceleration: Motion<S>,
-) -> Wrench<S> {
-    let omega = velocity.ang;
-    // a_com = a_O + alpha x c + omega x (v_O + omega x c)
-    let a_com = acceleration.at(com) + omega.cross(velocity.at(com));
-    let force = a_com.scale(mass);
-    let moment = about_com.apply(acceleration.ang) + omega.cross(about_com.apply(omega));
-    Wrench { ang: moment + com.cross(force), lin: force }
+fn com_acceleration<S: Scalar>(com: Vec3<S>, velocity: Motion<S>, acceleration: Motion<S>) -> Vec3<S> {
+    acceleration.at(com) + velocity.ang.cross(velocity.at(com))
 }
 
 /// Fills the lower triangle of `mass`.

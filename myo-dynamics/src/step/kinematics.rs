@@ -148,7 +148,8 @@ fn follow<S: Scalar>(
     let joint = joint_state(&link.drive, qpos, qvel);
     let t = profile.domain.map(joint.position);
     if let Some(axes) = &profile.axes {
-        ws.rotation[index] = Rotation { x: vector(&axes[0], t), y: vector(&axes[1], t), z: vector(&axes[2], t) };
+        let (x, y) = (vector(&axes[0], t), vector(&axes[1], t));
+        ws.rotation[index] = Rotation { x, y, z: x.cross(y) };
     }
     ws.position[index] = vector(&profile.position, t);
     let screw = Motion { ang: vector(&profile.screw[0], t), lin: vector(&profile.screw[1], t) };

@@ -97,22 +97,23 @@ fn add_product<S: Scalar>(sum: &mut S, a: S, b: S) {
     *sum = a.mul_add(b, *sum);
 }
 
-/// Length and its derivative with respect to the coordinate.
+/// Length and its derivative with respect to the coordinate, `l' = (l^2)' / (2 l)`. It never vanishes, see the plan.
 #[inline(always)]
 fn profile_length<S: Scalar>(segment: &ProfileSegment<S::Const>, q: S) -> (S, S) {
-    let (square, slope) = segment.square.value_and_slope(segment.domain.map(q));
-    let square = square.max(S::lit(SHORTEST_SQUARED));
+    let t = segment.domain.map(q);
+    let square = segment.square.value(t);
     let inverse = square.rsqrt();
-    (square * inverse, slope * inverse * S::splat(segment.slope) * S::lit(0.5))
+    (square * inverse, segment.half_slope.value(t) * inverse)
 }
 
-/// Length and its derivative with respect to the hinge angle: `l' = (l^2)' / (2 l)`.
+/// Length and its derivative with respect to the hinge angle. It never vanishes, see the plan.
 #[inline(always)]
 fn hinge_length<S: Scalar>(segment: &HingeSegment<S::Const>, joint: &JointState<S>) -> (S, S) {
-    let (square, slope) = harmonic(&segment.square, joint);
-    let square = square.max(S::lit(SHORTEST_SQUARED));
+    let [c0, c1, c2] = segment.square.map(S::splat);
+    let [half1, half2] = segment.half.map(S::splat);
+    let square = c1.mul_add(joint.cos, c2.mul_add(joint.sin, c0));
     let inverse = square.rsqrt();
-    (square * inverse, slope * inverse * S::lit(0.5))
+    (square * inverse, half2.mul_add(joint.cos, -(half1 * joint.sin)) * inverse)
 }
 
 /// `c0 + c1 cos + c2 sin` of a hinge, and its derivative.

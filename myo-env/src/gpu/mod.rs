@@ -5,8 +5,10 @@
 //! with, without copies.
 
 mod env;
+mod physics;
 pub mod record;
 mod shard;
 
 pub use env::GpuEnv;
+pub use physics::PhysicsBench;
 pub use shard::{Kernels, Shard};

@@ -39,12 +39,13 @@ impl Kernels {
 }
 
 /// Compiles a program for its buffers and the number of environments.
-pub fn compile(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Kernel, BuildError> {
+pub(crate) fn compile(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Kernel, BuildError> {
     let operations = program.operations();
     if operations > MAX_OPERATIONS {
         return Err(BuildError::TooLargeForGpu { operations, most: MAX_OPERATIONS });
     }
-    let kernel = program.to_kernel(names, WORKGROUP);
+    let kernel =
+        program.to_kernel(names, std::env::var("MYO_WORKGROUP").ok().and_then(|x| x.parse().ok()).unwrap_or(WORKGROUP));
     let access = |used: &Use| match used {
         Use::Read => Access::Read,
         Use::Write => Access::ReadWrite,

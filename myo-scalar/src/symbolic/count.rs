@@ -17,7 +17,7 @@ impl Program {
         let mut operations = vec![0; self.stages.len()];
         for id in self.live_nodes() {
             let node = &self.nodes[id as usize];
-            operations[node.stage as usize] += usize::from(node.op.arity() > 0);
+            operations[node.stage as usize] += usize::from(node.op.is_work());
         }
         let count = |(stage, operations)| StageCount { path: self.path(stage), operations };
         operations.into_iter().enumerate().map(count).collect()

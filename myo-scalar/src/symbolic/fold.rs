@@ -50,6 +50,7 @@ fn fold_numbers(graph: &mut Graph, op: Op, args: [Id; 3]) -> Option<Id> {
         Op::Rsqrt => operand(0)?.sqrt().recip(),
         Op::Recip => operand(0)?.recip(),
         Op::Abs => operand(0)?.abs(),
+        Op::Saturate => operand(0)?.clamp(0.0, 1.0),
         Op::Min => operand(0)?.min(operand(1)?),
         Op::Max => operand(0)?.max(operand(1)?),
         Op::Floor => operand(0)?.floor(),
@@ -135,8 +136,25 @@ fn identity(graph: &mut Graph, op: Op, args: [Id; 3]) -> Option<Id> {
         Op::Mul => product(graph, a, b),
         Op::MulAdd => fused(graph, a, b, c),
         Op::Min | Op::Max if a == b => Some(a),
+        Op::Min => limited(graph, a, b, Op::Max, [1.0, 0.0]),
+        Op::Max => limited(graph, a, b, Op::Min, [0.0, 1.0]),
+        Op::Saturate if self::op(graph, a).0 == Op::Saturate => Some(a),
         _ => None,
     }
+}
+
+/// A minimum with one or a maximum with zero (`bounds[0]`), perhaps of the other (`inner` with `bounds[1]`).
+fn limited(graph: &mut Graph, a: Id, b: Id, inner: Op, bounds: [f64; 2]) -> Option<Id> {
+    let x = match (number(graph, a), number(graph, b)) {
+        (Some(bound), _) if bound == bounds[0] => b,
+        (_, Some(bound)) if bound == bounds[0] => a,
+        _ => return None,
+    };
+    let (op, [p, q, _]) = op(graph, x);
+    if op == Op::Saturate {
+        return Some(x);
+    }
+    (op == inner && number(graph, q) == Some(bounds[1])).then(|| graph.apply(Op::Saturate, &[p], Kind::Number))
 }
 
 fn negation(graph: &mut Graph, a: Id) -> Option<Id> {
@@ -158,6 +176,8 @@ fn sum(graph: &mut Graph, a: Id, b: Id) -> Option<Id> {
     match (op(graph, a), op(graph, b)) {
         (_, (Op::Neg, [y, ..])) => apply(graph, Op::Sub, &[a, y]),
         ((Op::Neg, [x, ..]), _) => apply(graph, Op::Sub, &[b, x]),
+        (_, (Op::Mul, [p, q, _])) => apply(graph, Op::MulAdd, &[p, q, a]),
+        ((Op::Mul, [p, q, _]), _) => apply(graph, Op::MulAdd, &[p, q, b]),
         _ => None,
     }
 }
@@ -185,6 +205,10 @@ fn add_constant(graph: &mut Graph, a: Id, y: f64) -> Option<Id> {
             let sum = graph.number(number(graph, r)? + y);
             apply(graph, Op::MulAdd, &[p, q, sum])
         }
+        Op::Mul => {
+            let y = graph.number(y);
+            apply(graph, Op::MulAdd, &[p, q, y])
+        }
         _ => None,
     }
 }
@@ -203,6 +227,14 @@ fn difference(graph: &mut Graph, a: Id, b: Id) -> Option<Id> {
     }
     match (op(graph, a), op(graph, b)) {
         (_, (Op::Neg, [y, ..])) => apply(graph, Op::Add, &[a, y]),
+        (_, (Op::Mul, [p, q, _])) => {
+            let minus = apply(graph, Op::Neg, &[p])?;
+            apply(graph, Op::MulAdd, &[minus, q, a])
+        }
+        ((Op::Mul, [p, q, _]), _) => {
+            let minus = apply(graph, Op::Neg, &[b])?;
+            apply(graph, Op::MulAdd, &[p, q, minus])
+        }
         _ => None,
     }
 }
@@ -222,7 +254,7 @@ fn product(graph: &mut Graph, a: Id, b: Id) -> Option<Id> {
     if constant == -1.0 {
         return apply(graph, Op::Neg, &[other]);
     }
-    let (op, [p, q, _]) = op(graph, other);
+    let (op, [p, q, r]) = op(graph, other);
     match op {
         Op::Neg => {
             let minus = graph.number(-constant);
@@ -231,6 +263,11 @@ fn product(graph: &mut Graph, a: Id, b: Id) -> Option<Id> {
         Op::Mul => {
             let product = graph.number(number(graph, q)? * constant);
             apply(graph, Op::Mul, &[p, product])
+        }
+        Op::MulAdd => {
+            let [factor, offset] = [q, r].map(|x| number(graph, x));
+            let [factor, offset] = [factor? * constant, offset? * constant].map(|x| graph.number(x));
+            apply(graph, Op::MulAdd, &[p, factor, offset])
         }
         _ => None,
     }

@@ -99,6 +99,8 @@ pub enum Op {
     Min,
     /// Greater of two.
     Max,
+    /// Clipped to [0, 1].
+    Saturate,
     /// Whole number not above.
     Floor,
     /// Nearest whole number, halves to even.
@@ -160,11 +162,16 @@ impl Op {
         use Op::*;
         match self {
             Number(_) | Word(_) | Truth(_) | Input(..) | Carried(..) | Outcome(..) => 0,
-            Neg | Sqrt | Rsqrt | Recip | Abs | Floor | Round | Not | ShiftLeft(_) | ShiftRight(_) | ToNumber
+            Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not | ShiftLeft(_) | ShiftRight(_) | ToNumber
             | ToWord | ToBits | FromBits => 1,
             Add | Sub | Mul | Min | Max | Less | And | Or | WordAdd | Xor | BitAnd | BitOr | MulHigh | MulLow => 2,
             MulAdd | Select => 3,
         }
+    }
+
+    /// Whether it costs an instruction. Signs are part of the operation that takes them, and bits need no conversion.
+    pub fn is_work(self) -> bool {
+        self.arity() > 0 && !matches!(self, Op::Neg | Op::ToBits | Op::FromBits)
     }
 
     /// Whether it is a constant.
@@ -264,7 +271,22 @@ impl Graph {
         for &arg in args {
             self.check_in_sight(arg);
         }
-        self.share(op, operands, kind, self.region())
+        let region = self.home(args);
+        self.share(op, operands, kind, region)
+    }
+
+    /// Region to compute from some operands in: outside of loops that do not change them.
+    fn home(&self, args: &[Id]) -> u32 {
+        let place = |&arg: &Id| {
+            let region = self.nodes[arg as usize].region;
+            self.open.iter().position(|&open| open == region).unwrap_or(0)
+        };
+        let needed = args.iter().map(place).max().unwrap_or(0);
+        let mut place = self.open.len() - 1;
+        while place > needed && self.regions[self.open[place] as usize].is_loop {
+            place -= 1;
+        }
+        self.open[place]
     }
 
     /// Constants come second, whatever their age.
@@ -308,8 +330,8 @@ impl Graph {
     }
 
     /// Opens a region within the current one.
-    pub fn open_region(&mut self) -> u32 {
-        self.regions.push(Region::default());
+    pub fn open_region(&mut self, is_loop: bool) -> u32 {
+        self.regions.push(Region { is_loop, ..Region::default() });
         let region = (self.regions.len() - 1) as u32;
         self.open.push(region);
         region

@@ -201,6 +201,12 @@ impl Scalar for Sym {
     }
     // Polynomials instead of the graphics card's own functions, whose errors differ from card to card.
     fn sin_cos(self) -> (Self, Self) {
+        // Two joints may turn by opposite angles.
+        let minus = -self;
+        if minus.0 < self.0 {
+            let (sin, cos) = elementary::sin_cos(minus);
+            return (-sin, cos);
+        }
         elementary::sin_cos(self)
     }
     fn exp(self) -> Self {

@@ -106,7 +106,19 @@ impl<'a> Scheduler<'a> {
 
     fn run(mut self) -> Vec<Item> {
         let program = self.program;
+        let here = self.region;
+        let recorded = std::env::var("MYO_ORDER").as_deref() == Ok("recorded");
         for statement in program.statements_of(self.region) {
+            if recorded && let Some(body) = program.statements[statement as usize].body() {
+                let first = program.nodes.iter().position(|n| n.region == body).unwrap_or(0) as u32;
+                for id in
+                    program.live_nodes().filter(|&id| id < first && program.nodes[id as usize].region == here)
+                {
+                    if program.nodes[id as usize].op.arity() > 0 {
+                        self.compute(id);
+                    }
+                }
+            }
             self.read_before_writing(statement);
             for id in program.outside(statement) {
                 self.compute(id);

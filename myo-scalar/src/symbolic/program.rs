@@ -60,9 +60,9 @@ impl Program {
         (0..self.nodes.len() as Id).filter(|&id| self.is_live(id))
     }
 
-    /// Operations that are computed, constants, inputs and variables not counted; loops count once.
+    /// Operations that are computed, see [`Op::is_work`]; loops count once.
     pub fn operations(&self) -> usize {
-        self.live_nodes().filter(|&id| self.nodes[id as usize].op.arity() > 0).count()
+        self.live_nodes().filter(|&id| self.nodes[id as usize].op.is_work()).count()
     }
 
     /// Variables that a loop leaves as they are become what they were before it.

@@ -10,6 +10,8 @@ use crate::carried::{Carried, Visitor};
 pub struct Region {
     /// Numbers of the statements.
     pub statements: Vec<u32>,
+    /// The body of a loop, which runs once at least.
+    pub is_loop: bool,
 }
 
 /// A variable of a loop or branch.
@@ -125,7 +127,7 @@ fn reserve() -> u32 {
 /// Records a loop.
 pub fn record_loop<V: Carried<Sym>>(limit: usize, vars: &mut V, body: impl FnOnce(&mut V) -> Option<SymMask>) {
     let statement = reserve();
-    let region = with_graph(|graph| graph.open_region());
+    let region = with_graph(|graph| graph.open_region(true));
     let mut carries = Vec::new();
     each(vars, |init, kind| {
         let op = Op::Carried(statement, carries.len() as u32);
@@ -149,7 +151,7 @@ pub fn record_branch<V: Carried<Sym>>(mask: SymMask, vars: &mut V, body: impl Fn
         return;
     }
     let statement = reserve();
-    let region = with_graph(|graph| graph.open_region());
+    let region = with_graph(|graph| graph.open_region(false));
     let mut carries = Vec::new();
     each(vars, |init, kind| {
         carries.push(Carry { init, start: init, next: init, kind });
@@ -181,7 +183,7 @@ fn finish<V: Carried<Sym>>(statement: u32, vars: &mut V, carries: &mut [Carry]) 
 /// Records a loop over chunks.
 pub fn record_chunks<const N: usize>(values: &mut [Sym], body: impl FnOnce(SymWord, [Sym; N]) -> [Sym; N]) {
     let statement = reserve();
-    let region = with_graph(|graph| graph.open_region());
+    let region = with_graph(|graph| graph.open_region(true));
     let carried = |k: usize, kind| with_graph(|graph| graph.fresh(Op::Carried(statement, k as u32), kind, region));
     let index = carried(0, Kind::Word);
     let start: [Sym; N] = std::array::from_fn(|k| Sym::new(carried(k + 1, Kind::Number)));

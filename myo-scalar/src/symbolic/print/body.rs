@@ -481,6 +481,7 @@ fn function(op: Op) -> Option<MathFunction> {
         Op::Sqrt => MathFunction::Sqrt,
         Op::Rsqrt => MathFunction::InverseSqrt,
         Op::Abs => MathFunction::Abs,
+        Op::Saturate => MathFunction::Saturate,
         Op::Min => MathFunction::Min,
         Op::Max => MathFunction::Max,
         Op::Floor => MathFunction::Floor,
