@@ -44,8 +44,7 @@ pub(crate) fn compile(gpu: &Gpu, label: &str, program: &Program, names: &[&str])
     if operations > MAX_OPERATIONS {
         return Err(BuildError::TooLargeForGpu { operations, most: MAX_OPERATIONS });
     }
-    let kernel =
-        program.to_kernel(names, std::env::var("MYO_WORKGROUP").ok().and_then(|x| x.parse().ok()).unwrap_or(WORKGROUP));
+    let kernel = program.to_kernel(names, WORKGROUP);
     let access = |used: &Use| match used {
         Use::Read => Access::Read,
         Use::Write => Access::ReadWrite,

@@ -162,8 +162,8 @@ impl Op {
         use Op::*;
         match self {
             Number(_) | Word(_) | Truth(_) | Input(..) | Carried(..) | Outcome(..) => 0,
-            Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not | ShiftLeft(_) | ShiftRight(_) | ToNumber
-            | ToWord | ToBits | FromBits => 1,
+            Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not | ShiftLeft(_) | ShiftRight(_)
+            | ToNumber | ToWord | ToBits | FromBits => 1,
             Add | Sub | Mul | Min | Max | Less | And | Or | WordAdd | Xor | BitAnd | BitOr | MulHigh | MulLow => 2,
             MulAdd | Select => 3,
         }
@@ -208,6 +208,8 @@ pub struct Graph {
     pub regions: Vec<Region>,
     pub statements: Vec<Statement>,
     pub stages: Vec<StageName>,
+    /// Nodes that there were when a statement began.
+    pub begun: Vec<Id>,
     /// Regions whose numbers may be used now, outermost first.
     pub open: Vec<u32>,
     stage: u32,
@@ -221,6 +223,7 @@ impl Graph {
             regions: vec![Region::default()],
             statements: vec![],
             stages: vec![StageName { name: "program", parent: 0 }],
+            begun: vec![],
             open: vec![0],
             stage: 0,
             known: HashMap::new(),
@@ -324,6 +327,7 @@ impl Graph {
     pub fn statement(&mut self, statement: Statement) -> u32 {
         let number = self.statements.len() as u32;
         self.statements.push(statement);
+        self.begun.push(self.nodes.len() as Id);
         let region = self.region() as usize;
         self.regions[region].statements.push(number);
         number

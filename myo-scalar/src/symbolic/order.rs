@@ -1,7 +1,9 @@
 //! In which order to compute.
 //!
-//! A region's numbers are computed where a statement first needs them, operands that need most room first
-//! (Sethi and Ullman 1970, doi 10.1145/321607.321620), so that few numbers wait at a time.
+//! The order in which the generic code computes is kept, since it was written so that a number is used soon after it is
+//! made; inputs and numbers that do not change in a loop come where they are first needed. (An order that keeps the
+//! fewest numbers waiting, after Sethi and Ullman, ran slower on graphics cards, whose drivers order anew anyway; see
+//! `docs/performance.md`.)
 
 use super::graph::{Id, Op};
 use super::program::Program;
@@ -19,21 +21,7 @@ pub enum Item {
 impl Program {
     /// What to do in each region, in order; constants are left out.
     pub fn order(&self) -> Vec<Vec<Item>> {
-        let room = self.room();
-        (0..self.regions.len() as u32).map(|region| Scheduler::new(self, &room, region).run()).collect()
-    }
-
-    /// Numbers that wait at a time while a node is computed from scratch, were the graph a tree.
-    fn room(&self) -> Vec<u32> {
-        let mut room = vec![0; self.nodes.len()];
-        for id in self.live_nodes() {
-            let node = &self.nodes[id as usize];
-            let mut needs: Vec<u32> = node.operands().iter().map(|&arg| room[arg as usize]).collect();
-            needs.sort_unstable_by(|a, b| b.cmp(a));
-            let most = needs.iter().enumerate().map(|(waiting, need)| need + waiting as u32).max();
-            room[id as usize] = if node.op.is_constant() { 0 } else { most.unwrap_or(0).max(1) };
-        }
-        room
+        (0..self.regions.len() as u32).map(|region| Scheduler::new(self, region).run()).collect()
     }
 
     /// Nodes outside a statement's bodies that it or they name.
@@ -93,37 +81,35 @@ impl Program {
 
 struct Scheduler<'a> {
     program: &'a Program,
-    room: &'a [u32],
     region: u32,
     done: Vec<bool>,
     items: Vec<Item>,
 }
 
 impl<'a> Scheduler<'a> {
-    fn new(program: &'a Program, room: &'a [u32], region: u32) -> Self {
-        Self { program, room, region, done: vec![false; program.nodes.len()], items: vec![] }
+    fn new(program: &'a Program, region: u32) -> Self {
+        Self { program, region, done: vec![false; program.nodes.len()], items: vec![] }
     }
 
     fn run(mut self) -> Vec<Item> {
         let program = self.program;
-        let here = self.region;
-        let recorded = std::env::var("MYO_ORDER").as_deref() == Ok("recorded");
+        let here = |id: &Id| program.nodes[*id as usize].region == self.region;
+        let work: Vec<Id> =
+            program.live_nodes().filter(here).filter(|&id| program.nodes[id as usize].op.arity() > 0).collect();
+        let mut work = work.into_iter().peekable();
         for statement in program.statements_of(self.region) {
-            if recorded && let Some(body) = program.statements[statement as usize].body() {
-                let first = program.nodes.iter().position(|n| n.region == body).unwrap_or(0) as u32;
-                for id in
-                    program.live_nodes().filter(|&id| id < first && program.nodes[id as usize].region == here)
-                {
-                    if program.nodes[id as usize].op.arity() > 0 {
-                        self.compute(id);
-                    }
-                }
+            let begun = program.begun[statement as usize];
+            while let Some(id) = work.next_if(|&id| id < begun) {
+                self.compute(id);
             }
             self.read_before_writing(statement);
             for id in program.outside(statement) {
                 self.compute(id);
             }
             self.items.push(Item::Statement(statement));
+        }
+        for id in work {
+            self.compute(id);
         }
         let owner =
             (0..program.statements.len() as u32).find(|&s| program.statements[s as usize].body() == Some(self.region));
@@ -147,14 +133,13 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    /// A node of this region, after its operands.
     fn compute(&mut self, id: Id) {
         let node = &self.program.nodes[id as usize];
         if node.region != self.region || node.op.is_constant() || std::mem::replace(&mut self.done[id as usize], true) {
             return;
         }
-        let mut operands = node.operands().to_vec();
-        operands.sort_by_key(|&arg| std::cmp::Reverse(self.room[arg as usize]));
-        for arg in operands {
+        for &arg in node.operands() {
             self.compute(arg);
         }
         self.items.push(Item::Node(id));

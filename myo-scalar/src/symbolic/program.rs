@@ -12,6 +12,8 @@ pub struct Program {
     pub statements: Vec<Statement>,
     pub(super) regions: Vec<Region>,
     pub(super) stages: Vec<StageName>,
+    /// Nodes that there were when a statement began.
+    pub(super) begun: Vec<Id>,
     live: Vec<bool>,
     live_statements: Vec<bool>,
     live_vars: Vec<Vec<bool>>,
@@ -19,7 +21,7 @@ pub struct Program {
 
 impl Program {
     pub(super) fn new(graph: Graph) -> Self {
-        let Graph { nodes, regions, statements, stages, .. } = graph;
+        let Graph { nodes, regions, statements, stages, begun, .. } = graph;
         let nvar = |statement: &Statement| match statement {
             Statement::Loop(x) => x.vars.len(),
             Statement::Branch(x) => x.vars.len(),
@@ -33,6 +35,7 @@ impl Program {
             statements,
             regions,
             stages,
+            begun,
         };
         program.resolve_constant_vars();
         program.mark();
