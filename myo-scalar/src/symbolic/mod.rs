@@ -23,6 +23,7 @@
 mod count;
 mod fold;
 mod graph;
+mod interpret;
 mod number;
 mod order;
 #[cfg(feature = "gpu")]
@@ -32,6 +33,7 @@ mod region;
 
 pub use count::StageCount;
 pub use graph::{Access, Buffer, Id, Kind, Node, Op};
+pub use interpret::Column;
 pub use number::{Sym, SymMask, SymWord};
 pub use order::Item;
 pub use program::Program;

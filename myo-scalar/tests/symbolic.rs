@@ -1,0 +1,221 @@
+//! Recorded programs: what is simplified away, and that the rest computes what the code computes.
+
+use myo_scalar::symbolic::{Access, Buffer, Column, Program, Sym, trace};
+use myo_scalar::{Carried, Counter, Mask, Scalar, Stage, Visitor, Word, normal_pair, philox, seed_words};
+use proptest::prelude::*;
+
+const IN: Buffer = Buffer { binding: 0, access: Access::PerEnv };
+const OUT: Buffer = Buffer { binding: 1, access: Access::PerEnv };
+
+/// Records a function of some numbers.
+fn record(arity: usize, f: impl FnOnce(&[Sym]) -> Vec<Sym>) -> Program {
+    trace(|| {
+        let inputs: Vec<Sym> = (0..arity).map(|row| IN.number(row)).collect();
+        for (row, &value) in f(&inputs).iter().enumerate() {
+            OUT.set_number(row, value);
+        }
+    })
+}
+
+fn run(program: &Program, inputs: &[f64], outputs: usize) -> Vec<f64> {
+    let mut buffers = [Column::Numbers(inputs.to_vec()), Column::Numbers(vec![f64::NAN; outputs])];
+    program.interpret(&mut buffers);
+    match &buffers[1] {
+        Column::Numbers(out) => out.clone(),
+        Column::Words(_) => unreachable!("made as numbers"),
+    }
+}
+
+fn operations(f: impl FnOnce(Sym, Sym) -> Sym) -> usize {
+    record(2, |x| vec![f(x[0], x[1])]).operations()
+}
+
+#[test]
+fn identities_leave_nothing_to_compute() {
+    let (zero, one) = (Sym::zero, || Sym::lit(1.0));
+    let free: [(&str, fn(Sym, Sym) -> Sym); 12] = [
+        ("x * 1", |x, _| x * Sym::lit(1.0)),
+        ("x * 0 + y", |x, y| x * Sym::zero() + y),
+        ("x + 0", |x, _| x + Sym::zero()),
+        ("0 + x - 0", |x, _| Sym::zero() + x - Sym::zero()),
+        ("--x", |x, _| -(-x)),
+        ("x - x", |x, _| x - x),
+        ("x * -1", |x, _| x * Sym::lit(-1.0)),
+        ("0 y + x", |x, y| Sym::zero().mul_add(y, x)),
+        ("select(m, x, x)", |x, y| Sym::select(x.lt(y), x, x)),
+        ("select(true, x, y)", |x, y| Sym::select(<Sym as Scalar>::Mask::splat(true), x, y)),
+        ("constants", |_, _| (Sym::lit(2.0).sqrt() * Sym::lit(3.0)).max(Sym::lit(1.0))),
+        ("min(x, x)", |x, _| x.min(x)),
+    ];
+    for (name, f) in free {
+        assert_eq!(operations(f), 0, "{name}");
+    }
+    assert_eq!(run(&record(1, |x| vec![x[0] * zero() + one()]), &[7.0], 1), [1.0]);
+}
+
+#[test]
+fn equal_work_is_done_once_and_useless_work_never() {
+    assert_eq!(operations(|x, y| (x * y + Sym::lit(1.0)) * (y * x + Sym::lit(1.0))), 2);
+    assert_eq!(operations(|x, y| (-x) * (-y)), 1);
+    assert_eq!(operations(|x, _| x * Sym::lit(2.0) * Sym::lit(3.0) + Sym::lit(1.0) + Sym::lit(1.0)), 1);
+    assert_eq!(operations(|x, _| x.clamp(0.0, 1.0).clamp(0.0, 1.0)), 1);
+    let program = record(2, |x| {
+        let _ = x[0].exp() * x[1];
+        vec![x[0]]
+    });
+    assert_eq!(program.operations(), 0);
+}
+
+/// A few steps of everything that a loop can do, generic: a power, a Newton root with an early end, a branch, chunks.
+fn everything<S: Scalar>(x: S, y: S) -> Vec<S> {
+    struct Vars<S>(S, S);
+    impl<S: Scalar> Carried<S> for Vars<S> {
+        fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+            visitor.numbers([&mut self.0, &mut self.1]);
+        }
+    }
+    let mut power = Vars(S::lit(1.0), x);
+    S::repeat(5, &mut power, |v| v.0 = v.0 * v.1);
+    let mut root = Vars(S::lit(1.0), S::zero());
+    let square = y.abs() + S::lit(0.5);
+    S::repeat_while(40, &mut root, |v| {
+        let next = (v.0 + square * v.0.recip()) * S::lit(0.5);
+        let step = (next - v.0).abs();
+        *v = Vars(next, v.1 + S::lit(1.0));
+        S::lit(1e-9).lt(step)
+    });
+    let mut chosen = Vars(x, y);
+    let mask = x.lt(y);
+    S::when(mask, &mut chosen, |v| {
+        let mut inner = Vars(v.0, v.1);
+        S::repeat(3, &mut inner, |v| v.0 += v.1);
+        v.0 = S::select(mask, inner.0, v.0);
+    });
+    let mut values = vec![x, y, x + y, x - y];
+    S::map_chunks(&mut values, |index, [a, b]: [S; 2]| [a * b, a + S::from_word(index)]);
+    [vec![power.0, root.0, chosen.0, chosen.1], values].concat()
+}
+
+proptest! {
+    #[test]
+    fn loops_branches_and_chunks_compute_what_plain_code_computes(x in -2.0..2.0, y in -2.0..2.0) {
+        let program = record(2, |v| everything(v[0], v[1]));
+        let want = everything::<f64>(x, y);
+        for (got, want) in run(&program, &[x, y], want.len()).into_iter().zip(want) {
+            prop_assert!((got - want).abs() <= 1e-12 * (1.0 + want.abs()), "{got} for {want}");
+        }
+    }
+
+    #[test]
+    fn elementary_functions_are_those_of_the_lanes(x in -50.0..50.0f64, y in 1e-6..1e6f64) {
+        let program = record(2, |v| {
+            let (sin, cos) = v[0].sin_cos();
+            let (minus, _) = (-v[0]).sin_cos();
+            vec![sin, cos, minus, (v[0] * Sym::lit(0.5)).exp(), v[1].ln()]
+        });
+        let (sin, cos) = x.sin_cos();
+        for (got, want) in run(&program, &[x, y], 5).into_iter().zip([sin, cos, -sin, (0.5 * x).exp(), y.ln()]) {
+            prop_assert!((got - want).abs() <= 3e-7 * (1.0 + want.abs()), "{got} for {want}");
+        }
+    }
+
+    #[test]
+    fn random_draws_are_the_same(seed: u64, env: u32, step: u32) {
+        fn draw<S: Scalar>(seed: u64, [env, step]: [S::Word; 2]) -> [S; 3] {
+            let [episode, stream] = [3, 0x1001].map(S::Word::splat);
+            let words = philox::<S>(Counter { seed: seed_words(seed), env, episode, step, stream });
+            let (a, b) = normal_pair(words[0], words[1]);
+            [a, b, S::from_word(words[3] >> 8)]
+        }
+        let words = Buffer { binding: 0, access: Access::PerEnv };
+        let program = trace(|| {
+            for (row, value) in draw::<Sym>(seed, [words.word(0), words.word(1)]).into_iter().enumerate() {
+                OUT.set_number(row, value);
+            }
+        });
+        let mut buffers = [Column::Words(vec![env, step]), Column::Numbers(vec![0.0; 3])];
+        program.interpret(&mut buffers);
+        let want = draw::<f64>(seed, [env, step].map(<f64 as Scalar>::Word::splat));
+        let Column::Numbers(got) = &buffers[1] else { unreachable!("made as numbers") };
+        for (got, want) in got.iter().zip(want) {
+            prop_assert!((got - want).abs() <= 1e-6, "{got} for {want}");
+        }
+    }
+}
+
+#[test]
+fn what_a_loop_does_not_change_is_computed_before_it_and_what_it_keeps_is_no_variable() {
+    struct Vars(Sym, Sym);
+    impl Carried<Sym> for Vars {
+        fn visit(&mut self, visitor: &mut impl Visitor<Sym>) {
+            visitor.numbers([&mut self.0, &mut self.1]);
+        }
+    }
+    let program = record(2, |x| {
+        let mut vars = Vars(x[0], x[1]);
+        Sym::repeat(10, &mut vars, |v| v.0 = v.0 + x[1].sqrt());
+        vec![vars.0, vars.1]
+    });
+    let order = program.order();
+    assert_eq!(order.len(), 2, "the program and the body");
+    assert_eq!(program.live_carries(0).count(), 1);
+    let body: Vec<_> = order[1].iter().collect();
+    assert_eq!(body.len(), 2, "the variable and the sum; the root is outside: {body:?}");
+    let got = run(&program, &[1.0, 4.0], 2);
+    assert_eq!(got, [21.0, 4.0]);
+}
+
+#[test]
+fn operations_are_counted_per_stage() {
+    struct Half(Sym);
+    impl Stage<Sym> for Half {
+        const NAME: &'static str = "half";
+        type Output = Sym;
+        fn run(self) -> Sym {
+            self.0 * Sym::lit(0.5)
+        }
+    }
+    let program = record(1, |x| vec![Sym::outline(Half(x[0])).sqrt()]);
+    let counts: Vec<(String, usize)> =
+        program.stage_counts().into_iter().map(|stage| (stage.path.join("/"), stage.operations)).collect();
+    assert_eq!(counts, [("program".into(), 1), ("program/half".into(), 1)]);
+}
+
+#[test]
+#[should_panic(expected = "must be one of its variables")]
+fn a_number_from_inside_a_loop_is_refused_outside() {
+    struct Nothing;
+    impl Carried<Sym> for Nothing {
+        fn visit(&mut self, _: &mut impl Visitor<Sym>) {}
+    }
+    record(1, |x| {
+        let mut inside = x[0];
+        Sym::when(x[0].lt(Sym::zero()), &mut Nothing, |_| inside = x[0].sqrt());
+        vec![inside + Sym::lit(1.0)]
+    });
+}
+
+#[test]
+fn reads_see_what_was_there_before_writes() {
+    let program = trace(|| {
+        let (a, b) = (IN.number(0), IN.number(1));
+        IN.set_number(0, b);
+        IN.set_number(1, a);
+    });
+    let mut buffers = [Column::Numbers(vec![1.0, 2.0])];
+    program.interpret(&mut buffers);
+    assert_eq!(buffers, [Column::Numbers(vec![2.0, 1.0])]);
+}
+
+/// Kernels are valid, and their text is what people read.
+#[cfg(feature = "gpu")]
+#[test]
+fn a_kernel_reads_like_the_code() {
+    let program = record(2, |x| vec![(x[0] * x[1] + Sym::lit(2.0)).max(Sym::zero())]);
+    let wgsl = program.to_kernel(&["numbers", "result"], 64).to_wgsl().unwrap();
+    for part in ["@workgroup_size(64, 1, 1)", "numbers_0", "fma(", "max(", "result["] {
+        assert!(wgsl.contains(part), "{part} is missing in\n{wgsl}");
+    }
+    let every = record(2, |v| everything(v[0], v[1]));
+    assert!(every.to_kernel(&["numbers", "result"], 64).to_wgsl().is_ok());
+}
