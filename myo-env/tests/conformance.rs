@@ -1,14 +1,11 @@
 //! One list of properties for every backend. A backend is done when it passes.
 
+mod common;
+
+use common::{actions, arm, entry, gpu, rollout, short};
 use myo_env::{Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
-use myo_gpu::{Gpu, Want};
-use myo_model::{Model, builtin};
 use myo_scalar::Level;
 use myo_tasks::{Task, preset};
-
-fn arm(task: &Task) -> Model {
-    Model::new(&builtin(&task.model).unwrap()).unwrap()
-}
 
 /// A backend under test.
 trait Subject: VectorEnv + Sized {
@@ -33,46 +30,6 @@ impl Subject for GpuEnv {
     }
 }
 
-/// The best graphics card, or a software driver.
-fn gpu() -> Gpu {
-    Gpu::open(&Want::Any).expect("a GPU or a software driver; to skip these tests, set MYO_NO_GPU=1")
-}
-
-/// Whether tests on a graphics card are to be left out.
-fn without_gpu() -> bool {
-    let skip = std::env::var("MYO_NO_GPU").as_deref() == Ok("1");
-    if skip {
-        println!("skipped: MYO_NO_GPU=1 says that there is no graphics card and no software driver");
-    }
-    skip
-}
-
-/// A task short enough to end often.
-fn short(name: &str) -> Task {
-    let mut task = preset(name).unwrap();
-    task.time_limit_s = 0.5;
-    task
-}
-
-/// Reproducible actions in [-1, 1], different in every environment.
-fn actions(env: &dyn VectorEnv, step: usize) -> Vec<f32> {
-    let spec = env.spec();
-    let of = |k: usize| ((k * 2_654_435_761 + step * 40_503) % 1_000_003) as f32 / 500_001.5 - 1.0;
-    (0..spec.num_envs * spec.action_size()).map(of).collect()
-}
-
-/// Everything that a roll-out returns, flattened.
-fn rollout(env: &mut dyn VectorEnv, steps: usize) -> Vec<StepStorage> {
-    let mut out = StepStorage::new(env.spec());
-    (0..steps)
-        .map(|step| {
-            let actions = actions(env, step);
-            env.step(&actions, out.buffers()).unwrap();
-            out.clone()
-        })
-        .collect()
-}
-
 fn bits(rows: &[f32]) -> Vec<u32> {
     rows.iter().map(|x| x.to_bits()).collect()
 }
@@ -84,11 +41,6 @@ fn assert_same_bits(a: &[StepStorage], b: &[StepStorage]) {
         assert_eq!(a.terminated, b.terminated, "terminated in step {step}");
         assert_eq!(a.truncated, b.truncated, "truncated in step {step}");
     }
-}
-
-/// Index of a named entry of the observation.
-fn entry(env: &dyn VectorEnv, name: &str) -> usize {
-    env.spec().observation_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no entry {name}"))
 }
 
 fn column(env: &dyn VectorEnv, name: &str) -> usize {
@@ -304,7 +256,7 @@ macro_rules! conformance {
 conformance!(
     cpu: myo_env::CpuEnv, skip if false;
     reference: myo_env::ReferenceEnv, skip if false;
-    gpu: myo_env::GpuEnv, skip if super::without_gpu();
+    gpu: myo_env::GpuEnv, skip if super::common::without_gpu();
 );
 
 /// The backends draw the same integers and agree in floats as far as single precision goes, at every level.

@@ -49,6 +49,20 @@ impl GpuEnv {
     /// # Errors
     /// The task or model cannot be simulated, is too large for a kernel, or the card refuses.
     pub fn new(gpu: &Gpu, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
+        Self::with_shards(gpu, model, task, config, usize::MAX)
+    }
+
+    /// The same with at most `most` environments in one set of buffers, or as many as portable buffers hold.
+    ///
+    /// # Errors
+    /// As for [`GpuEnv::new`].
+    pub fn with_shards(
+        gpu: &Gpu,
+        model: &Model,
+        task: &Task,
+        config: &EnvConfig,
+        most: usize,
+    ) -> Result<Self, BuildError> {
         if config.num_envs == 0 {
             return Err(BuildError::NoEnvironments);
         }
@@ -56,8 +70,7 @@ impl GpuEnv {
         let kernels = Kernels::new(gpu, &tables, config.autoreset)?;
         let spec = batch::spec(model, task, &tables, config);
         let count = EnvState::<f64>::new(&tables).numbers().count();
-        let widest = count.max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
-        let per_shard = (PORTABLE_BUFFER / (4 * widest)).next_power_of_two() / 2;
+        let per_shard = portable_envs(&spec, count).min(most.max(1));
         let shards = (0..config.num_envs)
             .step_by(per_shard)
             .map(|first| Shard::new(gpu, &kernels, &spec, count, first, per_shard.min(config.num_envs - first)))
@@ -107,7 +120,13 @@ impl GpuEnv {
     }
 }
 
-/// Rows of environments to columns, or back.
+/// Environments whose widest buffer every card allows: a power of two.
+fn portable_envs(spec: &EnvSpec, count: usize) -> usize {
+    let widest = count.max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
+    1 << (PORTABLE_BUFFER / (4 * widest)).ilog2()
+}
+
+/// Rows of environments to columns.
 fn transpose(from: &[f32], rows: usize, columns: usize, to: &mut [f32]) {
     for (column, to) in to.chunks_exact_mut(rows).enumerate() {
         for (row, x) in to.iter_mut().enumerate() {

@@ -1,0 +1,56 @@
+//! What tests of environments share.
+#![allow(dead_code)]
+
+use myo_env::{StepStorage, VectorEnv};
+use myo_gpu::{Gpu, Want};
+use myo_model::{Model, builtin};
+use myo_tasks::{Task, preset};
+
+pub fn arm(task: &Task) -> Model {
+    Model::new(&builtin(&task.model).unwrap()).unwrap()
+}
+
+/// The best graphics card, or a software driver.
+pub fn gpu() -> Gpu {
+    Gpu::open(&Want::Any).expect("a GPU or a software driver; to skip these tests, set MYO_NO_GPU=1")
+}
+
+/// Whether tests on a graphics card are to be left out.
+pub fn without_gpu() -> bool {
+    let skip = std::env::var("MYO_NO_GPU").as_deref() == Ok("1");
+    if skip {
+        println!("skipped: MYO_NO_GPU=1 says that there is no graphics card and no software driver");
+    }
+    skip
+}
+
+/// A task short enough to end often.
+pub fn short(name: &str) -> Task {
+    let mut task = preset(name).unwrap();
+    task.time_limit_s = 0.5;
+    task
+}
+
+/// Reproducible actions in [-1, 1], different in every environment.
+pub fn actions(env: &dyn VectorEnv, step: usize) -> Vec<f32> {
+    let spec = env.spec();
+    let of = |k: usize| ((k * 2_654_435_761 + step * 40_503) % 1_000_003) as f32 / 500_001.5 - 1.0;
+    (0..spec.num_envs * spec.action_size()).map(of).collect()
+}
+
+/// Everything that a roll-out returns, flattened.
+pub fn rollout(env: &mut dyn VectorEnv, steps: usize) -> Vec<StepStorage> {
+    let mut out = StepStorage::new(env.spec());
+    (0..steps)
+        .map(|step| {
+            let actions = actions(env, step);
+            env.step(&actions, out.buffers()).unwrap();
+            out.clone()
+        })
+        .collect()
+}
+
+/// Index of a named entry of the observation.
+pub fn entry(env: &dyn VectorEnv, name: &str) -> usize {
+    env.spec().observation_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no entry {name}"))
+}
