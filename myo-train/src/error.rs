@@ -15,6 +15,9 @@ pub enum TrainError {
     /// The environment refused a call.
     #[error("the environment refused: {0}")]
     Env(#[from] EnvError),
+    /// The graphics card failed. After a loss of the device, go on from a checkpoint.
+    #[error(transparent)]
+    Gpu(#[from] myo_gpu::GpuError),
     /// The environment does not fit the settings or the policy.
     #[error("the environment does not fit: {what} is {got}, expected {expected}")]
     Mismatch {

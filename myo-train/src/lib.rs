@@ -29,6 +29,7 @@
 //! }
 //! ```
 mod checkpoint;
+mod collector;
 mod config;
 mod crc32c;
 mod error;
@@ -36,6 +37,7 @@ mod evaluate;
 mod files;
 mod gae;
 mod gaussian;
+pub mod gpu;
 mod kernels;
 mod learn;
 mod metrics;

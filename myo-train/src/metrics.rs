@@ -17,6 +17,12 @@ impl EpisodeSums {
         Self { count: 0, sum: vec![0.0; columns], entries: vec![0; columns] }
     }
 
+    /// From sums, and numbers of entries, that were made elsewhere.
+    pub fn from_sums(count: u64, sum: &[f32], entries: &[f32]) -> Self {
+        let entries = entries.iter().map(|&n| n as u64).collect();
+        Self { count, sum: sum.iter().map(|&x| x.into()).collect(), entries }
+    }
+
     /// Forgets all episodes.
     pub fn clear(&mut self) {
         self.count = 0;

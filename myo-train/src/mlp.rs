@@ -55,6 +55,11 @@ impl Mlp {
         Self { layers }
     }
 
+    /// Inputs, outputs, first weight and first bias of every layer; weights are `(outputs, inputs)` column-major.
+    pub(crate) fn layers(&self) -> impl Iterator<Item = [usize; 4]> + '_ {
+        self.layers.iter().map(|layer| [layer.inputs, layer.outputs, layer.weight.start, layer.bias.start])
+    }
+
     /// Number of parameters.
     pub fn len(&self) -> usize {
         self.layers.last().map_or(0, |layer| layer.bias.end)

@@ -92,6 +92,25 @@ impl Normalizer {
         kernels::add_moments(rows, &self.mean, &mut moments.sum, &mut moments.sum_squares);
     }
 
+    /// Moments from sums of `x - mean` and then of `(x - mean)^2` per feature, with the mean rounded to single precision
+    /// as in [`Normalizer::scaling`].
+    pub(crate) fn moments_from_f32(&self, rows: usize, sums: &[f32]) -> Moments {
+        let (count, (sum, squares)) = (rows as f64, sums.split_at(self.size()));
+        let mut moments = Moments { count, ..Moments::new(self.size()) };
+        for i in 0..self.size() {
+            // x - mean = (x - rounded) + shift
+            let (shift, sum) = (f64::from(self.mean_f32[i]) - self.mean[i], f64::from(sum[i]));
+            moments.sum[i] = sum + count * shift;
+            moments.sum_squares[i] = f64::from(squares[i]) + 2.0 * shift * sum + count * shift * shift;
+        }
+        moments
+    }
+
+    /// Means, and one over standard deviations, as [`Normalizer::apply`] uses them.
+    pub(crate) fn scaling(&self) -> (&[f32], &[f32]) {
+        (&self.mean_f32, &self.inverse_std)
+    }
+
     /// Takes in the rows behind `moments` (Chan, Golub and LeVeque 1983, doi 10.1080/00031305.1983.10483115).
     pub fn merge(&mut self, moments: &Moments) {
         if moments.count == 0.0 {

@@ -204,8 +204,8 @@ impl Rollout {
         Ok(())
     }
 
-    /// Values of all observations, then advantages and targets.
-    pub fn estimate(&mut self, actor: &Actor<'_>) {
+    /// Values of all observations, and what the future was worth after every step.
+    pub fn evaluate(&mut self, actor: &Actor<'_>) {
         let envs = self.value.len() - self.reward.len();
         evaluate(actor, &self.observation, &mut self.value);
         self.truncated_value.resize(self.truncated.len(), 0.0);
@@ -218,8 +218,13 @@ impl Rollout {
         for (&i, &value) in self.truncated.iter().zip(&self.truncated_value) {
             self.next_value[i as usize] = value;
         }
+    }
+
+    /// Advantages and targets, from values and rewards.
+    pub fn estimate(&mut self, config: &PpoConfig) {
+        let envs = self.value.len() - self.reward.len();
         let value = &self.value[..self.reward.len()];
-        let decay = (actor.config.gamma as f32, actor.config.gae_lambda as f32);
+        let decay = (config.gamma as f32, config.gae_lambda as f32);
         crate::gae::advantages(envs, decay, &self.reward, value, &self.next_value, &self.ended, &mut self.advantage);
         for ((target, advantage), value) in self.target.iter_mut().zip(&self.advantage).zip(value) {
             *target = advantage + value;

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
-use myo_env::{Autoreset, EnvSpec, VectorEnv};
+use myo_env::{EnvSpec, GpuEnv, VectorEnv};
 
 use crate::checkpoint::Checkpoint;
+use crate::collector::{Collector, check_env};
 use crate::gae::explained_variance;
 use crate::learn::{LearnStats, Learner, Optimizer};
 use crate::metrics::UpdateMetrics;
@@ -34,7 +35,7 @@ macro_rules! actor {
 /// one kind of processor: not on the number of threads, nor on whether training was stopped and resumed in between. Work
 /// runs on the calling thread's rayon pool.
 pub struct Trainer {
-    env: Box<dyn VectorEnv>,
+    collector: Collector,
     spec: EnvSpec,
     config: PpoConfig,
     seed: u64,
@@ -54,10 +55,21 @@ pub struct Trainer {
 
 impl Trainer {
     /// A new policy; resets the environment with `seed`.
-    pub fn new(mut env: Box<dyn VectorEnv>, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        let spec = check_env(env.as_ref(), &config)?;
+    pub fn new(env: Box<dyn VectorEnv>, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
+        check_env(env.as_ref(), &config)?;
+        Self::start(Collector::Host(env), config, seed)
+    }
+
+    /// As [`Trainer::new`], with the policy acting on the graphics card beside the environment; learning stays on the
+    /// processor. Same seed, same card and driver: same weights.
+    pub fn on_card(env: GpuEnv, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
+        Self::start(Collector::on_card(env, &config)?, config, seed)
+    }
+
+    fn start(mut collector: Collector, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
+        let spec = collector.env().spec().clone();
         let mut observation = vec![0.0; spec.num_envs * spec.observation_size()];
-        env.reset(Some(seed), None, &mut observation)?;
+        collector.env_mut().reset(Some(seed), None, &mut observation)?;
         let networks = Networks::new(&spec, &config);
         let mut trainer = Self {
             parameters: networks.initialize(seed, &config),
@@ -70,7 +82,7 @@ impl Trainer {
             rollout: Rollout::new(&spec, &config),
             learner: Learner::new(&networks, &config),
             lender: Lender::new(),
-            env,
+            collector,
             spec,
             config,
             seed,
@@ -94,9 +106,9 @@ impl Trainer {
         let start = Instant::now();
         let actor = actor!(self);
         let first_step = self.updates * self.config.steps_per_update as u64;
-        self.rollout.collect(self.env.as_mut(), &actor, first_step, &mut self.observation)?;
+        self.collector.collect(&actor, first_step, &mut self.rollout, &mut self.observation)?;
         let collect_s = start.elapsed().as_secs_f64();
-        self.rollout.estimate(&actor);
+        self.rollout.estimate(&self.config);
 
         let learn = self.learner.learn(
             &self.networks,
@@ -192,26 +204,33 @@ impl Trainer {
             optimizer: self.optimizer.clone(),
             normalizer: self.normalizer.clone(),
             observation: self.observation.clone(),
-            env_state: self.env.save_state().unwrap_or_default(),
+            env_state: self.collector.env().save_state().unwrap_or_default(),
         }
     }
 
     /// Continues from a checkpoint in an environment of the same kind and size, bit for bit; with new episodes where the
     /// checkpoint was written without the state of the environment.
     pub fn restore(env: Box<dyn VectorEnv>, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        let config = checkpoint.config.clone();
-        let mut trainer = {
-            let spec = check_env(env.as_ref(), &config)?;
-            check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
-            check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
-            Self::new(env, config, checkpoint.seed)?
-        };
+        check_env(env.as_ref(), &checkpoint.config)?;
+        Self::resume(Collector::Host(env), checkpoint)
+    }
+
+    /// As [`Trainer::restore`], on the graphics card.
+    pub fn restore_on_card(env: GpuEnv, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
+        Self::resume(Collector::on_card(env, &checkpoint.config)?, checkpoint)
+    }
+
+    fn resume(collector: Collector, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
+        let spec = collector.env().spec();
+        check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
+        check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
+        let mut trainer = Self::start(collector, checkpoint.config.clone(), checkpoint.seed)?;
         if checkpoint.env_state.is_empty() {
             // Other episodes than those of the beginning.
             let seed = checkpoint.seed.wrapping_add(checkpoint.updates);
-            trainer.env.reset(Some(seed), None, &mut trainer.observation)?;
+            trainer.collector.env_mut().reset(Some(seed), None, &mut trainer.observation)?;
         } else {
-            trainer.env.load_state(&checkpoint.env_state)?;
+            trainer.collector.load(&checkpoint.env_state, &checkpoint.observation)?;
             trainer.observation.clone_from(&checkpoint.observation);
         }
         trainer.updates = checkpoint.updates;
@@ -222,27 +241,6 @@ impl Trainer {
         trainer.normalizer.clone_from(&checkpoint.normalizer);
         Ok(trainer)
     }
-}
-
-/// Refuses settings out of range and environments that do not fit them.
-fn check_env(env: &dyn VectorEnv, config: &PpoConfig) -> Result<EnvSpec, TrainError> {
-    config.validate()?;
-    let spec = env.spec().clone();
-    let mismatch = |what, got: String, expected: String| Err(TrainError::Mismatch { what, got, expected });
-    if spec.num_envs != config.num_envs {
-        return mismatch("the number of environments", spec.num_envs.to_string(), config.num_envs.to_string());
-    }
-    if spec.autoreset != Autoreset::SameStep {
-        return mismatch("the autoreset mode", format!("{:?}", spec.autoreset), "SameStep".into());
-    }
-    for (what, size) in
-        [("the number of observations", spec.observation_size()), ("the number of actions", spec.action_size())]
-    {
-        if size == 0 {
-            return mismatch(what, "0".into(), "at least 1".into());
-        }
-    }
-    Ok(spec)
 }
 
 /// Learning rate for the next update: lower when the policy moved too far, higher when it hardly moved.

@@ -1,0 +1,229 @@
+//! Layers of networks on the card: matrix product, bias and what follows, in one kernel.
+
+use std::collections::HashMap;
+
+use myo_gpu::{Access, Batch, Bindings, Buffer, Gpu, GpuError, Kernel, Source};
+
+use super::tile::Tile;
+
+/// Columns that lie side by side in one vector of the kernels; strides and first columns are multiples of it.
+pub const GROUP: usize = 4;
+
+/// What becomes of the sums of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Finish {
+    /// `z sigmoid(z)`, for hidden layers.
+    Silu,
+    /// Stays as it is.
+    Linear,
+    /// The sum is the mean of an action. `Y` holds standard normal noise and gets the action; the environment's
+    /// actions get it mapped and clipped.
+    Sample,
+}
+
+/// Columns of samples in a buffer: entry `row` of column `k` is at `row * stride + first + k`.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns<'a> {
+    /// Where they are.
+    pub buffer: &'a Buffer<f32>,
+    /// Numbers from one row to the next.
+    pub stride: usize,
+    /// First column.
+    pub first: usize,
+}
+
+impl Columns<'_> {
+    /// Refuses columns that the buffer does not have.
+    fn check(&self, rows: usize, columns: usize) -> Result<(), GpuError> {
+        fits(self.buffer, self.stride * (rows - 1) + self.first + columns)
+    }
+}
+
+/// Refuses more entries than the buffer has.
+fn fits(buffer: &Buffer<f32>, end: usize) -> Result<(), GpuError> {
+    match end <= buffer.len() {
+        true => Ok(()),
+        false => Err(GpuError::OutOfRange { buffer: buffer.label().to_owned(), start: 0, end, len: buffer.len() }),
+    }
+}
+
+/// A layer: where its parameters are in the flat vector, and its sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// Rows of the input.
+    pub inputs: usize,
+    /// Rows of the output.
+    pub outputs: usize,
+    /// First weight; they are `(outputs, inputs)` column-major.
+    pub weight: usize,
+    /// First bias.
+    pub bias: usize,
+}
+
+/// What [`Finish::Sample`] needs besides.
+#[derive(Clone, Copy, Debug)]
+pub struct Sampling<'a> {
+    /// Actions of the environment, `(actions, num_envs)`.
+    pub env_actions: &'a Buffer<f32>,
+    /// Environments.
+    pub num_envs: usize,
+    /// Environment of the first column.
+    pub first_env: usize,
+    /// Place of the first logarithm of a standard deviation among the parameters.
+    pub log_std: usize,
+    /// Offset and scale from the policy's output to an action.
+    pub mapping: (f32, f32),
+}
+
+/// A kernel with its buffers, ready to be run.
+#[derive(Clone, Debug)]
+pub struct Dispatch {
+    /// What runs.
+    pub kernel: Kernel,
+    /// On which buffers.
+    pub bindings: Bindings,
+    /// On how many threads.
+    pub threads: u32,
+}
+
+impl Dispatch {
+    /// Adds it to a batch.
+    pub fn add(&self, batch: &mut Batch) {
+        batch.dispatch(&self.kernel, &self.bindings, self.threads);
+    }
+}
+
+/// The kernels of layers, compiled when first asked for.
+#[derive(Debug)]
+pub struct DenseKernels {
+    gpu: Gpu,
+    compiled: HashMap<(Tile, Finish), Kernel>,
+    forced: Option<Tile>,
+}
+
+impl DenseKernels {
+    /// No kernels yet. `forced` takes one tile for all layers, for measurements; otherwise it depends on their size.
+    pub fn new(gpu: &Gpu, forced: Option<Tile>) -> Self {
+        Self { gpu: gpu.clone(), compiled: HashMap::new(), forced }
+    }
+
+    /// Prepares `Y = finish(W X + b)` for `columns` columns, a multiple of [`GROUP`].
+    ///
+    /// # Errors
+    /// The card refuses the kernel, has no memory left, or is lost.
+    pub fn layer(
+        &mut self,
+        parameters: &Buffer<f32>,
+        layer: Layer,
+        x: Columns<'_>,
+        y: Columns<'_>,
+        columns: usize,
+        sampling: Option<Sampling<'_>>,
+        finish: Finish,
+    ) -> Result<Dispatch, GpuError> {
+        fits(parameters, layer.bias + layer.outputs)?;
+        if let Some(sampling) = sampling {
+            fits(sampling.env_actions, layer.outputs * sampling.num_envs)?;
+            fits(parameters, sampling.log_std + layer.outputs)?;
+        }
+        x.check(layer.inputs, columns)?;
+        y.check(layer.outputs, columns)?;
+        let tile = self.forced.unwrap_or_else(|| tile_for(layer.outputs, columns));
+        let kernel = self.kernel(tile, finish)?;
+        let shape = self.gpu.buffer("shape", 16)?;
+        self.gpu.write(&shape, 0, &words(layer, x, y, columns, sampling))?;
+        let mut buffers = vec![parameters.binding(), x.buffer.binding(), y.buffer.binding()];
+        buffers.extend(sampling.map(|sampling| sampling.env_actions.binding()));
+        buffers.push(shape.binding());
+        let bindings = kernel.bind(&buffers)?;
+        let threads = tile.workgroups(layer.outputs as u32, columns as u32) * tile.threads();
+        Ok(Dispatch { kernel, bindings, threads })
+    }
+
+    fn kernel(&mut self, tile: Tile, finish: Finish) -> Result<Kernel, GpuError> {
+        if let Some(kernel) = self.compiled.get(&(tile, finish)) {
+            return Ok(kernel.clone());
+        }
+        let kernel = compile(&self.gpu, tile, finish)?;
+        self.compiled.insert((tile, finish), kernel.clone());
+        Ok(kernel)
+    }
+}
+
+/// The tile that keeps a large card busy: large ones need fewer copies per product, small ones give more workgroups.
+fn tile_for(outputs: usize, columns: usize) -> Tile {
+    const SLIM: Tile = Tile::new(4, 128, 16, (4, 4));
+    const SMALL: Tile = Tile::new(32, 32, 16, (4, 4));
+    const FLAT: Tile = Tile::new(32, 64, 16, (4, 8));
+    const LARGE: Tile = Tile::new(64, 64, 16, (8, 8));
+    match (outputs, columns) {
+        (..=4, _) => SLIM,
+        (_, ..8192) => SMALL,
+        (..=32, _) => FLAT,
+        _ => LARGE,
+    }
+}
+
+/// The uniform `Shape` of the kernel.
+fn words(layer: Layer, x: Columns<'_>, y: Columns<'_>, columns: usize, sampling: Option<Sampling<'_>>) -> [u32; 16] {
+    let Layer { inputs, outputs, weight, bias } = layer;
+    let places = [x.stride, x.first, y.stride, y.first].map(|place| place / GROUP);
+    let mut words = [0; 16];
+    let sizes = [inputs, outputs, columns / GROUP, weight, bias].into_iter().chain(places);
+    words.iter_mut().zip(sizes).for_each(|(word, size)| *word = size as u32);
+    if let Some(sampling) = sampling {
+        let (offset, scale) = sampling.mapping;
+        let places = [sampling.log_std, sampling.first_env, sampling.num_envs].map(|place| place as u32);
+        words[9..12].copy_from_slice(&places);
+        words[12..14].copy_from_slice(&[offset.to_bits(), scale.to_bits()]);
+    }
+    words
+}
+
+const SILU: &str = "fn silu(z: vec4<f32>) -> vec4<f32> {
+    // Held where the exponential would overflow.
+    return z / (1.0 + exp(-max(z, vec4<f32>(-87.0))));
+}";
+
+const SAMPLE: &str = "fn sample(output: u32, group: u32, mean: vec4<f32>) {
+    let place = output * shape.y_stride + shape.y_first + group;
+    let action = fma(vec4<f32>(exp(parameters[shape.log_std + output])), y[place], mean);
+    y[place] = action;
+    let mapped = clamp(fma(vec4<f32>(shape.scale), action, vec4<f32>(shape.offset)), vec4<f32>(-1.0), vec4<f32>(1.0));
+    let env = shape.first_env + 4u * group;
+    let first = output * shape.num_envs + env;
+    if env < shape.num_envs { env_actions[first] = mapped.x; }
+    if env + 1u < shape.num_envs { env_actions[first + 1u] = mapped.y; }
+    if env + 2u < shape.num_envs { env_actions[first + 2u] = mapped.z; }
+    if env + 3u < shape.num_envs { env_actions[first + 3u] = mapped.w; }
+}";
+
+/// The kernel's text and how it uses its buffers.
+fn source(tile: Tile, finish: Finish) -> (String, Vec<Access>) {
+    let place = "y[output * shape.y_stride + shape.y_first + group]";
+    let (functions, statement) = match finish {
+        Finish::Silu => (SILU, format!("{place} = silu(sum);")),
+        Finish::Linear => ("", format!("{place} = sum;")),
+        Finish::Sample => (SAMPLE, "sample(output, group, sum);".to_owned()),
+    };
+    let mut access = vec![Access::Read, Access::Read, Access::ReadWrite];
+    let mut bindings = "";
+    if finish == Finish::Sample {
+        access.push(Access::ReadWrite);
+        bindings = "@group(0) @binding(3) var<storage, read_write> env_actions: array<f32>;";
+    }
+    let template = include_str!("dense.wgsl")
+        .replace("$BINDINGS", bindings)
+        .replace("$SHAPE", &access.len().to_string())
+        .replace("$FUNCTIONS", functions);
+    access.push(Access::Uniform);
+    (tile.fill_in(&template, &statement), access)
+}
+
+fn compile(gpu: &Gpu, tile: Tile, finish: Finish) -> Result<Kernel, GpuError> {
+    let (text, access) = source(tile, finish);
+    let label = format!("layer {finish:?} {}x{}", tile.outputs, tile.columns).to_lowercase();
+    // SAFETY: `DenseKernels::layer` checks that every buffer holds what the shape says, and what lies beyond the shape is
+    // left out. Shared memory is written before it is read, and the loops end after `inputs` steps at most.
+    unsafe { gpu.compile_trusted(&label, Source::Wgsl(&text), "main", &access) }
+}

@@ -1,0 +1,139 @@
+// All noise of a roll-out at once: one thread per sample draws standard normal numbers for its action, and the logarithm of
+// the probability density of the action, which depends on nothing else:
+//
+// ln density = -sum ln std - actions ln(2 pi) / 2 - sum noise^2 / 2.
+//
+// The same counters, words and formulas as in random.rs and gaussian.rs.
+
+struct Shape {
+    num_envs: u32,
+    // Columns of one step, and of all.
+    padded: u32,
+    columns: u32,
+    actions: u32,
+    // Place of the logarithms of the standard deviations.
+    log_std: u32,
+}
+
+@group(0) @binding(0) var<storage, read> parameters: array<f32>;
+// Seed and number of the first step, low halves first.
+@group(0) @binding(1) var<storage, read> clock: array<u32>;
+// (actions, columns)
+@group(0) @binding(2) var<storage, read_write> noise: array<f32>;
+@group(0) @binding(3) var<storage, read_write> log_prob: array<f32>;
+@group(0) @binding(4) var<uniform> shape: Shape;
+
+const STREAM = 2u;
+const HALF_LN_TAU = 0.9189385;
+const LN_2 = 0.6931472;
+const TAU = 6.2831855;
+
+// Upper half of a product.
+fn mul_high(a: u32, b: u32) -> u32 {
+    let a0 = a & 0xffffu;
+    let a1 = a >> 16u;
+    let b0 = b & 0xffffu;
+    let b1 = b >> 16u;
+    let middle = a1 * b0 + ((a0 * b0) >> 16u);
+    let other = a0 * b1 + (middle & 0xffffu);
+    return a1 * b1 + (middle >> 16u) + (other >> 16u);
+}
+
+fn philox(counter: vec4<u32>, seed: vec2<u32>) -> vec4<u32> {
+    var x = counter;
+    var key = seed;
+    for (var round = 0u; round < 10u; round += 1u) {
+        let a = vec2<u32>(mul_high(x.x, 0xD2511F53u), x.x * 0xD2511F53u);
+        let b = vec2<u32>(mul_high(x.z, 0xCD9E8D57u), x.z * 0xCD9E8D57u);
+        x = vec4<u32>(b.x ^ x.y ^ key.x, b.y, a.x ^ x.w ^ key.y, a.y);
+        key += vec2<u32>(0x9E3779B9u, 0xBB67AE85u);
+    }
+    return x;
+}
+
+// Uniform in (0, 1).
+fn open_unit(word: u32) -> f32 {
+    return (f32(word >> 9u) + 0.5) * (1.0 / 8388608.0);
+}
+
+// Natural logarithm. The built-in one may be off by 5e-7 near 1, where the result must not become positive.
+fn logarithm(x: f32) -> f32 {
+    let bits = bitcast<u32>(x);
+    let e = bitcast<i32>(bits - 0x3f3504f3u) >> 23u;
+    let m = bitcast<f32>(bits - (bitcast<u32>(e) << 23u));
+    let s = (m - 1.0) / (m + 1.0);
+    let s2 = s * s;
+    var p = 2.0 / 9.0;
+    p = fma(p, s2, 2.0 / 7.0);
+    p = fma(p, s2, 2.0 / 5.0);
+    p = fma(p, s2, 2.0 / 3.0);
+    p = fma(p, s2, 2.0);
+    return fma(f32(e), LN_2, s * p);
+}
+
+// Cosine and sine of `t` turns.
+fn cos_sin_turns(t: f32) -> vec2<f32> {
+    let quarter = i32(fma(t, 4.0, 0.5));
+    let a = fma(f32(quarter), -0.25, t) * TAU;
+    let a2 = a * a;
+    var s = 1.0 / 362880.0;
+    s = fma(s, a2, -1.0 / 5040.0);
+    s = fma(s, a2, 1.0 / 120.0);
+    s = fma(s, a2, -1.0 / 6.0);
+    s = fma(s, a2, 1.0) * a;
+    var c = 1.0 / 40320.0;
+    c = fma(c, a2, -1.0 / 720.0);
+    c = fma(c, a2, 1.0 / 24.0);
+    c = fma(c, a2, -0.5);
+    c = fma(c, a2, 1.0);
+    let swap = (quarter & 1) != 0;
+    let cosine = select(c, s, swap);
+    let sine = select(s, c, swap);
+    return vec2<f32>(
+        select(cosine, -cosine, ((quarter + 1) & 2) != 0),
+        select(sine, -sine, (quarter & 2) != 0),
+    );
+}
+
+// Two standard normal numbers (Box and Muller, doi 10.1214/aoms/1177706645).
+fn normal_pair(first: u32, second: u32) -> vec2<f32> {
+    return sqrt(-2.0 * logarithm(open_unit(first))) * cos_sin_turns(open_unit(second));
+}
+
+fn log_peak() -> f32 {
+    var sum = 0.0;
+    for (var i = 0u; i < shape.actions; i += 1u) {
+        sum += parameters[shape.log_std + i];
+    }
+    return -sum - f32(shape.actions) * HALF_LN_TAU;
+}
+
+@compute @workgroup_size(64)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let column = (workgroup.y * workgroups.x + workgroup.x) * 64u + local;
+    let env = column % shape.padded;
+    if column >= shape.columns || env >= shape.num_envs { return; }
+
+    // The step's number has 64 bits.
+    let low = clock[2] + column / shape.padded;
+    let high = clock[3] + select(0u, 1u, low < clock[2]);
+    let seed = vec2<u32>(clock[0], clock[1]);
+    let blocks = (shape.actions + 3u) / 4u;
+    var squares = 0.0;
+    for (var block = 0u; block < blocks; block += 1u) {
+        let words = philox(vec4<u32>(env * blocks + block, low, high, STREAM), seed);
+        let normal = vec4<f32>(normal_pair(words.x, words.y), normal_pair(words.z, words.w));
+        for (var i = 0u; i < 4u; i += 1u) {
+            let action = 4u * block + i;
+            if action < shape.actions {
+                noise[action * shape.columns + column] = normal[i];
+                squares += normal[i] * normal[i];
+            }
+        }
+    }
+    log_prob[column] = log_peak() - 0.5 * squares;
+}

@@ -1,0 +1,90 @@
+//! How the samples of a roll-out lie in the buffers.
+
+use myo_env::EnvSpec;
+
+use super::dense::GROUP;
+use super::kernels::OBSERVE_WORKGROUP;
+use crate::PpoConfig;
+
+/// Sizes of a roll-out. Its samples are columns: environment `e` in step `t` is column `t * padded + e`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sizes {
+    /// Control steps.
+    pub steps: usize,
+    /// Environments.
+    pub envs: usize,
+    /// Columns of one step: `envs` rounded up to a multiple of four.
+    pub padded: usize,
+    /// Entries of an observation.
+    pub observations: usize,
+    /// Entries of an action.
+    pub actions: usize,
+    /// Entries of the summary of an episode.
+    pub summary: usize,
+    /// Control steps after which an episode is cut off.
+    pub time_limit: usize,
+}
+
+impl Sizes {
+    /// For an environment and settings.
+    pub fn new(spec: &EnvSpec, config: &PpoConfig) -> Self {
+        Self {
+            steps: config.steps_per_update,
+            envs: spec.num_envs,
+            padded: spec.num_envs.next_multiple_of(GROUP),
+            observations: spec.observation_size(),
+            actions: spec.action_size(),
+            summary: spec.episode_size(),
+            time_limit: spec.max_episode_steps.max(1),
+        }
+    }
+
+    /// Columns of all actions, rewards and so on.
+    pub fn samples(&self) -> usize {
+        self.steps * self.padded
+    }
+
+    /// Columns of all observations: those before every step, those after the last, and last ones of episodes that the
+    /// time limit cut off.
+    pub fn columns(&self) -> usize {
+        (self.steps + 1 + self.steps.div_ceil(self.time_limit)) * self.padded
+    }
+
+    /// First column for the last observations of episodes cut off in step `t`. The time limit cuts an environment off
+    /// once in `time_limit` steps, so steps that share these columns never meet in one environment.
+    pub fn last_column(&self, t: usize) -> usize {
+        (self.steps + 1 + t / self.time_limit) * self.padded
+    }
+
+    /// Workgroups per observation entry that keep observations.
+    pub fn observe_chunks(&self) -> usize {
+        self.envs.div_ceil(OBSERVE_WORKGROUP)
+    }
+
+    /// Partial moments of one observation entry: those before every step, and of the observations after the last, which
+    /// do not count.
+    pub fn partial_moments(&self) -> usize {
+        (self.steps + 1) * self.observe_chunks()
+    }
+
+    /// Rows of the sums over episodes: their number, then sums and counts of the entries of their summaries.
+    pub fn episode_rows(&self) -> usize {
+        1 + 2 * self.summary
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn last_observations_of_one_environment_never_share_a_column() {
+        let sizes = Sizes { steps: 17, envs: 5, padded: 8, observations: 3, actions: 2, summary: 4, time_limit: 5 };
+        for first in 0..sizes.time_limit {
+            let columns: Vec<_> =
+                (first..sizes.steps).step_by(sizes.time_limit).map(|t| sizes.last_column(t)).collect();
+            assert!(columns.is_sorted_by(|a, b| a + sizes.padded <= *b), "{columns:?}");
+            assert!(columns.iter().all(|c| c + sizes.padded <= sizes.columns()));
+        }
+    }
+}

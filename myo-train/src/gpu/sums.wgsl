@@ -1,0 +1,43 @@
+// Sums of rows, always in the same order: one workgroup per row.
+
+struct Shape {
+    rows: u32,
+    columns: u32,
+    // From one row to the next.
+    stride: u32,
+    // Place of the first sum.
+    first: u32,
+}
+
+@group(0) @binding(0) var<storage, read> numbers: array<f32>;
+@group(0) @binding(1) var<storage, read_write> sums: array<f32>;
+@group(0) @binding(2) var<uniform> shape: Shape;
+
+const WORKGROUP = 256u;
+
+var<workgroup> partial: array<f32, WORKGROUP>;
+
+@compute @workgroup_size(256)
+fn main(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let row = workgroup.y * workgroups.x + workgroup.x;
+    var mine = 0.0;
+    if row < shape.rows {
+        for (var column = local; column < shape.columns; column += WORKGROUP) {
+            mine += numbers[row * shape.stride + column];
+        }
+    }
+    partial[local] = mine;
+    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
+        workgroupBarrier();
+        if local < half {
+            partial[local] += partial[local + half];
+        }
+    }
+    if local == 0u && row < shape.rows {
+        sums[shape.first + row] = partial[0];
+    }
+}

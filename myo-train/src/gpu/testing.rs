@@ -1,0 +1,23 @@
+//! What the tests share.
+
+use myo_gpu::{Gpu, Want};
+
+/// Any device. Without one the test fails, unless `MYO_NO_GPU` says that this is meant.
+pub fn gpu() -> Option<Gpu> {
+    match Gpu::open_with_cache(&Want::Any, None) {
+        Ok(gpu) => Some(gpu),
+        Err(error) if std::env::var("MYO_NO_GPU").as_deref() == Ok("1") => {
+            println!("skipped, because MYO_NO_GPU=1 and {error}");
+            None
+        }
+        Err(error) => panic!("{error}. To skip these tests, set MYO_NO_GPU=1."),
+    }
+}
+
+/// Asserts that numbers agree relative to the larger of 1 and their size.
+pub fn assert_close(what: &str, got: &[f32], expected: &[f32], tolerance: f32) {
+    assert_eq!(got.len(), expected.len(), "{what}");
+    for (i, (&a, &b)) in got.iter().zip(expected).enumerate() {
+        assert!((a - b).abs() <= tolerance * b.abs().max(1.0), "{what} {i}: {a} on the card, {b} expected");
+    }
+}

@@ -1,0 +1,202 @@
+//! Roll-outs on the card beside roll-outs whose policy runs on the processor.
+
+use myo_env::{EnvConfig, GpuEnv, VectorEnv};
+use myo_gpu::Gpu;
+use myo_model::{Model, builtin};
+use myo_tasks::{Range, Target, Task};
+
+use super::DeviceRollout;
+use super::testing::{assert_close, gpu};
+use crate::networks::{Lender, Networks};
+use crate::normalizer::{Moments, Normalizer};
+use crate::rollout::{Actor, Rollout};
+use crate::{PpoConfig, TrainError, Trainer};
+
+const STEPS: usize = 7;
+const SEED: u64 = 0x0123_4567_89ab_cdef;
+/// Its sum with the steps of a roll-out overflows the lower half.
+const FIRST_STEP: u64 = u32::MAX as u64 - 2;
+
+/// Episodes of at most 3 control steps, of which some end earlier.
+fn task() -> Task {
+    let mut task = myo_tasks::preset("pointing-single").unwrap();
+    let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
+    target.radius = Range { min: 0.2, max: 0.7 };
+    target.dwell_s = 0.05;
+    task.time_limit_s = 0.15;
+    task
+}
+
+fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
+    let task = task();
+    let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
+    GpuEnv::new(gpu, &model, &task, &EnvConfig { num_envs, seed: 3, ..EnvConfig::default() }).unwrap()
+}
+
+fn config(num_envs: usize) -> PpoConfig {
+    PpoConfig {
+        num_envs,
+        steps_per_update: STEPS,
+        policy_hidden: vec![33, 20],
+        value_hidden: vec![17],
+        observation_clip: 1.5,
+        reward_scale: 0.5,
+        action_offset: -0.3,
+        action_scale: 0.8,
+        ..PpoConfig::default()
+    }
+}
+
+/// Parameters and scaling that are not those of the beginning.
+struct Brain {
+    networks: Networks,
+    parameters: Vec<f32>,
+    normalizer: Normalizer,
+    lender: Lender<crate::networks::ChunkWork>,
+    config: PpoConfig,
+}
+
+impl Brain {
+    fn new(env: &GpuEnv, config: PpoConfig, rows: &[f32]) -> Self {
+        let networks = Networks::new(env.spec(), &config);
+        let mut parameters = networks.initialize(SEED, &config);
+        networks.policy.initialize(SEED, 7, 1.0, &mut parameters[networks.policy_range()]);
+        for (i, log_std) in parameters[networks.log_std_range()].iter_mut().enumerate() {
+            *log_std = -1.0 + 0.05 * i as f32;
+        }
+        let mut normalizer = Normalizer::new(env.spec().observation_size(), config.observation_clip, 0.05);
+        let mut moments = Moments::new(env.spec().observation_size());
+        normalizer.measure(rows, &mut moments);
+        normalizer.merge(&moments);
+        Self { networks, parameters, normalizer, lender: Lender::new(), config }
+    }
+
+    fn actor(&self) -> Actor<'_> {
+        Actor {
+            networks: &self.networks,
+            parameters: &self.parameters,
+            normalizer: &self.normalizer,
+            lender: &self.lender,
+            config: &self.config,
+            seed: SEED,
+        }
+    }
+}
+
+fn start(gpu: &Gpu, num_envs: usize) -> (GpuEnv, Brain, Vec<f32>) {
+    let mut env = env(gpu, num_envs);
+    let mut observation = vec![0.0; num_envs * env.spec().observation_size()];
+    env.reset(None, None, &mut observation).unwrap();
+    let brain = Brain::new(&env, config(num_envs), &observation);
+    (env, brain, observation)
+}
+
+/// A roll-out with the policy on the processor, or on the card; and the observations after it.
+fn roll_out(gpu: &Gpu, num_envs: usize, on_card: bool) -> (Rollout, Vec<f32>) {
+    let (mut env, brain, mut observation) = start(gpu, num_envs);
+    let mut rollout = Rollout::new(env.spec(), &brain.config);
+    if on_card {
+        let mut card = DeviceRollout::new(env, &brain.config).unwrap();
+        card.collect(&brain.actor(), FIRST_STEP, &mut rollout, &mut observation).unwrap();
+    } else {
+        rollout.collect(&mut env, &brain.actor(), FIRST_STEP, &mut observation).unwrap();
+        rollout.evaluate(&brain.actor());
+    }
+    (rollout, observation)
+}
+
+#[test]
+fn a_roll_out_on_the_card_is_that_of_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    // A number of environments that is no multiple of four.
+    let envs = 37;
+    let (card, card_last) = roll_out(&gpu, envs, true);
+    let (host, host_last) = roll_out(&gpu, envs, false);
+
+    assert_eq!(card.ended, host.ended);
+    assert!(card.ended[..envs].iter().any(|&ended| ended), "nothing ended early");
+    assert!(card.ended[2 * envs..3 * envs].iter().all(|&ended| ended) || card.episodes.count > envs as u64);
+    // The first actions are those of the same observations, noise included; later ones of observations that went through
+    // the muscles.
+    let first = |x: &[f32]| x[..x.len() / STEPS].to_vec();
+    assert_close("first action", &first(&card.action), &first(&host.action), 1e-5);
+    assert_close("log_prob", &card.log_prob, &host.log_prob, 1e-5);
+    assert_close("observation", &card.observation, &host.observation, 1e-3);
+    assert_close("action", &card.action, &host.action, 1e-3);
+    assert_close("reward", &card.reward, &host.reward, 1e-4);
+    assert_close("value", &card.value, &host.value, 1e-3);
+    assert_close("next_value", &card.next_value, &host.next_value, 1e-3);
+    assert_close("last observation", &card_last, &host_last, 1e-3);
+
+    assert_eq!(card.episodes.count, host.episodes.count);
+    for (a, b) in card.episodes.means().zip(host.episodes.means()) {
+        assert!((a - b).abs() < 1e-4 * b.abs().max(1.0) || a.is_nan() && b.is_nan(), "episodes: {a}, {b}");
+    }
+}
+
+#[test]
+fn values_after_the_time_limit_are_those_of_the_last_observations() {
+    let Some(gpu) = gpu() else { return };
+    let envs = 37;
+    let (rollout, _) = roll_out(&gpu, envs, true);
+    let bootstrapped = (0..rollout.reward.len() - envs)
+        .filter(|&i| rollout.ended[i] && rollout.next_value[i] != 0.0)
+        .inspect(|&i| assert_ne!(rollout.next_value[i], rollout.value[i + envs], "that of the next episode"))
+        .count();
+    let finished = (0..rollout.reward.len()).filter(|&i| rollout.ended[i] && rollout.next_value[i] == 0.0).count();
+    assert!(bootstrapped > 3 && finished > 3, "{bootstrapped} cut off, {finished} finished");
+}
+
+#[test]
+fn moments_are_those_of_the_observations() {
+    let Some(gpu) = gpu() else { return };
+    let (envs, mut scalings) = (300, vec![]);
+    for on_card in [true, false] {
+        let (rollout, _) = roll_out(&gpu, envs, on_card);
+        let (.., brain, _) = start(&gpu, envs);
+        let mut normalizer = brain.normalizer.clone();
+        normalizer.merge(&rollout.moments);
+        scalings.push(normalizer);
+    }
+    let (card, host) = (scalings[0].scaling(), scalings[1].scaling());
+    assert_close("mean", card.0, host.0, 1e-5);
+    assert_close("inverse standard deviation", card.1, host.1, 1e-4);
+}
+
+#[test]
+fn the_same_roll_out_gives_the_same_bits() {
+    let Some(gpu) = gpu() else { return };
+    let bits = || {
+        let (rollout, last) = roll_out(&gpu, 37, true);
+        let all = [rollout.observation, rollout.action, rollout.log_prob, rollout.value, rollout.reward, last];
+        all.concat().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+    };
+    assert_eq!(bits(), bits());
+}
+
+#[test]
+fn training_on_the_card_resumes_with_the_same_bits() {
+    let Some(gpu) = gpu() else { return };
+    let envs = 64;
+    let mut trainer = Trainer::on_card(env(&gpu, envs), config(envs), 1).unwrap();
+    let first = trainer.update().unwrap();
+    assert!(first.learn.kl.abs() < 0.1 && first.episodes > 0, "{first:?}");
+    let saved = trainer.save();
+    trainer.update().unwrap();
+    let mut resumed = Trainer::restore_on_card(env(&gpu, envs), &saved).unwrap();
+    resumed.update().unwrap();
+    let bytes = [trainer.save(), resumed.save()].map(|mut checkpoint| {
+        checkpoint.forget_wall_time();
+        checkpoint.to_bytes()
+    });
+    assert!(bytes[0] == bytes[1]);
+}
+
+#[test]
+fn a_roll_out_that_does_not_fit_is_refused() {
+    let Some(gpu) = gpu() else { return };
+    let error = DeviceRollout::new(env(&gpu, 8), &config(9)).err().unwrap();
+    assert!(matches!(error, TrainError::Mismatch { .. }), "{error}");
+    let error = DeviceRollout::new(env(&gpu, 8), &PpoConfig { clip: 0.0, ..config(8) }).err().unwrap();
+    assert!(matches!(error, TrainError::Config(_)), "{error}");
+}

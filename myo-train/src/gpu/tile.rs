@@ -1,0 +1,169 @@
+//! Sizes of the tiles that a workgroup makes, and the parts of the kernel's text that depend on them.
+
+use std::fmt::Write;
+
+/// What one workgroup makes of a matrix product, and in which pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Tile {
+    /// Rows (outputs of the layer), a multiple of `per_thread.0`.
+    pub outputs: u32,
+    /// Columns (samples), a multiple of `per_thread.1`.
+    pub columns: u32,
+    /// Inputs multiplied between two barriers.
+    pub depth: u32,
+    /// Rows and columns of one thread, multiples of 4.
+    pub per_thread: (u32, u32),
+}
+
+/// Shared memory that every device has, in bytes.
+const PORTABLE_SHARED: u32 = 16 << 10;
+/// Threads of a workgroup that every device can run.
+const PORTABLE_THREADS: u32 = 256;
+
+impl Tile {
+    /// A tile of some rows and columns.
+    pub const fn new(outputs: u32, columns: u32, depth: u32, per_thread: (u32, u32)) -> Self {
+        let tile = Self { outputs, columns, depth, per_thread };
+        assert!(per_thread.0.is_multiple_of(4) && per_thread.1.is_multiple_of(4), "threads hold groups of four");
+        assert!(outputs.is_multiple_of(per_thread.0) && columns.is_multiple_of(per_thread.1));
+        assert!(tile.threads() <= PORTABLE_THREADS && 4 * depth * (outputs + columns) <= PORTABLE_SHARED);
+        tile
+    }
+
+    /// Threads of the workgroup.
+    pub const fn threads(self) -> u32 {
+        self.threads_x() * self.threads_y()
+    }
+
+    /// Workgroups for a layer.
+    pub const fn workgroups(self, outputs: u32, columns: u32) -> u32 {
+        outputs.div_ceil(self.outputs) * columns.div_ceil(self.columns)
+    }
+
+    const fn threads_x(self) -> u32 {
+        self.columns / self.per_thread.1
+    }
+
+    const fn threads_y(self) -> u32 {
+        self.outputs / self.per_thread.0
+    }
+
+    /// Numbers of W in shared memory.
+    const fn w_numbers(self) -> u32 {
+        self.depth * self.outputs
+    }
+
+    /// Groups of four numbers of X in shared memory.
+    const fn x_groups(self) -> u32 {
+        self.depth * self.columns / 4
+    }
+
+    /// Fills in everything in the kernel's text that depends on the tile. `finish` is what becomes of the sum in row
+    /// `output` and group `group`, as statements that use them.
+    pub fn fill_in(self, template: &str, finish: &str) -> String {
+        // Longer names first where one begins with another.
+        let parts = [
+            ("$TILE_OUTPUTS", self.outputs.to_string()),
+            ("$TILE_GROUPS", (self.columns / 4).to_string()),
+            ("$THREADS_X", self.threads_x().to_string()),
+            ("$THREADS_Y", self.threads_y().to_string()),
+            ("$THREADS", self.threads().to_string()),
+            ("$DEPTH", self.depth.to_string()),
+            ("$W_TILE", (self.w_numbers() / 4).to_string()),
+            ("$X_TILE", self.x_groups().to_string()),
+            ("$ZERO", self.zero()),
+            ("$FETCH_FIRST", self.fetch(true)),
+            ("$FETCH_NEXT", self.fetch(false)),
+            ("$STORE", self.store()),
+            ("$MULTIPLY", self.multiply()),
+            ("$FINISH", self.finish(finish)),
+        ];
+        parts.iter().fold(template.to_owned(), |text, (name, part)| text.replace(name, part))
+    }
+
+    /// Rows of a thread, and groups of columns of a thread.
+    fn mine(self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.per_thread.0).flat_map(move |row| (0..self.per_thread.1 / 4).map(move |group| (row, group)))
+    }
+
+    fn zero(self) -> String {
+        self.mine().fold(String::new(), |mut text, (row, group)| {
+            _ = writeln!(text, "    var y_{row}_{group} = vec4<f32>(0.0);");
+            text
+        })
+    }
+
+    /// Copies to registers: entries `local`, `local + THREADS` and so on of both tiles.
+    fn fetch(self, first: bool) -> String {
+        let (keyword, depth) = if first { ("var ", "0u") } else { ("", "depth + DEPTH") };
+        let (outputs, groups, mut text) = (self.outputs, self.columns / 4, String::new());
+        for (piece, at) in self.pieces(self.w_numbers()) {
+            let place = format!("{depth} + ({at}) / {outputs}u, first_output + ({at}) % {outputs}u");
+            _ = writeln!(text, "    {keyword}w_next_{piece} = fetch_w({place});");
+        }
+        for (piece, at) in self.pieces(self.x_groups()) {
+            let place = format!("{depth} + ({at}) / {groups}u, first_group + ({at}) % {groups}u");
+            _ = writeln!(text, "    {keyword}x_next_{piece} = fetch_x({place});");
+        }
+        text
+    }
+
+    /// Copies from registers to shared memory.
+    fn store(self) -> String {
+        let mut text = String::new();
+        let guard = |piece: u32, size: u32, at: &str| match (piece + 1) * self.threads() > size {
+            true => format!("if {at} < {size}u "),
+            false => String::new(),
+        };
+        for (piece, at) in self.pieces(self.w_numbers()) {
+            let guard = guard(piece, self.w_numbers(), &at);
+            _ = writeln!(text, "        {guard}{{ w_tile[({at}) / 4u][({at}) % 4u] = w_next_{piece}; }}");
+        }
+        for (piece, at) in self.pieces(self.x_groups()) {
+            let guard = guard(piece, self.x_groups(), &at);
+            _ = writeln!(text, "        {guard}{{ x_tile[{at}] = x_next_{piece}; }}");
+        }
+        text
+    }
+
+    /// Pieces in which the threads copy so many entries, and the entry of a thread in each.
+    fn pieces(self, size: u32) -> impl Iterator<Item = (u32, String)> {
+        let threads = self.threads();
+        (0..size.div_ceil(threads)).map(move |piece| (piece, format!("local + {}u", piece * threads)))
+    }
+
+    /// One input: products of the thread's rows and columns.
+    fn multiply(self) -> String {
+        let mut text = String::new();
+        for quad in 0..self.per_thread.0 / 4 {
+            let place = format!("k * {}u + at_y + {}u", self.outputs / 4, quad * self.threads_y());
+            _ = writeln!(text, "            let w_{quad} = w_tile[{place}];");
+        }
+        for group in 0..self.per_thread.1 / 4 {
+            let place = format!("k * {}u + at_x + {}u", self.columns / 4, group * self.threads_x());
+            _ = writeln!(text, "            let x_{group} = x_tile[{place}];");
+        }
+        for (row, group) in self.mine() {
+            let w = format!("w_{}.{}", row / 4, ["x", "y", "z", "w"][row as usize % 4]);
+            _ = writeln!(text, "            y_{row}_{group} = fma(vec4<f32>({w}), x_{group}, y_{row}_{group});");
+        }
+        text
+    }
+
+    fn finish(self, finish: &str) -> String {
+        let mut text = String::new();
+        for row in 0..self.per_thread.0 {
+            let place = format!("4u * (at_y + {}u) + {}u", row / 4 * self.threads_y(), row % 4);
+            _ = writeln!(text, "    {{ let output = first_output + {place};\n    if output < shape.outputs {{");
+            _ = writeln!(text, "        let bias = parameters[shape.bias + output];");
+            for group in 0..self.per_thread.1 / 4 {
+                let at = group * self.threads_x();
+                _ = writeln!(text, "        {{ let group = first_group + at_x + {at}u;");
+                _ = writeln!(text, "        let sum = y_{row}_{group} + bias;");
+                _ = writeln!(text, "        if group < shape.groups {{ {finish} }} }}");
+            }
+            text.push_str("    } }\n");
+        }
+        text
+    }
+}
