@@ -34,7 +34,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     for num_envs in sizes {
         let start = Instant::now();
-        let env = GpuEnv::new(&gpu, &model, &task, &EnvConfig { num_envs, ..Default::default() })?;
+        let env = {
+            let form = std::env::var_os("MYO_LOOPS").map(|_| myo_scalar::symbolic::Form::Loops);
+            let options = myo_env::gpu::GpuOptions { form, ..Default::default() };
+            GpuEnv::with_options(&gpu, &model, &task, &EnvConfig { num_envs, ..Default::default() }, &options)?
+        };
         let ready = start.elapsed().as_secs_f64();
         let nact = env.spec().action_size();
         let mut x = 1u32;

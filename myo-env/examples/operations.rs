@@ -2,14 +2,17 @@
 //! `operations [TASK] [FILE]`.
 use myo_env::gpu::record;
 use myo_env::{Autoreset, Tables};
+use myo_scalar::symbolic::Form;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = std::env::args().nth(1).unwrap_or("pointing".into());
     let task = myo_tasks::preset(&name).ok_or("no such task")?;
     let model = myo_model::Model::new(&myo_model::builtin(&task.model)?)?;
     let tables = Tables::<f64>::new(&model, &task)?;
+    let loops = std::env::var_os("MYO_LOOPS").is_some();
+    let form = if loops { Form::Loops } else { Form::Straight };
     let start = std::time::Instant::now();
-    let program = record::step(&tables, Autoreset::SameStep);
+    let program = record::step(&tables, Autoreset::SameStep, form);
     println!("recorded in {:.1?}, {} operations", start.elapsed(), program.operations());
     for stage in program.stage_counts() {
         println!("{:6}  {}", stage.operations, stage.path.join(" / "));

@@ -3,7 +3,9 @@
 mod common;
 
 use common::{actions, arm, entry, gpu, rollout, short, without_gpu};
+use myo_env::gpu::GpuOptions;
 use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use myo_scalar::symbolic::Form;
 use myo_tasks::{Range, Region, Target, Task, preset};
 
 fn both(task: &Task, config: EnvConfig) -> (GpuEnv, ReferenceEnv) {
@@ -134,7 +136,8 @@ fn the_batch_can_be_larger_than_one_buffer() {
     let (few, many) = (100, 300);
     let run = |num_envs: usize, per_shard: usize| {
         let config = EnvConfig { num_envs, ..Default::default() };
-        let mut env = GpuEnv::with_shards(&gpu(), &arm(&task), &task, &config, per_shard).unwrap();
+        let options = GpuOptions { envs_per_shard: per_shard, ..Default::default() };
+        let mut env = GpuEnv::with_options(&gpu(), &arm(&task), &task, &config, &options).unwrap();
         assert_eq!(env.shards().len(), num_envs.div_ceil(per_shard));
         let nact = env.spec().action_size();
         let mut out = StepStorage::new(env.spec());
@@ -149,4 +152,26 @@ fn the_batch_can_be_larger_than_one_buffer() {
             .collect::<Vec<_>>()
     };
     assert_eq!(run(few, 1 << 20), run(many, 64));
+}
+
+/// A kernel that loops over its muscles is the same physics as one that writes each of them out.
+#[test]
+fn loops_over_tables_compute_what_straight_code_computes() {
+    if without_gpu() {
+        return;
+    }
+    let task = short("pointing");
+    let config = EnvConfig { num_envs: 30, seed: 2, ..Default::default() };
+    let run = |form: Form| {
+        let options = GpuOptions { form: Some(form), ..Default::default() };
+        let mut env = GpuEnv::with_options(&gpu(), &arm(&task), &task, &config, &options).unwrap();
+        assert_eq!(env.kernels().form(), form);
+        rollout(&mut env, 12)
+    };
+    for (step, (a, b)) in run(Form::Straight).iter().zip(&run(Form::Loops)).enumerate() {
+        assert_eq!(a.truncated, b.truncated);
+        for (x, y) in a.observation.iter().zip(&b.observation) {
+            assert!((x - y).abs() <= 1e-3 * (1.0 + y.abs()), "step {step}: {x} and {y}");
+        }
+    }
 }

@@ -27,6 +27,6 @@ mod curves;
 mod noise;
 mod parameters;
 
-pub use curves::Muscle;
+pub use curves::{ActivationDynamics, ForceCurves, Muscle};
 pub use noise::{CONSTANT_NOISE, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
 pub use parameters::{CurveParameters, MuscleParameters};

@@ -165,6 +165,24 @@ pub trait Scalar:
         }
     }
 
+    /// Goes through the rows of a table: `output[k] = body(constants(k), inputs[..][k], output[k])`. A symbolic number may
+    /// record the body once, for all rows.
+    ///
+    /// # Panics
+    /// If an input is shorter than the output.
+    #[inline(always)]
+    fn for_rows<const K: usize, const I: usize>(
+        constants: impl Fn(usize) -> [Self::Const; K],
+        inputs: [&[Self]; I],
+        output: &mut [Self],
+        mut body: impl FnMut([Self; K], [Self; I], Self) -> Self,
+    ) {
+        let inputs = inputs.map(|input| &input[..output.len()]);
+        for (k, value) in output.iter_mut().enumerate() {
+            *value = body(constants(k).map(Self::splat), inputs.map(|input| input[k]), *value);
+        }
+    }
+
     /// `self <= other`, for numbers.
     #[inline(always)]
     fn le(self, other: Self) -> Self::Mask {

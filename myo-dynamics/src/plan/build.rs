@@ -42,6 +42,7 @@ impl Plan<f64> {
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
+            smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
             limits: limits(model, &drives),
             equalities: if coupling == Coupling::Soft { equalities(model) } else { vec![] },
             fingertip,

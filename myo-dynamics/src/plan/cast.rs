@@ -39,6 +39,7 @@ impl Plan<f64> {
             energy_profiles: self.energy_profiles.iter().map(EnergyProfile::cast).collect(),
             tendons: self.tendons.cast(),
             muscles: self.muscles.iter().map(myo_muscle::Muscle::cast).collect(),
+            smooth_activation: self.smooth_activation,
             limits: self.limits.iter().map(Limit::cast).collect(),
             equalities: self.equalities.iter().map(Equality::cast).collect(),
             fingertip: self.fingertip.cast(),

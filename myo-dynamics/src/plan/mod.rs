@@ -60,6 +60,8 @@ pub struct Plan<C> {
     pub tendons: Tendons<C>,
     /// Muscle curves.
     pub muscles: Vec<Muscle<C>>,
+    /// Whether the time constants of any muscle's activation blend.
+    pub smooth_activation: bool,
     /// Joint limits.
     pub limits: Vec<Limit<C>>,
     /// Couplings kept as constraints.

@@ -14,6 +14,7 @@ pub mod tendon;
 use crate::obstacles::Obstacles;
 use crate::plan::Plan;
 use crate::workspace::{State, Workspace};
+use myo_muscle::{ActivationDynamics, ForceCurves};
 use myo_scalar::{Scalar, Stage};
 use std::marker::PhantomData;
 
@@ -141,20 +142,22 @@ fn outlined<S: Scalar, P: Part>(
 /// Fills `muscle_force`.
 #[inline(always)]
 pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
-    let paths = ws.tendon_length.iter().zip(&ws.tendon_velocity);
-    let muscles = plan.muscles.iter().zip(&state.act).zip(paths);
-    for (((muscle, &act), (&length, &velocity)), force) in muscles.zip(&mut ws.muscle_force) {
-        *force = muscle.force(length, velocity, act);
-    }
+    let inputs = [&ws.tendon_length[..], &ws.tendon_velocity[..], &state.act[..]];
+    let curves = |muscle: usize| plan.muscles[muscle].curves.row();
+    S::for_rows(curves, inputs, &mut ws.muscle_force, |curves, [length, velocity, act], _| {
+        ForceCurves::from_row(curves).force(length, velocity, act)
+    });
 }
 
 /// Semi-implicit Euler: new velocities first, then positions with them; activations beside.
 #[inline(always)]
 pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State<S>, ws: &mut Workspace<S>) {
     let h = S::splat(plan.timestep);
-    for ((muscle, &excitation), act) in plan.muscles.iter().zip(ctrl).zip(&mut state.act) {
-        *act = muscle.activation_rate(excitation, *act).mul_add(h, *act);
-    }
+    let dynamics = |muscle: usize| plan.muscles[muscle].dynamics.row();
+    let is_smooth = plan.smooth_activation;
+    S::for_rows(dynamics, [ctrl], &mut state.act, |dynamics, [excitation], act| {
+        ActivationDynamics::from_row(dynamics).rate(is_smooth, excitation, act).mul_add(h, act)
+    });
     if plan.implicit_damping {
         damp_implicitly(plan, state, ws);
     } else {

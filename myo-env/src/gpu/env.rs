@@ -1,7 +1,7 @@
 //! The vectorised environment on a graphics card, seen from the host.
 
 use super::record::{RESEED, RESET, RESULT_ROWS};
-use super::shard::{Kernels, Shard};
+use super::shard::{GpuOptions, Kernels, Shard};
 use crate::batch;
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig};
@@ -49,28 +49,28 @@ impl GpuEnv {
     /// # Errors
     /// The task or model cannot be simulated, is too large for a kernel, or the card refuses.
     pub fn new(gpu: &Gpu, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
-        Self::with_shards(gpu, model, task, config, usize::MAX)
+        Self::with_options(gpu, model, task, config, &GpuOptions::default())
     }
 
-    /// The same with at most `most` environments in one set of buffers, or as many as portable buffers hold.
+    /// The same with options. No set of buffers holds more environments than every card allows.
     ///
     /// # Errors
     /// As for [`GpuEnv::new`].
-    pub fn with_shards(
+    pub fn with_options(
         gpu: &Gpu,
         model: &Model,
         task: &Task,
         config: &EnvConfig,
-        most: usize,
+        options: &GpuOptions,
     ) -> Result<Self, BuildError> {
         if config.num_envs == 0 {
             return Err(BuildError::NoEnvironments);
         }
         let tables = Tables::<f64>::new(model, task)?;
-        let kernels = Kernels::new(gpu, &tables, config.autoreset)?;
+        let kernels = Kernels::new(gpu, &tables, config.autoreset, options.form)?;
         let spec = batch::spec(model, task, &tables, config);
         let count = EnvState::<f64>::new(&tables).numbers().count();
-        let per_shard = portable_envs(&spec, count).min(most.max(1));
+        let per_shard = portable_envs(&spec, count).min(options.envs_per_shard.max(1));
         let shards = (0..config.num_envs)
             .step_by(per_shard)
             .map(|first| Shard::new(gpu, &kernels, &spec, count, first, per_shard.min(config.num_envs - first)))

@@ -11,4 +11,4 @@ mod shard;
 
 pub use env::GpuEnv;
 pub use physics::PhysicsBench;
-pub use shard::{Kernels, Shard};
+pub use shard::{GpuOptions, Kernels, Shard};

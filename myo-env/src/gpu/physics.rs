@@ -2,14 +2,14 @@
 
 use super::env::GpuEnv;
 use super::record::{self, PHYSICS_BUFFERS};
-use super::shard::compile;
+use super::shard::Compiled;
 use crate::config::BuildError;
 use crate::tables::Tables;
-use myo_gpu::{Batch, Bindings, Buffer, GpuError, Kernel};
+use myo_gpu::{Batch, Bindings, Buffer, GpuError};
 
 /// A kernel that runs the physics and nothing else.
 pub struct PhysicsBench {
-    kernel: Kernel,
+    kernel: Compiled,
     bindings: Vec<(Bindings, u32)>,
     /// Keeps the numbers of environments alive.
     _environments: Vec<Buffer<u32>>,
@@ -22,13 +22,13 @@ impl PhysicsBench {
     /// The kernel is too large or refused, or the device lost.
     pub fn new(env: &GpuEnv, tables: &Tables<f64>) -> Result<Self, BuildError> {
         let gpu = env.gpu();
-        let kernel = compile(gpu, "physics", &record::physics(tables), &PHYSICS_BUFFERS)?;
+        let kernel = Compiled::new(gpu, "physics", &record::physics(tables, env.kernels().form()), &PHYSICS_BUFFERS)?;
         let mut environments = Vec::new();
         let bind = |shard: &super::Shard| {
             let count = gpu.buffer("environments", 1)?;
             gpu.write(&count, 0, &[shard.num_envs as u32])?;
-            let buffers = [shard.numbers.binding(), shard.words.binding(), shard.actions.binding(), count.binding()];
-            let bindings = kernel.bind(&buffers)?;
+            let buffers = [shard.numbers.binding(), shard.words.binding(), shard.actions.binding()];
+            let bindings = kernel.bind(&buffers, &count)?;
             environments.push(count);
             Ok((bindings, shard.num_envs as u32))
         };
@@ -39,7 +39,7 @@ impl PhysicsBench {
     /// Adds the physics of one control step of all environments to a batch.
     pub fn step(&self, batch: &mut Batch) {
         for (bindings, num_envs) in &self.bindings {
-            batch.dispatch(&self.kernel, bindings, *num_envs);
+            batch.dispatch(&self.kernel.kernel, bindings, *num_envs);
         }
     }
 }

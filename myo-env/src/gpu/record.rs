@@ -4,7 +4,7 @@ use crate::control::{Scratch, reseed, reset, simulate, step_and_autoreset};
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::Autoreset;
-use myo_scalar::symbolic::{Access, Buffer, Program, Sym, SymMask, SymWord, trace};
+use myo_scalar::symbolic::{Access, Buffer, Form, Program, Sym, SymMask, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 
 /// Buffers of a step, in the order of their bindings; entries are counted per environment.
@@ -31,9 +31,9 @@ const fn per_env(binding: u32) -> Buffer {
 }
 
 /// One control step with everything that belongs to it.
-pub fn step(tables: &Tables<f64>, autoreset: Autoreset) -> Program {
+pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
     let [actions, observation, final_observation, episode, result] = [2, 3, 4, 5, 6].map(per_env);
-    trace(|| {
+    trace_as(form, || {
         let (mut env, mut ws) = load(tables);
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = actions.number(row);
@@ -51,10 +51,10 @@ pub fn step(tables: &Tables<f64>, autoreset: Autoreset) -> Program {
 }
 
 /// A reset by mask, and the observations of all environments.
-pub fn reset_program(tables: &Tables<f64>) -> Program {
+pub fn reset_program(tables: &Tables<f64>, form: Form) -> Program {
     let [command, observation] = [2, 3].map(per_env);
     let seed = Buffer { binding: 4, access: Access::Shared };
-    trace(|| {
+    trace_as(form, || {
         let (mut env, mut ws) = load(tables);
         let command = command.word(0);
         let asked = |bit: u32| Sym::lit(0.5).lt(Sym::from_word(command & SymWord::splat(bit)));
@@ -67,9 +67,9 @@ pub fn reset_program(tables: &Tables<f64>) -> Program {
 }
 
 /// The physics of one control step alone, for measurements.
-pub fn physics(tables: &Tables<f64>) -> Program {
+pub fn physics(tables: &Tables<f64>, form: Form) -> Program {
     let ctrl = per_env(2);
-    trace(|| {
+    trace_as(form, || {
         let (mut env, mut ws) = load(tables);
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = ctrl.number(row);

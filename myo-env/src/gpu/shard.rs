@@ -5,22 +5,45 @@ use crate::config::BuildError;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::{Autoreset, EnvSpec};
-use myo_gpu::{Access, Batch, Bindings, Buffer, Gpu, GpuError, Kernel, Source};
-use myo_scalar::symbolic::Program;
+use myo_gpu::{Access, Batch, Bindings, Buffer, BufferRef, Gpu, GpuError, Kernel, Source};
 use myo_scalar::symbolic::print::{ENTRY_POINT, Use};
+use myo_scalar::symbolic::{Form, Program};
 
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;
-/// Operations above which drivers take minutes.
+/// Operations above which tables become loops: drivers take seconds, and the kernel outgrows the instruction cache.
+const MAX_STRAIGHT: usize = 16_000;
+/// Operations above which drivers take minutes, whatever the form.
 const MAX_OPERATIONS: usize = 60_000;
+
+/// Choices that a caller need not make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GpuOptions {
+    /// What becomes of tables; straight code where it is short enough, if not given.
+    pub form: Option<Form>,
+    /// Greatest number of environments in one set of buffers.
+    pub envs_per_shard: usize,
+}
+
+impl Default for GpuOptions {
+    fn default() -> Self {
+        Self { form: None, envs_per_shard: usize::MAX }
+    }
+}
 
 /// Compiled kernels of one model and task.
 #[derive(Clone, Debug)]
 pub struct Kernels {
-    /// A control step.
-    pub step: Kernel,
-    /// A reset.
-    pub reset: Kernel,
+    step: Compiled,
+    reset: Compiled,
+    form: Form,
+}
+
+/// A kernel and the constants that it looks up.
+#[derive(Clone, Debug)]
+pub(crate) struct Compiled {
+    pub kernel: Kernel,
+    table: Option<Buffer<f32>>,
 }
 
 impl Kernels {
@@ -28,33 +51,72 @@ impl Kernels {
     ///
     /// # Errors
     /// Kernels too large, refused, or the device lost.
-    pub fn new(gpu: &Gpu, tables: &Tables<f64>, autoreset: Autoreset) -> Result<Self, BuildError> {
+    pub fn new(gpu: &Gpu, tables: &Tables<f64>, autoreset: Autoreset, form: Option<Form>) -> Result<Self, BuildError> {
+        let form = form.unwrap_or_else(|| {
+            let straight = record::step(tables, autoreset, Form::Straight).operations();
+            if straight > MAX_STRAIGHT { Form::Loops } else { Form::Straight }
+        });
         std::thread::scope(|scope| {
-            let reset = scope.spawn(|| compile(gpu, "reset", &record::reset_program(tables), &RESET_BUFFERS));
-            let step = compile(gpu, "control step", &record::step(tables, autoreset), &STEP_BUFFERS)?;
+            let reset =
+                scope.spawn(|| Compiled::new(gpu, "reset", &record::reset_program(tables, form), &RESET_BUFFERS));
+            let step = Compiled::new(gpu, "control step", &record::step(tables, autoreset, form), &STEP_BUFFERS)?;
             let reset = reset.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-            Ok(Self { step, reset })
+            Ok(Self { step, reset, form })
         })
+    }
+
+    /// The kernel of a control step.
+    pub fn step(&self) -> &Kernel {
+        &self.step.kernel
+    }
+
+    /// The kernel of a reset.
+    pub fn reset(&self) -> &Kernel {
+        &self.reset.kernel
+    }
+
+    /// Whether the kernels loop over tables.
+    pub fn form(&self) -> Form {
+        self.form
     }
 }
 
-/// Compiles a program for its buffers and the number of environments.
-pub(crate) fn compile(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Kernel, BuildError> {
-    let operations = program.operations();
-    if operations > MAX_OPERATIONS {
-        return Err(BuildError::TooLargeForGpu { operations, most: MAX_OPERATIONS });
+impl Compiled {
+    /// Compiles a program for its buffers, its table and the number of environments.
+    pub fn new(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Self, BuildError> {
+        let operations = program.operations();
+        if operations > MAX_OPERATIONS {
+            return Err(BuildError::TooLargeForGpu { operations, most: MAX_OPERATIONS });
+        }
+        let printed = program.to_kernel(names, WORKGROUP);
+        let access = |used: &Use| match used {
+            Use::Read | Use::Table => Access::Read,
+            Use::Write => Access::ReadWrite,
+            Use::Environments => Access::Uniform,
+        };
+        let bindings: Vec<Access> = printed.bindings.iter().map(access).collect();
+        let source = Source::Naga(Box::new(printed.module));
+        // SAFETY: recorded programs access entry `row * environments + env` of a buffer, with `env` below the number of
+        // environments and `row` below the rows that `Shard` makes room for, and entries of their own table; their loops
+        // have constant bounds, and they divide no integers.
+        let kernel = unsafe { gpu.compile_trusted(label, source, ENTRY_POINT, &bindings)? };
+        let table = match &printed.table[..] {
+            [] => None,
+            constants => {
+                let table = gpu.buffer("table", constants.len())?;
+                gpu.write(&table, 0, constants)?;
+                Some(table)
+            }
+        };
+        Ok(Self { kernel, table })
     }
-    let kernel = program.to_kernel(names, WORKGROUP);
-    let access = |used: &Use| match used {
-        Use::Read => Access::Read,
-        Use::Write => Access::ReadWrite,
-        Use::Environments => Access::Uniform,
-    };
-    let bindings: Vec<Access> = kernel.bindings.iter().map(access).collect();
-    // SAFETY: recorded programs access entry `row * environments + env` of a buffer, with `env` below the number of
-    // environments and `row` below the rows that `Shard` makes room for; their loops have constant bounds, and they
-    // divide no integers.
-    Ok(unsafe { gpu.compile_trusted(label, Source::Naga(Box::new(kernel.module)), ENTRY_POINT, &bindings)? })
+
+    /// Binds the program's buffers and the number of environments.
+    pub fn bind(&self, buffers: &[BufferRef<'_>], environments: &Buffer<u32>) -> Result<Bindings, GpuError> {
+        let table = self.table.as_ref().map(Buffer::binding);
+        let all: Vec<BufferRef<'_>> = buffers.iter().copied().chain(table).chain([environments.binding()]).collect();
+        self.kernel.bind(&all)
+    }
 }
 
 /// Buffers of some environments. Entry `row` of environment `env` is at `row * num_envs + env`.
@@ -113,24 +175,11 @@ impl Shard {
         gpu.write(&environments, 0, &[num_envs as u32])?;
         let names: Vec<u32> = (first..first + num_envs).map(|env| env as u32).collect();
         gpu.write(&words, EnvState::<f64>::ENV_ROW * num_envs, &names)?;
-        let step = kernels.step.bind(&[
-            numbers.binding(),
-            words.binding(),
-            actions.binding(),
-            observation.binding(),
-            final_observation.binding(),
-            episode.binding(),
-            result.binding(),
-            environments.binding(),
-        ])?;
-        let reset = kernels.reset.bind(&[
-            numbers.binding(),
-            words.binding(),
-            command.binding(),
-            observation.binding(),
-            seed.binding(),
-            environments.binding(),
-        ])?;
+        let (state, seen) = ([numbers.binding(), words.binding()], observation.binding());
+        let step = [actions.binding(), seen, final_observation.binding(), episode.binding(), result.binding()];
+        let step = kernels.step.bind(&[&state[..], &step[..]].concat(), &environments)?;
+        let reset = [command.binding(), seen, seed.binding()];
+        let reset = kernels.reset.bind(&[&state[..], &reset[..]].concat(), &environments)?;
         Ok(Self {
             first,
             num_envs,
@@ -150,11 +199,11 @@ impl Shard {
 
     /// Adds a control step to a batch.
     pub fn step(&self, kernels: &Kernels, batch: &mut Batch) {
-        batch.dispatch(&kernels.step, &self.step, self.num_envs as u32);
+        batch.dispatch(kernels.step(), &self.step, self.num_envs as u32);
     }
 
     /// Adds a reset, as `command` and `seed` say, to a batch.
     pub fn reset(&self, kernels: &Kernels, batch: &mut Batch) {
-        batch.dispatch(&kernels.reset, &self.reset, self.num_envs as u32);
+        batch.dispatch(kernels.reset(), &self.reset, self.num_envs as u32);
     }
 }

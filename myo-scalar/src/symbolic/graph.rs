@@ -133,6 +133,8 @@ pub enum Op {
     MulLow,
     /// Integer to number.
     ToNumber,
+    /// Entry of the program's table: `table[base + a]`.
+    Table(u32),
     /// Whole number to integer, two's complement.
     ToWord,
     /// Number to its bits.
@@ -162,8 +164,8 @@ impl Op {
         use Op::*;
         match self {
             Number(_) | Word(_) | Truth(_) | Input(..) | Carried(..) | Outcome(..) => 0,
-            Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not | ShiftLeft(_) | ShiftRight(_)
-            | ToNumber | ToWord | ToBits | FromBits => 1,
+            Table(_) | Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not | ShiftLeft(_)
+            | ShiftRight(_) | ToNumber | ToWord | ToBits | FromBits => 1,
             Add | Sub | Mul | Min | Max | Less | And | Or | WordAdd | Xor | BitAnd | BitOr | MulHigh | MulLow => 2,
             MulAdd | Select => 3,
         }
@@ -202,6 +204,17 @@ pub struct StageName {
     pub parent: u32,
 }
 
+/// What becomes of the rows of tables, [`Scalar::for_rows`](crate::Scalar::for_rows).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Form {
+    /// Each row's own code, its constants in place: fastest, as long as the program fits the instruction cache and the
+    /// driver compiles it in time.
+    #[default]
+    Straight,
+    /// One loop over a table of constants.
+    Loops,
+}
+
 /// A program while it is recorded.
 pub struct Graph {
     pub nodes: Vec<Node>,
@@ -210,6 +223,10 @@ pub struct Graph {
     pub stages: Vec<StageName>,
     /// Nodes that there were when a statement began.
     pub begun: Vec<Id>,
+    /// Constants that loops look up.
+    pub table: Vec<f64>,
+    /// What becomes of tables.
+    pub form: Form,
     /// Regions whose numbers may be used now, outermost first.
     pub open: Vec<u32>,
     stage: u32,
@@ -217,8 +234,10 @@ pub struct Graph {
 }
 
 impl Graph {
-    pub fn new() -> Self {
+    pub fn new(form: Form) -> Self {
         Self {
+            table: vec![],
+            form,
             nodes: vec![],
             regions: vec![Region::default()],
             statements: vec![],

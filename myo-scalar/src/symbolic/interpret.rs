@@ -208,6 +208,7 @@ impl Run<'_> {
             Op::Floor => x(a).floor(),
             Op::Round => x(a).round_ties_even(),
             Op::ToNumber => f64::from(self.word(a)),
+            Op::Table(base) => self.program.table[(base + self.word(a)) as usize],
             Op::FromBits => f64::from(f32::from_bits(self.word(a))),
             _ => return None,
         }))

@@ -32,7 +32,7 @@ mod program;
 mod region;
 
 pub use count::StageCount;
-pub use graph::{Access, Buffer, Id, Kind, Node, Op};
+pub use graph::{Access, Buffer, Form, Id, Kind, Node, Op};
 pub use interpret::Column;
 pub use number::{Sym, SymMask, SymWord};
 pub use order::Item;
@@ -50,11 +50,19 @@ thread_local! {
 /// Runs `record` and returns what its symbolic numbers computed and stored. Numbers must not outlive it.
 ///
 /// # Panics
-/// Inside another `trace` on the same thread, and where `record` uses a number from a loop or branch outside it.
+/// Inside another trace on the same thread, and where `record` uses a number from a loop or branch outside it.
 pub fn trace(record: impl FnOnce()) -> Program {
+    trace_as(Form::Straight, record)
+}
+
+/// The same in a form.
+///
+/// # Panics
+/// As [`trace`].
+pub fn trace_as(form: Form, record: impl FnOnce()) -> Program {
     GRAPH.with_borrow_mut(|graph| {
         assert!(graph.is_none(), "a trace is running on this thread already");
-        *graph = Some(Graph::new());
+        *graph = Some(Graph::new(form));
     });
     record();
     let graph = GRAPH.with_borrow_mut(Option::take).expect("the graph put in above");

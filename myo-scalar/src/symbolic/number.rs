@@ -1,6 +1,6 @@
 //! The symbolic number and its companions.
 
-use super::graph::{Id, Kind, Op};
+use super::graph::{Form, Id, Kind, Op};
 use super::{region, with_graph};
 use crate::carried::Carried;
 use crate::elementary::{self, Bits};
@@ -249,7 +249,21 @@ impl Scalar for Sym {
     fn map_chunks<const N: usize>(values: &mut [Self], mut body: impl FnMut(SymWord, [Self; N]) -> [Self; N]) {
         assert_eq!(values.len() % N, 0, "the values are whole chunks");
         if !values.is_empty() {
-            region::record_chunks(values, |index, chunk| body(index, chunk));
+            region::record_chunks(values, N, |index, chunk| body(index, std::array::from_fn(|k| chunk[k])).to_vec());
+        }
+    }
+    fn for_rows<const K: usize, const I: usize>(
+        constants: impl Fn(usize) -> [f64; K],
+        inputs: [&[Self]; I],
+        output: &mut [Self],
+        mut body: impl FnMut([Self; K], [Self; I], Self) -> Self,
+    ) {
+        let table: Vec<[f64; K]> = (0..output.len()).map(constants).collect();
+        if with_graph(|graph| graph.form) == Form::Loops && table.len() > 1 {
+            return region::record_rows(&table, inputs, output, body);
+        }
+        for (k, value) in output.iter_mut().enumerate() {
+            *value = body(table[k].map(Self::splat), inputs.map(|input| input[k]), *value);
         }
     }
 }

@@ -14,6 +14,8 @@ pub struct Program {
     pub(super) stages: Vec<StageName>,
     /// Nodes that there were when a statement began.
     pub(super) begun: Vec<Id>,
+    /// Constants that loops look up.
+    pub table: Vec<f64>,
     live: Vec<bool>,
     live_statements: Vec<bool>,
     live_vars: Vec<Vec<bool>>,
@@ -21,7 +23,7 @@ pub struct Program {
 
 impl Program {
     pub(super) fn new(graph: Graph) -> Self {
-        let Graph { nodes, regions, statements, stages, begun, .. } = graph;
+        let Graph { nodes, regions, statements, stages, begun, table, .. } = graph;
         let nvar = |statement: &Statement| match statement {
             Statement::Loop(x) => x.vars.len(),
             Statement::Branch(x) => x.vars.len(),
@@ -36,6 +38,7 @@ impl Program {
             regions,
             stages,
             begun,
+            table,
         };
         program.resolve_constant_vars();
         program.mark();

@@ -4,6 +4,7 @@ use super::graph::{Buffer, Id, Kind, Op};
 use super::number::{Handle, Sym, SymMask, SymWord};
 use super::with_graph;
 use crate::carried::{Carried, Visitor};
+use crate::scalar::Scalar;
 
 /// Statements that run in order; the numbers they need are computed between them.
 #[derive(Clone, Debug, Default)]
@@ -180,25 +181,52 @@ fn finish<V: Carried<Sym>>(statement: u32, vars: &mut V, carries: &mut [Carry]) 
     });
 }
 
-/// Records a loop over chunks.
-pub fn record_chunks<const N: usize>(values: &mut [Sym], body: impl FnOnce(SymWord, [Sym; N]) -> [Sym; N]) {
+/// Records a loop over chunks of `size` values.
+pub fn record_chunks(values: &mut [Sym], size: usize, body: impl FnOnce(SymWord, &[Sym]) -> Vec<Sym>) {
     let statement = reserve();
     let region = with_graph(|graph| graph.open_region(true));
     let carried = |k: usize, kind| with_graph(|graph| graph.fresh(Op::Carried(statement, k as u32), kind, region));
     let index = carried(0, Kind::Word);
-    let start: [Sym; N] = std::array::from_fn(|k| Sym::new(carried(k + 1, Kind::Number)));
-    let next = body(SymWord::new(index), start);
+    let start: Vec<Sym> = (0..size).map(|k| Sym::new(carried(k + 1, Kind::Number))).collect();
+    let next = body(SymWord::new(index), &start);
     with_graph(|graph| graph.close_region());
-    let made = Chunks {
-        body: region,
-        index,
-        init: values.iter().map(|x| x.id()).collect(),
-        start: start.iter().map(|x| x.id()).collect(),
-        next: next.iter().map(|x| x.id()).collect(),
-    };
+    let ids = |values: &[Sym]| values.iter().map(|x| x.id()).collect();
+    let made = Chunks { body: region, index, init: ids(values), start: ids(&start), next: ids(&next) };
     with_graph(|graph| graph.statements[statement as usize] = Statement::Chunks(made));
     for (k, value) in values.iter_mut().enumerate() {
         let op = Op::Outcome(statement, k as u32);
         *value = Sym::new(with_graph(|graph| graph.fresh(op, Kind::Number, graph.region())));
     }
+}
+
+/// Records a loop over the rows of a table: chunks of the inputs and the old output.
+pub fn record_rows<const K: usize, const I: usize>(
+    table: &[[f64; K]],
+    inputs: [&[Sym]; I],
+    output: &mut [Sym],
+    mut body: impl FnMut([Sym; K], [Sym; I], Sym) -> Sym,
+) {
+    let row = |k: usize| inputs.iter().map(move |input| input[k]).chain([output[k]]);
+    let mut values: Vec<Sym> = (0..output.len()).flat_map(row).collect();
+    record_chunks(&mut values, I + 1, |index, chunk| {
+        let constants = std::array::from_fn(|column| entry(table, column, index));
+        let next = body(constants, std::array::from_fn(|k| chunk[k]), chunk[I]);
+        chunk[..I].iter().copied().chain([next]).collect()
+    });
+    for (x, row) in output.iter_mut().zip(values.chunks_exact(I + 1)) {
+        *x = row[I];
+    }
+}
+
+/// An entry of the current row; a constant if it is the same in all rows.
+fn entry<const K: usize>(table: &[[f64; K]], column: usize, index: SymWord) -> Sym {
+    let all = || table.iter().map(|row| row[column]);
+    if all().all(|x| x == table[0][column]) {
+        return Sym::splat(table[0][column]);
+    }
+    with_graph(|graph| {
+        let base = graph.table.len() as u32;
+        graph.table.extend(all());
+        Sym::new(graph.apply(Op::Table(base), &[index.id()], Kind::Number))
+    })
 }

@@ -32,6 +32,7 @@ pub struct Body<'a> {
     words: HashMap<u32, Expr>,
     numbers: HashMap<u32, Expr>,
     buffers: Vec<Expr>,
+    table: Option<Expr>,
     environments: Expr,
     environment: Option<(Expr, Expr)>,
     arguments: [Expr; 3],
@@ -48,6 +49,7 @@ impl<'a> Body<'a> {
         types: &Types,
         arguments: Vec<FunctionArgument>,
         buffers: &[Handle<GlobalVariable>],
+        table: Option<Handle<GlobalVariable>>,
         environments: Handle<GlobalVariable>,
         names: &'a [&'a str],
     ) -> Self {
@@ -55,6 +57,7 @@ impl<'a> Body<'a> {
         let mut add = |expression| function.expressions.append(expression, Span::default());
         let arguments = [0, 1, 2].map(|k| add(Expression::FunctionArgument(k)));
         let buffers = buffers.iter().map(|&buffer| add(Expression::GlobalVariable(buffer))).collect();
+        let table = table.map(|table| add(Expression::GlobalVariable(table)));
         let environments = add(Expression::GlobalVariable(environments));
         let mut body = Self {
             program,
@@ -67,6 +70,7 @@ impl<'a> Body<'a> {
             words: HashMap::new(),
             numbers: HashMap::new(),
             buffers,
+            table,
             environments,
             environment: None,
             arguments,
@@ -364,7 +368,7 @@ impl<'a> Body<'a> {
                 this.values[id as usize] = Some(this.load(pointer));
             }
             this.region(each.body);
-            for (k, &id) in each.next.iter().enumerate() {
+            for (k, &id) in each.next.iter().enumerate().filter(|(k, id)| **id != each.start[*k]) {
                 let value = this.value(id);
                 let pointer = place(this, k);
                 this.store(pointer, value);
@@ -411,6 +415,7 @@ impl<'a> Body<'a> {
                 let op = if left { BinaryOperator::ShiftLeft } else { BinaryOperator::ShiftRight };
                 self.binary(op, args[0], by)
             }
+            Op::Table(base) => self.look_up(base, args[0]),
             Op::MulHigh => self.mul_high(args[0], args[1]),
             Op::ToNumber => self.emit(Expression::As { expr: args[0], kind: ScalarKind::Float, convert: Some(4) }),
             Op::ToWord => self.to_word(args[0]),
@@ -431,6 +436,13 @@ impl<'a> Body<'a> {
             return self.load(pointer);
         }
         self.load(self.variables[&(statement, index as usize)])
+    }
+
+    fn look_up(&mut self, base: u32, row: Expr) -> Expr {
+        let base = self.literal_word(base);
+        let index = self.binary(BinaryOperator::Add, base, row);
+        let pointer = self.access(self.table.expect("declared if anything is looked up"), index);
+        self.load(pointer)
     }
 
     /// Upper half of a 64-bit product, from products of 16-bit halves.

@@ -2,7 +2,8 @@
 //!
 //! One invocation runs one environment. Its number is
 //! `(workgroup_id.y * num_workgroups.x + workgroup_id.x) * workgroup_size + local_invocation_index`; invocations past the
-//! last environment do nothing. The number of environments is a `u32` uniform, the binding after the last buffer.
+//! last environment do nothing. After the buffers follow the program's table of constants, if it has one, and the number of
+//! environments, a `u32` uniform.
 
 mod body;
 mod shell;
@@ -21,6 +22,8 @@ pub enum Use {
     Read,
     /// Written, and perhaps read.
     Write,
+    /// The constants of [`Kernel::table`].
+    Table,
     /// The uniform with the number of environments.
     Environments,
 }
@@ -32,6 +35,8 @@ pub struct Kernel {
     pub module: Module,
     /// Use of each binding in order.
     pub bindings: Vec<Use>,
+    /// Constants that the kernel looks up, for the binding [`Use::Table`] if there are any.
+    pub table: Vec<f32>,
 }
 
 impl Program {

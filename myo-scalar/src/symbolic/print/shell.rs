@@ -41,15 +41,18 @@ pub fn print(program: &Program, names: &[&str], workgroup_size: u32) -> Kernel {
     let uses = buffer_uses(program, names.len());
     let buffers: Vec<Handle<GlobalVariable>> =
         (0..names.len()).map(|binding| buffer(&mut module, &types, binding, names[binding], uses[binding])).collect();
-    let environments = environments(&mut module, &types, names.len());
+    let has_table = !program.table.is_empty();
+    let table = has_table.then(|| table(&mut module, &types, names.len()));
+    let environments = environments(&mut module, &types, names.len() + usize::from(has_table));
     let arguments = arguments(&mut module, &types);
-    let mut body = Body::new(program, &mut module, &types, arguments, &buffers, environments, names);
+    let mut body = Body::new(program, &mut module, &types, arguments, &buffers, table, environments, names);
     body.guard(workgroup_size);
     body.run();
     let function = body.finish();
     module.entry_points.push(entry_point(function, workgroup_size));
     let used = uses.iter().map(|each| if each.written { Use::Write } else { Use::Read });
-    Kernel { module, bindings: used.chain([Use::Environments]).collect() }
+    let bindings = used.chain(has_table.then_some(Use::Table)).chain([Use::Environments]).collect();
+    Kernel { module, bindings, table: program.table.iter().map(|&x| x as f32).collect() }
 }
 
 fn entry_point(function: Function, workgroup_size: u32) -> EntryPoint {
@@ -95,6 +98,10 @@ fn buffer(module: &mut Module, types: &Types, binding: usize, name: &str, used: 
     let array = module.types.insert(Type { name: None, inner }, Span::default());
     let access = if used.written { StorageAccess::LOAD | StorageAccess::STORE } else { StorageAccess::LOAD };
     global(module, name, AddressSpace::Storage { access }, binding, array)
+}
+
+fn table(module: &mut Module, types: &Types, binding: usize) -> Handle<GlobalVariable> {
+    buffer(module, types, binding, "table", BufferUse { kind: Kind::Number, written: false })
 }
 
 fn environments(module: &mut Module, types: &Types, binding: usize) -> Handle<GlobalVariable> {
