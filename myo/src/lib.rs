@@ -10,6 +10,7 @@
 //! - [`tasks`]: what the simulated user has to do
 //! - [`mod@env`]: the vectorised environment
 //! - [`train`]: learning, evaluation, run folders
+//! - [`gpu`]: graphics cards as compute devices
 //!
 //! ```
 //! use myo::env::{CpuEnv, EnvConfig, StepStorage, VectorEnv};
@@ -33,6 +34,7 @@
 //! What this crate adds is small: [`ModelReach`], which lets the checks of a task ask a model.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
+pub use myo_gpu as gpu;
 pub use myo_model as model;
 pub use myo_muscle as muscle;
 pub use myo_scalar as scalar;

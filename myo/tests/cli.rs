@@ -55,6 +55,7 @@ fn every_command_explains_itself_with_an_example() {
     for command in [
         "train",
         "eval",
+        "devices",
         "task list",
         "task show",
         "task check",
@@ -65,6 +66,7 @@ fn every_command_explains_itself_with_an_example() {
         "bench physics",
         "bench env",
         "bench train",
+        "bench kernel",
         "bench nan",
     ] {
         let args: Vec<&str> = command.split(' ').chain(["--help"]).collect();
@@ -303,4 +305,17 @@ fn benches_give_rows() {
     let args = ["bench", "train", "pointing-single", "--seeds", "2", "--steps", "512", "--envs", "32", "--json"];
     let train = json(&here(&args));
     assert_eq!((&train["rows"][1]["seed"], &train["rows"][1]["stopped_by"]), (&2.into(), &"steps".into()));
+    assert_refused(&here(&["bench", "env", "--part", "physics"]), "`myo bench physics` measures the physics alone");
+}
+
+#[test]
+fn operations_of_a_kernel_are_those_of_its_stages() {
+    let folder = tempfile::tempdir().unwrap();
+    let kernel = json(&myo(folder.path(), &["bench", "kernel", "--task", "ar", "--wgsl", "ar.wgsl", "--json"]));
+    let stages = kernel["stages"].as_array().unwrap();
+    let sum: u64 = stages.iter().map(|stage| stage["operations"].as_u64().unwrap()).sum();
+    assert_eq!((kernel["operations"].as_u64(), &kernel["part"]), (Some(sum), &"env".into()));
+    assert!(stages.iter().any(|stage| stage["stage"].as_str().unwrap().contains(" / ")));
+    let text = std::fs::read_to_string(folder.path().join("ar.wgsl")).unwrap();
+    assert!(text.contains("@compute @workgroup_size(64"), "{}", &text[..200.min(text.len())]);
 }

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use myo::train::{Evaluation, RunFolder, evaluate};
 use serde::Serialize;
 
+use super::backend::{Backend, Options};
 use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
 use super::output::{print, print_json, rounded};
@@ -34,6 +35,9 @@ pub struct Eval {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
+    #[command(flatten)]
+    physics: Options,
+
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -48,7 +52,8 @@ The deterministic policy of the newest checkpoint acts; if that file is damaged,
 
 JSON: `success` (share of episodes with every target done), `success_interval` (95 %), `episodes`, `targets`, a list with
 `success`, `movement_time_s` and `movement_time_s_sd` each, `final_distance_m`, `effort`, `episode_length_s`, `return`;
-and `run`, `task`, `env_steps` (control steps that the policy was trained for), `seed`. What does not exist is null.";
+and `run`, `task`, `env_steps` (control steps that the policy was trained for), `seed`, `backend` (`cpu` or `gpu`) and
+`device` (its name). What does not exist is null. Backends agree to rounding, not to the bit.";
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -59,6 +64,8 @@ struct Results<'a> {
     task: &'a str,
     env_steps: u64,
     seed: u64,
+    backend: &'a str,
+    device: Option<&'a str>,
 }
 
 /// Runs `myo eval`.
@@ -72,9 +79,9 @@ pub fn run(args: &Eval) -> Result<()> {
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
     let episodes = usize::try_from(args.episodes)?;
-    let mut env = stage.env(episodes.min(ENVS), seed)?;
+    let (place, mut env) = stage.env(&args.physics.wish(Backend::Auto)?, episodes.min(ENVS), seed)?;
     let bar = bar(args.episodes);
-    let evaluation = evaluate(&mut checkpoint.policy(), &mut env, episodes, seed, |counted| {
+    let evaluation = evaluate(&mut checkpoint.policy(), env.as_mut(), episodes, seed, |counted| {
         bar.set_position(counted as u64);
         !interrupt.wanted()
     })?;
@@ -86,10 +93,15 @@ pub fn run(args: &Eval) -> Result<()> {
     let task = &stage.task.name;
     if args.json {
         let (run, env_steps) = (args.run.display().to_string(), checkpoint.env_steps());
-        return print_json(&Results { evaluation: &evaluation, run, task, env_steps, seed });
+        let (backend, device) = (place.backend(), place.device());
+        return print_json(&Results { evaluation: &evaluation, run, task, env_steps, seed, backend, device });
     }
     let trained = rounded(checkpoint.env_steps() as f64);
-    print(&format!("{}  trained         {trained} control steps\n", report::evaluation(task, &evaluation)))
+    print(&format!(
+        "{}  trained         {trained} control steps\n  evaluated       on {}\n",
+        report::evaluation(task, &evaluation),
+        place.sentence()
+    ))
 }
 
 fn bar(episodes: u64) -> ProgressBar {

@@ -22,6 +22,8 @@ pub enum Failure {
     OutputClosed,
     /// Stopped by Ctrl-C, which has been told already.
     Interrupted,
+    /// The graphics card was lost in the middle of a training; why, and where the checkpoint is.
+    DeviceLost(String),
 }
 
 /// Something wrong or odd at a place of a text.
@@ -48,6 +50,10 @@ impl Failure {
         match self {
             Self::OutputClosed => return ExitCode::SUCCESS,
             Self::Interrupted => return ExitCode::from(130),
+            Self::DeviceLost(text) => {
+                complain(&format!("error: {text}"));
+                return ExitCode::from(3);
+            }
             Self::Sentence(text) => complain(&format!("error: {text}")),
             Self::Mistakes(mistakes) => mistakes.iter().for_each(Mistake::tell),
         }
@@ -161,6 +167,11 @@ mod tests {
         let [mistake] = &task_mistakes(&error)[..] else { panic!("one mistake: {error}") };
         assert!(mistake.line().starts_with("my.yaml:2:1: unknown key `nam`"), "{}", mistake.line());
         assert_eq!(mistake.line().matches("my.yaml").count(), 1);
+    }
+
+    #[test]
+    fn a_lost_device_has_a_status_of_its_own() {
+        assert_eq!(Failure::DeviceLost("the GPU was lost".into()).report(), ExitCode::from(3));
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! The command line: one file per command.
 
+mod backend;
 mod bench;
+mod devices;
+mod envs;
 mod eval;
 mod failure;
 mod interrupt;
@@ -38,7 +41,7 @@ Examples:
   myo task show ar > my.yaml         start a task of your own
   myo train my.yaml
 
-Exit status: 0 done, 1 failed, 2 wrong usage, 130 stopped by Ctrl-C.";
+Exit status: 0 done, 1 failed, 2 wrong usage, 3 graphics card lost, 130 stopped by Ctrl-C.";
 
 #[derive(Subcommand)]
 enum Command {
@@ -52,7 +55,9 @@ enum Command {
     /// Models of the body: list, show, export
     #[command(subcommand)]
     Model(model::Command),
-    /// Benchmarks: physics, environment, training, NaN hunt
+    /// Graphics cards that can compute the physics
+    Devices(devices::Devices),
+    /// Benchmarks: physics, environment, training, kernels, NaN hunt
     #[command(subcommand)]
     Bench(bench::Command),
 }
@@ -76,6 +81,7 @@ fn run(cli: Cli) -> Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Task(command) => task::run(command),
         Command::Model(command) => model::run(command),
+        Command::Devices(args) => devices::run(&args),
         Command::Bench(command) => bench::run(&command, cli.threads),
     }
 }

@@ -1,6 +1,5 @@
 //! `myo model`: models of the body.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -8,7 +7,7 @@ use myo::model::mjcf::{MjcfOptions, to_mjcf};
 use myo::model::{Model, ModelDescription, builtin, builtin_names};
 
 use super::failure::{Failure, Result, model_failure};
-use super::output::{print, print_json, row, table};
+use super::output::{print, print_json, row, table, write_file};
 
 /// What to do with models.
 #[derive(Subcommand)]
@@ -159,14 +158,4 @@ fn write(export: &Export) -> Result<()> {
         Some(path) => write_file(path, &text),
         None => print(&text),
     }
-}
-
-/// Writes a file that is whole or not there.
-fn write_file(path: &Path, text: &str) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        Ok(file.persist(path)?)
-    });
-    written.map(drop).map_err(|error| Failure::sentence(format!("cannot write {}: {error}", path.display())))
 }

@@ -1,6 +1,7 @@
-//! Standard output: text, tables, JSON.
+//! Output: text, tables, JSON, files.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -19,6 +20,16 @@ pub fn print(text: &str) -> Result<()> {
 /// Writes a value as JSON that people can read, too.
 pub fn print_json(value: &impl Serialize) -> Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// Writes a file that is whole or not there.
+pub fn write_file(path: &Path, text: &str) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut file| {
+        file.write_all(text.as_bytes())?;
+        Ok(file.persist(path)?)
+    });
+    written.map(drop).map_err(|error| Failure::sentence(format!("cannot write {}: {error}", path.display())))
 }
 
 /// Columns as wide as their widest cell, two spaces apart; the first row is the heading. Cells that begin with a digit

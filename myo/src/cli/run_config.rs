@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use myo::gpu::Want;
 use myo::tasks::Task;
 use myo::train::{Checkpoint, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
 
+use super::backend::Wish;
 use super::failure::{Failure, Result, complain};
 use super::output::grouped;
 
@@ -14,8 +16,11 @@ use super::output::grouped;
 pub struct Description {
     /// The whole task, with the keys of a task file.
     pub task: Task,
-    /// What computed the physics.
+    /// What computed the physics when the run began: `cpu` or `gpu`.
     pub backend: String,
+    /// Name of the graphics card, if it was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
     /// Version of this program.
     pub version: String,
     /// Share of deterministic success at which training stops, if any.
@@ -32,6 +37,14 @@ impl Description {
             let path = run.path().join("config.json");
             RunError::BadConfig { path, reason: error.to_string() }.into()
         })
+    }
+
+    /// The backend that the run began on, where alone it goes on to the bit.
+    pub fn wish(&self) -> Wish {
+        match &self.device {
+            Some(name) => Wish::Gpu(Want::Named(name.clone())),
+            None => Wish::Cpu,
+        }
     }
 }
 

@@ -3,25 +3,20 @@
 use std::time::Instant;
 
 use clap::Args;
-use myo::env::{StepStorage, VectorEnv};
+use myo::gpu::Gpu;
 use myo::scalar::Level;
+use myo::scalar::symbolic::Form;
 use serde::Serialize;
 use serde_json::json;
 
-use super::best_and_median;
+use super::env_gpu::{self, Measurement, Part};
 use super::machine::Machine;
-use super::random::Random;
-use crate::cli::failure::{Result, complain};
+use super::speed::through_host;
+use crate::cli::backend::{Backend, Options, Place};
+use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{print, print_json, rounded, row, table};
 use crate::cli::parse;
 use crate::cli::stage::Stage;
-
-/// Measurements.
-const REPEATS: usize = 7;
-/// Time (s) of one measurement at least.
-const LEAST_S: f64 = 0.3;
-/// Control steps before the first measurement.
-const WARM_UP: usize = 10;
 
 /// Arguments of `myo bench env`.
 #[derive(Args)]
@@ -35,6 +30,17 @@ pub struct Env {
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "64,1024,16384", value_parser = parse::positive)]
     envs: Vec<usize>,
 
+    #[command(flatten)]
+    physics: Options,
+
+    /// Parts to measure, separated by commas; more than `env` only on a graphics card
+    #[arg(long, value_enum, value_name = "PART,...", value_delimiter = ',', default_value = "env")]
+    part: Vec<Part>,
+
+    /// Loops over the tables of the body in the kernel, as too large bodies have them; only on a graphics card
+    #[arg(long)]
+    loops: bool,
+
     /// Print the rows as JSON
     #[arg(long)]
     json: bool,
@@ -44,11 +50,20 @@ const HELP: &str = "\
 Examples:
   myo bench env
   myo bench env --task ar --envs 1024,4096 --threads 1
+  myo bench env --backend gpu --envs 1024,16384,262144 --part env,physics
 
 Actions are random; drawing them is not timed. Rates are those of the best of 7 measurements; `median` is the middle one.
 
-JSON: `rows` of objects with `backend`, `level`, `task`, `envs`, `threads`, `physics_steps_per_s`, `control_steps_per_s`,
-`control_steps_per_s_median`, `machine`, `date`, `version`.";
+On a graphics card the actions are drawn once, and many steps run in a row before one wait; with `--part host` every step
+takes actions from the host and brings observations back, as a learner on the processor needs it. The physics alone holds
+random excitations and has no episodes. `ready_s` is the time
+until the kernel could run: opening the card, recording, compiling. `kernel_cache` is `warm` if the compiled kernel was
+found on disk, `cold` if it was compiled and kept, `none` if the driver keeps nothing (null: not known). For a cold start
+let MYO_CACHE_DIR name an empty folder; drivers may have a cache of their own.
+
+JSON: `rows` of objects with `backend`, `task`, `envs`, `physics_steps_per_s`, `control_steps_per_s`,
+`control_steps_per_s_median`, `machine`, `date`, `version`; on the cpu also `level` and `threads`, on the gpu `device`,
+`driver`, `part`, `form` (`straight` or `loops`), `ready_s`, `kernel_cache`.";
 
 #[derive(Clone, Debug, Serialize)]
 struct Row {
@@ -67,12 +82,20 @@ struct Row {
 /// Runs `myo bench env`.
 pub fn run(args: &Env) -> Result<()> {
     let stage = Stage::open(&args.task)?;
-    let rows = args.envs.iter().map(|&envs| measure(&stage, envs)).collect::<Result<Vec<_>>>()?;
-    if args.json {
-        return print_json(&json!({ "rows": rows }));
+    let most = args.envs.iter().copied().max().unwrap_or(1);
+    let start = Instant::now();
+    match args.physics.wish(Backend::Cpu)?.place(most)? {
+        Place::Gpu(gpu) => on_gpu(args, &stage, &gpu, start.elapsed().as_secs_f64()),
+        Place::Cpu if args.part != [Part::Env] || args.loops => Err(Failure::sentence(
+            "on the cpu there is only `--part env`, without `--loops`; `myo bench physics` measures the physics alone",
+        )),
+        Place::Cpu => on_cpu(args, &stage),
     }
-    let mut cells = vec![row(["backend", "level", "envs", "threads", "control steps/s", "median", "physics steps/s"])];
-    cells.extend(rows.iter().map(|r| {
+}
+
+fn on_cpu(args: &Env, stage: &Stage) -> Result<()> {
+    let rows = args.envs.iter().map(|&envs| measure(stage, envs)).collect::<Result<Vec<_>>>()?;
+    let cells = rows.iter().map(|r| {
         row([
             r.backend,
             r.level,
@@ -82,36 +105,31 @@ pub fn run(args: &Env) -> Result<()> {
             &rounded(r.control_steps_per_s_median),
             &rounded(r.physics_steps_per_s),
         ])
-    }));
+    });
+    let headings = row(["backend", "level", "envs", "threads", "control steps/s", "median", "physics steps/s"]);
+    show(args, stage, &rows, [headings].into_iter().chain(cells).collect())
+}
+
+fn on_gpu(args: &Env, stage: &Stage, gpu: &Gpu, open_s: f64) -> Result<()> {
+    let measurement = Measurement { stage, gpu, open_s, form: args.loops.then_some(Form::Loops) };
+    let each = args.envs.iter().map(|&envs| measurement.run(envs, &args.part));
+    let rows = each.collect::<Result<Vec<_>>>()?.concat();
+    let cells = rows.iter().map(env_gpu::Row::cells);
+    show(args, stage, &rows, [row(env_gpu::HEADINGS)].into_iter().chain(cells).collect())
+}
+
+fn show(args: &Env, stage: &Stage, rows: &[impl Serialize], cells: Vec<Vec<String>>) -> Result<()> {
+    if args.json {
+        return print_json(&json!({ "rows": rows }));
+    }
     let Machine { machine, date, version } = Machine::here();
     print(&format!("{}, {machine}, {date}, myo {version}\n{}", stage.task.name, table(&cells)))
 }
 
 fn measure(stage: &Stage, envs: usize) -> Result<Row> {
     complain(&format!("measuring {envs} environments"));
-    let mut env = stage.env(envs, 1)?;
-    let mut out = StepStorage::new(env.spec());
-    let mut actions = vec![0.0; envs * env.spec().action_size()];
-    let mut random = Random(1);
-    let mut step = || -> Result<f64> {
-        random.fill_signed(&mut actions);
-        let start = Instant::now();
-        env.step(&actions, out.buffers())?;
-        Ok(start.elapsed().as_secs_f64())
-    };
-    for _ in 0..WARM_UP {
-        step()?;
-    }
-    let mut per_step = Vec::new();
-    for _ in 0..REPEATS {
-        let (mut seconds, mut steps) = (0.0, 0);
-        while seconds < LEAST_S {
-            seconds += step()?;
-            steps += 1;
-        }
-        per_step.push(seconds / f64::from(steps));
-    }
-    let (best, median) = best_and_median(per_step);
+    let mut env = stage.env_at(&Place::Cpu, envs, 1)?;
+    let (best, median) = through_host(env.as_mut())?;
     let substeps = stage.task.substeps(stage.model.options.timestep);
     Ok(Row {
         backend: "cpu",

@@ -1,11 +1,14 @@
 //! `myo bench`: how fast it is here.
 
 mod env;
+mod env_gpu;
+mod kernel;
 mod machine;
 mod mujoco;
 mod nan;
 mod physics;
 mod random;
+mod speed;
 mod train;
 
 use clap::{Subcommand, ValueEnum};
@@ -22,6 +25,8 @@ pub enum Command {
     Env(env::Env),
     /// Time from the start of training until it is good enough, for several seeds
     Train(train::Train),
+    /// Operations of the kernel that a graphics card runs, and its text
+    Kernel(kernel::Kernel),
     /// Look for numbers that are not finite in many steps of random actions
     Nan(nan::Nan),
 }
@@ -32,6 +37,7 @@ pub fn run(command: &Command, threads: Option<usize>) -> Result<()> {
         Command::Physics(args) => physics::run(args, threads.unwrap_or(1)),
         Command::Env(args) => env::run(args),
         Command::Train(args) => train::run(args),
+        Command::Kernel(args) => kernel::run(args),
         Command::Nan(args) => nan::run(args),
     }
 }

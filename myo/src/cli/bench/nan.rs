@@ -3,12 +3,13 @@
 use std::time::Instant;
 
 use clap::Args;
-use myo::env::{EnvSpec, StepStorage, VectorEnv};
+use myo::env::{EnvSpec, StepStorage};
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::machine::Machine;
 use super::random::Random;
+use crate::cli::backend::{Backend, Options, Place};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{duration, grouped, print, print_json, rounded};
 use crate::cli::parse;
@@ -41,6 +42,9 @@ pub struct Nan {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
+    #[command(flatten)]
+    physics: Options,
+
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -55,7 +59,7 @@ Actions are uniform or at their bounds and held for some steps; episodes end at 
 Exit status 1 if an observation or a reward was NaN or infinite.
 
 JSON: `control_steps`, `resets`, `non_finite` (rows of an observation or reward that were not finite), `first` (null, or
-an object with `env`, `step`, `what`), `task`, `seed`, `envs`, `wall_s`, `machine`, `date`, `version`.";
+an object with `env`, `step`, `what`), `backend`, `device`, `task`, `seed`, `envs`, `wall_s`, `machine`, `date`, `version`.";
 
 /// What was found so far.
 #[derive(Default)]
@@ -80,7 +84,8 @@ struct First {
 /// Runs `myo bench nan`.
 pub fn run(args: &Nan) -> Result<()> {
     let stage = Stage::open(&args.task)?;
-    let mut env = stage.env(args.envs, args.seed)?;
+    let (place, mut env) = stage.env(&args.physics.wish(Backend::Cpu)?, args.envs, args.seed)?;
+    let env = env.as_mut();
     let spec = env.spec().clone();
     let mut out = StepStorage::new(&spec);
     let mut actions = vec![0.0; args.envs * spec.action_size()];
@@ -104,7 +109,7 @@ pub fn run(args: &Nan) -> Result<()> {
             complain(&format!("{done} of {all} control steps"));
         }
     }
-    show(args, &stage, &found, start.elapsed().as_secs_f64())
+    show(args, &stage, &place, &found, start.elapsed().as_secs_f64())
 }
 
 impl Findings {
@@ -136,7 +141,7 @@ fn draw(action: &mut [f32], random: &mut Random) {
     }
 }
 
-fn show(args: &Nan, stage: &Stage, found: &Findings, wall_s: f64) -> Result<()> {
+fn show(args: &Nan, stage: &Stage, place: &Place, found: &Findings, wall_s: f64) -> Result<()> {
     let task = &stage.task.name;
     let Machine { machine, date, version } = Machine::here();
     if args.json {
@@ -145,6 +150,7 @@ fn show(args: &Nan, stage: &Stage, found: &Findings, wall_s: f64) -> Result<()> 
             "resets": found.resets,
             "non_finite": found.bad,
             "first": found.first.as_ref().map(|f| json!({"env": f.env, "step": f.step, "what": f.what})),
+            "backend": place.backend(), "device": place.device(),
             "task": task, "seed": args.seed, "envs": args.envs, "wall_s": wall_s,
             "machine": machine, "date": date, "version": version,
         }))?;
@@ -152,9 +158,10 @@ fn show(args: &Nan, stage: &Stage, found: &Findings, wall_s: f64) -> Result<()> 
         let [steps, resets, bad] = [found.control_steps, found.resets as u64, found.bad].map(grouped);
         print(&format!(
             "{task}: {steps} control steps of random actions, {resets} resets, {bad} not finite\n  \
-             {} in {} environments, seed {}, {machine}, {date}, myo {version}\n",
+             {} in {} environments on {}, seed {}, {machine}, {date}, myo {version}\n",
             duration(wall_s),
             args.envs,
+            place.sentence(),
             args.seed,
         ))?;
     }

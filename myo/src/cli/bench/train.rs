@@ -1,11 +1,11 @@
 //! `myo bench train`: how long until a new simulated user is good enough.
 
 use clap::Args;
-use myo::train::Trainer;
 use serde::Serialize;
 use serde_json::json;
 
 use super::machine::Machine;
+use crate::cli::backend::{Backend, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
@@ -40,6 +40,9 @@ pub struct Train {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
+    #[command(flatten)]
+    physics: Options,
+
     /// Print the rows as JSON
     #[arg(long)]
     json: bool,
@@ -53,13 +56,14 @@ Examples:
 Time runs from the first step of training until 1,000 fresh episodes confirm the goal; looking at the goal is included.
 No run folders are left.
 
-JSON: `rows` of objects with `backend`, `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
+JSON: `rows` of objects with `backend`, `device` (null on the cpu), `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
 `success`, `stopped_by` (`until` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
 reached the goal.";
 
 #[derive(Clone, Debug, Serialize)]
 struct Row {
     backend: &'static str,
+    device: Option<String>,
     task: String,
     seed: u64,
     envs: usize,
@@ -111,14 +115,18 @@ pub fn run(args: &Train) -> Result<()> {
 fn measure(args: &Train, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = settings(args.envs, &args.set)?;
     let envs = config.num_envs;
-    let trainer = Trainer::new(Box::new(stage.env(envs, seed)?), config, seed)?;
+    let (place, env) = stage.env(&args.physics.wish(Backend::Cpu)?, envs, seed)?;
+    let trainer = env.train(config, seed)?;
     let until = args.until.map_or(UNTIL, |goal| goal.0);
     let outcome = Session::new(stage, trainer, until, args.steps.unwrap_or(STEPS)).run(interrupt)?;
-    if outcome.end == End::Interrupted {
-        return Err(Failure::Interrupted);
+    match outcome.end {
+        End::Interrupted => return Err(Failure::Interrupted),
+        End::DeviceLost => return Err(Failure::DeviceLost(outcome.lost.unwrap_or_default())),
+        End::Until | End::Steps => {}
     }
     Ok(Row {
-        backend: "cpu",
+        backend: place.backend(),
+        device: place.device().map(String::from),
         task: stage.task.name.clone(),
         seed,
         envs,

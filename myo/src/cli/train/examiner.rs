@@ -1,8 +1,9 @@
 //! Evaluation during training.
 
-use myo::env::CpuEnv;
 use myo::train::{Evaluation, Policy, evaluate};
 
+use crate::cli::backend::Place;
+use crate::cli::envs::Envs;
 use crate::cli::failure::Result;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::stage::Stage;
@@ -10,12 +11,13 @@ use crate::cli::stage::Stage;
 /// Environments that evaluate side by side.
 const ENVS: usize = 256;
 
-/// Evaluates policies, each time on other fresh episodes.
+/// Evaluates policies, each time on other fresh episodes. On the processor always: so few environments are no work for a
+/// graphics card.
 pub struct Examiner<'a> {
     stage: &'a Stage,
     training_seed: u64,
     taken: u64,
-    env: Option<CpuEnv>,
+    env: Option<Envs>,
 }
 
 impl<'a> Examiner<'a> {
@@ -35,9 +37,9 @@ impl<'a> Examiner<'a> {
         let seed = evaluation_seed(self.training_seed, self.taken);
         let mut env = match self.env.take() {
             Some(env) => env,
-            None => self.stage.env(ENVS, seed)?,
+            None => self.stage.env_at(&Place::Cpu, ENVS, seed)?,
         };
-        let evaluation = evaluate(policy, &mut env, episodes, seed, |_| !interrupt.wanted())?;
+        let evaluation = evaluate(policy, env.as_mut(), episodes, seed, |_| !interrupt.wanted())?;
         self.env = Some(env);
         Ok(Some(evaluation).filter(|_| !interrupt.wanted()))
     }

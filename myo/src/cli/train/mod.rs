@@ -8,10 +8,12 @@ mod settings;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
-use myo::train::{RunError, RunFolder, RunWriter, Trainer};
+use clap::Args;
+use myo::train::{PpoConfig, RunError, RunFolder, RunWriter, Trainer};
 use serde_json::json;
 
+use super::backend::{Backend, Options, Place, Wish};
+use super::envs::Envs;
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{duration, grouped, print, print_json, rounded};
@@ -48,9 +50,8 @@ pub struct Train {
     #[arg(long, value_name = "SHARE", value_parser = parse::goal)]
     until: Option<Goal>,
 
-    /// What computes the physics
-    #[arg(long, value_enum, default_value_t = Backend::Auto)]
-    backend: Backend,
+    #[command(flatten)]
+    physics: Options,
 
     /// Environments side by side [default: that of the learner's settings]
     #[arg(long, value_name = "N", value_parser = parse::positive)]
@@ -60,7 +61,7 @@ pub struct Train {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
-    /// Go on with a run from its newest checkpoint, to the bit as if it had never stopped
+    /// Go on with a run from its newest checkpoint, to the bit as if it had never stopped; with another backend, to rounding
     #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "envs", "set"])]
     resume: Option<PathBuf>,
 
@@ -78,23 +79,17 @@ Examples:
 
 The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ (every 30 s) and evaluation.json.
 Whether `--until` is reached is looked at in 256 fresh episodes whenever training does well, and confirmed in 1,000
-others; these are the ones in the final table. Ctrl-C stops with a checkpoint, a second one at once.
+others; these are the ones in the final table. Ctrl-C stops with a checkpoint, a second one at once. A graphics card that
+is lost stops with a checkpoint, too, and status 3; going on from it begins new episodes.
 
-JSON: `run`, `task`, `seed`, `env_steps`, `updates`, `wall_s` (evaluations included), `stopped_by` (`until`, `steps` or
-`interrupt`), `until`, and `evaluation`, with the keys that `myo eval --json` prints; null after an interrupt.";
+With --backend gpu the policy acts on the card, too; learning, and looking at the goal, is work of the processor.
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Backend {
-    /// The fastest that this machine has
-    Auto,
-    /// Processor cores
-    Cpu,
-}
+JSON: `run`, `task`, `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), `env_steps`, `updates`,
+`wall_s` (evaluations included), `stopped_by` (`until`, `steps`, `interrupt` or `device_lost`), `until`, and `evaluation`,
+with the keys that `myo eval --json` prints; null after an interrupt or a loss.";
 
 /// Runs `myo train`.
 pub fn run(args: &Train) -> Result<()> {
-    // Both are the processor as long as there is nothing else.
-    let (Backend::Auto | Backend::Cpu) = args.backend;
     let interrupt = Interrupt::listen()?;
     match (&args.resume, &args.task) {
         (Some(run), _) => resume(args, run, &interrupt),
@@ -108,24 +103,26 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let config = settings(args.envs, &args.set)?;
     let stage = Stage::open(task)?;
     let seed = args.seed.unwrap_or(1);
+    let (place, env) = stage.env(&args.physics.wish(Backend::Auto)?, config.num_envs, seed)?;
     let description = Description {
         task: stage.task.clone(),
-        backend: "cpu".into(),
+        backend: place.backend().into(),
+        device: place.device().map(String::from),
         version: env!("CARGO_PKG_VERSION").into(),
         until: args.until.map_or(UNTIL, |goal| goal.0),
         steps: args.steps.unwrap_or(STEPS),
     };
-    let trainer = Trainer::new(Box::new(stage.env(config.num_envs, seed)?), config, seed)?;
+    let trainer = env.train(config, seed)?;
     let writer = create(args.out.as_deref(), &description, &trainer)?;
     complain(&format!(
-        "training {} in {}: {} environments on {} threads",
+        "training {} in {}: {} environments on {}",
         stage.task.name,
         writer.folder().path().display(),
         grouped(trainer.spec().num_envs as u64),
-        rayon::current_num_threads()
+        place.sentence()
     ));
     let session = Session::new(&stage, trainer, description.until, description.steps);
-    conclude(args, &stage, session.recorded_in(writer), interrupt)
+    conclude(args, &stage, &place, session.recorded_in(writer), interrupt)
 }
 
 /// Makes the run folder: the one asked for, or the first that is free.
@@ -154,11 +151,11 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     description.steps = args.steps.unwrap_or(description.steps);
     let stage = Stage::of(description.task.clone())?;
     let (config, seed) = (run.config().ppo.clone(), run.config().seed);
-    let env = Box::new(stage.env(config.num_envs, seed)?);
+    let (place, env) = env_again(args, &stage, &description, &config, seed)?;
     let trainer = match newest_checkpoint(&run)? {
-        Some(checkpoint) => Trainer::restore(env, &checkpoint)?,
+        Some(checkpoint) => env.go_on(&checkpoint)?,
         // Stopped before its first checkpoint: the same seed begins the same run.
-        None => Trainer::new(env, config, seed)?,
+        None => env.train(config, seed)?,
     };
     if trainer.env_steps() >= description.steps {
         let (done, limit) = (grouped(trainer.env_steps()), grouped(description.steps));
@@ -169,17 +166,39 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     }
     let writer = RunWriter::resume(path, trainer.env_steps(), &trainer.spec().episode_names)?;
     complain(&format!(
-        "going on with {} in {} after {} control steps",
+        "going on with {} in {} after {} control steps, on {}",
         stage.task.name,
         path.display(),
-        grouped(trainer.env_steps())
+        grouped(trainer.env_steps()),
+        place.sentence()
     ));
     let session = Session::new(&stage, trainer, description.until, description.steps);
-    conclude(args, &stage, session.recorded_in(writer), interrupt)
+    conclude(args, &stage, &place, session.recorded_in(writer), interrupt)
+}
+
+/// The environments of a run that goes on: where it began, unless another place is asked for.
+fn env_again(
+    args: &Train,
+    stage: &Stage,
+    description: &Description,
+    config: &PpoConfig,
+    seed: u64,
+) -> Result<(Place, Envs)> {
+    if args.physics.is_given() {
+        return stage.env(&args.physics.wish(Backend::Auto)?, config.num_envs, seed);
+    }
+    let wish = description.wish();
+    if let (Wish::Gpu(_), Err(Failure::Sentence(reason))) = (&wish, wish.place(config.num_envs)) {
+        let device = description.device.as_deref().unwrap_or("a graphics card");
+        return Err(Failure::sentence(format!(
+            "the run began on {device}, which cannot be had now: {reason}. To go on elsewhere, add --backend cpu or --device"
+        )));
+    }
+    stage.env(&wish, config.num_envs, seed)
 }
 
 /// Trains to the end and tells how it went.
-fn conclude(args: &Train, stage: &Stage, session: Session<'_>, interrupt: &Interrupt) -> Result<()> {
+fn conclude(args: &Train, stage: &Stage, place: &Place, session: Session<'_>, interrupt: &Interrupt) -> Result<()> {
     let (seed, until) = (session.seed(), session.until());
     let outcome = session.run(interrupt)?;
     let run = outcome.run.as_deref().unwrap_or(Path::new("")).display().to_string();
@@ -188,6 +207,8 @@ fn conclude(args: &Train, stage: &Stage, session: Session<'_>, interrupt: &Inter
             "run": run,
             "task": stage.task.name,
             "seed": seed,
+            "backend": place.backend(),
+            "device": place.device(),
             "env_steps": outcome.env_steps,
             "updates": outcome.updates,
             "wall_s": outcome.wall_s,
@@ -195,14 +216,34 @@ fn conclude(args: &Train, stage: &Stage, session: Session<'_>, interrupt: &Inter
             "until": until,
             "evaluation": outcome.evaluation,
         }))?;
-    } else {
+    } else if outcome.end != End::DeviceLost {
         print(&summary(stage, &outcome, seed, until, &run))?;
     }
-    if outcome.end == End::Interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    match outcome.end {
+        End::DeviceLost => Err(Failure::DeviceLost(loss(&outcome, &run))),
+        End::Interrupted => Err(Failure::Interrupted),
+        End::Until | End::Steps => Ok(()),
+    }
+}
+
+/// What is left after the graphics card was lost.
+fn loss(outcome: &Outcome, run: &str) -> String {
+    let reason = outcome.lost.as_deref().unwrap_or("the driver does not say why");
+    let steps = rounded(outcome.env_steps as f64);
+    let checkpoint = outcome.checkpoint.as_deref().unwrap_or(Path::new("")).display();
+    format!(
+        "the GPU was lost: {reason}\nstopped after {steps} control steps, with the checkpoint {checkpoint}\n\n\
+         next, with new episodes: {} train --resume {run}",
+        program()
+    )
+}
+
+fn program() -> String {
+    std::env::args().next().unwrap_or_else(|| "myo".into())
 }
 
 fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Option<f64>, run: &str) -> String {
-    let program = std::env::args().next().unwrap_or_else(|| "myo".into());
+    let program = program();
     let (steps, time) = (rounded(outcome.env_steps as f64), duration(outcome.wall_s));
     let Some(evaluation) = &outcome.evaluation else {
         let next = format!("{program} train --resume {run}");

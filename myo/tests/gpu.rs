@@ -1,0 +1,190 @@
+//! The built `myo` program on machines with a graphics card, with software that imitates one, and with neither.
+//!
+//! Training and measuring run on the first adapter, so on a machine without a card on the processor.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn run(folder: &Path, args: &[&str], without_drivers: bool) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
+    command.args(args).current_dir(folder).env_remove("NODEVICE_SELECT").env_remove("XDG_RUNTIME_DIR");
+    // Compiled kernels are kept from test to test, but not in the user's folder.
+    command.env("MYO_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"));
+    if without_drivers {
+        // Both names that Vulkan loaders know.
+        command.env("VK_DRIVER_FILES", "/no/driver").env("VK_ICD_FILENAMES", "/no/driver");
+    }
+    command.output().expect("the program starts")
+}
+
+fn myo(folder: &Path, args: &[&str]) -> Output {
+    run(folder, args, false)
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", stderr(output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn assert_refused(output: &Output, sentence: &str) {
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(output));
+    assert!(stderr(output).contains(sentence), "{}", stderr(output));
+}
+
+/// What `myo devices` lists. Without any the test fails, unless `MYO_NO_GPU` says that this is meant.
+fn devices() -> Option<Value> {
+    let listed = json(&myo(Path::new("."), &["devices", "--json"]));
+    if listed["devices"].as_array().unwrap().is_empty() {
+        assert_eq!(std::env::var("MYO_NO_GPU").as_deref(), Ok("1"), "no adapter; to skip this test, set MYO_NO_GPU=1");
+        println!("skipped, because MYO_NO_GPU=1 and there is no adapter");
+        return None;
+    }
+    Some(listed)
+}
+
+/// Arguments of a training of so many control steps, in updates of 16 steps of the environments.
+fn short_training<'a>(envs: &'a str, steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let fixed =
+        ["train", "pointing-single", "--until", "off", "--envs", envs, "--steps", steps, "--out", "run", "--json"];
+    [&fixed[..], &["--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"], more].concat()
+}
+
+#[test]
+fn adapters_are_listed_with_what_auto_takes() {
+    let Some(listed) = devices() else { return };
+    let all = listed["devices"].as_array().unwrap();
+    for (number, device) in all.iter().enumerate() {
+        assert_eq!(device["number"], number);
+        assert!(["name", "kind", "backend", "driver"].iter().all(|key| device[*key].is_string()), "{device}");
+        assert!(device["max_buffer_bytes"].as_u64() >= Some(128 << 20) && device["subgroups"].is_boolean(), "{device}");
+    }
+    let card = all.iter().position(|device| device["kind"] != "software");
+    assert_eq!(listed["auto"], Value::from(card));
+    assert_eq!(listed["hint"].is_null(), card.is_some());
+
+    let text = String::from_utf8(myo(Path::new("."), &["devices"]).stdout).unwrap();
+    let chosen = card.map_or("the processor".into(), |number| number.to_string());
+    assert!(text.contains(all[0]["name"].as_str().unwrap()), "{text}");
+    assert!(text.contains(&format!("`--backend auto` takes {chosen}")), "{text}");
+}
+
+#[test]
+fn listing_adapters_prints_nothing_to_standard_error() {
+    let Some(_) = devices() else { return };
+    assert_eq!(stderr(&myo(Path::new("."), &["devices"])), "");
+}
+
+/// On Linux a driver is what the Vulkan loader finds; elsewhere it cannot be taken away.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_driver_it_is_said_what_to_install_and_the_processor_serves() {
+    let bare = |args: &[&str]| run(Path::new("."), args, true);
+    let listed = json(&bare(&["devices", "--json"]));
+    assert_eq!((&listed["devices"], &listed["auto"]), (&Value::Array(Vec::new()), &Value::Null));
+    assert!(listed["hint"].as_str().unwrap().contains("mesa-vulkan-drivers"));
+    let text = String::from_utf8(bare(&["devices"]).stdout).unwrap();
+    assert!(text.contains("auto` takes the processor") && text.contains("mesa-vulkan-drivers"), "{text}");
+
+    assert_refused(&bare(&["train", "pointing-single", "--backend", "gpu"]), "no GPU was found");
+    assert_refused(&bare(&["bench", "env", "--device", "0"]), "no GPU was found");
+    let folder = tempfile::tempdir().unwrap();
+    // So many that `auto` would take a card.
+    let auto = run(folder.path(), &short_training("256", "4k", &["--threads", "1"]), true);
+    let result = json(&auto);
+    assert_eq!((&result["backend"], &result["device"]), (&"cpu".into(), &Value::Null));
+}
+
+#[test]
+fn software_and_unknown_names_are_refused() {
+    let Some(listed) = devices() else { return };
+    let here = |args: &[&str]| myo(Path::new("."), args);
+    let name = listed["devices"][0]["name"].as_str().unwrap();
+    assert_refused(&here(&["train", "pointing-single", "--device", "voodoo"]), &format!("there is 0: {name}"));
+    assert_refused(&here(&["eval", "x", "--device", "0"]), "not a run folder");
+    assert_refused(&here(&["train", "ar", "--backend", "cpu", "--device", "0"]), "leave one of them out");
+    match listed["auto"].is_null() {
+        true => {
+            let refused = here(&["train", "pointing-single", "--backend", "gpu"]);
+            assert_refused(&refused, "only a software adapter is there");
+            assert!(stderr(&refused).contains("--device 0"), "{}", stderr(&refused));
+        }
+        false => println!("there is a card, so the refusal of software cannot be seen"),
+    }
+}
+
+#[test]
+fn a_run_on_the_gpu_goes_on_there_or_elsewhere() {
+    let Some(listed) = devices() else { return };
+    let name = &listed["devices"][0]["name"];
+    let folder = tempfile::tempdir().unwrap();
+    let training = myo(folder.path(), &short_training("32", "1k", &["--device", name.as_str().unwrap()]));
+    assert!(stderr(&training).contains(&format!("on the gpu ({})", name.as_str().unwrap())), "{}", stderr(&training));
+    let result = json(&training);
+    assert_eq!((&result["backend"], &result["device"], &result["env_steps"]), (&"gpu".into(), name, &1024.into()));
+    let config: Value = serde_json::from_slice(&std::fs::read(folder.path().join("run/config.json")).unwrap()).unwrap();
+    assert_eq!((&config["run"]["backend"], &config["run"]["device"]), (&"gpu".into(), name));
+
+    let resume = |steps: &str, more: &[&str]| {
+        let args = [&["train", "--resume", "run", "--json", "--steps", steps], more].concat();
+        json(&myo(folder.path(), &args))
+    };
+    let (there, elsewhere) = (resume("1536", &[]), resume("2k", &["--backend", "cpu"]));
+    assert_eq!((&there["backend"], &there["env_steps"]), (&"gpu".into(), &1536.into()));
+    assert_eq!((&elsewhere["backend"], &elsewhere["env_steps"]), (&"cpu".into(), &2048.into()));
+    let evaluate =
+        |more: &[&str]| json(&myo(folder.path(), &[&["eval", "run", "--episodes", "64", "--json"], more].concat()));
+    let (gpu, cpu) = (evaluate(&["--device", "0"]), evaluate(&["--backend", "cpu"]));
+    assert_eq!((&gpu["backend"], &gpu["device"], &cpu["backend"]), (&"gpu".into(), name, &"cpu".into()));
+    let [a, b] = [gpu, cpu].map(|result| result["return"].as_f64().unwrap());
+    assert!((a - b).abs() < 0.01 * b.abs(), "{a} on the gpu, {b} on the cpu");
+
+    if cfg!(target_os = "linux") {
+        let gone = run(folder.path(), &["train", "--resume", "run", "--steps", "4k"], true);
+        assert_refused(&gone, "which cannot be had now: no GPU was found");
+        assert!(stderr(&gone).contains("--backend cpu"), "{}", stderr(&gone));
+    }
+}
+
+#[test]
+fn a_run_resumed_on_the_gpu_ends_with_the_same_bits() {
+    let Some(_) = devices() else { return };
+    let [whole, parts] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let train = |folder: &Path, steps| json(&myo(folder, &short_training("32", steps, &["--device", "0"])));
+    train(whole.path(), "2k");
+    train(parts.path(), "1k");
+    json(&myo(parts.path(), &["train", "--resume", "run", "--steps", "2k", "--json"]));
+    let [a, b] = [whole, parts].map(|folder| {
+        let run = myo::train::RunFolder::open(&folder.path().join("run")).unwrap();
+        let mut checkpoint = run.latest_checkpoint().checkpoint.expect("a whole checkpoint");
+        checkpoint.forget_wall_time();
+        checkpoint
+    });
+    assert_eq!((a.env_steps(), b.env_steps()), (2048, 2048));
+    assert!(a == b, "the same weights, moments and episodes");
+}
+
+#[test]
+fn measurements_on_the_gpu_give_rows() {
+    let Some(listed) = devices() else { return };
+    let args = ["bench", "env", "--task", "pointing-single", "--device", "0", "--envs", "64", "--json"];
+    let bench = json(&myo(Path::new("."), &[&args[..], &["--part", "env,physics,host"]].concat()));
+    let rows = bench["rows"].as_array().unwrap();
+    assert_eq!(rows.iter().map(|row| row["part"].as_str().unwrap()).collect::<Vec<_>>(), ["env", "physics", "host"]);
+    for row in rows {
+        assert_eq!(
+            (&row["backend"], &row["device"], &row["envs"]),
+            (&"gpu".into(), &listed["devices"][0]["name"], &64.into())
+        );
+        for key in ["ready_s", "physics_steps_per_s", "control_steps_per_s", "control_steps_per_s_median"] {
+            assert!(row[key].as_f64().unwrap() > 0.0, "{key}: {row}");
+        }
+        assert!(row["machine"].is_string() && row["date"].is_string() && row["driver"].is_string(), "{row}");
+    }
+    assert!(["warm", "cold", "none"].contains(&rows[0]["kernel_cache"].as_str().unwrap()));
+}
