@@ -55,7 +55,7 @@ Examples:
 Actions are random; drawing them is not timed. Rates are those of the best of 7 measurements; `median` is the middle one.
 
 On a graphics card the actions are drawn once, and many steps run in a row before one wait; with `--part host` every step
-takes actions from the host and brings observations back, as a learner on the processor needs it. The physics alone holds
+takes actions from the host and brings observations back, as `myo eval` and users of the library need it. The physics alone holds
 random excitations and has no episodes. `ready_s` is the time
 until the kernel could run: opening the card, recording, compiling. `kernel_cache` is `warm` if the compiled kernel was
 found on disk, `cold` if it was compiled and kept, `none` if the driver keeps nothing (null: not known). For a cold start

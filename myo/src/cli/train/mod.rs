@@ -61,7 +61,8 @@ pub struct Train {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
-    /// Go on with a run from its newest checkpoint, to the bit as if it had never stopped; with another backend, to rounding
+    /// Go on with a run from its newest checkpoint, where it began, to the bit as if it had never stopped; with another
+    /// --backend or --device, not to the bit
     #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "envs", "set"])]
     resume: Option<PathBuf>,
 
