@@ -175,3 +175,23 @@ fn loops_over_tables_compute_what_straight_code_computes() {
         }
     }
 }
+
+#[test]
+fn a_model_that_no_driver_would_compile_is_refused_with_its_size() {
+    if without_gpu() {
+        return;
+    }
+    let task = short("pointing");
+    let mut description = myo_model::builtin(&task.model).unwrap();
+    let muscles = description.muscles.clone();
+    for copy in 1..90 {
+        description.muscles.extend(muscles.iter().cloned().map(|mut muscle| {
+            muscle.name = format!("{}_{copy}", muscle.name);
+            muscle
+        }));
+    }
+    let model = myo_model::Model::new(&description).unwrap();
+    let refused = GpuEnv::new(&gpu(), &model, &task, &EnvConfig::default()).err().expect("too large").to_string();
+    assert!(refused.contains("operations in one kernel, more than the 40000"), "{refused}");
+    assert!(refused.contains("take the cpu backend"), "{refused}");
+}

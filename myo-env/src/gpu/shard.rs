@@ -14,7 +14,7 @@ const WORKGROUP: u32 = 64;
 /// Operations above which tables become loops: drivers take seconds, and the kernel outgrows the instruction cache.
 const MAX_STRAIGHT: usize = 16_000;
 /// Operations above which drivers take minutes, whatever the form.
-const MAX_OPERATIONS: usize = 60_000;
+const MAX_OPERATIONS: usize = 40_000;
 
 /// Choices that a caller need not make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
