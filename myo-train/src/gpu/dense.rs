@@ -10,14 +10,36 @@ use super::tile::Tile;
 pub const GROUP: usize = 4;
 
 /// What becomes of the sums of a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Finish {
+#[derive(Clone, Copy, Debug)]
+pub enum Finish<'a> {
     /// `z sigmoid(z)`, for hidden layers.
     Silu,
     /// Stays as it is.
     Linear,
     /// The sum is the mean of an action. `Y` holds standard normal noise and gets the action; the environment's
     /// actions get it mapped and clipped.
+    Sample(Sampling<'a>),
+}
+
+impl<'a> Finish<'a> {
+    fn kind(self) -> Kind {
+        match self {
+            Self::Silu => Kind::Silu,
+            Self::Linear => Kind::Linear,
+            Self::Sample(_) => Kind::Sample,
+        }
+    }
+
+    fn sampling(self) -> Option<Sampling<'a>> {
+        if let Self::Sample(sampling) = self { Some(sampling) } else { None }
+    }
+}
+
+/// A [`Finish`] as far as the kernel's text depends on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Kind {
+    Silu,
+    Linear,
     Sample,
 }
 
@@ -97,7 +119,7 @@ impl Dispatch {
 #[derive(Debug)]
 pub struct DenseKernels {
     gpu: Gpu,
-    compiled: HashMap<(Tile, Finish), Kernel>,
+    compiled: HashMap<(Tile, Kind), Kernel>,
     forced: Option<Tile>,
 }
 
@@ -118,9 +140,9 @@ impl DenseKernels {
         x: Columns<'_>,
         y: Columns<'_>,
         columns: usize,
-        sampling: Option<Sampling<'_>>,
-        finish: Finish,
+        finish: Finish<'_>,
     ) -> Result<Dispatch, GpuError> {
+        let sampling = finish.sampling();
         fits(parameters, layer.bias + layer.outputs)?;
         if let Some(sampling) = sampling {
             fits(sampling.env_actions, layer.outputs * sampling.num_envs)?;
@@ -129,7 +151,7 @@ impl DenseKernels {
         x.check(layer.inputs, columns)?;
         y.check(layer.outputs, columns)?;
         let tile = self.forced.unwrap_or_else(|| tile_for(layer.outputs, columns));
-        let kernel = self.kernel(tile, finish)?;
+        let kernel = self.kernel(tile, finish.kind())?;
         let shape = self.gpu.buffer("shape", 16)?;
         self.gpu.write(&shape, 0, &words(layer, x, y, columns, sampling))?;
         let mut buffers = vec![parameters.binding(), x.buffer.binding(), y.buffer.binding()];
@@ -140,26 +162,27 @@ impl DenseKernels {
         Ok(Dispatch { kernel, bindings, threads })
     }
 
-    fn kernel(&mut self, tile: Tile, finish: Finish) -> Result<Kernel, GpuError> {
-        if let Some(kernel) = self.compiled.get(&(tile, finish)) {
+    fn kernel(&mut self, tile: Tile, kind: Kind) -> Result<Kernel, GpuError> {
+        if let Some(kernel) = self.compiled.get(&(tile, kind)) {
             return Ok(kernel.clone());
         }
-        let kernel = compile(&self.gpu, tile, finish)?;
-        self.compiled.insert((tile, finish), kernel.clone());
+        let kernel = compile(&self.gpu, tile, kind)?;
+        self.compiled.insert((tile, kind), kernel.clone());
         Ok(kernel)
     }
 }
 
-/// The tile that keeps a large card busy: large ones need fewer copies per product, small ones give more workgroups.
+/// The tile that keeps a large card busy: large ones need fewer copies per product, small ones give more workgroups. The
+/// limits were measured on an H200 (`examples/gpu_rollout.rs`, `tiles`).
 fn tile_for(outputs: usize, columns: usize) -> Tile {
-    const SLIM: Tile = Tile::new(4, 128, 16, (4, 4));
-    const SMALL: Tile = Tile::new(32, 32, 16, (4, 4));
-    const FLAT: Tile = Tile::new(32, 64, 16, (4, 8));
-    const LARGE: Tile = Tile::new(64, 64, 16, (8, 8));
+    const SMALL: Tile = Tile::new(16, 64, 16, (4, 4));
+    const FLAT: Tile = Tile::new(32, 64, 16, (4, 4));
+    const MEDIUM: Tile = Tile::new(64, 128, 8, (8, 4));
+    const LARGE: Tile = Tile::new(64, 128, 8, (8, 8));
     match (outputs, columns) {
-        (..=4, _) => SLIM,
-        (_, ..8192) => SMALL,
+        (..=16, _) | (_, ..8192) => SMALL,
         (..=32, _) => FLAT,
+        (_, ..24576) => MEDIUM,
         _ => LARGE,
     }
 }
@@ -199,16 +222,16 @@ const SAMPLE: &str = "fn sample(output: u32, group: u32, mean: vec4<f32>) {
 }";
 
 /// The kernel's text and how it uses its buffers.
-fn source(tile: Tile, finish: Finish) -> (String, Vec<Access>) {
+fn source(tile: Tile, kind: Kind) -> (String, Vec<Access>) {
     let place = "y[output * shape.y_stride + shape.y_first + group]";
-    let (functions, statement) = match finish {
-        Finish::Silu => (SILU, format!("{place} = silu(sum);")),
-        Finish::Linear => ("", format!("{place} = sum;")),
-        Finish::Sample => (SAMPLE, "sample(output, group, sum);".to_owned()),
+    let (functions, statement) = match kind {
+        Kind::Silu => (SILU, format!("{place} = silu(sum);")),
+        Kind::Linear => ("", format!("{place} = sum;")),
+        Kind::Sample => (SAMPLE, "sample(output, group, sum);".to_owned()),
     };
     let mut access = vec![Access::Read, Access::Read, Access::ReadWrite];
     let mut bindings = "";
-    if finish == Finish::Sample {
+    if kind == Kind::Sample {
         access.push(Access::ReadWrite);
         bindings = "@group(0) @binding(3) var<storage, read_write> env_actions: array<f32>;";
     }
@@ -220,9 +243,9 @@ fn source(tile: Tile, finish: Finish) -> (String, Vec<Access>) {
     (tile.fill_in(&template, &statement), access)
 }
 
-fn compile(gpu: &Gpu, tile: Tile, finish: Finish) -> Result<Kernel, GpuError> {
-    let (text, access) = source(tile, finish);
-    let label = format!("layer {finish:?} {}x{}", tile.outputs, tile.columns).to_lowercase();
+fn compile(gpu: &Gpu, tile: Tile, kind: Kind) -> Result<Kernel, GpuError> {
+    let (text, access) = source(tile, kind);
+    let label = format!("layer {kind:?} {}x{} {:?}", tile.outputs, tile.columns, tile.per_thread).to_lowercase();
     // SAFETY: `DenseKernels::layer` checks that every buffer holds what the shape says, and what lies beyond the shape is
     // left out. Shared memory is written before it is read, and the loops end after `inputs` steps at most.
     unsafe { gpu.compile_trusted(&label, Source::Wgsl(&text), "main", &access) }

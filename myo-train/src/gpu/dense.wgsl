@@ -1,9 +1,9 @@
 // Y = finish(W X + b) for columns of samples, four of them to a vector.
 //
 // A workgroup makes a tile of TILE_OUTPUTS rows and TILE_GROUPS groups of four columns. Depth by depth it copies the parts of
-// W and X that it needs to its shared memory; the parts of the next depth are fetched while this one is multiplied. Every
-// thread sums up its own entries of Y in registers, in the order of the inputs, so neither the place of a column nor the
-// number of columns changes a bit of the result.
+// W and X that it needs to its shared memory; those of the next depth are fetched while this one is multiplied, and go to the
+// other half of the shared memory, so one barrier per depth is enough. Every thread sums up its own entries of Y in
+// registers, in the order of the inputs: neither the tile nor the place or number of columns changes a bit of the result.
 //
 // Names with a dollar are replaced before compiling: the sizes of the tile, and loops over a thread's own entries, which are
 // written out because not every driver keeps arrays that loops index in registers.
@@ -78,14 +78,14 @@ fn main(
 
 $ZERO
 $FETCH_FIRST
+    // Which half of the shared memory this depth takes.
+    var half = 0u;
     for (var depth = 0u; depth < shape.inputs; depth += DEPTH) {
-        workgroupBarrier();
 $STORE
         workgroupBarrier();
 $FETCH_NEXT
-        for (var k = 0u; k < DEPTH; k += 1u) {
 $MULTIPLY
-        }
+        half = 1u - half;
     }
 $FINISH
 }

@@ -20,3 +20,4 @@ mod tile;
 pub use buffers::{ALL_FINITE, RolloutBuffers};
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;
+pub use tile::Tile;

@@ -96,12 +96,12 @@ fn add_layers(
             Layer { inputs, outputs, weight: place.first_parameter + weight, bias: place.first_parameter + bias };
         let from = if index == 0 { x } else { place.activations.columns(index - 1) };
         let to = if index == last { y } else { place.activations.columns(index) };
-        let (finish, sampling) = match (index == last, sampling) {
-            (false, _) => (Finish::Silu, None),
-            (true, None) => (Finish::Linear, None),
-            (true, sampling) => (Finish::Sample, sampling),
+        let finish = match sampling {
+            _ if index < last => Finish::Silu,
+            None => Finish::Linear,
+            Some(sampling) => Finish::Sample(sampling),
         };
-        out.push(kernels.layer(place.parameters, layer, from, to, columns, sampling, finish)?);
+        out.push(kernels.layer(place.parameters, layer, from, to, columns, finish)?);
     }
     Ok(())
 }
@@ -174,11 +174,14 @@ mod tests {
         let Some(gpu) = gpu() else { return };
         let (net, columns) = (Mlp::new(29, &[70, 40], 9), 150);
         let (parameters, x) = (numbers(net.len(), 2, 0.2), numbers(29 * columns, 3, 1.0));
-        let tiles = [(4, 128, 16, (4, 4)), (32, 32, 16, (4, 4)), (32, 64, 16, (4, 8)), (64, 64, 16, (8, 8))];
-        let outputs = tiles.map(|(outputs, columns_of, depth, per_thread)| {
-            let tile = Some(Tile::new(outputs, columns_of, depth, per_thread));
-            forward(&gpu, &net, &parameters, &x, columns, tile)
-        });
+        let tiles = [
+            Tile::new(4, 64, 8, (4, 4)),
+            Tile::new(16, 64, 16, (4, 4)),
+            Tile::new(32, 32, 16, (4, 8)),
+            Tile::new(64, 128, 8, (8, 4)),
+            Tile::new(64, 128, 8, (8, 8)),
+        ];
+        let outputs = tiles.map(|tile| forward(&gpu, &net, &parameters, &x, columns, Some(tile)));
         assert!(outputs.iter().all(|y| *y == outputs[0]));
         // A column's result does not depend on its neighbours.
         assert_eq!(forward(&gpu, &net, &parameters, &x[29 * 149..], 1, None)[0], outputs[0][149]);

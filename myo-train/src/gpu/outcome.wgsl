@@ -1,4 +1,4 @@
-// Keeps what a step returned: one thread per environment.
+// Keeps what a step returned: one thread per environment and row of the sums over episodes.
 
 struct Shape {
     num_envs: u32,
@@ -26,24 +26,27 @@ fn main(
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let env = (workgroup.y * workgroups.x + workgroup.x) * 64u + local;
+    let thread = (workgroup.y * workgroups.x + workgroup.x) * 64u + local;
     let n = shape.num_envs;
-    if env >= n { return; }
+    let row = thread / n;
+    let env = thread % n;
+    if row >= 1u + 2u * shape.summary { return; }
 
-    reward[shape.first + env] = shape.reward_scale * result[env];
     let terminated = result[n + env] > 0.5;
     let truncated = result[2u * n + env] > 0.5;
-    ended[shape.first + env] = select(select(0u, 2u, truncated), 1u, terminated);
+    if row == 0u {
+        reward[shape.first + env] = shape.reward_scale * result[env];
+        ended[shape.first + env] = select(select(0u, 2u, truncated), 1u, terminated);
+    }
 
     // The first step of a roll-out begins the sums anew.
     let anew = shape.first == 0u;
     let counts = terminated || truncated;
-    for (var row = 0u; row < 1u + 2u * shape.summary; row += 1u) {
-        let place = row * n + env;
+    if anew || counts {
         var sum = 0.0;
-        if !anew { sum = episodes[place]; }
+        if !anew { sum = episodes[row * n + env]; }
         if counts { sum += entry(row, env); }
-        if anew || counts { episodes[place] = sum; }
+        episodes[row * n + env] = sum;
     }
 }
 

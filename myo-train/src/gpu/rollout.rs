@@ -9,6 +9,7 @@ use super::kernels::{Kernels, OBSERVE_WORKGROUP};
 use super::network::{Activations, Pass, Place};
 use super::read::HostCopy;
 use super::sizes::Sizes;
+use super::tile::Tile;
 use crate::collector::check_env;
 use crate::networks::Networks;
 use crate::normalizer::Normalizer;
@@ -27,6 +28,8 @@ pub struct DeviceRollout {
     buffers: RolloutBuffers,
     noise: Dispatch,
     steps: Vec<Step>,
+    /// Keeps the observations after the last step.
+    observe_last: Dispatch,
     value: Pass,
     sums: Vec<Dispatch>,
     pub(super) host: HostCopy,
@@ -61,6 +64,14 @@ impl DeviceRollout {
     /// Settings out of range, an environment that does not start its episodes again or is too large for one set of
     /// buffers, no memory left, or the card is lost.
     pub fn new(env: GpuEnv, config: &PpoConfig) -> Result<Self, TrainError> {
+        Self::with_tile(env, config, None)
+    }
+
+    /// As [`DeviceRollout::new`], with one tile for all layers rather than the best for each: for measurements.
+    ///
+    /// # Errors
+    /// As for [`DeviceRollout::new`].
+    pub fn with_tile(env: GpuEnv, config: &PpoConfig, tile: Option<Tile>) -> Result<Self, TrainError> {
         check_env(&env, config)?;
         check_shards(&env)?;
         let (gpu, sizes) = (env.gpu().clone(), Sizes::new(env.spec(), config));
@@ -71,7 +82,7 @@ impl DeviceRollout {
         let buffers = RolloutBuffers::new(&gpu, &sizes)?;
         let kernels = Kernels::new(&gpu)?;
         let activations = Activations::new(&gpu, &[&networks.policy, &networks.value], sizes.columns())?;
-        let mut dense = DenseKernels::new(&gpu, None);
+        let mut dense = DenseKernels::new(&gpu, tile);
         let parts = Parts {
             env: &env,
             config,
@@ -85,10 +96,11 @@ impl DeviceRollout {
             activations: &activations,
         };
         let noise = parts.noise()?;
-        let steps = (0..=sizes.steps).map(|t| parts.step(&mut dense, t)).collect::<Result<_, GpuError>>()?;
+        let steps = (0..sizes.steps).map(|t| parts.step(&mut dense, t)).collect::<Result<_, GpuError>>()?;
+        let observe_last = parts.observe(sizes.steps)?;
         let value = parts.value(&mut dense)?;
         let (sums, host) = (parts.sums()?, HostCopy::default());
-        Ok(Self { env, sizes, parameters, scaling, clock, buffers, noise, steps, value, sums, host })
+        Ok(Self { env, sizes, parameters, scaling, clock, buffers, noise, steps, observe_last, value, sums, host })
     }
 
     /// The environment.
@@ -153,23 +165,23 @@ impl DeviceRollout {
     /// Adds a roll-out from the environment's current observations to a batch.
     pub fn record(&self, batch: &mut Batch) {
         self.noise.add(batch);
-        for step in &self.steps[..self.sizes.steps] {
+        for step in &self.steps {
             step.observe.add(batch);
             step.policy.add(batch);
             self.step_env(batch);
             step.outcome.add(batch);
         }
-        self.steps[self.sizes.steps].observe.add(batch);
+        self.observe_last.add(batch);
         self.record_values(batch);
         self.sums.iter().for_each(|sums| sums.add(batch));
     }
 
-    /// Adds one pass of the policy, that of step `t`, alone.
-    pub fn record_policy(&self, batch: &mut Batch, t: usize) {
-        self.steps[t].policy.add(batch);
+    /// Adds one pass of the policy, that of the first step, alone: for measurements.
+    pub fn record_policy(&self, batch: &mut Batch) {
+        self.steps.iter().take(1).for_each(|step| step.policy.add(batch));
     }
 
-    /// Adds the values of all observations, alone.
+    /// Adds the values of all observations of the record, alone.
     pub fn record_values(&self, batch: &mut Batch) {
         self.value.add(batch);
     }
@@ -203,13 +215,11 @@ impl Parts<'_> {
         self.kernels.prepare(&self.kernels.noise, &buffers, &shape, samples)
     }
 
-    /// Step `t`; of the one after the last only `observe` is run.
     fn step(&self, dense: &mut DenseKernels, t: usize) -> Result<Step, GpuError> {
-        // Never run beyond the last, but it must fit the buffers.
-        let acting = t.min(self.sizes.steps - 1);
-        Ok(Step { observe: self.observe(t)?, policy: self.policy(dense, acting)?, outcome: self.outcome(acting)? })
+        Ok(Step { observe: self.observe(t)?, policy: self.policy(dense, t)?, outcome: self.outcome(t)? })
     }
 
+    /// Keeps the observations before step `t`.
     fn observe(&self, t: usize) -> Result<Dispatch, GpuError> {
         let (shard, sizes) = (self.shard(), self.sizes);
         let (stepped, before) = (usize::from(t > 0), t.saturating_sub(1));
@@ -261,7 +271,7 @@ impl Parts<'_> {
             self.buffers.ended.binding(),
             self.buffers.episodes.binding(),
         ];
-        self.kernels.prepare(&self.kernels.outcome, &buffers, &shape, sizes.envs)
+        self.kernels.prepare(&self.kernels.outcome, &buffers, &shape, sizes.envs * sizes.episode_rows())
     }
 
     fn value(&self, dense: &mut DenseKernels) -> Result<Pass, GpuError> {

@@ -22,11 +22,16 @@ const PORTABLE_THREADS: u32 = 256;
 
 impl Tile {
     /// A tile of some rows and columns.
+    ///
+    /// # Panics
+    /// The pieces do not fill the tile, or some card could not run it: more than 256 threads or 16 KiB.
     pub const fn new(outputs: u32, columns: u32, depth: u32, per_thread: (u32, u32)) -> Self {
         let tile = Self { outputs, columns, depth, per_thread };
         assert!(per_thread.0.is_multiple_of(4) && per_thread.1.is_multiple_of(4), "threads hold groups of four");
-        assert!(outputs.is_multiple_of(per_thread.0) && columns.is_multiple_of(per_thread.1));
-        assert!(tile.threads() <= PORTABLE_THREADS && 4 * depth * (outputs + columns) <= PORTABLE_SHARED);
+        assert!(outputs.is_multiple_of(per_thread.0) && columns.is_multiple_of(per_thread.1), "threads fill the tile");
+        assert!(tile.threads() <= PORTABLE_THREADS, "at most 256 threads");
+        // Twice what is multiplied between two barriers, 4 bytes each.
+        assert!(2 * 4 * depth * (outputs + columns) <= PORTABLE_SHARED, "at most 16 KiB");
         tile
     }
 
@@ -69,8 +74,8 @@ impl Tile {
             ("$THREADS_Y", self.threads_y().to_string()),
             ("$THREADS", self.threads().to_string()),
             ("$DEPTH", self.depth.to_string()),
-            ("$W_TILE", (self.w_numbers() / 4).to_string()),
-            ("$X_TILE", self.x_groups().to_string()),
+            ("$W_TILE", (2 * self.w_numbers() / 4).to_string()),
+            ("$X_TILE", (2 * self.x_groups()).to_string()),
             ("$ZERO", self.zero()),
             ("$FETCH_FIRST", self.fetch(true)),
             ("$FETCH_NEXT", self.fetch(false)),
@@ -110,20 +115,23 @@ impl Tile {
 
     /// Copies from registers to shared memory.
     fn store(self) -> String {
-        let mut text = String::new();
-        let guard = |piece: u32, size: u32, at: &str| match (piece + 1) * self.threads() > size {
-            true => format!("if {at} < {size}u "),
-            false => String::new(),
-        };
+        let (w_half, x_half, mut text) = (self.w_numbers() / 4, self.x_groups(), String::new());
         for (piece, at) in self.pieces(self.w_numbers()) {
-            let guard = guard(piece, self.w_numbers(), &at);
-            _ = writeln!(text, "        {guard}{{ w_tile[({at}) / 4u][({at}) % 4u] = w_next_{piece}; }}");
+            let guard = self.guard(piece, self.w_numbers());
+            let place = format!("w_tile[half * {w_half}u + ({at}) / 4u][({at}) % 4u]");
+            _ = writeln!(text, "        {guard}{{ {place} = w_next_{piece}; }}");
         }
         for (piece, at) in self.pieces(self.x_groups()) {
-            let guard = guard(piece, self.x_groups(), &at);
-            _ = writeln!(text, "        {guard}{{ x_tile[{at}] = x_next_{piece}; }}");
+            let guard = self.guard(piece, self.x_groups());
+            _ = writeln!(text, "        {guard}{{ x_tile[half * {x_half}u + {at}] = x_next_{piece}; }}");
         }
         text
+    }
+
+    /// The condition of a copy, where the last piece has fewer entries than there are threads.
+    fn guard(self, piece: u32, size: u32) -> String {
+        let first = piece * self.threads();
+        if first + self.threads() > size { format!("if local + {first}u < {size}u ") } else { String::new() }
     }
 
     /// Pieces in which the threads copy so many entries, and the entry of a thread in each.
@@ -132,15 +140,22 @@ impl Tile {
         (0..size.div_ceil(threads)).map(move |piece| (piece, format!("local + {}u", piece * threads)))
     }
 
-    /// One input: products of the thread's rows and columns.
+    /// Products of the thread's rows and columns for all inputs of a depth.
     fn multiply(self) -> String {
+        (0..self.depth).map(|input| format!("        {{\n{}        }}\n", self.products(input))).collect()
+    }
+
+    /// The same for one input.
+    fn products(self, input: u32) -> String {
         let mut text = String::new();
         for quad in 0..self.per_thread.0 / 4 {
-            let place = format!("k * {}u + at_y + {}u", self.outputs / 4, quad * self.threads_y());
+            let at = input * self.outputs / 4 + quad * self.threads_y();
+            let place = format!("half * {}u + at_y + {at}u", self.w_numbers() / 4);
             _ = writeln!(text, "            let w_{quad} = w_tile[{place}];");
         }
         for group in 0..self.per_thread.1 / 4 {
-            let place = format!("k * {}u + at_x + {}u", self.columns / 4, group * self.threads_x());
+            let at = input * self.columns / 4 + group * self.threads_x();
+            let place = format!("half * {}u + at_x + {at}u", self.x_groups());
             _ = writeln!(text, "            let x_{group} = x_tile[{place}];");
         }
         for (row, group) in self.mine() {
