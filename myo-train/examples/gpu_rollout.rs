@@ -1,0 +1,147 @@
+//! Speed of acting on the graphics card: `gpu_rollout [ENVS,ENVS,...] [TASK] [tiles]`.
+//!
+//! For every number of environments: one pass of the policy, the values of a whole roll-out, a whole roll-out, and what its
+//! kernels take. With `tiles`, instead: the networks alone, with every tile.
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use myo_env::{EnvConfig, GpuEnv, VectorEnv};
+use myo_gpu::{Batch, Gpu, Want};
+use myo_model::{Model, builtin};
+use myo_train::gpu::{DeviceRollout, Tile};
+use myo_train::{Normalizer, PpoConfig, Trainer};
+
+type Failure = Box<dyn std::error::Error>;
+
+/// Seconds per repetition: the best of several batches, each long enough to hide its submission.
+fn seconds(gpu: &Gpu, add: impl Fn(&mut Batch)) -> Result<f64, Failure> {
+    let run = |count: u32| -> Result<f64, Failure> {
+        let start = Instant::now();
+        let mut batch = gpu.batch();
+        (0..count).for_each(|_| add(&mut batch));
+        batch.submit()?;
+        gpu.wait()?;
+        Ok(start.elapsed().as_secs_f64())
+    };
+    run(2)?;
+    let count = (0.1 / (run(3)? / 3.0)).ceil().clamp(2.0, 400.0) as u32;
+    let mut best = f64::INFINITY;
+    for _ in 0..4 {
+        best = best.min(run(count)? / f64::from(count));
+    }
+    Ok(best)
+}
+
+/// Prints how much of the device's time each kernel takes in a roll-out.
+fn breakdown(card: &DeviceRollout) -> Result<(), Failure> {
+    let Ok(mut batch) = card.gpu().batch().timed() else {
+        println!("    (this device has no clock)");
+        return Ok(());
+    };
+    card.record(&mut batch);
+    let mut kernels = BTreeMap::<String, (u32, f64)>::new();
+    for timing in batch.submit_and_time()? {
+        let (count, seconds) = kernels.entry(timing.kernel).or_default();
+        *count += 1;
+        *seconds += timing.seconds;
+    }
+    for (kernel, (count, seconds)) in kernels {
+        let each = seconds / f64::from(count) * 1e6;
+        println!("    {kernel:24} {count:4} x {each:9.1} us = {:8.3} ms", seconds * 1e3);
+    }
+    Ok(())
+}
+
+fn measure(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
+    let model = Model::new(&builtin(&task.model)?)?;
+    let config = PpoConfig { num_envs, ..PpoConfig::default() };
+    let make = || GpuEnv::new(gpu, &model, task, &EnvConfig { num_envs, ..EnvConfig::default() });
+    let card = DeviceRollout::new(make()?, &config)?;
+    card.set_scaling(&Normalizer::new(card.sizes().observations, 5.0, 0.05))?;
+    card.set_clock(1, 0)?;
+    let (steps, spec) = (config.steps_per_update, card.env().spec());
+    println!("{num_envs} environments, {} observations, {} actions", spec.observation_size(), spec.action_size());
+    let policy = seconds(gpu, |batch| card.record_policy(batch))?;
+    let values = seconds(gpu, |batch| card.record_values(batch))?;
+    let rollout = seconds(gpu, |batch| card.record(batch))?;
+    println!(
+        "  policy {:.1} us, values of {} steps {:.1} us, roll-out {:.3} ms: {:.1} us per step, {:.2} M steps/s",
+        policy * 1e6,
+        steps + 1,
+        values * 1e6,
+        rollout * 1e3,
+        rollout / steps as f64 * 1e6,
+        (num_envs * steps) as f64 / rollout / 1e6
+    );
+    breakdown(&card)?;
+
+    let mut trainer = Trainer::on_card(make()?, config, 1)?;
+    trainer.update()?;
+    let metrics = trainer.update()?;
+    println!("  an update: collected and read in {:.4} s, learned in {:.4} s", metrics.collect_s, metrics.learn_s);
+    Ok(())
+}
+
+/// Tiles worth trying.
+const TILES: &[Tile] = &[
+    Tile::new(4, 128, 8, (4, 4)),
+    Tile::new(16, 64, 16, (4, 4)),
+    Tile::new(32, 64, 16, (4, 4)),
+    Tile::new(64, 64, 16, (4, 4)),
+    Tile::new(64, 64, 8, (8, 8)),
+    Tile::new(64, 128, 8, (8, 4)),
+    Tile::new(64, 128, 8, (8, 8)),
+    Tile::new(128, 64, 8, (8, 8)),
+    Tile::new(128, 128, 8, (8, 8)),
+];
+
+/// The networks alone, layer by layer, with every tile.
+fn tiles(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
+    let model = Model::new(&builtin(&task.model)?)?;
+    let config = PpoConfig { num_envs, ..PpoConfig::default() };
+    for &tile in TILES {
+        let env = GpuEnv::new(gpu, &model, task, &EnvConfig { num_envs, ..EnvConfig::default() })?;
+        let card = DeviceRollout::with_tile(env, &config, Some(tile))?;
+        let layers = |add: &dyn Fn(&mut Batch)| -> Result<Vec<String>, Failure> {
+            let mut best = vec![];
+            for _ in 0..5 {
+                let mut batch = gpu.batch().timed()?;
+                add(&mut batch);
+                let times: Vec<f64> = batch.submit_and_time()?.iter().map(|timing| timing.seconds * 1e6).collect();
+                best = if best.is_empty() {
+                    times
+                } else {
+                    best.iter().zip(&times).map(|(a, b)| f64::min(*a, *b)).collect()
+                };
+            }
+            Ok(best.iter().take(3).map(|us| format!("{us:.1}")).collect())
+        };
+        let policy = seconds(gpu, |batch| card.record_policy(batch))?;
+        println!(
+            "{num_envs:6} {:3} x {:3} x {:2}, {:?}: policy {:6.1} us, layers {}; value layers {}",
+            tile.outputs,
+            tile.columns,
+            tile.depth,
+            tile.per_thread,
+            policy * 1e6,
+            layers(&|batch| card.record_policy(batch))?.join(" "),
+            layers(&|batch| card.record_values(batch))?.join(" "),
+        );
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let sizes = arguments.next().unwrap_or("1024,16384,65536".into());
+    let task = arguments.next().unwrap_or("pointing".into());
+    let task = myo_tasks::preset(&task).ok_or("there is no such task")?;
+    let gpu = Gpu::open(&Want::Any)?;
+    println!("{} on {}", task.name, gpu.adapter().name);
+    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure };
+    for size in sizes.split(',') {
+        measure(&gpu, &task, size.parse()?)?;
+    }
+    Ok(())
+}
