@@ -5,7 +5,7 @@ use super::record::{self, PHYSICS_BUFFERS};
 use super::shard::Compiled;
 use crate::config::BuildError;
 use crate::tables::Tables;
-use myo_gpu::{Batch, Bindings, Buffer, GpuError};
+use myo_gpu::{Batch, Bindings, Buffer, GpuError, Kernel};
 
 /// A kernel that runs the physics and nothing else.
 pub struct PhysicsBench {
@@ -34,6 +34,11 @@ impl PhysicsBench {
         };
         let bindings = env.shards().iter().map(bind).collect::<Result<_, GpuError>>()?;
         Ok(Self { kernel, bindings, _environments: environments })
+    }
+
+    /// The compiled kernel.
+    pub fn kernel(&self) -> &Kernel {
+        &self.kernel.kernel
     }
 
     /// Adds the physics of one control step of all environments to a batch.

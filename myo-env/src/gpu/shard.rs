@@ -11,10 +11,10 @@ use myo_scalar::symbolic::{Form, Program};
 
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;
-/// Operations above which tables become loops: drivers take seconds, and the kernel outgrows the instruction cache.
-const MAX_STRAIGHT: usize = 16_000;
-/// Operations above which drivers take minutes, whatever the form.
-const MAX_OPERATIONS: usize = 40_000;
+/// Operations above which tables become loops: the kernel outgrows the instruction cache of graphics cards.
+const MAX_STRAIGHT: usize = 10_000;
+/// Operations above which a driver takes minutes, whatever the form: Mesa's software driver compiled 30,000 in 54 s.
+const MAX_OPERATIONS: usize = 20_000;
 
 /// Choices that a caller need not make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,10 +56,11 @@ impl Kernels {
             let straight = record::step(tables, autoreset, Form::Straight).operations();
             if straight > MAX_STRAIGHT { Form::Loops } else { Form::Straight }
         });
+        let (step, reset) = (record::step(tables, autoreset, form), record::reset_program(tables, form));
+        [&step, &reset].into_iter().try_for_each(check_size)?;
         std::thread::scope(|scope| {
-            let reset =
-                scope.spawn(|| Compiled::new(gpu, "reset", &record::reset_program(tables, form), &RESET_BUFFERS));
-            let step = Compiled::new(gpu, "control step", &record::step(tables, autoreset, form), &STEP_BUFFERS)?;
+            let reset = scope.spawn(|| Compiled::new(gpu, "reset", &reset, &RESET_BUFFERS));
+            let step = Compiled::new(gpu, "control step", &step, &STEP_BUFFERS)?;
             let reset = reset.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
             Ok(Self { step, reset, form })
         })
@@ -81,13 +82,16 @@ impl Kernels {
     }
 }
 
+/// Refuses what would take a driver minutes.
+fn check_size(program: &Program) -> Result<(), BuildError> {
+    let (operations, most) = (program.operations(), MAX_OPERATIONS);
+    if operations <= most { Ok(()) } else { Err(BuildError::TooLargeForGpu { operations, most }) }
+}
+
 impl Compiled {
     /// Compiles a program for its buffers, its table and the number of environments.
     pub fn new(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Self, BuildError> {
-        let operations = program.operations();
-        if operations > MAX_OPERATIONS {
-            return Err(BuildError::TooLargeForGpu { operations, most: MAX_OPERATIONS });
-        }
+        check_size(program)?;
         let printed = program.to_kernel(names, WORKGROUP);
         let access = |used: &Use| match used {
             Use::Read | Use::Table => Access::Read,

@@ -418,7 +418,7 @@ impl<'a> Body<'a> {
             Op::Table(base) => self.look_up(base, args[0]),
             Op::MulHigh => self.mul_high(args[0], args[1]),
             Op::ToNumber => self.emit(Expression::As { expr: args[0], kind: ScalarKind::Float, convert: Some(4) }),
-            Op::ToWord => self.to_word(args[0]),
+            Op::ToWord => self.whole_to_word(args[0]),
             Op::ToBits => self.reinterpret(args[0], ScalarKind::Uint),
             Op::FromBits => self.reinterpret(args[0], ScalarKind::Float),
             op => match (binary_operator(op), function(op)) {
@@ -465,7 +465,7 @@ impl<'a> Body<'a> {
     }
 
     /// Two's complement of a whole number, from the bits of its sum with [`WHOLE`].
-    fn to_word(&mut self, x: Expr) -> Expr {
+    fn whole_to_word(&mut self, x: Expr) -> Expr {
         let whole = self.literal_number(WHOLE);
         let sum = self.binary(BinaryOperator::Add, x, whole);
         let bits = self.reinterpret(sum, ScalarKind::Uint);
