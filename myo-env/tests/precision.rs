@@ -43,7 +43,8 @@ fn joint_angles_agree_to_single_precision_after_a_second() {
         task.time_limit_s = 2.0;
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 64, seed: 5, ..Default::default() });
         let second = (1.0 / task.control_dt_s).round() as usize;
-        (rollout(&mut card, second), rollout(&mut reference, second));
+        rollout(&mut card, second);
+        rollout(&mut reference, second);
         let ndof = reference.tables().plan.ndof();
         let [got, want] = [card.save_state(), reference.save_state()].map(|saved| numbers(&saved.unwrap(), ndof));
         let square: f64 = got.iter().zip(&want).map(|(a, b)| (a - b) * (a - b)).sum();
