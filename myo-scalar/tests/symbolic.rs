@@ -33,7 +33,8 @@ fn operations(f: impl FnOnce(Sym, Sym) -> Sym) -> usize {
 #[test]
 fn identities_leave_nothing_to_compute() {
     let (zero, one) = (Sym::zero, || Sym::lit(1.0));
-    let free: [(&str, fn(Sym, Sym) -> Sym); 12] = [
+    type Function = fn(Sym, Sym) -> Sym;
+    let free: [(&str, Function); 12] = [
         ("x * 1", |x, _| x * Sym::lit(1.0)),
         ("x * 0 + y", |x, y| x * Sym::zero() + y),
         ("x + 0", |x, _| x + Sym::zero()),
@@ -153,7 +154,7 @@ fn what_a_loop_does_not_change_is_computed_before_it_and_what_it_keeps_is_no_var
     }
     let program = record(2, |x| {
         let mut vars = Vars(x[0], x[1]);
-        Sym::repeat(10, &mut vars, |v| v.0 = v.0 + x[1].sqrt());
+        Sym::repeat(10, &mut vars, |v| v.0 += x[1].sqrt());
         vec![vars.0, vars.1]
     });
     let order = program.order();
