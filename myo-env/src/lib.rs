@@ -40,6 +40,7 @@ pub use config::{BuildError, EnvConfig};
 pub use gpu::GpuEnv;
 pub use job::Backend;
 pub use observe::Part;
+pub use saved::{Snapshot, reseed};
 pub use single::{Env, Step};
 pub use tables::{Start, Tables};
 pub use vector::{Autoreset, EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv};

@@ -1,7 +1,14 @@
 //! States of environments as bytes, the same for every backend of one precision.
 
 use crate::state::EnvState;
+use crate::tables::Tables;
+use crate::vector::EnvError;
+use myo_dynamics::State;
 use myo_scalar::Real;
+use myo_tasks::logic::TaskState;
+
+/// Bytes before the first environment.
+const HEADER: usize = 24;
 
 /// Integers per environment.
 const WORDS: usize = EnvState::<f64>::WORDS;
@@ -44,7 +51,7 @@ impl Shape {
         mut number: impl FnMut(usize, usize, f64),
         mut word: impl FnMut(usize, usize, u32),
     ) -> Result<(), String> {
-        let (header, rest) = bytes.split_at_checked(24).ok_or("it is shorter than its header")?;
+        let (header, rest) = bytes.split_at_checked(HEADER).ok_or("it is shorter than its header")?;
         let names = ["environments", "numbers per environment", "bytes per number"];
         for ((name, want), got) in names.iter().zip(self.header()).zip(header.chunks_exact(8)) {
             let got = u64::from_le_bytes(got.try_into().expect("chunks of eight"));
@@ -54,7 +61,7 @@ impl Shape {
         }
         let size = 8 * self.count + 4 * WORDS;
         if rest.len() != self.num_envs * size {
-            return Err(format!("it has {} bytes, expected {}", bytes.len(), 24 + self.num_envs * size));
+            return Err(format!("it has {} bytes, expected {}", bytes.len(), HEADER + self.num_envs * size));
         }
         for (env, entries) in rest.chunks_exact(size).enumerate() {
             let (numbers, words) = entries.split_at(8 * self.count);
@@ -67,4 +74,62 @@ impl Shape {
         }
         Ok(())
     }
+}
+
+/// Body and task of one environment, read from a saved state: for pictures and for looking inside.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The body.
+    pub body: State<f64>,
+    /// Targets and counters.
+    pub task: TaskState<f64>,
+}
+
+impl Snapshot {
+    /// Environment `env` of a state that [`VectorEnv::save_state`](crate::VectorEnv::save_state) returned.
+    ///
+    /// # Errors
+    /// The state is not one of this model and task, or has no such environment.
+    pub fn read(tables: &Tables<f64>, state: &[u8], env: usize) -> Result<Self, EnvError> {
+        let mut read = EnvState::<f64>::new(tables);
+        let count = read.numbers().count();
+        let bytes = row(state, env)?;
+        if bytes.len() != 8 * count + 4 * WORDS {
+            return Err(EnvError::BadState { reason: "it is of another model or task".into() });
+        }
+        for (x, from) in read.numbers().zip(bytes.chunks_exact(8)) {
+            *x = f64::from_le_bytes(from.try_into().expect("chunks of eight"));
+        }
+        Ok(Self { body: read.body, task: read.task })
+    }
+}
+
+/// Gives environments of a saved state seeds of their own, so that the next reset draws what the first environment of a
+/// batch with that seed draws.
+///
+/// # Errors
+/// The state has no such environment.
+pub fn reseed(state: &mut [u8], seeds: impl IntoIterator<Item = (usize, u64)>) -> Result<(), EnvError> {
+    for (env, seed) in seeds {
+        let range = row_range(state, env)?;
+        let words = &mut state[range.end - 4 * WORDS..range.end];
+        // Low and high half of the seed; environment, episode and step are zero.
+        words.fill(0);
+        words[..8].copy_from_slice(&seed.to_le_bytes());
+    }
+    Ok(())
+}
+
+fn row(state: &[u8], env: usize) -> Result<&[u8], EnvError> {
+    Ok(&state[row_range(state, env)?])
+}
+
+/// Where an environment stands in a saved state.
+fn row_range(state: &[u8], env: usize) -> Result<std::ops::Range<usize>, EnvError> {
+    let bad = |reason: &str| EnvError::BadState { reason: reason.to_owned() };
+    let count = state.get(8..16).ok_or_else(|| bad("it is shorter than its header"))?;
+    let size = 8 * u64::from_le_bytes(count.try_into().expect("eight bytes")) as usize + 4 * WORDS;
+    let start = HEADER + env * size;
+    let range = start..start + size;
+    if range.end > state.len() { Err(bad("it has no such environment")) } else { Ok(range) }
 }
