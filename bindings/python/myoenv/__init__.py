@@ -1,0 +1,79 @@
+"""Simulated users made of muscle: describe a pointing or pressing task, train a muscle-driven arm on it.
+
+>>> import myoenv
+>>> envs = myoenv.make_vec("pointing", 1024, seed=1)
+>>> observations, infos = envs.reset()
+
+- `make_vec`, `make`: environments for Gymnasium; importing this package registers `myo/Pointing-v0` and the like
+- `myoenv.sb3.MyoVecEnv`: environments for Stable-Baselines3
+- `check_vec_env`: does a vector environment, of anybody, keep its promises
+- `train`, `Policy`, `evaluate`: the library's own PPO
+- `Task`, `Model`, `Simulation`: what to do, who does it, and the body alone
+"""
+
+import os as _os
+
+if _os.name == "posix" and "XDG_RUNTIME_DIR" not in _os.environ:
+    # Without a graphical session, a layer of Mesa complains on standard error whenever graphics cards are listed. It
+    # only chooses where windows are drawn, so it is left out.
+    _os.environ.setdefault("NODEVICE_SELECT", "1")
+
+from myoenv._native import (
+    ActionError,
+    BusyError,
+    ClosedError,
+    DeviceError,
+    ForkedError,
+    Model,
+    NeedsResetError,
+    Simulation,
+    Task,
+    TaskError,
+    TrainingError,
+    __version__,
+    devices,
+    model_names,
+    preset_names,
+)
+from myoenv.check import CheckError, check_vec_env
+from myoenv.policy import Policy
+from myoenv.registration import env_id, register_envs
+from myoenv.single import MyoEnv, make
+from myoenv.tasks import load_model, load_task, to_dict
+from myoenv.training import TrainResult, evaluate, train
+from myoenv.vector import MyoVectorEnv, make_vec
+
+__all__ = [
+    "ActionError",
+    "BusyError",
+    "CheckError",
+    "ClosedError",
+    "DeviceError",
+    "ForkedError",
+    "Model",
+    "MyoEnv",
+    "MyoVectorEnv",
+    "NeedsResetError",
+    "Policy",
+    "Simulation",
+    "Task",
+    "TaskError",
+    "TrainResult",
+    "TrainingError",
+    "__version__",
+    "check_vec_env",
+    "devices",
+    "env_id",
+    "evaluate",
+    "load_model",
+    "load_task",
+    "make",
+    "make_vec",
+    "model_names",
+    "preset_names",
+    "register_envs",
+    "to_dict",
+    "train",
+]
+
+register_envs()

@@ -1,0 +1,299 @@
+"""The compiled half of `myoenv`. Arrays are NumPy's; lengths m, times s, forces N, angles rad."""
+
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+class TaskError(ValueError):
+    """A task or model that cannot be read, checked or simulated."""
+
+class ActionError(ValueError):
+    """Actions of the wrong shape or type, or not finite."""
+
+class ClosedError(RuntimeError):
+    """An environment was used after it was closed."""
+
+class ForkedError(RuntimeError):
+    """An object was used in a process forked after it was made."""
+
+class BusyError(RuntimeError):
+    """Two threads used one object at the same time."""
+
+class NeedsResetError(RuntimeError):
+    """A finished environment was stepped, with autoreset disabled."""
+
+class DeviceError(RuntimeError):
+    """A graphics card cannot be had, or failed."""
+
+class TrainingError(RuntimeError):
+    """Training cannot start or go on."""
+
+def preset_names() -> list[str]:
+    """Names of the tasks that come with the library."""
+
+def model_names() -> list[str]:
+    """Names of the models that come with the library."""
+
+def devices() -> list[tuple[str, str]]:
+    """Graphics cards that answer, best first: name and kind (`discrete`, `integrated`, ...)."""
+
+def default_settings() -> str:
+    """The default settings of PPO, as JSON."""
+
+def run_config(path: str | PathLike[str]) -> str:
+    """`config.json` of a run folder."""
+
+def evaluate(policy: Policy, task: Task, model: Model, *, episodes: int, num_envs: int, seed: int) -> str:
+    """Runs the mean actions until so many fresh episodes ended; JSON as `evaluation.json` has it."""
+
+class Task:
+    """A task: targets to point at or to press within a time limit.
+
+    Lengths are metres from the shoulder centre (x forward, y to the left, z up), times seconds, forces newtons.
+    """
+
+    @staticmethod
+    def load(name_or_path: str) -> Task:
+        """A preset by its name, or a YAML file."""
+    @staticmethod
+    def from_yaml(text: str, name: str = "task") -> Task:
+        """A YAML text; `name` stands in messages. JSON is YAML, too."""
+    def to_yaml(self) -> str:
+        """The task as a YAML file, every field written out."""
+    def to_json(self) -> str:
+        """The task as JSON, with the keys of a task file."""
+    def check(self, model: Model) -> list[str]:
+        """Refuses what the body cannot do; returns sentences about what is odd."""
+    @property
+    def name(self) -> str:
+        """Short name."""
+    @property
+    def model(self) -> str:
+        """Name of the body that does it."""
+    @property
+    def num_targets(self) -> int:
+        """Number of targets, repetitions counted."""
+    @property
+    def is_preset(self) -> bool:
+        """Whether it is a preset as it comes with the library: these need no check."""
+
+class Model:
+    """A body: bodies, joints, sites, muscles."""
+
+    def __init__(self, name: str = "mobl-arms") -> None:
+        """A model that comes with the library, by its name."""
+    @staticmethod
+    def from_yaml(text: str, name: str = "model") -> Model:
+        """A YAML text; `name` stands in messages. JSON is YAML, too."""
+    def to_yaml(self) -> str:
+        """The model as a YAML file."""
+    def to_json(self) -> str:
+        """The model as JSON, with the keys of a model file."""
+    def to_mjcf(self) -> str:
+        """The model for MuJoCo."""
+    @property
+    def name(self) -> str:
+        """Short name."""
+    def tables(self) -> dict[str, Any]:
+        """Every table as arrays, one row per entity, the entity first in each name.
+
+        Bodies (the world first): `body_name` (list), `body_parent` (index), `body_pos` (3, m, in the parent's frame),
+        `body_quat` (4, w x y z), `body_mass` (kg), `body_com` (3, m), `body_inertia` (3, 3, kg m^2, body axes).
+        Joints: `joint_name` (list), `joint_body`, `joint_axis` (3), `joint_pos` (3, m), `joint_range` (2, rad or m,
+        infinite without limits), `joint_stiffness`, `joint_spring_ref`, `joint_damping`, `joint_armature`.
+        Couplings: `coupling_dependent`, `coupling_independent` (joint, -1 for a joint that is held),
+        `coupling_polycoef` (5, constant first).
+        Sites: `site_name` (list), `site_body`, `site_pos` (3, m, in the body's frame).
+        Muscles: `muscle_name` (list), `muscle_path` (list of arrays of sites), `muscle_length_range` (2, m),
+        `muscle_range` (2, optimal lengths), `muscle_force` (N, NaN where it follows from `muscle_scale`),
+        `muscle_scale`, `muscle_lmin`, `muscle_lmax`, `muscle_vmax`, `muscle_fvmax`, `muscle_fpmax`, `muscle_tau_act` (s),
+        `muscle_tau_deact` (s), `muscle_ctrl_range` (2).
+        """
+
+class Simulation:
+    """One body, stepped directly: the double-precision reference. Coupled joints follow the independent ones.
+
+    Positions are metres from the shoulder centre (x forward, y to the left, z up). Arrays are copies; assign a whole
+    array to `qpos`, `qvel` or `activation` to set it. What follows from the state is computed when it is asked for.
+    """
+
+    def __init__(self, model: Model, task: Task | None = None) -> None:
+        """A body at rest in the zero pose; with a task, its buttons can be touched."""
+    def step(self, ctrl: ArrayLike, steps: int = 1) -> None:
+        """Advances `steps` physics steps under excitations `(nmuscle,)` in [0, 1]."""
+    def reset(self) -> None:
+        """Back to rest in the zero pose."""
+    @property
+    def time(self) -> float:
+        """Seconds simulated."""
+    @property
+    def timestep(self) -> float:
+        """Seconds per physics step."""
+    @property
+    def qpos(self) -> NDArray[np.float64]:
+        """Positions of the independent joints (rad or m), `(ndof,)`."""
+    @qpos.setter
+    def qpos(self, values: ArrayLike) -> None: ...
+    @property
+    def qvel(self) -> NDArray[np.float64]:
+        """Their rates (1/s), `(ndof,)`."""
+    @qvel.setter
+    def qvel(self, values: ArrayLike) -> None: ...
+    @property
+    def activation(self) -> NDArray[np.float64]:
+        """Muscle activations in [0, 1], `(nmuscle,)`."""
+    @activation.setter
+    def activation(self, values: ArrayLike) -> None: ...
+    @property
+    def qacc(self) -> NDArray[np.float64]:
+        """Accelerations of the independent joints in this state (rad/s^2), `(ndof,)`."""
+    @property
+    def mass_matrix(self) -> NDArray[np.float64]:
+        """Mass matrix of the independent joints (kg m^2), `(ndof, ndof)`."""
+    @property
+    def joint_positions(self) -> NDArray[np.float64]:
+        """Positions of all joints of the model, coupled ones included (rad or m), `(njoint,)`."""
+    @property
+    def tendon_length(self) -> NDArray[np.float64]:
+        """Lengths of the muscles' paths (m), `(nmuscle,)`."""
+    @property
+    def tendon_velocity(self) -> NDArray[np.float64]:
+        """Their rates (m/s), `(nmuscle,)`."""
+    @property
+    def moment_arms(self) -> NDArray[np.float64]:
+        """Moment arms (m), `(nmuscle, ndof)`: minus the derivative of length with respect to position, so that force
+        times moment arm is the torque of the muscle."""
+    @property
+    def muscle_force(self) -> NDArray[np.float64]:
+        """Muscle forces (N), `(nmuscle,)`, positive when pulling."""
+    @property
+    def contact_force(self) -> float:
+        """Sum of normal forces on the button that the fingertip touches (N), 0 without contact."""
+    @property
+    def fingertip(self) -> NDArray[np.float64]:
+        """Position of the fingertip (m), `(3,)`."""
+    @property
+    def body_positions(self) -> NDArray[np.float64]:
+        """Origins of all bodies (m), `(nbody, 3)`, the world first."""
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the independent joints, in the order of `qpos`."""
+    @property
+    def muscle_names(self) -> list[str]:
+        """Names of the muscles."""
+    @property
+    def body_names(self) -> list[str]:
+        """Names of the bodies."""
+
+class Policy:
+    """A trained policy, as `myoenv.Policy` wraps it."""
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Policy:
+        """The newest whole checkpoint of a run folder, or a checkpoint file."""
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Mean actions `(rows, actions)` for observations `(rows, observations)`."""
+    @property
+    def observation_names(self) -> list[str]: ...
+    @property
+    def action_names(self) -> list[str]: ...
+
+class Env:
+    """Environments without Gymnasium: strict about types, `(num_envs, ...)` arrays in and out."""
+
+    def __init__(
+        self,
+        task: Task,
+        model: Model,
+        num_envs: int,
+        *,
+        seed: int,
+        autoreset: str,
+        backend: str,
+        device: str | None,
+        threads: int | None,
+        copy: bool,
+    ) -> None: ...
+    def reset(self, seed: int | None, seeds: list[int] | None, mask: NDArray[np.bool_] | None) -> NDArray[np.float32]:
+        """Starts episodes where `mask` says so, else everywhere; returns all observations.
+
+        `seed` restarts the random streams of the batch, `seeds` gives each environment its own.
+        """
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[
+        NDArray[np.float32],
+        NDArray[np.float32],
+        NDArray[np.bool_],
+        NDArray[np.bool_],
+        tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.float32]] | None,
+    ]:
+        """One control step: observation, reward, terminated, truncated, and of the episodes that ended, if any, the
+        environments, the last observations and the summaries."""
+    def save_state(self) -> bytes:
+        """Everything that the next steps depend on."""
+    def load_state(self, state: bytes) -> None:
+        """Goes back to what `save_state` returned, bit for bit."""
+    def render(self, envs: list[int], size: tuple[int, int]) -> list[NDArray[np.uint8]]:
+        """Pictures of environments, `(height, width, 3)` each."""
+    def close(self) -> None:
+        """Frees the environments; a second time does nothing."""
+    @property
+    def num_envs(self) -> int: ...
+    @property
+    def observation_names(self) -> list[str]: ...
+    @property
+    def action_names(self) -> list[str]: ...
+    @property
+    def episode_names(self) -> list[str]: ...
+    @property
+    def control_dt(self) -> float: ...
+    @property
+    def max_episode_steps(self) -> int: ...
+    @property
+    def backend(self) -> str: ...
+    @property
+    def device(self) -> str | None: ...
+    @property
+    def observation_bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Least and greatest value of every entry of the observation."""
+
+class Trainer:
+    """PPO on one task, one update at a time; `myoenv.train` is the loop around it."""
+
+    def __init__(
+        self,
+        task: Task,
+        model: Model,
+        *,
+        config: str,
+        seed: int,
+        backend: str,
+        device: str | None,
+        threads: int | None,
+        resume: str | PathLike[str] | None,
+    ) -> None: ...
+    def update(self) -> dict[str, float]:
+        """Collects and learns once; returns what `metrics.csv` has as columns."""
+    def record_in(self, path: str | PathLike[str], description: str, resume: bool = False) -> None:
+        """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
+    def checkpoint(self) -> str | None:
+        """Writes a checkpoint into the run folder and returns its path; none without a folder."""
+    def record_evaluation(self, evaluation: str) -> None:
+        """Writes an evaluation, as JSON, into the run folder."""
+    def policy(self) -> Policy:
+        """A copy of the policy as it is now."""
+    @property
+    def env_steps(self) -> int: ...
+    @property
+    def updates(self) -> int: ...
+    @property
+    def max_episode_steps(self) -> int: ...
+    @property
+    def backend(self) -> str: ...
+    @property
+    def device(self) -> str | None: ...

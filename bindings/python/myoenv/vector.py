@@ -1,0 +1,273 @@
+"""Environments stepped side by side, as Gymnasium's `VectorEnv`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from myoenv._native import Env
+from myoenv.arguments import as_actions, as_count, as_mask, as_seed, fresh_seed, spread_seeds
+from myoenv.tasks import ModelLike, TaskLike, task_and_model
+
+Autoreset = Literal["next_step", "same_step", "disabled"]
+Backend = Literal["auto", "cpu", "gpu"]
+
+_MODES = {
+    "next_step": AutoresetMode.NEXT_STEP,
+    "same_step": AutoresetMode.SAME_STEP,
+    "disabled": AutoresetMode.DISABLED,
+}
+
+RENDER_SIZE = (640, 480)
+
+
+def make_vec(
+    task: TaskLike,
+    num_envs: int,
+    backend: Backend = "auto",
+    *,
+    seed: int | None = None,
+    autoreset: Autoreset | AutoresetMode = "next_step",
+    copy: bool = True,
+    device: str | None = None,
+    threads: int | None = None,
+    model: ModelLike | None = None,
+    render_mode: Literal["rgb_array"] | None = None,
+    render_size: tuple[int, int] = RENDER_SIZE,
+) -> MyoVectorEnv:
+    """Makes `num_envs` environments of a task.
+
+    Args:
+        task: A preset's name, a YAML or TOML file, a YAML text, a dictionary, or a `Task`.
+        num_envs: How many environments.
+        backend: `"cpu"`, `"gpu"`, or `"auto"`, which takes a graphics card where there are enough environments for it.
+        seed: Seed of the first `reset`; without one it is drawn from the system.
+        autoreset: What happens when an episode ends. `"next_step"`: the step after it ignores the action and returns
+            the first observation of the next episode, reward 0. `"same_step"`: the step that ends it returns that
+            observation, and the last one in `infos["final_obs"]`. `"disabled"`: reset with `options["reset_mask"]`.
+        copy: Without copies, every call returns the same arrays with new contents.
+        device: A graphics card by its number or a part of its name, see `myoenv.devices()`.
+        threads: Threads of the processor; all of them by default, in one pool for all environments.
+        model: Another body than the task's.
+        render_mode: `"rgb_array"`, or none.
+        render_size: Width and height of a picture in pixels.
+    """
+    return MyoVectorEnv(
+        task,
+        num_envs,
+        backend,
+        seed=seed,
+        autoreset=autoreset,
+        copy=copy,
+        device=device,
+        threads=threads,
+        model=model,
+        render_mode=render_mode,
+        render_size=render_size,
+    )
+
+
+class MyoVectorEnv(gymnasium.vector.VectorEnv):
+    """Copies of one task; made by `make_vec` or `gymnasium.make_vec("myo/Pointing-v0", num_envs=...)`.
+
+    Actions are `(num_envs, nmuscle)` float32 in [-1, 1], -1 relaxes a muscle and 1 excites it fully; values beyond are
+    clipped. Observations are `(num_envs, observation_size)` float32, rewards float32, flags bool, each `(num_envs,)`.
+    `observation_names` and `action_names` say what the entries are.
+
+    An integer seed gives environment `i` the seed `seed + i`: it then draws what `gymnasium.make` draws with that seed.
+
+    Infos of finished episodes: `summary`, a dictionary of arrays with the names of `episode_names` (in `final_info`
+    with same-step autoreset, where `episode` has `r` and `l`, too).
+    """
+
+    def __init__(
+        self,
+        task: TaskLike,
+        num_envs: int,
+        backend: Backend = "auto",
+        *,
+        seed: int | None = None,
+        autoreset: Autoreset | AutoresetMode = "next_step",
+        copy: bool = True,
+        device: str | None = None,
+        threads: int | None = None,
+        model: ModelLike | None = None,
+        render_mode: Literal["rgb_array"] | None = None,
+        render_size: tuple[int, int] = RENDER_SIZE,
+    ) -> None:
+        self.closed = True  # until it is open: a constructor that fails leaves nothing to close
+        mode = _mode(autoreset)
+        self.task, self.model = task_and_model(task, model)
+        self.render_mode = check_render_mode(render_mode)
+        self.render_size = render_size
+        self.num_envs = as_count("num_envs", num_envs)
+        self._first_seed = None if seed is None else as_seed(seed)
+        self._env = Env(
+            self.task,
+            self.model,
+            self.num_envs,
+            seed=fresh_seed(),
+            autoreset=next(word for word, value in _MODES.items() if value is mode),
+            backend=backend,
+            device=device,
+            threads=None if threads is None else as_count("threads", threads),
+            copy=bool(copy),
+        )
+        self.closed = False
+        self._same_step = mode is AutoresetMode.SAME_STEP
+        self._set_attributes(mode)
+
+    def _set_attributes(self, mode: AutoresetMode) -> None:
+        env = self._env
+        self.observation_names: list[str] = env.observation_names
+        self.action_names: list[str] = env.action_names
+        self.episode_names: list[str] = env.episode_names
+        self.max_episode_steps: int = env.max_episode_steps
+        self.control_dt: float = env.control_dt
+        self.backend: str = env.backend
+        self.device: str | None = env.device
+        self.metadata = {
+            "autoreset_mode": mode,
+            "render_modes": ["rgb_array"],
+            "render_fps": round(1 / self.control_dt),
+        }
+        self.single_observation_space, self.single_action_space = spaces(env)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._action_shape = (self.num_envs, len(self.action_names))
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Starts new episodes and returns the observations, `(num_envs, observation_size)`.
+
+        Args:
+            seed: A number, which gives environment `i` the seed `seed + i`, or a list with one for each; None goes on
+                with the random stream.
+            options: `{"reset_mask": mask}` resets only where the boolean array `(num_envs,)` is true. Observations of
+                the others are their current ones.
+        """
+        options = dict(options or {})
+        mask = options.pop("reset_mask", None)
+        if options:
+            raise ValueError(f"unknown option {next(iter(options))!r}; the only one is 'reset_mask'")
+        if mask is not None:
+            mask = as_mask(mask, self.num_envs)
+        if seed is None:
+            seed, self._first_seed = self._first_seed, None
+        if seed is None:
+            return self._env.reset(None, None, mask), {}
+        seeds = spread_seeds(seed, self.num_envs)
+        self._first_seed = None
+        if isinstance(seed, (int, np.integer)):
+            super().reset(seed=int(seed))
+        seeded = np.array([one is not None for one in seeds])
+        known = [one or 0 for one in seeds]
+        if seeded.all():
+            return self._env.reset(None, known, mask), {}
+        # Environments without a seed go on with their streams.
+        mask = np.ones(self.num_envs, np.bool_) if mask is None else mask
+        observation = self._env.reset(None, None, mask)
+        if (mask & seeded).any():
+            observation = self._env.reset(None, known, mask & seeded)
+        return observation, {}
+
+    def step(
+        self, actions: Any
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """One control step: observations, rewards, terminations, truncations, infos.
+
+        Args:
+            actions: `(num_envs, nmuscle)`, float32 (other float types are converted), finite.
+        """
+        observation, reward, terminated, truncated, ended = self._env.step(as_actions(actions, self._action_shape))
+        infos = {} if ended is None else self._infos(*ended)
+        return observation, reward, terminated, truncated, infos
+
+    def _infos(
+        self, envs: NDArray[np.int64], final_observation: NDArray[np.float32], episodes: NDArray[np.float32]
+    ) -> dict[str, Any]:
+        """Infos in Gymnasium's format: every `key` has a mask `_key`."""
+        mask = np.zeros(self.num_envs, np.bool_)
+        mask[envs] = True
+        summary = self._columns(dict(zip(self.episode_names, episodes.T, strict=True)), envs, mask)
+        if not self._same_step:
+            return {"summary": summary, "_summary": mask}
+        final_obs = np.full(self.num_envs, None, dtype=object)
+        for row, env in enumerate(envs):
+            final_obs[env] = final_observation[row]
+        statistics = self._columns({"r": episodes[:, 0], "l": episodes[:, 1].astype(np.int64)}, envs, mask)
+        final_info = {"episode": statistics, "_episode": mask.copy(), "summary": summary, "_summary": mask.copy()}
+        return {
+            "final_obs": final_obs,
+            "_final_obs": mask,
+            "final_info": final_info,
+            "_final_info": mask.copy(),
+        }
+
+    def _columns(
+        self, columns: dict[str, NDArray[Any]], envs: NDArray[np.int64], mask: NDArray[np.bool_]
+    ) -> dict[str, NDArray[Any]]:
+        out: dict[str, NDArray[Any]] = {}
+        for name, values in columns.items():
+            out[name] = np.zeros(self.num_envs, values.dtype)
+            out[name][envs] = values
+            out[f"_{name}"] = mask.copy()
+        return out
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A picture of every environment, `(height, width, 3)` uint8 each; none without a render mode."""
+        if self.render_mode is None:
+            return None
+        return tuple(self._env.render(list(range(self.num_envs)), self.render_size))
+
+    def render_env(self, env: int) -> NDArray[np.uint8]:
+        """A picture of one environment, `(height, width, 3)` uint8, whatever the render mode."""
+        return self._env.render([env], self.render_size)[0]
+
+    def save_state(self) -> bytes:
+        """Everything that the next steps depend on."""
+        return self._env.save_state()
+
+    def load_state(self, state: bytes) -> None:
+        """Goes back to what `save_state` returned, in this or an equal environment, bit for bit."""
+        self._env.load_state(state)
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Frees the environments; Gymnasium's `close` calls it."""
+        self._env.close()
+
+
+def spaces(env: Env) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+    """Observation and action space of one environment.
+
+    Bounds hold for certain. Joint positions, velocities and accelerations have none, as joint limits are soft: theirs
+    are the greatest finite numbers.
+    """
+    low, high = env.observation_bounds
+    nmuscle = len(env.action_names)
+    return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-1, 1, (nmuscle,), np.float32)
+
+
+def check_render_mode(render_mode: str | None) -> Literal["rgb_array"] | None:
+    """Refuses render modes that do not exist."""
+    if render_mode in (None, "rgb_array"):
+        return render_mode  # type: ignore[return-value]
+    raise ValueError(f'render_mode is {render_mode!r}; it must be "rgb_array" or None')
+
+
+def _mode(autoreset: Autoreset | AutoresetMode) -> AutoresetMode:
+    if isinstance(autoreset, AutoresetMode):
+        return autoreset
+    if autoreset in _MODES:
+        return _MODES[autoreset]
+    raise ValueError(f"autoreset is {autoreset!r}; it must be one of {', '.join(map(repr, _MODES))}")

@@ -1,0 +1,43 @@
+//! Python bindings: the compiled half of the package `myoenv`.
+//!
+//! - [`env`]: environments stepped side by side, arrays in and arrays out
+//! - [`train`]: PPO, evaluation, run folders; [`policy`]: what they leave
+//! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
+//! - [`simulation`]: the body alone
+//! - [`picture`]: one environment drawn
+//!
+//! What Python users see is in `python/myoenv`; this half knows no Gymnasium. Three rules hold everywhere: the interpreter is
+//! released while Rust computes, nothing a caller passes ends in a panic ([`error`]), and a process forked after threads were
+//! started is refused ([`process`]).
+
+mod env;
+mod error;
+mod model;
+mod picture;
+mod place;
+mod policy;
+mod process;
+mod simulation;
+mod space;
+mod task;
+mod train;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    error::register(m)?;
+    m.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    m.add_class::<task::Task>()?;
+    m.add_class::<model::Model>()?;
+    m.add_class::<env::Env>()?;
+    m.add_class::<policy::Policy>()?;
+    m.add_class::<train::Trainer>()?;
+    m.add_class::<simulation::Simulation>()?;
+    m.add_function(wrap_pyfunction!(task::preset_names, m)?)?;
+    m.add_function(wrap_pyfunction!(model::model_names, m)?)?;
+    m.add_function(wrap_pyfunction!(place::devices, m)?)?;
+    m.add_function(wrap_pyfunction!(train::evaluate, m)?)?;
+    m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
+    m.add_function(wrap_pyfunction!(train::default_settings, m)?)
+}

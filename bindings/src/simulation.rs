@@ -1,0 +1,267 @@
+//! The body alone, in double precision.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use myo::dynamics::{Coupling, Obstacles, Plan, State, Workspace, step};
+use myo::env::Tables;
+use numpy::ndarray::Array2;
+use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::error::{self, compute};
+use crate::model::Model;
+use crate::task::Task;
+
+/// One body, stepped directly: the double-precision reference. Coupled joints follow the independent ones.
+///
+/// Positions are metres from the shoulder centre (x forward, y to the left, z up).
+#[pyclass(module = "myoenv", frozen)]
+pub struct Simulation {
+    plan: Plan<f64>,
+    obstacles: Obstacles<f64>,
+    joint_names: Vec<String>,
+    muscle_names: Vec<String>,
+    body_names: Vec<String>,
+    moment: Mutex<Moment>,
+}
+
+struct Moment {
+    state: State<f64>,
+    ws: Workspace<f64>,
+    time: f64,
+    /// Whether `ws` belongs to `state`.
+    fresh: bool,
+}
+
+impl Simulation {
+    fn moment(&self) -> MutexGuard<'_, Moment> {
+        self.moment.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Everything that follows from the state.
+    fn looked(&self) -> MutexGuard<'_, Moment> {
+        let mut moment = self.moment();
+        let Moment { state, ws, fresh, .. } = &mut *moment;
+        if !*fresh {
+            step::forward(&self.plan, &self.obstacles, state, ws);
+            *fresh = true;
+        }
+        moment
+    }
+
+    fn set(
+        &self,
+        what: &str,
+        values: &PyArrayLike1<'_, f64, AllowTypeChange>,
+        part: fn(&mut State<f64>) -> &mut Vec<f64>,
+    ) -> PyResult<()> {
+        let values = checked(what, values, part(&mut self.moment().state).len())?;
+        let mut moment = self.moment();
+        part(&mut moment.state).copy_from_slice(&values);
+        moment.fresh = false;
+        Ok(())
+    }
+}
+
+fn checked(what: &str, values: &PyArrayLike1<'_, f64, AllowTypeChange>, expected: usize) -> PyResult<Vec<f64>> {
+    let values = values.as_array().to_vec();
+    if values.len() != expected {
+        return Err(PyValueError::new_err(format!("{what} has {} entries, expected {expected}", values.len())));
+    }
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(PyValueError::new_err(format!("{what}[{index}] is {}; it must be finite", values[index]))),
+        None => Ok(values),
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    /// A body at rest in the zero pose; with a task, its buttons can be touched.
+    #[new]
+    #[pyo3(signature = (model, task = None))]
+    fn new(model: &Model, task: Option<&Task>) -> PyResult<Self> {
+        let model = model.inner();
+        let plan = Plan::exact(model, Coupling::Reduced).map_err(error::task)?;
+        let obstacles = match task {
+            Some(task) => Tables::<f64>::new(model, task.inner()).map_err(error::build)?.obstacles,
+            None => Obstacles::none(&plan),
+        };
+        let names = |all: Vec<&String>| all.into_iter().cloned().collect();
+        let moment = Moment { state: State::new(&plan), ws: Workspace::new(&plan), time: 0.0, fresh: false };
+        Ok(Self {
+            joint_names: plan.dofs.iter().map(|dof| dof.name.clone()).collect(),
+            muscle_names: names(model.muscles.iter().map(|m| &m.name).collect()),
+            body_names: names(model.bodies.iter().map(|b| &b.name).collect()),
+            obstacles,
+            moment: Mutex::new(moment),
+            plan,
+        })
+    }
+
+    /// Advances `steps` physics steps under excitations in [0, 1], `(nmuscle,)`.
+    #[pyo3(signature = (ctrl, steps = 1))]
+    fn step(&self, py: Python<'_>, ctrl: PyArrayLike1<'_, f64, AllowTypeChange>, steps: usize) -> PyResult<()> {
+        let mut ctrl = checked("ctrl", &ctrl, self.plan.nmuscle())?;
+        ctrl.iter_mut().for_each(|u| *u = u.clamp(0.0, 1.0));
+        compute(py, || {
+            let mut moment = self.moment();
+            let Moment { state, ws, time, fresh } = &mut *moment;
+            for _ in 0..steps {
+                step::step(&self.plan, &self.obstacles, &ctrl, state, ws);
+            }
+            *time += steps as f64 * self.plan.timestep;
+            *fresh = false;
+        })
+    }
+
+    /// Back to rest in the zero pose.
+    fn reset(&self) {
+        let mut moment = self.moment();
+        moment.state = State::new(&self.plan);
+        (moment.time, moment.fresh) = (0.0, false);
+    }
+
+    /// Seconds simulated.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.moment().time
+    }
+
+    /// Seconds per physics step.
+    #[getter]
+    fn timestep(&self) -> f64 {
+        self.plan.timestep
+    }
+
+    /// Positions of the independent joints (rad or m), `(ndof,)`.
+    #[getter]
+    fn qpos<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.moment().state.qpos)
+    }
+
+    #[setter]
+    fn set_qpos(&self, values: PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<()> {
+        self.set("qpos", &values, |state| &mut state.qpos)
+    }
+
+    /// Their rates (1/s), `(ndof,)`.
+    #[getter]
+    fn qvel<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.moment().state.qvel)
+    }
+
+    #[setter]
+    fn set_qvel(&self, values: PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<()> {
+        self.set("qvel", &values, |state| &mut state.qvel)
+    }
+
+    /// Muscle activations in [0, 1], `(nmuscle,)`.
+    #[getter]
+    fn activation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.moment().state.act)
+    }
+
+    #[setter]
+    fn set_activation(&self, values: PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<()> {
+        self.set("activation", &values, |state| &mut state.act)
+    }
+
+    /// Accelerations of the independent joints in this state (rad/s^2), `(ndof,)`.
+    #[getter]
+    fn qacc<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.looked().ws.qacc)
+    }
+
+    /// Mass matrix of the independent joints (kg m^2), `(ndof, ndof)`.
+    #[getter]
+    fn mass_matrix<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let (n, moment) = (self.plan.ndof(), self.looked());
+        Array2::from_shape_fn((n, n), |(i, j)| moment.ws.mass[i.max(j) * n + i.min(j)]).into_pyarray(py)
+    }
+
+    /// Positions of all joints of the model, coupled ones included (rad or m), `(njoint,)`.
+    #[getter]
+    fn joint_positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.plan.joint_positions(&self.moment().state.qpos).into_pyarray(py)
+    }
+
+    /// Lengths of the muscles' paths (m), `(nmuscle,)`.
+    #[getter]
+    fn tendon_length<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.looked().ws.tendon_length)
+    }
+
+    /// Their rates (m/s), `(nmuscle,)`.
+    #[getter]
+    fn tendon_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.looked().ws.tendon_velocity)
+    }
+
+    /// Moment arms (m), `(nmuscle, ndof)`: minus the derivative of length with respect to position, so that force times
+    /// moment arm is the torque of the muscle.
+    #[getter]
+    fn moment_arms<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let (ndof, nmuscle) = (self.plan.ndof(), self.plan.nmuscle());
+        let qpos = self.moment().state.qpos.clone();
+        let mut ws = Workspace::new(&self.plan);
+        let mut arms = Array2::zeros((nmuscle, ndof));
+        for dof in 0..ndof {
+            // The rate of length at unit speed of one coordinate is the derivative.
+            let mut qvel = vec![0.0; ndof];
+            qvel[dof] = 1.0;
+            step::kinematics::kinematics(&self.plan, &qpos, &qvel, &mut ws);
+            step::tendon::lengths(&self.plan, &qpos, &qvel, &mut ws);
+            for (muscle, rate) in ws.tendon_velocity.iter().enumerate() {
+                arms[(muscle, dof)] = -rate;
+            }
+        }
+        arms.into_pyarray(py)
+    }
+
+    /// Muscle forces (N), `(nmuscle,)`, positive when pulling.
+    #[getter]
+    fn muscle_force<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let forces: Vec<f64> = self.looked().ws.muscle_force.iter().map(|force| -force).collect();
+        forces.into_pyarray(py)
+    }
+
+    /// Sum of normal forces on the button that the fingertip touches (N), 0 without contact.
+    #[getter]
+    fn contact_force(&self) -> f64 {
+        let moment = self.looked();
+        if moment.ws.contact.exists { moment.ws.contact.force } else { 0.0 }
+    }
+
+    /// Position of the fingertip (m), `(3,)`.
+    #[getter]
+    fn fingertip<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &step::fingertip(&self.plan, &self.looked().ws))
+    }
+
+    /// Origins of all bodies (m), `(nbody, 3)`, the world first.
+    #[getter]
+    fn body_positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let moment = self.looked();
+        let rows: Vec<[f64; 3]> = self.plan.elements.bodies.iter().map(|b| moment.ws.place(b).array()).collect();
+        Array2::from(rows).into_pyarray(py)
+    }
+
+    /// Names of the independent joints, in the order of `qpos`.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.joint_names.clone()
+    }
+
+    /// Names of the muscles.
+    #[getter]
+    fn muscle_names(&self) -> Vec<String> {
+        self.muscle_names.clone()
+    }
+
+    /// Names of the bodies.
+    #[getter]
+    fn body_names(&self) -> Vec<String> {
+        self.body_names.clone()
+    }
+}

@@ -1,0 +1,95 @@
+"""Tasks, models, and the body alone."""
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import myoenv
+
+
+def test_one_task_from_everything(tmp_path, short_task):
+    whole = myoenv.load_task(short_task)
+    text = whole.to_yaml()
+    (tmp_path / "task.yaml").write_text(text)
+    position = "position = { x = 0.3, y = [-0.1, 0.1], z = [-0.3, -0.1] }"
+    (tmp_path / "task.toml").write_text(
+        f'version = 1\nname = "short"\ntime_limit_s = 0.4\n[[targets]]\nkind = "pointing"\n{position}\n'
+        "radius = 0.3\ndwell_s = 0.05\n"
+    )
+    for source in (text, tmp_path / "task.yaml", str(tmp_path / "task.toml"), myoenv.to_dict(whole), whole):
+        assert myoenv.load_task(source) == whole
+    assert pickle.loads(pickle.dumps(whole)) == whole
+
+
+def test_numbers_of_numpy_are_taken(short_task):
+    short_task["targets"][0]["radius"] = np.float64(0.3)
+    short_task["time_limit_s"] = np.float32(0.4)
+    assert myoenv.to_dict(myoenv.load_task(short_task))["targets"][0]["radius"] == 0.3
+
+
+def test_warnings_are_python_s(short_task):
+    short_task["targets"][0].update(position={"x": [0.3, 0.9], "y": 0.0, "z": 0.0}, radius=0.05)
+    with pytest.warns(UserWarning, match="reach"):
+        myoenv.make_vec(short_task, 2).close()
+
+
+def test_tables_have_one_row_per_entity():
+    model = myoenv.Model()
+    tables = model.tables()
+    assert tables["body_inertia"].shape == (len(tables["body_name"]), 3, 3)
+    assert tables["joint_range"].shape == (17, 2) and len(tables["muscle_name"]) == 26
+    assert tables["body_mass"].sum() == pytest.approx(sum(b["mass"] for b in json.loads(model.to_json())["bodies"]))
+    assert all(path.max() < len(tables["site_name"]) for path in tables["muscle_path"])
+    assert "<mujoco" in model.to_mjcf()
+
+
+def test_the_body_falls_and_follows_its_muscles():
+    body = myoenv.Simulation(myoenv.Model())
+    body.qpos = np.full(len(body.joint_names), 0.3)
+    before = body.fingertip
+    body.step(np.zeros(26), 50)
+    assert body.time == pytest.approx(0.1) and not np.allclose(body.fingertip, before)
+    assert np.allclose(body.activation, 0)
+    body.step(np.full(26, 0.5), 50)
+    assert (body.activation > 0.3).all() and (body.muscle_force >= 0).all() and body.muscle_force.max() > 100
+    body.reset()
+    assert body.time == 0 and not body.qvel.any()
+
+
+def test_moment_arms_are_derivatives_of_length():
+    body = myoenv.Simulation(myoenv.Model())
+    pose, step = np.array([0.2, 0.8, -0.3, 1.0, 0.1]), 1e-6
+    for k in range(5):
+        lengths = []
+        for sign in (-1, 1):
+            moved = pose.copy()
+            moved[k] += sign * step
+            body.qpos = moved
+            lengths.append(body.tendon_length)
+        body.qpos = pose
+        np.testing.assert_allclose(body.moment_arms[:, k], -(lengths[1] - lengths[0]) / (2 * step), atol=1e-8)
+    body.qvel = [0.5, -1, 0.2, 2, 0]
+    np.testing.assert_allclose(body.tendon_velocity, -body.moment_arms @ body.qvel, atol=1e-12)
+
+
+def test_the_mass_matrix_is_symmetric_and_positive():
+    body = myoenv.Simulation(myoenv.Model())
+    assert np.array_equal(body.mass_matrix, body.mass_matrix.T)
+    assert (np.linalg.eigvalsh(body.mass_matrix) > 0).all()
+
+
+def test_bad_states_of_the_body_are_refused():
+    body = myoenv.Simulation(myoenv.Model())
+    for values, sentence in ((np.zeros(4), "4 entries, expected 5"), ([0, np.nan, 0, 0, 0], r"qpos\[1\] is NaN")):
+        with pytest.raises(ValueError, match=sentence):
+            body.qpos = values
+    with pytest.raises(ValueError, match="ctrl has 3 entries"):
+        body.step(np.zeros(3))
+
+
+def test_a_button_pushes_back():
+    task = myoenv.load_task("ar")
+    body = myoenv.Simulation(myoenv.load_model(task.model), task)
+    assert body.contact_force == 0
