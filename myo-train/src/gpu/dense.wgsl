@@ -60,6 +60,10 @@ fn fetch_x(input: u32, group: u32) -> vec4<f32> {
     return vec4<f32>(0.0);
 }
 
+fn fetch_bias(output: u32) -> f32 {
+    return parameters[shape.bias + output];
+}
+
 $FUNCTIONS
 
 @compute @workgroup_size($THREADS)

@@ -40,7 +40,10 @@ impl Kernels {
         })
     }
 
-    /// Prepares a kernel for these buffers and the words of its uniform `Shape`.
+    /// Prepares one of them; see [`prepare`].
+    ///
+    /// # Errors
+    /// As for [`prepare`].
     pub fn prepare(
         &self,
         kernel: &Kernel,
@@ -48,10 +51,24 @@ impl Kernels {
         shape: &[u32],
         threads: usize,
     ) -> Result<Dispatch, GpuError> {
-        // Uniforms come in vectors of four words.
-        let uniform = self.gpu.buffer("shape", shape.len().next_multiple_of(4))?;
-        self.gpu.write(&uniform, 0, shape)?;
-        let buffers: Vec<_> = buffers.iter().copied().chain([uniform.binding()]).collect();
-        Ok(Dispatch { kernel: kernel.clone(), bindings: kernel.bind(&buffers)?, threads: threads as u32 })
+        prepare(&self.gpu, kernel, buffers, shape, threads)
     }
+}
+
+/// Prepares a kernel for these buffers and the words of its uniform `Shape`, which is bound last.
+///
+/// # Errors
+/// The kernel has other bindings, there is no memory left, or the card is lost.
+pub fn prepare(
+    gpu: &Gpu,
+    kernel: &Kernel,
+    buffers: &[BufferRef<'_>],
+    shape: &[u32],
+    threads: usize,
+) -> Result<Dispatch, GpuError> {
+    // Uniforms come in vectors of four words.
+    let uniform = gpu.buffer("shape", shape.len().next_multiple_of(4))?;
+    gpu.write(&uniform, 0, shape)?;
+    let buffers: Vec<_> = buffers.iter().copied().chain([uniform.binding()]).collect();
+    Ok(Dispatch { kernel: kernel.clone(), bindings: kernel.bind(&buffers)?, threads: threads as u32 })
 }

@@ -7,6 +7,7 @@
 mod buffers;
 mod dense;
 mod kernels;
+mod learn;
 mod network;
 mod read;
 mod rollout;
@@ -18,6 +19,7 @@ mod tests;
 mod tile;
 
 pub use buffers::{ALL_FINITE, RolloutBuffers};
+pub use learn::{DeviceLearner, Layout, LearnMemory, Settings};
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;
 pub use tile::Tile;

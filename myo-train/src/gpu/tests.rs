@@ -12,10 +12,10 @@ use crate::normalizer::{Moments, Normalizer};
 use crate::rollout::{Actor, Rollout};
 use crate::{PpoConfig, TrainError, Trainer};
 
-const STEPS: usize = 7;
-const SEED: u64 = 0x0123_4567_89ab_cdef;
+pub const STEPS: usize = 7;
+pub const SEED: u64 = 0x0123_4567_89ab_cdef;
 /// Its sum with the steps of a roll-out overflows the lower half.
-const FIRST_STEP: u64 = u32::MAX as u64 - 2;
+pub const FIRST_STEP: u64 = u32::MAX as u64 - 2;
 
 /// Episodes of at most 3 control steps, of which some end earlier.
 fn task() -> Task {
@@ -27,13 +27,13 @@ fn task() -> Task {
     task
 }
 
-fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
+pub fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
     let task = task();
     let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
     GpuEnv::new(gpu, &model, &task, &EnvConfig { num_envs, seed: 3, ..EnvConfig::default() }).unwrap()
 }
 
-fn config(num_envs: usize) -> PpoConfig {
+pub fn config(num_envs: usize) -> PpoConfig {
     PpoConfig {
         num_envs,
         steps_per_update: STEPS,
@@ -48,16 +48,16 @@ fn config(num_envs: usize) -> PpoConfig {
 }
 
 /// Parameters and scaling that are not those of the beginning.
-struct Brain {
-    networks: Networks,
-    parameters: Vec<f32>,
-    normalizer: Normalizer,
-    lender: Lender<crate::networks::ChunkWork>,
-    config: PpoConfig,
+pub struct Brain {
+    pub networks: Networks,
+    pub parameters: Vec<f32>,
+    pub normalizer: Normalizer,
+    pub lender: Lender<crate::networks::ChunkWork>,
+    pub config: PpoConfig,
 }
 
 impl Brain {
-    fn new(env: &GpuEnv, config: PpoConfig, rows: &[f32]) -> Self {
+    pub fn new(env: &GpuEnv, config: PpoConfig, rows: &[f32]) -> Self {
         let networks = Networks::new(env.spec(), &config);
         let mut parameters = networks.initialize(SEED, &config);
         networks.policy.initialize(SEED, 7, 1.0, &mut parameters[networks.policy_range()]);
@@ -71,7 +71,7 @@ impl Brain {
         Self { networks, parameters, normalizer, lender: Lender::new(), config }
     }
 
-    fn actor(&self) -> Actor<'_> {
+    pub fn actor(&self) -> Actor<'_> {
         Actor {
             networks: &self.networks,
             parameters: &self.parameters,
@@ -83,7 +83,7 @@ impl Brain {
     }
 }
 
-fn start(gpu: &Gpu, num_envs: usize) -> (GpuEnv, Brain, Vec<f32>) {
+pub fn start(gpu: &Gpu, num_envs: usize) -> (GpuEnv, Brain, Vec<f32>) {
     let mut env = env(gpu, num_envs);
     let mut observation = vec![0.0; num_envs * env.spec().observation_size()];
     env.reset(None, None, &mut observation).unwrap();

@@ -66,6 +66,25 @@ impl Tile {
     /// Fills in everything in the kernel's text that depends on the tile. `finish` is what becomes of the sum in row
     /// `output` and group `group`, as statements that use them.
     pub fn fill_in(self, template: &str, finish: &str) -> String {
+        let copies = [("$FETCH_FIRST", self.fetch(true)), ("$FETCH_NEXT", self.fetch(false)), ("$STORE", self.store())];
+        self.fill_in_parts(template, finish, &copies)
+    }
+
+    /// As [`Tile::fill_in`] for products over samples, which lie side by side in both factors: they are fetched in groups of
+    /// four and turned round on their way to the shared memory.
+    pub fn fill_in_turned(self, template: &str, finish: &str) -> String {
+        let copies = [
+            ("$FETCH_FIRST", self.fetch_turned(true)),
+            ("$FETCH_NEXT", self.fetch_turned(false)),
+            ("$STORE", self.store_turned()),
+            ("$NO_SUMS", self.no_sums()),
+            ("$SUM_X", self.sum_turned()),
+            ("$KEEP_SUMS", self.keep_sums()),
+        ];
+        self.fill_in_parts(template, finish, &copies)
+    }
+
+    fn fill_in_parts(self, template: &str, finish: &str, copies: &[(&str, String)]) -> String {
         // Longer names first where one begins with another.
         let parts = [
             ("$TILE_OUTPUTS", self.outputs.to_string()),
@@ -77,13 +96,10 @@ impl Tile {
             ("$W_TILE", (2 * self.w_numbers() / 4).to_string()),
             ("$X_TILE", (2 * self.x_groups()).to_string()),
             ("$ZERO", self.zero()),
-            ("$FETCH_FIRST", self.fetch(true)),
-            ("$FETCH_NEXT", self.fetch(false)),
-            ("$STORE", self.store()),
             ("$MULTIPLY", self.multiply()),
             ("$FINISH", self.finish(finish)),
         ];
-        parts.iter().fold(template.to_owned(), |text, (name, part)| text.replace(name, part))
+        parts.iter().chain(copies).fold(template.to_owned(), |text, (name, part)| text.replace(name, part))
     }
 
     /// Rows of a thread, and groups of columns of a thread.
@@ -128,6 +144,58 @@ impl Tile {
         text
     }
 
+    /// Copies to registers, four samples of a row at a time.
+    fn fetch_turned(self, first: bool) -> String {
+        let (keyword, depth) = if first { ("var ", "start") } else { ("", "depth + DEPTH") };
+        let (quads, mut text) = (self.depth / 4, String::new());
+        for (factor, rows, first) in [("w", self.outputs, "first_output"), ("x", self.columns, "4u * first_group")] {
+            for (piece, at) in self.pieces(rows * quads) {
+                let place = format!("({depth}) / 4u + ({at}) % {quads}u, {first} + ({at}) / {quads}u");
+                _ = writeln!(text, "    {keyword}{factor}_next_{piece} = fetch_{factor}({place});");
+            }
+        }
+        text
+    }
+
+    /// Copies from registers to shared memory, every sample to its own depth.
+    fn store_turned(self) -> String {
+        let (quads, mut text) = (self.depth / 4, String::new());
+        for (factor, rows) in [("w", self.outputs), ("x", self.columns)] {
+            let half = self.depth * rows / 4;
+            for (piece, at) in self.pieces(rows * quads) {
+                let guard = self.guard(piece, rows * quads);
+                _ = writeln!(
+                    text,
+                    "        {guard}{{ let row = ({at}) / {quads}u; let first = 4u * (({at}) % {quads}u);"
+                );
+                for (sample, part) in ["x", "y", "z", "w"].iter().enumerate() {
+                    let place = format!("half * {half}u + (first + {sample}u) * {}u + row / 4u", rows / 4);
+                    _ = writeln!(text, "            {factor}_tile[{place}][row % 4u] = {factor}_next_{piece}.{part};");
+                }
+                text.push_str("        }\n");
+            }
+        }
+        text
+    }
+
+    fn no_sums(self) -> String {
+        let pieces = self.pieces(self.columns * self.depth / 4);
+        pieces.map(|(piece, _)| format!("    var sums_{piece} = 0.0;\n")).collect()
+    }
+
+    /// Adds what is about to be stored of X to the thread's sums.
+    fn sum_turned(self) -> String {
+        let pieces = self.pieces(self.columns * self.depth / 4);
+        pieces.map(|(piece, _)| format!("        sums_{piece} += dot(x_next_{piece}, vec4<f32>(1.0));\n")).collect()
+    }
+
+    /// Puts these sums where X was; `DEPTH / 4` of them belong to a row.
+    fn keep_sums(self) -> String {
+        let size = self.columns * self.depth / 4;
+        let keep = |(piece, at)| format!("    {}{{ x_tile[{at}].x = sums_{piece}; }}\n", self.guard(piece, size));
+        self.pieces(size).map(keep).collect()
+    }
+
     /// The condition of a copy, where the last piece has fewer entries than there are threads.
     fn guard(self, piece: u32, size: u32) -> String {
         let first = piece * self.threads();
@@ -170,7 +238,7 @@ impl Tile {
         for row in 0..self.per_thread.0 {
             let place = format!("4u * (at_y + {}u) + {}u", row / 4 * self.threads_y(), row % 4);
             _ = writeln!(text, "    {{ let output = first_output + {place};\n    if output < shape.outputs {{");
-            _ = writeln!(text, "        let bias = parameters[shape.bias + output];");
+            _ = writeln!(text, "        let bias = fetch_bias(output);");
             for group in 0..self.per_thread.1 / 4 {
                 let at = group * self.threads_x();
                 _ = writeln!(text, "        {{ let group = first_group + at_x + {at}u;");

@@ -1,0 +1,18 @@
+//! Learning on the graphics card: a whole update of PPO in one batch, from the record of a roll-out to moved parameters.
+//!
+//! As `learn.rs` does on the processor, with two differences: samples are shuffled in blocks of neighbouring columns where
+//! there are many (see `Layout`), and sums are single precision. Nothing depends on timing, so one card and driver always
+//! give the same bits.
+
+mod layout;
+mod memory;
+mod products;
+mod schedule;
+mod small;
+#[cfg(test)]
+mod tests;
+mod update;
+
+pub use layout::Layout;
+pub use memory::LearnMemory;
+pub use update::{DeviceLearner, Settings};

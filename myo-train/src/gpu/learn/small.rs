@@ -1,0 +1,190 @@
+//! The kernels of an update around the matrix products.
+
+use myo_gpu::{Access, Buffer, Gpu, GpuError, Kernel, Source};
+
+use super::layout::{Layout, METRICS, SCALARS};
+use super::memory::LearnMemory;
+use crate::PpoConfig;
+use crate::gpu::dense::Dispatch;
+use crate::gpu::kernels::prepare;
+use crate::gpu::{RolloutBuffers, Sizes};
+use crate::networks::Networks;
+
+use Access::{Read, ReadWrite, Uniform};
+
+/// What the small kernels work on.
+#[derive(Clone, Copy)]
+pub struct Small<'a> {
+    /// The card.
+    pub gpu: &'a Gpu,
+    /// Sizes of the roll-out.
+    pub sizes: &'a Sizes,
+    /// Sizes of the update.
+    pub layout: &'a Layout,
+    /// The networks.
+    pub networks: &'a Networks,
+    /// Settings.
+    pub config: &'a PpoConfig,
+    /// Their parameters.
+    pub parameters: &'a Buffer<f32>,
+    /// The record.
+    pub record: &'a RolloutBuffers,
+    /// Memory of the update.
+    pub memory: &'a LearnMemory,
+}
+
+impl Small<'_> {
+    fn compile(&self, label: &str, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {
+        self.gpu.compile(label, Source::Wgsl(text), "main", access)
+    }
+
+    /// Advantages and targets, their sums, and their scale in every minibatch.
+    pub fn estimates(&self) -> Result<Vec<Dispatch>, GpuError> {
+        Ok(vec![self.estimate()?, self.estimate_sums()?, self.scale()?])
+    }
+
+    fn estimate(&self) -> Result<Dispatch, GpuError> {
+        let access = [Read, Read, Read, ReadWrite, ReadWrite, Uniform];
+        let kernel = self.compile("advantages", include_str!("estimate.wgsl"), &access)?;
+        let Sizes { envs, padded, steps, time_limit, .. } = *self.sizes;
+        // As on the processor, the decay is the product of two rounded numbers.
+        let (gamma, lambda) = (self.config.gamma as f32, self.config.gae_lambda as f32);
+        let numbers = [gamma, gamma * lambda].map(f32::to_bits);
+        let shape: Vec<_> = [envs, padded, steps, time_limit].map(|x| x as u32).into_iter().chain(numbers).collect();
+        let (record, memory) = (self.record, self.memory);
+        let buffers = [
+            record.reward.binding(),
+            record.value.binding(),
+            record.ended.binding(),
+            memory.estimate.binding(),
+            memory.estimate_parts.binding(),
+        ];
+        prepare(self.gpu, &kernel, &buffers, &shape, envs)
+    }
+
+    fn estimate_sums(&self) -> Result<Dispatch, GpuError> {
+        let kernel = self.compile("sums", include_str!("../sums.wgsl"), &[Read, ReadWrite, Uniform])?;
+        let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0];
+        let buffers = [self.memory.estimate_parts.binding(), self.memory.estimate_sums.binding()];
+        prepare(self.gpu, &kernel, &buffers, &shape, 4 * kernel.workgroup_size() as usize)
+    }
+
+    fn scale(&self) -> Result<Dispatch, GpuError> {
+        let kernel = self.compile("advantage scale", include_str!("scale.wgsl"), &[Read, Read, ReadWrite, Uniform])?;
+        let (sizes, layout) = (self.sizes, self.layout);
+        let shape = [
+            sizes.envs,
+            sizes.padded,
+            sizes.samples(),
+            layout.block,
+            layout.blocks,
+            layout.minibatches,
+            layout.steps(),
+        ]
+        .map(|x| x as u32);
+        let memory = self.memory;
+        let buffers = [memory.order.binding(), memory.estimate.binding(), memory.scale.binding()];
+        prepare(self.gpu, &kernel, &buffers, &shape, layout.steps() * kernel.workgroup_size() as usize)
+    }
+
+    /// The samples of every chunk of every gradient step.
+    pub fn gather(&self) -> Result<Vec<Vec<Dispatch>>, GpuError> {
+        let access = [Read, Read, Read, Read, Read, Read, ReadWrite, ReadWrite, Uniform];
+        let kernel = self.compile("gather", include_str!("gather.wgsl"), &access)?;
+        let (record, memory) = (self.record, self.memory);
+        let buffers = [
+            memory.order.binding(),
+            record.observation.binding(),
+            record.action.binding(),
+            record.log_prob.binding(),
+            memory.estimate.binding(),
+            memory.scale.binding(),
+            memory.activation.binding(),
+            memory.sample.binding(),
+        ];
+        let (sizes, layout) = (self.sizes, self.layout);
+        let chunk = |step: usize, chunk: usize| {
+            let blocks = layout.range(step);
+            let start = chunk * layout.chunk;
+            let columns = (blocks.len() * layout.block).saturating_sub(start).min(layout.chunk);
+            let shape = [
+                sizes.envs,
+                sizes.padded,
+                sizes.samples(),
+                sizes.columns(),
+                sizes.observations,
+                sizes.actions,
+                layout.block,
+                layout.chunk,
+                columns,
+                start,
+                blocks.start,
+                step,
+            ]
+            .map(|x| x as u32);
+            let rows = sizes.observations + sizes.actions + SCALARS;
+            prepare(self.gpu, &kernel, &buffers, &shape, rows * layout.chunk)
+        };
+        let step = |step| (0..layout.chunks).map(|index| chunk(step, index)).collect();
+        (0..layout.steps()).map(step).collect()
+    }
+
+    /// Gradients with respect to the outputs of both networks, whose first rows are given.
+    pub fn loss(&self, [mean_row, value_row]: [usize; 2]) -> Result<Dispatch, GpuError> {
+        let kernel = self.compile("loss", include_str!("loss.wgsl"), &[Read, Read, Read, ReadWrite, Uniform])?;
+        let (sizes, layout) = (self.sizes, self.layout);
+        let log_std = self.networks.log_std_range().start;
+        let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
+        let numbers = [self.config.clip, self.config.value_coefficient].map(|x| (x as f32).to_bits());
+        let shape: Vec<_> = places.map(|x| x as u32).into_iter().chain(numbers).collect();
+        let memory = self.memory;
+        let [activation, sample] = [memory.activation.binding(), memory.sample.binding()];
+        let buffers = [self.parameters.binding(), activation, sample, memory.gradient.binding()];
+        prepare(self.gpu, &kernel, &buffers, &shape, layout.chunk)
+    }
+
+    /// The sum of `slots` partial gradients.
+    pub fn reduce(&self, slots: usize) -> Result<Dispatch, GpuError> {
+        let kernel = self.compile("reduce", include_str!("reduce.wgsl"), &[Read, ReadWrite, ReadWrite, Uniform])?;
+        let parameters = self.networks.len();
+        let length = parameters + METRICS;
+        let log_std = self.networks.log_std_range();
+        let entropy = (self.config.entropy_coefficient as f32).to_bits();
+        let places = [length, parameters, slots, log_std.start, log_std.len()];
+        let shape: Vec<_> = places.map(|x| x as u32).into_iter().chain([entropy]).collect();
+        let memory = self.memory;
+        let buffers = [memory.partial.binding(), memory.total.binding(), memory.squares.binding()];
+        prepare(self.gpu, &kernel, &buffers, &shape, length)
+    }
+
+    /// The Adam step of every gradient step.
+    pub fn adam(&self) -> Result<Vec<Dispatch>, GpuError> {
+        let access = [Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
+        let kernel = self.compile("adam", include_str!("adam.wgsl"), &access)?;
+        let (memory, config, log_std) = (self.memory, self.config, self.networks.log_std_range());
+        let buffers = [
+            memory.total.binding(),
+            memory.squares.binding(),
+            memory.rates.binding(),
+            self.parameters.binding(),
+            memory.mean.binding(),
+            memory.square.binding(),
+            memory.metrics.binding(),
+        ];
+        let numbers = [
+            config.gradient_norm_max,
+            config.adam_beta1,
+            config.adam_beta2,
+            config.adam_epsilon,
+            config.log_std_min,
+            config.log_std_max,
+        ]
+        .map(|x| (x as f32).to_bits());
+        let step = |step: usize| {
+            let places = [self.networks.len(), memory.squares.len(), step, log_std.start, log_std.len()];
+            let shape: Vec<_> = places.map(|x| x as u32).into_iter().chain(numbers).collect();
+            prepare(self.gpu, &kernel, &buffers, &shape, self.networks.len().max(METRICS + 1))
+        };
+        (0..self.layout.steps()).map(step).collect()
+    }
+}

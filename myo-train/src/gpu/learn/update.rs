@@ -1,0 +1,185 @@
+//! A whole update on the card.
+
+use myo_gpu::{Batch, Buffer, Gpu, GpuError};
+
+use super::layout::Layout;
+use super::memory::{LearnMemory, STEP_METRICS};
+use super::products::Products;
+use super::schedule::{rates, stats};
+use super::small::Small;
+use crate::gpu::dense::Dispatch;
+use crate::gpu::{RolloutBuffers, Sizes};
+use crate::learn::LearnStats;
+use crate::networks::Networks;
+use crate::random::shuffle;
+use crate::{Mlp, PpoConfig, TrainError};
+
+/// What one update depends on besides the record and what the card holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Seed of the order of the samples.
+    pub seed: u64,
+    /// Updates before this one.
+    pub update: u64,
+    /// Adam's step size.
+    pub learning_rate: f64,
+    /// Gradient steps before this update.
+    pub gradient_steps: u64,
+}
+
+/// Learns from the record of a [`DeviceRollout`](super::super::DeviceRollout): advantages, gradients and Adam steps of all
+/// passes, in one batch.
+pub struct DeviceLearner {
+    gpu: Gpu,
+    config: PpoConfig,
+    layout: Layout,
+    samples_per_step: Vec<f64>,
+    memory: LearnMemory,
+    estimates: Vec<Dispatch>,
+    gather: Vec<Vec<Dispatch>>,
+    /// From gathered samples to gradients with respect to what goes into every layer.
+    passes: Vec<Dispatch>,
+    /// Gradients with respect to the parameters, per chunk of a minibatch.
+    outer: Vec<Dispatch>,
+    reduce: Dispatch,
+    adam: Vec<Dispatch>,
+    order: Vec<u32>,
+    words: Vec<u32>,
+}
+
+impl DeviceLearner {
+    /// Memory and kernels for updates of `parameters`, in the order of [`Checkpoint`](crate::Checkpoint), from the record
+    /// in `record`.
+    ///
+    /// # Errors
+    /// No memory left, or the card is lost.
+    pub fn new(
+        gpu: &Gpu,
+        sizes: &Sizes,
+        config: &PpoConfig,
+        parameters: &Buffer<f32>,
+        record: &RolloutBuffers,
+    ) -> Result<Self, GpuError> {
+        let adapter = gpu.adapter();
+        let max_bytes = adapter.max_buffer_bytes.min(adapter.max_binding_bytes);
+        Self::with_limit(gpu, sizes, config, parameters, record, max_bytes)
+    }
+
+    /// As [`DeviceLearner::new`], with activations of at most `max_bytes` at a time.
+    pub(super) fn with_limit(
+        gpu: &Gpu,
+        sizes: &Sizes,
+        config: &PpoConfig,
+        parameters: &Buffer<f32>,
+        record: &RolloutBuffers,
+        max_bytes: u64,
+    ) -> Result<Self, GpuError> {
+        let networks = Networks {
+            policy: Mlp::new(sizes.observations, &config.policy_hidden, sizes.actions),
+            value: Mlp::new(sizes.observations, &config.value_hidden, 1),
+        };
+        let layout = Layout::new(sizes, &networks, config, max_bytes);
+        let mut products = Products::new(gpu, sizes, &layout, &networks);
+        let memory = LearnMemory::new(gpu, sizes, &networks, &layout, products.splits())?;
+        let small =
+            Small { gpu, sizes, layout: &layout, networks: &networks, config, parameters, record, memory: &memory };
+        let mut passes = products.forward(parameters, &memory)?;
+        passes.push(small.loss(products.output_rows())?);
+        passes.extend(products.backward(parameters, &memory)?);
+        Ok(Self {
+            estimates: small.estimates()?,
+            gather: small.gather()?,
+            passes,
+            outer: products.outer(&memory)?,
+            reduce: small.reduce(layout.chunks * products.splits().count)?,
+            adam: small.adam()?,
+            order: vec![0; layout.blocks],
+            words: vec![0; layout.blocks],
+            samples_per_step: vec![0.0; layout.steps()],
+            gpu: gpu.clone(),
+            config: config.clone(),
+            layout,
+            memory,
+        })
+    }
+
+    /// How the work is divided.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The buffers of an update.
+    pub fn memory(&self) -> &LearnMemory {
+        &self.memory
+    }
+
+    /// Uploads what the next update needs: the order of the samples and the step sizes, some kilobytes.
+    ///
+    /// # Errors
+    /// The card is lost.
+    pub fn prepare(&mut self, sizes: &Sizes, settings: Settings) -> Result<(), GpuError> {
+        let (layout, epochs) = (self.layout, self.layout.epochs as u64);
+        for epoch in 0..layout.epochs {
+            let step = settings.update * epochs + epoch as u64;
+            shuffle(settings.seed, step, &mut self.order, &mut self.words);
+            self.gpu.write(&self.memory.order, epoch * layout.blocks, &self.order)?;
+            for index in 0..layout.minibatches {
+                let (step, first) = (epoch * layout.minibatches + index, epoch * layout.blocks);
+                let range = layout.range(step);
+                let blocks = &self.order[range.start - first..range.end - first];
+                self.samples_per_step[step] = blocks.iter().map(|&b| used(sizes, layout.block, b) as f64).sum();
+            }
+        }
+        self.gpu.write(&self.memory.rates, 0, rates(&self.config, settings, layout.steps()).as_flattened())?;
+        self.gpu.write(&self.memory.metrics, 0, &vec![0.0; self.memory.metrics.len()])
+    }
+
+    /// Adds an update to a batch, after the roll-out.
+    pub fn record(&self, batch: &mut Batch) {
+        self.estimates.iter().for_each(|dispatch| dispatch.add(batch));
+        for step in 0..self.layout.steps() {
+            self.record_gradient(batch, step);
+            self.adam[step].add(batch);
+        }
+    }
+
+    /// Adds the gradient of one step's minibatch alone, at the parameters as they are.
+    fn record_gradient(&self, batch: &mut Batch, step: usize) {
+        for (gather, outer) in self.gather[step].iter().zip(&self.outer) {
+            gather.add(batch);
+            self.passes.iter().for_each(|dispatch| dispatch.add(batch));
+            outer.add(batch);
+        }
+        self.reduce.add(batch);
+    }
+
+    /// Adds the passes, gradients and Adam step of the first minibatch alone: for measurements and tests.
+    pub fn record_step(&self, batch: &mut Batch) {
+        self.record_gradient(batch, 0);
+        self.adam[0].add(batch);
+    }
+
+    /// Adds the advantages, targets and their scales alone: for measurements.
+    pub fn record_estimates(&self, batch: &mut Batch) {
+        self.estimates.iter().for_each(|dispatch| dispatch.add(batch));
+    }
+
+    /// Numbers to read after an update for [`DeviceLearner::stats`].
+    pub fn metrics_len(&self) -> usize {
+        STEP_METRICS * self.layout.steps()
+    }
+
+    /// What an update tells, from [`LearnMemory::metrics`].
+    ///
+    /// # Errors
+    /// A loss, the gradient or a parameter is not finite.
+    pub fn stats(&self, metrics: &[f32], update: u64) -> Result<LearnStats, TrainError> {
+        stats(metrics, &self.samples_per_step, self.layout.minibatches, update)
+    }
+}
+
+/// Columns of a block that hold samples.
+fn used(sizes: &Sizes, block: usize, index: u32) -> usize {
+    let first = index as usize * block;
+    (first..(first + block).min(sizes.samples())).filter(|column| column % sizes.padded < sizes.envs).count()
+}
