@@ -30,7 +30,7 @@
 //! }
 //! ```
 mod checkpoint;
-mod collector;
+
 mod config;
 mod crc32c;
 mod error;
@@ -45,6 +45,7 @@ mod metrics;
 mod mlp;
 mod networks;
 mod normalizer;
+mod place;
 mod policy;
 mod random;
 mod rollout;

@@ -17,10 +17,11 @@ impl EpisodeSums {
         Self { count: 0, sum: vec![0.0; columns], entries: vec![0; columns] }
     }
 
-    /// From sums, and numbers of entries, that were made elsewhere.
-    pub fn from_sums(count: u64, sum: &[f32], entries: &[f32]) -> Self {
+    /// From the number of episodes, then sums per column, then numbers of entries per column, as the card adds them up.
+    pub fn from_rows(rows: &[f32]) -> Self {
+        let (sum, entries) = rows[1..].split_at(rows.len() / 2);
         let entries = entries.iter().map(|&n| n as u64).collect();
-        Self { count, sum: sum.iter().map(|&x| x.into()).collect(), entries }
+        Self { count: rows[0] as u64, sum: sum.iter().map(|&x| x.into()).collect(), entries }
     }
 
     /// Forgets all episodes.

@@ -1,102 +1,113 @@
 //! Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347): one roll-out, one update, again.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{EnvSpec, GpuEnv, VectorEnv};
 
 use crate::checkpoint::Checkpoint;
-use crate::collector::{Collector, check_env};
 use crate::gae::explained_variance;
-use crate::learn::{LearnStats, Learner, Optimizer};
-use crate::metrics::UpdateMetrics;
+use crate::gaussian::Spread;
+use crate::gpu::CardUpdate;
+use crate::learn::{LearnStats, Optimizer};
+use crate::metrics::{EpisodeSums, UpdateMetrics};
 use crate::networks::{ChunkWork, Lender, Networks};
 use crate::normalizer::{Moments, Normalizer};
+use crate::place::{Host, Place};
 use crate::policy::check_names;
-use crate::rollout::{Actor, Rollout, evaluate};
+use crate::rollout::{Actor, evaluate};
 use crate::{Policy, PpoConfig, TrainError};
-
-/// Borrows what acting needs, field by field, so that the rest of the trainer stays free.
-macro_rules! actor {
-    ($trainer:expr) => {
-        Actor {
-            networks: &$trainer.networks,
-            parameters: &$trainer.parameters,
-            normalizer: &$trainer.normalizer,
-            lender: &$trainer.lender,
-            config: &$trainer.config,
-            seed: $trainer.seed,
-        }
-    };
-}
 
 /// Trains a policy in an environment.
 ///
 /// The weights after a number of updates depend on the configuration, the seed and the environment alone, bit for bit on
 /// one kind of processor: not on the number of threads, nor on whether training was stopped and resumed in between. Work
-/// runs on the calling thread's rayon pool.
+/// runs on the calling thread's rayon pool. On the graphics card they depend on the card and its driver as well.
 pub struct Trainer {
-    collector: Collector,
+    place: Place,
+    brain: Brain,
+    /// What the host knows of the state of the training; all of it, unless that lives on the card.
+    known: Mutex<Known>,
+    learning_rate: f64,
+    updates: u64,
+    wall_s: f64,
+}
+
+/// What acting takes besides the weights.
+struct Brain {
     spec: EnvSpec,
     config: PpoConfig,
     seed: u64,
     networks: Networks,
+    normalizer: Normalizer,
+    lender: Lender<ChunkWork>,
+}
+
+/// The state of the training after some update.
+struct Known {
     parameters: Vec<f32>,
     optimizer: Optimizer,
+    /// Current raw observations, `(envs, observations)`.
+    observation: Vec<f32>,
     normalizer: Normalizer,
     learning_rate: f64,
     updates: u64,
     wall_s: f64,
-    /// Current raw observations, `(envs, observations)`.
-    observation: Vec<f32>,
-    rollout: Rollout,
-    learner: Learner,
-    lender: Lender<ChunkWork>,
+}
+
+/// What an update tells, wherever it ran.
+struct Told {
+    learn: LearnStats,
+    collect_s: f64,
+    moments: Moments,
+    episodes: EpisodeSums,
+    /// Sum of the scaled rewards.
+    reward_sum: f64,
+    explained_variance: f64,
+    spread: Spread,
+}
+
+impl Brain {
+    fn actor<'a>(&'a self, parameters: &'a [f32]) -> Actor<'a> {
+        let Self { networks, normalizer, lender, config, seed, .. } = self;
+        Actor { networks, parameters, normalizer, lender, config, seed: *seed }
+    }
 }
 
 impl Trainer {
     /// A new policy; resets the environment with `seed`.
     pub fn new(env: Box<dyn VectorEnv>, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        check_env(env.as_ref(), &config)?;
-        Self::start(Collector::Host(env), config, seed)
+        Self::start(Place::on_host(env, &config)?, config, seed)
     }
 
-    /// As [`Trainer::new`], with the policy acting on the graphics card beside the environment; learning stays on the
-    /// processor. Same seed, same card and driver: same weights.
+    /// As [`Trainer::new`], with the policy acting and learning on the graphics card beside the environment; the host hears
+    /// some hundred bytes per update. Same seed, same card and driver: same weights.
     pub fn on_card(env: GpuEnv, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        Self::start(Collector::on_card(env, &config)?, config, seed)
+        Self::start(Place::on_card(env, &config)?, config, seed)
     }
 
-    fn start(mut collector: Collector, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        let spec = collector.env().spec().clone();
+    fn start(mut place: Place, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
+        let spec = place.spec().clone();
         let mut observation = vec![0.0; spec.num_envs * spec.observation_size()];
-        collector.env_mut().reset(Some(seed), None, &mut observation)?;
+        place.env_mut().reset(Some(seed), None, &mut observation)?;
         let networks = Networks::new(&spec, &config);
-        let mut trainer = Self {
+        // The first roll-out is scaled by the first observations, so that the networks never see raw ones.
+        let normalizer = first_scaling(&spec, &config, &observation)?;
+        let learning_rate = config.learning_rate;
+        let known = Known {
             parameters: networks.initialize(seed, &config),
             optimizer: Optimizer { mean: vec![0.0; networks.len()], square: vec![0.0; networks.len()], steps: 0 },
-            normalizer: Normalizer::new(spec.observation_size(), config.observation_clip, config.observation_std_floor),
-            learning_rate: config.learning_rate,
+            observation,
+            normalizer: normalizer.clone(),
+            learning_rate,
             updates: 0,
             wall_s: 0.0,
-            observation,
-            rollout: Rollout::new(&spec, &config),
-            learner: Learner::new(&networks, &config),
-            lender: Lender::new(),
-            collector,
-            spec,
-            config,
-            seed,
-            networks,
         };
-        // The first roll-out is scaled by the first observations, so that the networks never see raw ones.
-        let mut moments = Moments::new(trainer.spec.observation_size());
-        trainer.normalizer.measure(&trainer.observation, &mut moments);
-        if let Some(index) = moments.non_finite() {
-            let what = format!("observation \"{}\"", trainer.spec.observation_names[index]);
-            return Err(TrainError::NonFiniteEnv { what, update: 0 });
+        if let Place::Card(card) = &mut place {
+            card.set_weights(&known.parameters, &known.optimizer)?;
         }
-        trainer.normalizer.merge(&moments);
-        Ok(trainer)
+        let brain = Brain { spec, config, seed, networks, normalizer, lender: Lender::new() };
+        Ok(Self { place, brain, known: Mutex::new(known), learning_rate, updates: 0, wall_s: 0.0 })
     }
 
     /// Collects `num_envs * steps_per_update` samples and learns from them.
@@ -104,56 +115,64 @@ impl Trainer {
     /// After an error the trainer is of no more use; resume from a checkpoint.
     pub fn update(&mut self) -> Result<UpdateMetrics, TrainError> {
         let start = Instant::now();
-        let actor = actor!(self);
-        let first_step = self.updates * self.config.steps_per_update as u64;
-        self.collector.collect(&actor, first_step, &mut self.rollout, &mut self.observation)?;
-        let collect_s = start.elapsed().as_secs_f64();
-        self.rollout.estimate(&self.config);
-
-        let learn = self.learner.learn(
-            &self.networks,
-            &self.rollout,
-            &self.config,
-            (self.seed, self.updates),
-            self.learning_rate,
-            &self.lender,
-            &mut self.parameters,
-            &mut self.optimizer,
-        )?;
         let learning_rate = self.learning_rate;
-        self.learning_rate = adapted_rate(learning_rate, learn.kl, &self.config);
+        let told = match &mut self.place {
+            Place::Host(host) => {
+                let known = self.known.get_mut().unwrap_or_else(PoisonError::into_inner);
+                host.update(&self.brain, known, self.updates, learning_rate)?
+            }
+            Place::Card(card) => {
+                card.update(&self.brain.normalizer, (self.brain.seed, self.updates), learning_rate)?.into()
+            }
+        };
+        self.learning_rate = adapted_rate(learning_rate, told.learn.kl, &self.brain.config);
         // Only now, so that one update sees one scaling.
-        self.normalizer.merge(&self.rollout.moments);
+        self.brain.normalizer.merge(&told.moments);
         self.updates += 1;
         let total_s = start.elapsed().as_secs_f64();
         self.wall_s += total_s;
-        Ok(self.metrics(learn, learning_rate, collect_s, total_s - collect_s))
+        Ok(self.metrics(told, learning_rate, total_s))
     }
 
-    fn metrics(&self, learn: LearnStats, learning_rate: f64, collect_s: f64, learn_s: f64) -> UpdateMetrics {
-        let (rollout, spread) = (&self.rollout, self.networks.spread(&self.parameters));
-        let samples = rollout.reward.len();
-        let reward_sum: f64 = rollout.reward.iter().map(|&r| f64::from(r)).sum();
+    fn metrics(&self, told: Told, learning_rate: f64, total_s: f64) -> UpdateMetrics {
+        let (spec, config, spread) = (&self.brain.spec, &self.brain.config, &told.spread);
         UpdateMetrics {
             env_steps: self.env_steps(),
             updates: self.updates,
             wall_s: self.wall_s,
-            collect_s,
-            learn_s,
-            episodes: rollout.episodes.count,
-            episode_means: self.spec.episode_names.iter().cloned().zip(rollout.episodes.means()).collect(),
-            reward_per_step: reward_sum / samples as f64 / self.config.reward_scale,
-            learn,
-            explained_variance: explained_variance(&rollout.value[..samples], &rollout.target),
+            collect_s: told.collect_s,
+            learn_s: total_s - told.collect_s,
+            episodes: told.episodes.count,
+            episode_means: spec.episode_names.iter().cloned().zip(told.episodes.means()).collect(),
+            reward_per_step: told.reward_sum / config.batch_size() as f64 / config.reward_scale,
+            learn: told.learn,
+            explained_variance: told.explained_variance,
             entropy: spread.entropy.into(),
             action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64,
             learning_rate,
         }
     }
 
+    /// The state of the training on the host, read from the card where it lives there. Should the card be lost, it is the
+    /// state that was read last.
+    fn known(&self) -> MutexGuard<'_, Known> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Place::Card(card) = &self.place {
+            let Known { parameters, optimizer, observation, .. } = &mut *known;
+            if card.read_weights(parameters, optimizer, observation).is_err() {
+                return known;
+            }
+        }
+        known.normalizer.clone_from(&self.brain.normalizer);
+        known.learning_rate = self.learning_rate;
+        known.updates = self.updates;
+        known.wall_s = self.wall_s;
+        known
+    }
+
     /// Control steps of all environments since the start.
     pub fn env_steps(&self) -> u64 {
-        self.updates * self.config.batch_size() as u64
+        self.updates * self.brain.config.batch_size() as u64
     }
 
     /// Updates since the start.
@@ -163,84 +182,157 @@ impl Trainer {
 
     /// The environment's sizes and names.
     pub fn spec(&self) -> &EnvSpec {
-        &self.spec
+        &self.brain.spec
     }
 
     /// The settings.
     pub fn config(&self) -> &PpoConfig {
-        &self.config
+        &self.brain.config
     }
 
     /// The seed.
     pub fn seed(&self) -> u64 {
-        self.seed
+        self.brain.seed
     }
 
     /// A copy of the policy as it is now.
     pub fn policy(&self) -> Policy {
-        let names = (&self.spec.observation_names[..], &self.spec.action_names[..]);
-        Policy::new(names, self.networks.clone(), &self.config, self.parameters.clone(), self.normalizer.clone())
+        let (Brain { spec, config, networks, .. }, known) = (&self.brain, self.known());
+        let names = (&spec.observation_names[..], &spec.action_names[..]);
+        Policy::new(names, networks.clone(), config, known.parameters.clone(), known.normalizer.clone())
     }
 
     /// What the value network thinks of raw observations, `(rows, observations)`: scaled, discounted future reward.
     pub fn values(&self, observation: &[f32], value_out: &mut [f32]) {
         let mut x = vec![0.0; observation.len()];
-        self.normalizer.apply(observation, &mut x);
-        evaluate(&actor!(self), &x, value_out);
+        self.brain.normalizer.apply(observation, &mut x);
+        evaluate(&self.brain.actor(&self.known().parameters), &x, value_out);
     }
 
     /// Everything that the next updates depend on. If the environment's state is lost, with the graphics card that held it,
-    /// the training that continues begins with new episodes.
+    /// the training that continues begins with new episodes; and what was learned since the last checkpoint, copy of the
+    /// policy or look at values is lost too.
     pub fn save(&self) -> Checkpoint {
+        let known = self.known();
+        let (spec, config) = (&self.brain.spec, &self.brain.config);
         Checkpoint {
-            config: self.config.clone(),
-            seed: self.seed,
-            updates: self.updates,
-            wall_s: self.wall_s,
-            learning_rate: self.learning_rate,
-            observation_names: self.spec.observation_names.clone(),
-            action_names: self.spec.action_names.clone(),
-            parameters: self.parameters.clone(),
-            optimizer: self.optimizer.clone(),
-            normalizer: self.normalizer.clone(),
-            observation: self.observation.clone(),
-            env_state: self.collector.env().save_state().unwrap_or_default(),
+            config: config.clone(),
+            seed: self.brain.seed,
+            updates: known.updates,
+            wall_s: known.wall_s,
+            learning_rate: known.learning_rate,
+            observation_names: spec.observation_names.clone(),
+            action_names: spec.action_names.clone(),
+            parameters: known.parameters.clone(),
+            optimizer: known.optimizer.clone(),
+            normalizer: known.normalizer.clone(),
+            observation: known.observation.clone(),
+            env_state: self.place.env().save_state().unwrap_or_default(),
         }
     }
 
     /// Continues from a checkpoint in an environment of the same kind and size, bit for bit; with new episodes where the
     /// checkpoint was written without the state of the environment.
     pub fn restore(env: Box<dyn VectorEnv>, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        check_env(env.as_ref(), &checkpoint.config)?;
-        Self::resume(Collector::Host(env), checkpoint)
+        Self::resume(Place::on_host(env, &checkpoint.config)?, checkpoint)
     }
 
     /// As [`Trainer::restore`], on the graphics card.
     pub fn restore_on_card(env: GpuEnv, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        Self::resume(Collector::on_card(env, &checkpoint.config)?, checkpoint)
+        Self::resume(Place::on_card(env, &checkpoint.config)?, checkpoint)
     }
 
-    fn resume(collector: Collector, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        let spec = collector.env().spec();
+    fn resume(place: Place, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
+        let spec = place.spec();
         check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
         check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
-        let mut trainer = Self::start(collector, checkpoint.config.clone(), checkpoint.seed)?;
+        let mut trainer = Self::start(place, checkpoint.config.clone(), checkpoint.seed)?;
+        let known = trainer.known.get_mut().unwrap_or_else(PoisonError::into_inner);
+        known.restore(checkpoint);
         if checkpoint.env_state.is_empty() {
             // Other episodes than those of the beginning.
             let seed = checkpoint.seed.wrapping_add(checkpoint.updates);
-            trainer.collector.env_mut().reset(Some(seed), None, &mut trainer.observation)?;
+            trainer.place.env_mut().reset(Some(seed), None, &mut known.observation)?;
         } else {
-            trainer.collector.load(&checkpoint.env_state, &checkpoint.observation)?;
-            trainer.observation.clone_from(&checkpoint.observation);
+            trainer.place.load(&checkpoint.env_state, &checkpoint.observation)?;
         }
+        if let Place::Card(card) = &mut trainer.place {
+            card.set_weights(&known.parameters, &known.optimizer)?;
+        }
+        trainer.brain.normalizer.clone_from(&checkpoint.normalizer);
+        trainer.learning_rate = checkpoint.learning_rate;
         trainer.updates = checkpoint.updates;
         trainer.wall_s = checkpoint.wall_s;
-        trainer.learning_rate = checkpoint.learning_rate;
-        trainer.parameters.clone_from(&checkpoint.parameters);
-        trainer.optimizer.clone_from(&checkpoint.optimizer);
-        trainer.normalizer.clone_from(&checkpoint.normalizer);
         Ok(trainer)
     }
+}
+
+impl Known {
+    fn restore(&mut self, checkpoint: &Checkpoint) {
+        self.parameters.clone_from(&checkpoint.parameters);
+        self.optimizer.clone_from(&checkpoint.optimizer);
+        self.normalizer.clone_from(&checkpoint.normalizer);
+        if !checkpoint.env_state.is_empty() {
+            self.observation.clone_from(&checkpoint.observation);
+        }
+        self.learning_rate = checkpoint.learning_rate;
+        self.updates = checkpoint.updates;
+        self.wall_s = checkpoint.wall_s;
+    }
+}
+
+impl Host {
+    /// Collects a roll-out and learns from it.
+    fn update(
+        &mut self,
+        brain: &Brain,
+        known: &mut Known,
+        update: u64,
+        learning_rate: f64,
+    ) -> Result<Told, TrainError> {
+        let (start, Brain { config, networks, lender, .. }) = (Instant::now(), brain);
+        let (rollout, actor) = (&mut self.rollout, brain.actor(&known.parameters));
+        let first_step = update * config.steps_per_update as u64;
+        rollout.collect(self.env.as_mut(), &actor, first_step, &mut known.observation)?;
+        rollout.evaluate(&actor);
+        let collect_s = start.elapsed().as_secs_f64();
+        rollout.estimate(config);
+        let address = (brain.seed, update);
+        let (parameters, optimizer) = (&mut known.parameters, &mut known.optimizer);
+        let learn =
+            self.learner.learn(networks, rollout, config, address, learning_rate, lender, parameters, optimizer)?;
+        Ok(Told {
+            learn,
+            collect_s,
+            moments: rollout.moments.clone(),
+            episodes: rollout.episodes.clone(),
+            reward_sum: rollout.reward.iter().map(|&r| f64::from(r)).sum(),
+            explained_variance: explained_variance(&rollout.value[..rollout.reward.len()], &rollout.target),
+            spread: networks.spread(&known.parameters),
+        })
+    }
+}
+
+impl From<CardUpdate> for Told {
+    fn from(update: CardUpdate) -> Self {
+        let CardUpdate { learn, collect_s, moments, episodes, reward_sum, explained_variance, log_std } = update;
+        let spread = Spread::new(&log_std);
+        Self { learn, collect_s, moments, episodes, reward_sum, explained_variance, spread }
+    }
+}
+
+/// The scaling by the first observations.
+fn first_scaling(spec: &EnvSpec, config: &PpoConfig, observation: &[f32]) -> Result<Normalizer, TrainError> {
+    let (limit, floor) = (config.observation_clip, config.observation_std_floor);
+    let mut normalizer = Normalizer::new(spec.observation_size(), limit, floor);
+    let mut moments = Moments::new(spec.observation_size());
+    normalizer.measure(observation, &mut moments);
+    if let Some(index) = moments.non_finite() {
+        let what = format!("observation \"{}\"", spec.observation_names[index]);
+        return Err(TrainError::NonFiniteEnv { what, update: 0 });
+    }
+    normalizer.merge(&moments);
+    Ok(normalizer)
 }
 
 /// Learning rate for the next update: lower when the policy moved too far, higher when it hardly moved.

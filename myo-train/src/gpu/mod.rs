@@ -1,14 +1,17 @@
-//! Acting on the graphics card: the policy beside the environment, so that a roll-out needs no word from the host.
+//! Acting and learning on the graphics card beside the environment: neither a roll-out nor an update needs a word from the
+//! host.
 //!
 //! Matrices of samples are feature-major, as the environment's own buffers are: entry `row` of column `k` is at
 //! `row * stride + k`. A step's columns begin at multiples of four; where the number of environments is none, the columns
 //! between are idle.
 
 mod buffers;
+mod card;
 mod dense;
 mod kernels;
 mod learn;
 mod network;
+#[cfg(test)]
 mod read;
 mod rollout;
 mod sizes;
@@ -19,6 +22,7 @@ mod tests;
 mod tile;
 
 pub use buffers::{ALL_FINITE, RolloutBuffers};
+pub(crate) use card::{Card, CardUpdate};
 pub use learn::{DeviceLearner, Layout, LearnMemory, Settings};
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;

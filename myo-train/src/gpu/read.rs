@@ -1,4 +1,4 @@
-//! Reading a roll-out from the card into the processor's memory, for learning there.
+//! Reading a whole roll-out from the card into the processor's memory, for tests that compare.
 
 use myo_env::VectorEnv;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use crate::{Normalizer, TrainError};
 
 /// Memory of the host, as the buffers of the same names on the card.
 #[derive(Default)]
-pub struct HostCopy {
+struct HostCopy {
     observation: Vec<f32>,
     action: Vec<f32>,
     log_prob: Vec<f32>,
@@ -38,21 +38,11 @@ impl DeviceRollout {
         self.set_parameters(actor.parameters)?;
         self.set_scaling(actor.normalizer)?;
         self.set_clock(actor.seed, first_step)?;
-        let mut host = std::mem::take(&mut self.host);
+        let mut host = HostCopy::default();
         self.read(&mut host)?;
         unpack(self.sizes(), actor.normalizer, &host, rollout, observation);
         let update = first_step / self.sizes().steps as u64;
-        let checked = check(&self.env().spec().observation_names, &host, rollout, update);
-        self.host = host;
-        checked
-    }
-
-    /// Uploads the observations that the next roll-out begins with, `(envs, observations)`.
-    pub(crate) fn set_observation(&self, observation: &[f32]) -> Result<(), TrainError> {
-        let width = self.sizes().observations;
-        let columns: Vec<f32> =
-            (0..width).flat_map(|row| observation.iter().skip(row).step_by(width).copied()).collect();
-        Ok(self.gpu().write(&self.env().shards()[0].observation, 0, &columns)?)
+        check(&self.env().spec().observation_names, &host, rollout, update)
     }
 
     /// Runs a roll-out and reads everything that learning needs.
@@ -104,7 +94,7 @@ fn unpack(sizes: &Sizes, normalizer: &Normalizer, host: &HostCopy, rollout: &mut
     unpack_ends(sizes, host, rollout);
     let (moments, rest) = host.sums.split_at(2 * sizes.observations);
     rollout.moments = normalizer.moments_from_f32(sizes.steps * sizes.envs, moments);
-    rollout.episodes = episodes(&rest[..sizes.episode_rows()]);
+    rollout.episodes = EpisodeSums::from_rows(&rest[..sizes.episode_rows()]);
 }
 
 /// Where episodes ended, and what the future was worth after every step.
@@ -120,12 +110,6 @@ fn unpack_ends(sizes: &Sizes, host: &HostCopy, rollout: &mut Rollout) {
             };
         }
     }
-}
-
-/// From the number of episodes, sums and counts per column of their summaries.
-fn episodes(sums: &[f32]) -> EpisodeSums {
-    let (entries, counts) = sums[1..].split_at(sums.len() / 2);
-    EpisodeSums::from_sums(sums[0] as u64, entries, counts)
 }
 
 fn check(names: &[String], host: &HostCopy, rollout: &Rollout, update: u64) -> Result<(), TrainError> {

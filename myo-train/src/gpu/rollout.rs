@@ -7,12 +7,11 @@ use super::buffers::{ALL_FINITE, RolloutBuffers};
 use super::dense::{Columns, DenseKernels, Dispatch, Sampling};
 use super::kernels::{Kernels, OBSERVE_WORKGROUP};
 use super::network::{Activations, Pass, Place};
-use super::read::HostCopy;
 use super::sizes::Sizes;
 use super::tile::Tile;
-use crate::collector::check_env;
 use crate::networks::Networks;
 use crate::normalizer::Normalizer;
+use crate::place::check_env;
 use crate::{PpoConfig, TrainError};
 
 /// An environment and a policy on one card, and the record of what they did.
@@ -32,7 +31,6 @@ pub struct DeviceRollout {
     observe_last: Dispatch,
     value: Pass,
     sums: Vec<Dispatch>,
-    pub(super) host: HostCopy,
 }
 
 /// One control step: the policy acts, the environment steps, and its outcome is kept.
@@ -99,8 +97,8 @@ impl DeviceRollout {
         let steps = (0..sizes.steps).map(|t| parts.step(&mut dense, t)).collect::<Result<_, GpuError>>()?;
         let observe_last = parts.observe(sizes.steps)?;
         let value = parts.value(&mut dense)?;
-        let (sums, host) = (parts.sums()?, HostCopy::default());
-        Ok(Self { env, sizes, parameters, scaling, clock, buffers, noise, steps, observe_last, value, sums, host })
+        let sums = parts.sums()?;
+        Ok(Self { env, sizes, parameters, scaling, clock, buffers, noise, steps, observe_last, value, sums })
     }
 
     /// The environment.
@@ -160,6 +158,17 @@ impl DeviceRollout {
         let words = [seed, first_step].map(|x| [x as u32, (x >> 32) as u32]);
         self.gpu().write(&self.clock, 0, words.as_flattened())?;
         self.gpu().write(&self.buffers.wrong, 0, &[ALL_FINITE])
+    }
+
+    /// Uploads the observations that the next roll-out begins with, `(envs, observations)`.
+    ///
+    /// # Errors
+    /// More observations than there are, or the card is lost.
+    pub fn set_observation(&self, observation: &[f32]) -> Result<(), GpuError> {
+        let width = self.sizes.observations;
+        let columns: Vec<f32> =
+            (0..width).flat_map(|row| observation.iter().skip(row).step_by(width).copied()).collect();
+        self.gpu().write(&self.env.shards()[0].observation, 0, &columns)
     }
 
     /// Adds a roll-out from the environment's current observations to a batch.

@@ -1,29 +1,51 @@
-//! Where experience comes from: an environment with the policy on the processor, or both on the graphics card.
+//! Where experience comes from and is learned from: on the processor, or all on the graphics card.
 
-use myo_env::{Autoreset, GpuEnv, VectorEnv};
+use myo_env::{Autoreset, EnvSpec, GpuEnv, VectorEnv};
 
-use crate::gpu::DeviceRollout;
-use crate::rollout::{Actor, Rollout};
+use crate::gpu::Card;
+use crate::learn::Learner;
+use crate::networks::Networks;
+use crate::rollout::Rollout;
 use crate::{PpoConfig, TrainError};
 
-/// Collects roll-outs.
-pub enum Collector {
-    /// The policy acts on the processor.
-    Host(Box<dyn VectorEnv>),
-    /// The policy acts on the card.
-    Card(Box<DeviceRollout>),
+/// An environment, and memory to learn from it.
+pub enum Place {
+    /// The policy acts and learns on the processor.
+    Host(Box<Host>),
+    /// On the card.
+    Card(Box<Card>),
 }
 
-impl Collector {
+/// What training on the processor works on.
+pub struct Host {
+    /// The environment.
+    pub env: Box<dyn VectorEnv>,
+    /// Samples of one update.
+    pub rollout: Rollout,
+    /// Memory of learning.
+    pub learner: Learner,
+}
+
+impl Place {
+    /// On the processor.
+    pub fn on_host(env: Box<dyn VectorEnv>, config: &PpoConfig) -> Result<Self, TrainError> {
+        check_env(env.as_ref(), config)?;
+        let rollout = Rollout::new(env.spec(), config);
+        let learner = Learner::new(&Networks::new(env.spec(), config), config);
+        Ok(Self::Host(Box::new(Host { env, rollout, learner })))
+    }
+
     /// On the card that holds the environment.
     pub fn on_card(env: GpuEnv, config: &PpoConfig) -> Result<Self, TrainError> {
-        Ok(Self::Card(Box::new(DeviceRollout::new(env, config)?)))
+        check_env(&env, config)?;
+        let log_std = Networks::new(env.spec(), config).log_std_range();
+        Ok(Self::Card(Box::new(Card::new(env, config, log_std)?)))
     }
 
     /// The environment.
     pub fn env(&self) -> &dyn VectorEnv {
         match self {
-            Self::Host(env) => env.as_ref(),
+            Self::Host(host) => host.env.as_ref(),
             Self::Card(card) => card.env(),
         }
     }
@@ -31,9 +53,14 @@ impl Collector {
     /// The environment.
     pub fn env_mut(&mut self) -> &mut dyn VectorEnv {
         match self {
-            Self::Host(env) => env.as_mut(),
+            Self::Host(host) => host.env.as_mut(),
             Self::Card(card) => card.env_mut(),
         }
+    }
+
+    /// Its sizes and names.
+    pub fn spec(&self) -> &EnvSpec {
+        self.env().spec()
     }
 
     /// Continues from a saved state of the environment and the observations, `(envs, observations)`, that went with it.
@@ -43,24 +70,6 @@ impl Collector {
             Self::Host(_) => Ok(()),
             // The environment works out its observations anew, which may change their last bits.
             Self::Card(card) => card.set_observation(observation),
-        }
-    }
-
-    /// A roll-out from `observation`, the current raw observations, which become the next ones; with values.
-    pub fn collect(
-        &mut self,
-        actor: &Actor<'_>,
-        first_step: u64,
-        rollout: &mut Rollout,
-        observation: &mut [f32],
-    ) -> Result<(), TrainError> {
-        match self {
-            Self::Host(env) => {
-                rollout.collect(env.as_mut(), actor, first_step, observation)?;
-                rollout.evaluate(actor);
-                Ok(())
-            }
-            Self::Card(card) => card.collect(actor, first_step, rollout, observation),
         }
     }
 }
