@@ -200,3 +200,38 @@ fn a_roll_out_that_does_not_fit_is_refused() {
     let error = DeviceRollout::new(env(&gpu, 8), &PpoConfig { clip: 0.0, ..config(8) }).err().unwrap();
     assert!(matches!(error, TrainError::Config(_)), "{error}");
 }
+
+#[test]
+fn training_on_the_card_goes_as_on_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    // Few enough samples that both sides have the same minibatches.
+    let envs = 64;
+    let config = PpoConfig { epochs: 2, minibatches: 8, ..config(envs) };
+    let mut card = Trainer::on_card(env(&gpu, envs), config.clone(), 1).unwrap();
+    let mut host = Trainer::new(Box::new(env(&gpu, envs)), config, 1).unwrap();
+    for _ in 0..3 {
+        let (a, b) = (card.update().unwrap(), host.update().unwrap());
+        let close = |what: &str, a: f64, b: f64| assert!((a - b).abs() < 2e-3 * b.abs().max(0.1), "{what}: {a}, {b}");
+        close("kl", a.learn.kl, b.learn.kl);
+        close("policy loss", a.learn.policy_loss, b.learn.policy_loss);
+        close("value loss", a.learn.value_loss, b.learn.value_loss);
+        close("gradient norm", a.learn.gradient_norm, b.learn.gradient_norm);
+        close("reward", a.reward_per_step, b.reward_per_step);
+        close("explained variance", a.explained_variance, b.explained_variance);
+        close("spread", a.action_std, b.action_std);
+        assert_eq!((a.episodes, a.env_steps, a.learning_rate), (b.episodes, b.env_steps, b.learning_rate));
+    }
+    assert_close("weights", &card.save().parameters, &host.save().parameters, 1e-3);
+}
+
+#[test]
+fn training_on_the_card_improves() {
+    let Some(gpu) = gpu() else { return };
+    let envs = 256;
+    let config =
+        PpoConfig { num_envs: envs, policy_hidden: vec![32, 32], value_hidden: vec![32], ..PpoConfig::default() };
+    let mut trainer = Trainer::on_card(env(&gpu, envs), config, 2).unwrap();
+    let rewards: Vec<f64> = (0..24).map(|_| trainer.update().unwrap().reward_per_step).collect();
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    assert!(mean(&rewards[18..]) > mean(&rewards[..6]) + 0.05, "{rewards:?}");
+}
