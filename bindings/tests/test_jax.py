@@ -1,0 +1,124 @@
+"""JAX and the Brax-style interface."""
+
+import numpy as np
+import pytest
+
+jax = pytest.importorskip("jax", reason="JAX is not installed")
+
+import jax.numpy as jnp  # noqa: E402
+
+from myoenv.brax import BraxEnv  # noqa: E402
+from myoenv.jax import JaxEnv  # noqa: E402
+
+
+@pytest.fixture
+def env(short_task):
+    env = JaxEnv(short_task, 8, "cpu")
+    yield env
+    env.close()
+
+
+@pytest.fixture
+def brax_env(short_task):
+    env = BraxEnv(short_task, 8, "cpu")
+    yield env
+    env.close()
+
+
+def roll(env: JaxEnv, key: jax.Array, length: int = 20):
+    """A roll-out with random actions: all in one program."""
+
+    @jax.jit
+    def run(key):
+        def step(state, key):
+            action = jax.random.uniform(key, (env.num_envs, env.num_actions), minval=-1, maxval=1)
+            return env.step(state, action)
+
+        state, obs = env.reset(key)
+        return obs, jax.lax.scan(step, state, jax.random.split(key, length))[1]
+
+    return jax.device_get(run(key))
+
+
+def test_equal_keys_give_equal_roll_outs(env):
+    first, again, other = (roll(env, jax.random.key(k)) for k in (1, 1, 2))
+    jax.tree.map(np.testing.assert_array_equal, first, again)
+    assert (first[0] != other[0]).any()
+
+
+def test_a_roll_out_is_that_of_the_vector_environment(env, make, short_task):
+    key = jax.random.key(4)
+    obs, steps = roll(env, key)
+    high, low = (int(word) for word in jax.random.bits(key, (2,), jnp.uint32))
+    envs = make(short_task, autoreset="same_step")
+    np.testing.assert_array_equal(envs.reset(seed=high << 32 | low)[0], obs)
+    ended = 0
+    for t, step_key in enumerate(jax.random.split(key, 20)):
+        action = np.asarray(jax.random.uniform(step_key, (8, env.num_actions), minval=-1, maxval=1))
+        obs, reward, terminated, truncated, infos = envs.step(action)
+        np.testing.assert_array_equal(steps.obs[t], obs)
+        np.testing.assert_array_equal(steps.reward[t], reward)
+        np.testing.assert_array_equal(steps.terminated[t], terminated)
+        np.testing.assert_array_equal(steps.truncated[t], truncated)
+        done = terminated | truncated
+        np.testing.assert_array_equal(steps.next_obs[t][~done], obs[~done])
+        if done.any():
+            ended += 1
+            np.testing.assert_array_equal(steps.next_obs[t][done], np.stack(infos["final_obs"][done]))
+            np.testing.assert_array_equal(steps.summary["return"][t], infos["final_info"]["summary"]["return"])
+    assert ended > 0
+
+
+def test_every_environment_can_have_its_key(env):
+    keys = jax.random.split(jax.random.key(0), 8)
+    _, one = env.reset(keys)
+    _, two = env.reset(keys[::-1])
+    _, legacy = env.reset(jax.random.key_data(keys))
+    assert (np.asarray(one) != np.asarray(two)).any()
+    np.testing.assert_array_equal(one, legacy)
+
+
+def test_a_state_is_stepped_once(env):
+    state, _ = env.reset(jax.random.key(1))
+    action = jnp.zeros((8, env.num_actions))
+    env.step(state, action)
+    with pytest.raises(jax.errors.JaxRuntimeError, match="a state can be stepped once"):
+        jax.block_until_ready(env.step(state, action))
+
+
+def test_there_is_no_gradient(env):
+    state, _ = env.reset(jax.random.key(1))
+    with pytest.raises(ValueError, match="JVP"):
+        jax.grad(lambda action: env.step(state, action)[1].reward.sum())(jnp.zeros((8, env.num_actions)))
+
+
+def test_brax_state_has_brax_shapes(brax_env):
+    state = jax.jit(brax_env.reset)(jax.random.key(1))
+    again = jax.jit(brax_env.step)(state, jnp.zeros((8, brax_env.action_size)))
+    assert jax.tree.structure(again) == jax.tree.structure(state)
+    shapes = jax.tree.map(lambda x: (x.shape, x.dtype), (state, again))
+    assert shapes[0] == shapes[1]
+    assert state.obs.shape == (8, brax_env.observation_size)
+    assert state.done.shape == state.reward.shape == (8,)
+
+
+def test_brax_truncation_and_new_targets(brax_env):
+    """Time-outs are told from successes, and an episode does not begin where the one before it did."""
+    state = brax_env.reset(jax.random.key(1))
+    first = np.asarray(state.obs)
+    step, outcomes = jax.jit(brax_env.step), set()
+    for t in range(40):
+        state = step(state, jax.random.uniform(jax.random.key(t), (8, brax_env.action_size), minval=-1))
+        done, truncation = np.asarray(state.done) > 0, np.asarray(state.info["truncation"]) > 0
+        np.testing.assert_array_equal(truncation & ~done, False)
+        np.testing.assert_array_equal(np.asarray(state.metrics["success"])[done] > 0, ~truncation[done])
+        assert (np.asarray(state.obs)[done] != first[done]).any(-1).all()
+        outcomes |= set(truncation[done].tolist())
+    assert outcomes == {True, False}
+
+
+def test_what_others_keep_in_info_stays(brax_env):
+    state = brax_env.reset(jax.random.key(1))
+    state = state.replace(info={**state.info, "mine": jnp.arange(8)})
+    state = jax.jit(brax_env.step, donate_argnums=0)(state, jnp.zeros((8, brax_env.action_size)))
+    np.testing.assert_array_equal(state.info["mine"], np.arange(8))
