@@ -1,0 +1,231 @@
+"""Many trainings side by side on as many machines as Ray knows: layouts times seeds, one table.
+
+>>> from myoenv.sweep import button_grid, sweep
+>>> rows = sweep(button_grid(columns=6, rows=4), seeds=[1, 2, 3], folder="layouts")
+>>> pandas.DataFrame(rows).groupby("layout")[["success", "target_1_time_s"]].mean()
+
+A finished trial leaves a file in the folder and is not run again: the same call goes on where an earlier one was
+stopped. Needs `pip install myoenv[sweep]`.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from myoenv._native import __version__
+from myoenv.arguments import as_count, as_seed
+from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
+
+Row = dict[str, Any]
+
+
+def button_grid(
+    task: TaskLike = "public-display",
+    *,
+    columns: int = 6,
+    rows: int = 4,
+    x: float = 0.42,
+    y: tuple[float, float] = (0.15, -0.15),
+    z: tuple[float, float] = (0.01, -0.29),
+) -> dict[str, dict[str, Any]]:
+    """One task per place of a grid on an upright wall: the first target of `task`, put there, alone.
+
+    Metres from the shoulder centre: `x` forward, `y` from the left column to the right one, `z` from the top row to
+    the bottom one. Keys are `r0c0` (upper left) and so on. The defaults are the 24 places between the corners of
+    `public-display`.
+    """
+    described = to_dict(load_task(task))
+    target = described["targets"][0]
+    layouts = {}
+    for i, z_m in enumerate(np.linspace(*z, as_count("rows", rows))):
+        for j, y_m in enumerate(np.linspace(*y, as_count("columns", columns))):
+            place = [round(x, 6), round(float(y_m), 6), round(float(z_m), 6)]
+            name = f"r{i}c{j}"
+            layouts[name] = {**described, "name": name, "targets": [{**target, "position": place}]}
+    return layouts
+
+
+def sweep(
+    layouts: Mapping[str, TaskLike],
+    seeds: Iterable[int] = (1, 2, 3),
+    folder: str | PathLike[str] = "sweep",
+    *,
+    until: float | None = 0.95,
+    steps: int = 60_000_000,
+    settings: Mapping[str, Any] | None = None,
+    num_envs: int | None = None,
+    cpus_per_trial: int = 1,
+    address: str | None = None,
+    progress: Callable[[Row], Any] | None = None,
+) -> list[Row]:
+    """Trains every layout with every seed; returns one row for each, in this order, and writes them as `results.csv`.
+
+    Columns: `layout`, `seed`, `success`, `return`, `effort`, `final_distance_m`, `episode_length_s` and, for each
+    target, `target_1_success` and `target_1_time_s`, all of 1,000 fresh episodes with the deterministic policy; then
+    `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty where all went well. A trial that failed is tried
+    again by the next call.
+
+    Args:
+        layouts: Tasks by their names in the table; all are checked before the first is trained.
+        seeds: Seeds of training.
+        folder: Where results are kept, on the machine that calls.
+        until: Share of fresh episodes that must succeed; None trains all `steps`.
+        steps: Control steps of all environments after which a trial stops in any case.
+        settings: Settings of PPO that differ from their defaults.
+        num_envs: Environments of a trial.
+        cpus_per_trial: Processor threads of a trial, also what Ray reserves for it.
+        address: A Ray cluster, `"auto"` for the one that runs here; by default, if there is none, one is started for
+            the call.
+        progress: Called with every row as it is there, also with those of earlier calls.
+    """
+    ray = _ray()
+    steps = as_count("steps", steps)
+    options = {"until": until, "steps": steps, "settings": dict(settings or {}), "num_envs": num_envs}
+    threads = as_count("cpus_per_trial", cpus_per_trial)
+    trials = _trials(layouts, [as_seed(seed) for seed in seeds], options)
+    results = _Results(Path(folder), progress)
+    missing = [trial for trial in trials if not results.load(trial)]
+    if missing:
+        started = not ray.is_initialized()
+        if started:
+            ray.init(address=address, include_dashboard=False, log_to_driver=False)
+        try:
+            _run(ray, missing, threads, results)
+        finally:
+            if started:
+                ray.shutdown()
+    rows = [results.rows[trial.id] for trial in trials]
+    write_table(rows, Path(folder) / "results.csv")
+    return rows
+
+
+def write_table(rows: Sequence[Row], path: str | PathLike[str]) -> None:
+    """Writes rows as CSV; columns that a row does not have stay empty."""
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns)
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One training: what it is called, and everything that its result depends on."""
+
+    layout: str
+    seed: int
+    #: JSON of the task, the options of training, and the version of the library.
+    description: str
+
+    @property
+    def id(self) -> str:
+        """Name of its file: readable, and different for a different description."""
+        readable = "".join(c if c.isalnum() or c in "-_" else "_" for c in self.layout)
+        return f"{readable}-{self.seed}-{hashlib.sha256(f'{self.layout} {self.description}'.encode()).hexdigest()[:12]}"
+
+
+class _Results:
+    """Rows in memory and, when finished, on disk: one file per trial."""
+
+    def __init__(self, folder: Path, progress: Callable[[Row], Any] | None) -> None:
+        self.folder = folder / "trials"
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.progress = progress
+        self.rows: dict[str, Row] = {}
+
+    def load(self, trial: Trial) -> bool:
+        """Takes the row of an earlier call, if there is one."""
+        try:
+            row = json.loads((self.folder / f"{trial.id}.json").read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return False
+        self._take(trial, row)
+        return True
+
+    def finish(self, trial: Trial, row: Row) -> None:
+        """Keeps a row; whole or not at all, whenever the call is stopped."""
+        path = self.folder / f"{trial.id}.json"
+        unfinished = path.with_suffix(".tmp")
+        unfinished.write_text(json.dumps(row), encoding="utf-8")
+        os.replace(unfinished, path)
+        self._take(trial, row)
+
+    def fail(self, trial: Trial, error: Exception) -> None:
+        """Tells of a failure; nothing is left on disk, so that the next call tries again."""
+        # Ray's errors tell where it was; the last line tells what.
+        lines = str(error).strip().splitlines() or [type(error).__name__]
+        self._take(trial, {"layout": trial.layout, "seed": trial.seed, "error": lines[-1]})
+
+    def _take(self, trial: Trial, row: Row) -> None:
+        self.rows[trial.id] = row
+        if self.progress is not None:
+            self.progress(row)
+
+
+def _trials(layouts: Mapping[str, TaskLike], seeds: list[int], options: dict[str, Any]) -> list[Trial]:
+    trials = []
+    for name, layout in layouts.items():
+        task, _ = task_and_model(layout)
+        for seed in seeds:
+            described = {"task": to_dict(task), "seed": seed, **options, "version": __version__}
+            trials.append(Trial(name, seed, json.dumps(described, sort_keys=True)))
+    return trials
+
+
+def _run(ray: Any, trials: list[Trial], threads: int, results: _Results) -> None:
+    """Hands trials to Ray, which runs as many at once as there are processors for."""
+    remote = ray.remote(num_cpus=threads, max_retries=2)(run_trial)
+    running = {remote.remote(trial, threads): trial for trial in trials}
+    try:
+        while running:
+            [done], _ = ray.wait(list(running), num_returns=1)
+            trial = running.pop(done)
+            try:
+                results.finish(trial, ray.get(done))
+            except ray.exceptions.RayError as error:
+                results.fail(trial, error)
+    finally:
+        for unfinished in running:
+            ray.cancel(unfinished, force=True)
+
+
+def run_trial(trial: Trial, threads: int) -> Row:
+    """Trains one layout with one seed, here; its row."""
+    from myoenv.training import train
+
+    described = json.loads(trial.description)
+    result = train(
+        described["task"],
+        seed=described["seed"],
+        until=described["until"],
+        steps=described["steps"],
+        settings=described["settings"],
+        num_envs=described["num_envs"],
+        backend="cpu",
+        threads=threads,
+    )
+    evaluation = result.evaluation or {}
+    means = ("success", "return", "effort", "final_distance_m", "episode_length_s")
+    row: Row = {"layout": trial.layout, "seed": trial.seed, **{name: evaluation.get(name) for name in means}}
+    for k, target in enumerate(evaluation.get("targets", ()), start=1):
+        row |= {f"target_{k}_success": target["success"], f"target_{k}_time_s": target["movement_time_s"]}
+    run = {"env_steps": result.env_steps, "wall_s": round(result.wall_s, 2), "stopped_by": result.stopped_by}
+    return row | run | {"error": ""}
+
+
+def _ray() -> Any:
+    try:
+        import ray
+    except ImportError:
+        raise ImportError("a sweep needs Ray; install it with: pip install 'myoenv[sweep]'") from None
+    return ray

@@ -1,0 +1,74 @@
+"""Sweeps on a local cluster of two workers."""
+
+import csv
+import sys
+
+import pytest
+
+from myoenv.sweep import button_grid, sweep
+from myoenv.tasks import TaskError, load_task, to_dict
+
+SHORT = {"steps": 512, "num_envs": 32, "settings": {"steps_per_update": 8}}
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    ray = pytest.importorskip("ray", reason="Ray is not installed")
+    from ray.cluster_utils import Cluster
+
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
+    cluster.add_node(num_cpus=1)
+    ray.init(address=cluster.address, log_to_driver=False)
+    yield ray
+    ray.shutdown()
+    cluster.shutdown()
+
+
+def test_a_grid_has_a_button_at_every_place():
+    grid = button_grid(columns=6, rows=4)
+    places = {tuple(layout["targets"][0]["position"]) for layout in grid.values()}
+    assert len(places) == len(grid) == 24
+    assert all(load_task(layout).num_targets == 1 for layout in grid.values())
+    display = to_dict(load_task("public-display"))["targets"]
+    corners = {tuple(target["position"]) for target in display}
+    assert corners <= places
+
+
+def test_without_ray_it_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(ImportError, match=r"pip install 'myoenv\[sweep\]'"):
+        sweep(button_grid(), folder=tmp_path)
+
+
+def test_a_bad_layout_is_refused_before_anything_is_trained(cluster, tmp_path):
+    layouts = {**button_grid(columns=1, rows=1), "far": button_grid(columns=1, rows=1, x=5.0)["r0c0"]}
+    with pytest.raises(TaskError):
+        sweep(layouts, [1], tmp_path, **SHORT)
+    assert not (tmp_path / "trials").exists()
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
+    assert len([node for node in cluster.nodes() if node["Alive"]]) == 2
+    grid = button_grid(columns=2, rows=1)
+    first = sweep({"r0c0": grid["r0c0"]}, [1, 2], tmp_path, **SHORT)
+    files = {path: path.stat().st_mtime_ns for path in (tmp_path / "trials").iterdir()}
+    assert len(files) == 2
+
+    seen = []
+    rows = sweep(grid, [1, 2], tmp_path, **SHORT, progress=seen.append)
+    assert [(row["layout"], row["seed"]) for row in rows] == [("r0c0", 1), ("r0c0", 2), ("r0c1", 1), ("r0c1", 2)]
+    assert all(row["error"] == "" and 0 <= row["success"] <= 1 and row["env_steps"] == 512 for row in rows)
+    assert rows[:2] == first, "finished trials are not run again"
+    assert len(seen) == 4
+    assert all(path.stat().st_mtime_ns == then for path, then in files.items())
+    with open(tmp_path / "results.csv", newline="") as file:
+        assert [row["layout"] for row in csv.DictReader(file)] == [row["layout"] for row in rows]
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_failed_trial_has_its_error_in_the_table_and_no_file(cluster, tmp_path):
+    grid = button_grid(columns=1, rows=1)
+    [row] = sweep(grid, [1], tmp_path, **SHORT | {"settings": {"gamma": 2.0}})
+    assert "gamma" in row["error"]
+    assert list((tmp_path / "trials").iterdir()) == []
