@@ -1,8 +1,9 @@
 //! Environments stepped side by side.
 
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::time::Instant;
 
-use myo::env::{Autoreset, EnvConfig, EnvSpec, Snapshot, StepBuffers, Tables, VectorEnv, reseed};
+use myo::env::{Autoreset, EnvConfig, EnvSpec, Snapshot, StepBuffers, StepStorage, Tables, VectorEnv, reseed};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -280,6 +281,26 @@ impl Env {
             inner.ended(py, flags.0, flags.1)?
         };
         Ok((arrays.observation, arrays.reward, arrays.terminated, arrays.truncated, ended))
+    }
+
+    /// Seconds that each of so many steps took without Python: what its overhead is measured against.
+    fn time_steps<'py>(
+        &self,
+        py: Python<'py>,
+        actions: PyReadonlyArray2<'py, f32>,
+        steps: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mut opened = self.open()?;
+        let Inner { env, pool, .. } = opened.inner();
+        let (actions, mut out) = (actions.as_slice()?, StepStorage::new(&self.spec));
+        let timed = compute(py, || {
+            let step = |_| {
+                let start = Instant::now();
+                pool.install(|| env.step(actions, out.buffers())).map(|()| start.elapsed().as_secs_f64())
+            };
+            (0..steps).map(step).collect::<Result<Vec<f64>, _>>()
+        })?;
+        Ok(timed.map_err(error::env)?.into_pyarray(py))
     }
 
     /// Everything that the next steps depend on.

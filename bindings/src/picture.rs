@@ -9,7 +9,7 @@ use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pi
 type Point = [f64; 3];
 
 /// Size of the page (m) that fits the picture; nearer things are lower left, the plane of the targets upper right.
-const PAGE: [f64; 2] = [1.58, 1.18];
+const PAGE: [f64; 2] = [2.08, 1.56];
 
 const PAPER: [u8; 3] = [0xfb, 0xfa, 0xf7];
 const SKIN: [u8; 3] = [0xe4, 0xde, 0xd2];
@@ -144,7 +144,7 @@ impl Canvas {
 
     /// Oblique projection of a point (m, from the shoulder centre) to pixels.
     fn place(&self, [x, y, z]: Point) -> (f32, f32) {
-        let (right, up) = (0.62 * x - y - 0.17, z + 0.18 * x + 0.07);
+        let (right, up) = (0.62 * x - y - 0.2, z + 0.18 * x - 0.14);
         let (width, height) = (f64::from(self.pixmap.width()), f64::from(self.pixmap.height()));
         ((0.5 * width + self.scale * right) as f32, (0.5 * height - self.scale * up) as f32)
     }

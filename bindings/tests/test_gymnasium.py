@@ -1,11 +1,14 @@
 """What Gymnasium expects."""
 
+import pickle
+
 import gymnasium
 import numpy as np
 import pytest
 from conftest import MODES, relaxed
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
 from gymnasium.wrappers.vector import NormalizeObservation, RecordEpisodeStatistics
 
 import myoenv
@@ -63,6 +66,16 @@ def test_the_constructor_s_seed_is_that_of_the_first_reset(make):
     assert np.array_equal(env.reset()[0], other.reset(seed=3)[0])
     assert np.array_equal(env.reset()[0], other.reset()[0])
     assert not np.array_equal(make().reset()[0], make().reset()[0])
+
+
+def test_random_actions_fill_the_action_space(make):
+    space = make(num_envs=500).action_space
+    space.seed(3)
+    state = pickle.dumps(space)
+    actions = space.sample()
+    assert actions in space and actions.dtype == np.float32 and space == batch_space(make().single_action_space, 500)
+    assert actions.min() < -0.99 and actions.max() > 0.99 and abs(actions.mean()) < 0.02
+    assert np.array_equal(actions, pickle.loads(state).sample()) and not np.array_equal(actions, space.sample())
 
 
 def test_random_generators_follow_the_seed(make):

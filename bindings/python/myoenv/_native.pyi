@@ -110,8 +110,8 @@ class Model:
         Sites: `site_name` (list), `site_body`, `site_pos` (3, m, in the body's frame).
         Muscles: `muscle_name` (list), `muscle_path` (list of arrays of sites), `muscle_length_range` (2, m),
         `muscle_range` (2, optimal lengths), `muscle_force` (N, NaN where it follows from `muscle_scale`),
-        `muscle_scale`, `muscle_lmin`, `muscle_lmax`, `muscle_vmax`, `muscle_fvmax`, `muscle_fpmax`, `muscle_tau_act` (s),
-        `muscle_tau_deact` (s), `muscle_ctrl_range` (2).
+        `muscle_scale`, `muscle_lmin`, `muscle_lmax`, `muscle_vmax`, `muscle_fvmax`, `muscle_fpmax`,
+        `muscle_tau_act` (s), `muscle_tau_deact` (s), `muscle_ctrl_range` (2).
         """
 
 class Simulation:
@@ -234,6 +234,8 @@ class Env:
     ]:
         """One control step: observation, reward, terminated, truncated, and of the episodes that ended, if any, the
         environments, the last observations and the summaries."""
+    def time_steps(self, actions: NDArray[np.float32], steps: int) -> NDArray[np.float64]:
+        """Seconds that each of so many steps took without Python: what its overhead is measured against."""
     def save_state(self) -> bytes:
         """Everything that the next steps depend on."""
     def load_state(self, state: bytes) -> None:

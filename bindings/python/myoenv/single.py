@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from myoenv._native import Env
 from myoenv.arguments import as_actions, as_seed, fresh_seed
+from myoenv.spaces import spaces
 from myoenv.tasks import ModelLike, TaskLike, task_and_model
-from myoenv.vector import RENDER_SIZE, Backend, check_render_mode, spaces
+from myoenv.vector import RENDER_SIZE, Backend, check_render_mode
 
 
 def make(task: TaskLike, **kwargs: Any) -> MyoEnv:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from myoenv._native import Env
 from myoenv.arguments import as_actions, as_count, as_mask, as_seed, fresh_seed, spread_seeds
+from myoenv.spaces import ActionSpace, spaces
 from myoenv.tasks import ModelLike, TaskLike, task_and_model
 
 Autoreset = Literal["next_step", "same_step", "disabled"]
@@ -139,8 +140,8 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         }
         self.single_observation_space, self.single_action_space = spaces(env)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._action_shape = (self.num_envs, len(self.action_names))
+        self.action_space = ActionSpace(*self._action_shape)
 
     def reset(
         self,
@@ -245,17 +246,6 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
     def close_extras(self, **kwargs: Any) -> None:
         """Frees the environments; Gymnasium's `close` calls it."""
         self._env.close()
-
-
-def spaces(env: Env) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
-    """Observation and action space of one environment.
-
-    Bounds hold for certain. Joint positions, velocities and accelerations have none, as joint limits are soft: theirs
-    are the greatest finite numbers.
-    """
-    low, high = env.observation_bounds
-    nmuscle = len(env.action_names)
-    return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-1, 1, (nmuscle,), np.float32)
 
 
 def check_render_mode(render_mode: str | None) -> Literal["rgb_array"] | None:

@@ -1,0 +1,72 @@
+"""How much Python costs: `python bindings/examples/speed.py [--task TASK] [--seconds S]`.
+
+Steps with and without Python in turns, in one process, so that both see the same neighbours on a shared machine.
+"""
+
+import argparse
+import time
+
+import numpy as np
+from gymnasium.utils.performance import benchmark_vector_step
+
+import myoenv
+
+
+def python_steps(envs: myoenv.MyoVectorEnv, actions: np.ndarray, steps: int) -> list[float]:
+    """Seconds of each step."""
+    times = []
+    for _ in range(steps):
+        start = time.perf_counter()
+        envs.step(actions)
+        times.append(time.perf_counter() - start)
+    return times
+
+
+def overhead(task: str, num_envs: int, rounds: int, **kwargs) -> tuple[float, float]:
+    """Median seconds of a step in Rust and in Python, in turns."""
+    envs = myoenv.make_vec(task, num_envs, "cpu", seed=1, **kwargs)
+    envs.reset()
+    envs.action_space.seed(1)
+    actions = envs.action_space.sample()
+    rust, python = [], []
+    for _ in range(rounds):
+        rust.extend(envs._env.time_steps(actions, 10))
+        python.extend(python_steps(envs, actions, 10))
+    envs.close()
+    return float(np.median(rust)), float(np.median(python))
+
+
+def gymnasium_rate(task: str, num_envs: int, seconds: int, rounds: int) -> tuple[float, float]:
+    """Control steps per second in Rust, and as Gymnasium measures them; best of the rounds."""
+    envs = myoenv.make_vec(task, num_envs, "cpu", seed=1)
+    envs.reset()
+    actions = envs.action_space.sample()
+    rust, gymnasium = [], []
+    for _ in range(rounds):
+        steps = round(seconds / envs._env.time_steps(actions, 20).mean())
+        rust.append(num_envs / envs._env.time_steps(actions, steps).mean())
+        gymnasium.append(benchmark_vector_step(envs, seconds, seed=1))
+    envs.close()
+    return max(rust), max(gymnasium)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--task", default="pointing")
+    parser.add_argument("--seconds", type=int, default=4)
+    parser.add_argument("--rounds", type=int, default=5)
+    args = parser.parse_args()
+    for num_envs in (1, 1024, 4096):
+        for copy in (True, False):
+            rust, python = overhead(args.task, num_envs, 20 * args.rounds, copy=copy)
+            name = "copies" if copy else "views"
+            cost = 1e6 * (python - rust)
+            line = f"{1e6 * rust:8.1f} us in Rust, {1e6 * python:8.1f} us in Python, {cost:+.1f} us"
+            print(f"{num_envs:5} environments, {name:6}: {line}")
+    rust, gymnasium = gymnasium_rate(args.task, 4096, args.seconds, args.rounds)
+    share = gymnasium / rust
+    print(f"benchmark_vector_step, 4096 environments: {gymnasium:,.0f} steps/s of {rust:,.0f} in Rust, {share:.0%}")
+
+
+if __name__ == "__main__":
+    main()
