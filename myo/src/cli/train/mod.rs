@@ -83,7 +83,7 @@ Whether `--until` is reached is looked at in 256 fresh episodes whenever trainin
 others; these are the ones in the final table. Ctrl-C stops with a checkpoint, a second one at once. A graphics card that
 is lost stops with a checkpoint, too, and status 3; going on from it begins new episodes.
 
-With --backend gpu the policy acts on the card, too; learning, and looking at the goal, is work of the processor.
+With --backend gpu the policy acts and learns on the card, too; looking at the goal is work of the processor.
 
 JSON: `run`, `task`, `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), `env_steps`, `updates`,
 `wall_s` (evaluations included), `stopped_by` (`until`, `steps`, `interrupt` or `device_lost`), `until`, and `evaluation`,
