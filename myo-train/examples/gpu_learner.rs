@@ -1,14 +1,14 @@
-//! Speed of learning on the graphics card: `gpu_learner`.
+//! Speed of learning on the graphics card: `gpu_learner [tiles]`.
 //!
 //! Whole updates with two hidden layers of 128, and single gradient steps of a policy 4 x 128 and a value network 5 x 256, on
-//! records of made-up numbers; then what their kernels take.
+//! records of made-up numbers; then what their kernels take. With `tiles`, instead: single gradient steps with every tile.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use myo_gpu::{Batch, Gpu, Want};
+use myo_gpu::{Batch, Buffer, Gpu, Want};
 use myo_train::PpoConfig;
-use myo_train::gpu::{DeviceLearner, RolloutBuffers, Settings, Sizes};
+use myo_train::gpu::{DeviceLearner, RolloutBuffers, Settings, Sizes, Tile, Tiles};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -61,7 +61,14 @@ fn numbers(n: usize, seed: u32) -> Vec<f32> {
     (0..n).map(|_| next()).collect()
 }
 
-fn measure(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
+/// A record and parameters to learn from.
+struct Data {
+    sizes: Sizes,
+    record: RolloutBuffers,
+    parameters: Buffer<f32>,
+}
+
+fn data(gpu: &Gpu, config: &PpoConfig) -> Result<Data, Failure> {
     let (envs, steps) = (config.num_envs, config.steps_per_update);
     let padded = envs.next_multiple_of(4);
     let sizes = Sizes { steps, envs, padded, observations: 55, actions: 26, summary: 5, time_limit: 100 };
@@ -77,6 +84,12 @@ fn measure(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
     let (policy, value) = (layers(&config.policy_hidden, 26), layers(&config.value_hidden, 1));
     let parameters = gpu.buffer("parameters", policy + 26 + value)?;
     gpu.write(&parameters, 0, &numbers(parameters.len(), 9).iter().map(|x| 0.1 * x).collect::<Vec<_>>())?;
+    Ok(Data { sizes, record, parameters })
+}
+
+fn measure(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
+    let (envs, steps) = (config.num_envs, config.steps_per_update);
+    let Data { sizes, record, parameters } = data(gpu, config)?;
     let start = Instant::now();
     let mut learner = DeviceLearner::new(gpu, &sizes, config, &parameters, &record)?;
     let prepared = start.elapsed().as_secs_f64();
@@ -100,9 +113,52 @@ fn measure(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
     breakdown(gpu, |batch| learner.record(batch))
 }
 
+/// Tiles worth trying.
+const TILES: &[Tile] = &[
+    Tile::new(16, 64, 16, (4, 4)),
+    Tile::new(32, 64, 16, (4, 4)),
+    Tile::new(64, 64, 16, (4, 4)),
+    Tile::new(64, 64, 16, (8, 4)),
+    Tile::new(64, 64, 16, (8, 8)),
+    Tile::new(64, 128, 8, (8, 4)),
+    Tile::new(64, 128, 8, (8, 8)),
+    Tile::new(128, 64, 8, (8, 8)),
+    Tile::new(128, 128, 8, (8, 8)),
+];
+
+/// What a gradient step's products take with every tile.
+fn tiles(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
+    let Data { sizes, record, parameters } = data(gpu, config)?;
+    println!("{} samples, value network {:?}", sizes.samples() / config.minibatches, config.value_hidden);
+    for &tile in TILES {
+        let tiles = Tiles { layers: Some(tile), weights: Some(tile) };
+        let mut learner = DeviceLearner::with_tiles(gpu, &sizes, config, &parameters, &record, tiles)?;
+        learner.prepare(&sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
+        let mut best = BTreeMap::<String, f64>::new();
+        for _ in 0..5 {
+            let mut batch = gpu.batch().timed()?;
+            learner.record_step(&mut batch);
+            let mut kernels = BTreeMap::<String, f64>::new();
+            for timing in batch.submit_and_time()? {
+                *kernels.entry(timing.kernel).or_default() += timing.seconds * 1e6;
+            }
+            for (kernel, us) in kernels {
+                let best = best.entry(kernel).or_insert(f64::INFINITY);
+                *best = best.min(us);
+            }
+        }
+        let products = ["forward", "backward", "weight"];
+        let all = best.iter().filter(|(kernel, _)| products.iter().any(|product| kernel.starts_with(product)));
+        let all: Vec<_> = all.map(|(kernel, us)| format!("{kernel} {us:.0} us")).collect();
+        println!("  {:?} {}: {}", tile.per_thread, tile.depth, all.join(", "));
+    }
+    Ok(())
+}
+
 fn main() -> Result<(), Failure> {
     let gpu = Gpu::open(&Want::Any)?;
     println!("{}", gpu.adapter().name);
+    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure };
     for num_envs in [1024, 16_384] {
         measure(&gpu, &PpoConfig { num_envs, ..PpoConfig::default() })?;
     }

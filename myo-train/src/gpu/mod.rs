@@ -23,7 +23,7 @@ mod tile;
 
 pub use buffers::{ALL_FINITE, RolloutBuffers};
 pub(crate) use card::{Card, CardUpdate};
-pub use learn::{DeviceLearner, Layout, LearnMemory, Settings};
+pub use learn::{DeviceLearner, Layout, LearnMemory, Settings, Tiles};
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;
 pub use tile::Tile;

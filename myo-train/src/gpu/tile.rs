@@ -66,8 +66,29 @@ impl Tile {
     /// Fills in everything in the kernel's text that depends on the tile. `finish` is what becomes of the sum in row
     /// `output` and group `group`, as statements that use them.
     pub fn fill_in(self, template: &str, finish: &str) -> String {
-        let copies = [("$FETCH_FIRST", self.fetch(true)), ("$FETCH_NEXT", self.fetch(false)), ("$STORE", self.store())];
+        self.fill_in_copies(template, finish, false)
+    }
+
+    /// As [`Tile::fill_in`] for a product with the transposed weights: neighbouring threads fetch neighbouring inputs.
+    pub fn fill_in_transposed(self, template: &str, finish: &str) -> String {
+        self.fill_in_copies(template, finish, true)
+    }
+
+    fn fill_in_copies(self, template: &str, finish: &str, transposed: bool) -> String {
+        let copies = [
+            ("$FETCH_FIRST", self.fetch(true, transposed)),
+            ("$FETCH_NEXT", self.fetch(false, transposed)),
+            ("$STORE", self.store(transposed)),
+        ];
         self.fill_in_parts(template, finish, &copies)
+    }
+
+    /// Input within the depth, and row within the tile, of an entry of W.
+    fn w_place(self, at: &str, transposed: bool) -> [String; 2] {
+        match transposed {
+            false => [format!("({at}) / {}u", self.outputs), format!("({at}) % {}u", self.outputs)],
+            true => [format!("({at}) % {}u", self.depth), format!("({at}) / {}u", self.depth)],
+        }
     }
 
     /// As [`Tile::fill_in`] for products over samples, which lie side by side in both factors: they are fetched in groups of
@@ -115,11 +136,12 @@ impl Tile {
     }
 
     /// Copies to registers: entries `local`, `local + THREADS` and so on of both tiles.
-    fn fetch(self, first: bool) -> String {
+    fn fetch(self, first: bool, transposed: bool) -> String {
         let (keyword, depth) = if first { ("var ", "0u") } else { ("", "depth + DEPTH") };
-        let (outputs, groups, mut text) = (self.outputs, self.columns / 4, String::new());
+        let (groups, mut text) = (self.columns / 4, String::new());
         for (piece, at) in self.pieces(self.w_numbers()) {
-            let place = format!("{depth} + ({at}) / {outputs}u, first_output + ({at}) % {outputs}u");
+            let [input, output] = self.w_place(&at, transposed);
+            let place = format!("{depth} + {input}, first_output + {output}");
             _ = writeln!(text, "    {keyword}w_next_{piece} = fetch_w({place});");
         }
         for (piece, at) in self.pieces(self.x_groups()) {
@@ -130,11 +152,13 @@ impl Tile {
     }
 
     /// Copies from registers to shared memory.
-    fn store(self) -> String {
+    fn store(self, transposed: bool) -> String {
         let (w_half, x_half, mut text) = (self.w_numbers() / 4, self.x_groups(), String::new());
         for (piece, at) in self.pieces(self.w_numbers()) {
             let guard = self.guard(piece, self.w_numbers());
-            let place = format!("w_tile[half * {w_half}u + ({at}) / 4u][({at}) % 4u]");
+            let [input, output] = self.w_place(&at, transposed);
+            let row = format!("half * {w_half}u + {input} * {}u + ({output}) / 4u", self.outputs / 4);
+            let place = format!("w_tile[{row}][({output}) % 4u]");
             _ = writeln!(text, "        {guard}{{ {place} = w_next_{piece}; }}");
         }
         for (piece, at) in self.pieces(self.x_groups()) {

@@ -15,4 +15,5 @@ mod update;
 
 pub use layout::Layout;
 pub use memory::LearnMemory;
+pub use products::Tiles;
 pub use update::{DeviceLearner, Settings};

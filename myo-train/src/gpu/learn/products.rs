@@ -11,8 +11,27 @@ use crate::gpu::kernels::prepare;
 use crate::gpu::{Sizes, Tile};
 use crate::networks::Networks;
 
-/// Tile of the gradients of weights: inputs, outputs, samples.
-const OUTER: Tile = Tile::new(64, 64, 16, (8, 4));
+/// The tile of the gradients of weights, for layers of at most so many inputs or outputs: as measured on an H200
+/// (`examples/gpu_learner.rs`, `tiles`). Large ones fetch less, small ones give more workgroups.
+fn outer_tile(widest: usize, samples: usize) -> Tile {
+    const SMALL: Tile = Tile::new(64, 64, 16, (4, 4));
+    const MEDIUM: Tile = Tile::new(128, 64, 8, (8, 8));
+    const LARGE: Tile = Tile::new(128, 128, 8, (8, 8));
+    match (widest, samples) {
+        (_, ..8192) => SMALL,
+        (..256, _) => MEDIUM,
+        _ => LARGE,
+    }
+}
+
+/// Tiles for all products alike rather than the best for each: for measurements.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tiles {
+    /// Of layers, forward and backward.
+    pub layers: Option<Tile>,
+    /// Of gradients of weights: inputs, outputs, samples.
+    pub weights: Option<Tile>,
+}
 
 /// Workgroups that keep a large card busy.
 const WORKGROUPS: usize = 512;
@@ -51,13 +70,18 @@ pub struct Products<'a> {
     layout: &'a Layout,
     networks: &'a Networks,
     layers: [Vec<Layer>; 2],
+    tiles: Tiles,
+    outer: Tile,
     /// Compiled kernels, forward and backward, by their tiles.
     compiled: HashMap<(bool, Tile), Kernel>,
 }
 
 impl<'a> Products<'a> {
     /// For these networks.
-    pub fn new(gpu: &'a Gpu, sizes: &'a Sizes, layout: &'a Layout, networks: &'a Networks) -> Self {
+    pub fn new(gpu: &'a Gpu, sizes: &'a Sizes, layout: &'a Layout, networks: &'a Networks, tiles: Tiles) -> Self {
+        let widest = [&networks.policy, &networks.value].into_iter().flat_map(|net| net.layers()).map(|layer| layer[1]);
+        let widest = widest.max().unwrap_or(1);
+        let outer = tiles.weights.unwrap_or_else(|| outer_tile(widest, layout.chunk));
         let mut z_row = 0;
         let nets = [(&networks.policy, networks.policy_range()), (&networks.value, networks.value_range())];
         let layers = nets.map(|(net, range)| {
@@ -71,7 +95,7 @@ impl<'a> Products<'a> {
             };
             net.layers().enumerate().map(place).collect()
         });
-        Self { gpu, sizes, layout, networks, layers, compiled: HashMap::new() }
+        Self { gpu, sizes, layout, networks, layers, tiles, outer, compiled: HashMap::new() }
     }
 
     /// First rows of the outputs of the policy and the value network, among the gradients.
@@ -83,7 +107,7 @@ impl<'a> Products<'a> {
     pub fn splits(&self) -> Splits {
         let tiles = self.outer_jobs().last().map_or(1, |job| job[0] as usize);
         let count = WORKGROUPS.div_ceil(tiles).min(self.layout.chunk / SPLIT_MIN).max(1);
-        let groups = (self.layout.chunk.div_ceil(4)).div_ceil(count).next_multiple_of(OUTER.depth as usize / 4);
+        let groups = (self.layout.chunk.div_ceil(4)).div_ceil(count).next_multiple_of(self.outer.depth as usize / 4);
         Splits { count: self.layout.chunk.div_ceil(4 * groups), groups }
     }
 
@@ -123,7 +147,7 @@ impl<'a> Products<'a> {
     }
 
     fn tile(&self, outputs: impl Iterator<Item = usize>) -> Tile {
-        tile_for(outputs.max().unwrap_or(1), self.layout.chunk)
+        self.tiles.layers.unwrap_or_else(|| tile_for(outputs.max().unwrap_or(1), self.layout.chunk))
     }
 
     /// One dispatch for jobs: inputs, outputs, weight, bias, first row in, first row out, hidden.
@@ -165,10 +189,10 @@ impl<'a> Products<'a> {
         let (jobs, splits) = (self.outer_jobs(), self.splits());
         let table = self.table(&jobs)?;
         let tiles = jobs.last().map_or(0, |job| job[0] as usize);
-        let kernel = compile_outer(self.gpu)?;
+        let kernel = compile_outer(self.gpu, self.outer)?;
         let [activation, gradient] = [memory.activation.binding(), memory.gradient.binding()];
         let buffers = [activation, gradient, table.binding(), memory.partial.binding()];
-        let threads = tiles * splits.count * OUTER.threads() as usize;
+        let threads = tiles * splits.count * self.outer.threads() as usize;
         let chunk = |chunk: usize| {
             let length = self.networks.len() + METRICS;
             let places = [splits.count, splits.groups, chunk * splits.count, length];
@@ -186,9 +210,9 @@ impl<'a> Products<'a> {
         let actions = self.sizes.actions;
         let log_std = sums(actions, self.layout.sums_row, self.networks.log_std_range().start);
         let metrics = sums(METRICS, self.layout.sums_row + actions, self.networks.len());
-        let mut end = 0;
+        let (mut end, outer) = (0, self.outer);
         let job = |layer: &Layer| {
-            end += OUTER.workgroups(layer.inputs.max(1) as u32, layer.outputs as u32);
+            end += outer.workgroups(layer.inputs.max(1) as u32, layer.outputs as u32);
             let Layer { inputs, outputs, weight, bias, x_row, z_row, .. } = *layer;
             let [inputs, outputs, x_row, z_row, weight, bias] =
                 [inputs, outputs, x_row, z_row, weight, bias].map(|x| x as u32);
@@ -249,15 +273,15 @@ fn compile_backward(gpu: &Gpu, tile: Tile) -> Result<Kernel, GpuError> {
         .replace("$WEIGHT", "shape.weight + output * shape.inputs + input")
         .replace("$SOURCE", "gradient")
         .replace("$FUNCTIONS", BACKWARD);
-    let text = tile.fill_in(&text, "keep(output, group, sum);");
+    let text = tile.fill_in_transposed(&text, "keep(output, group, sum);");
     use Access::{Read, ReadWrite, Uniform};
     compile(gpu, "backward", tile, &text, &[Read, Read, ReadWrite, Uniform])
 }
 
-fn compile_outer(gpu: &Gpu) -> Result<Kernel, GpuError> {
-    let text = OUTER.fill_in_turned(include_str!("outer.wgsl"), "keep(output, group, sum);");
+fn compile_outer(gpu: &Gpu, tile: Tile) -> Result<Kernel, GpuError> {
+    let text = tile.fill_in_turned(include_str!("outer.wgsl"), "keep(output, group, sum);");
     use Access::{Read, ReadWrite, Uniform};
-    compile(gpu, "weight gradients", OUTER, &text, &[Read, Read, Read, ReadWrite, Uniform])
+    compile(gpu, "weight gradients", tile, &text, &[Read, Read, Read, ReadWrite, Uniform])
 }
 
 fn compile(gpu: &Gpu, what: &str, tile: Tile, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {

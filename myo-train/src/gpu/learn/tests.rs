@@ -3,11 +3,11 @@
 use myo_env::VectorEnv;
 use myo_gpu::Gpu;
 
-use super::{DeviceLearner, Settings};
+use super::{DeviceLearner, Settings, Tiles};
 use crate::PpoConfig;
-use crate::gpu::DeviceRollout;
 use crate::gpu::testing::{assert_close, gpu};
 use crate::gpu::tests::{Brain, FIRST_STEP, SEED, start};
+use crate::gpu::{DeviceRollout, Tile};
 use crate::learn::{LearnStats, Learner, Optimizer};
 use crate::rollout::Rollout;
 
@@ -43,23 +43,22 @@ fn optimizer(len: usize, warm: bool) -> Optimizer {
 }
 
 fn on_card(card: &DeviceRollout, brain: &Brain, config: &PpoConfig, warm: bool) -> (DeviceLearner, Learned) {
-    on_card_within(card, brain, config, warm, 1 << 27)
+    on_card_within(card, brain, config, warm, (1 << 27, Tiles::default()))
 }
 
-/// The same with activations of at most `max_bytes` at a time.
+/// The same with activations of at most so many bytes at a time, and with other tiles.
 fn on_card_within(
     card: &DeviceRollout,
     brain: &Brain,
     config: &PpoConfig,
     warm: bool,
-    max_bytes: u64,
+    limits: (u64, Tiles),
 ) -> (DeviceLearner, Learned) {
     let gpu = card.gpu();
     // Not those of the roll-out, whose networks may have other sizes.
     let weights = gpu.buffer("parameters", brain.parameters.len()).unwrap();
     gpu.write(&weights, 0, &brain.parameters).unwrap();
-    let mut learner =
-        DeviceLearner::with_limit(gpu, card.sizes(), config, &weights, card.buffers(), max_bytes).unwrap();
+    let mut learner = DeviceLearner::with_limit(gpu, card.sizes(), config, &weights, card.buffers(), limits).unwrap();
     let mut optimizer = optimizer(brain.parameters.len(), warm);
     gpu.write(&learner.memory().mean, 0, &optimizer.mean).unwrap();
     gpu.write(&learner.memory().square, 0, &optimizer.square).unwrap();
@@ -165,12 +164,35 @@ fn samples_in_several_chunks_give_the_same_gradient() {
     let (card, brain, _) = collected(&gpu, 37);
     let config = PpoConfig { epochs: 1, minibatches: 1, ..brain.config.clone() };
     let (whole, expected) = on_card(&card, &brain, &config, false);
-    let (parts, got) = on_card_within(&card, &brain, &config, false, 1 << 16);
+    let (parts, got) = on_card_within(&card, &brain, &config, false, (1 << 16, Tiles::default()));
     assert!(whole.layout().chunks == 1 && parts.layout().chunks > 2, "{:?}", parts.layout());
     assert_same_stats(&got.stats, &expected.stats);
     let largest = expected.optimizer.mean.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
     let scaled = |x: &[f32]| x.iter().map(|x| x / largest).collect::<Vec<_>>();
     assert_close("gradient", &scaled(&got.optimizer.mean), &scaled(&expected.optimizer.mean), 1e-5);
+}
+
+#[test]
+fn every_tile_gives_the_same_gradient() {
+    let Some(gpu) = gpu() else { return };
+    let (card, brain, rollout) = collected(&gpu, 64);
+    let config = PpoConfig { epochs: 1, minibatches: 1, ..brain.config.clone() };
+    let expected = on_host(&rollout, &brain, &config, false).optimizer.mean;
+    let largest = expected.iter().fold(0.0_f32, |most, x| most.max(x.abs()));
+    let scaled = |x: &[f32]| x.iter().map(|x| x / largest).collect::<Vec<_>>();
+    for tile in [
+        Tile::new(16, 64, 16, (4, 4)),
+        Tile::new(32, 64, 16, (4, 4)),
+        Tile::new(64, 64, 16, (4, 4)),
+        Tile::new(64, 128, 8, (8, 4)),
+        Tile::new(64, 128, 8, (8, 8)),
+        Tile::new(128, 64, 8, (8, 8)),
+        Tile::new(128, 128, 8, (8, 8)),
+    ] {
+        let tiles = Tiles { layers: Some(tile), weights: Some(tile) };
+        let (_, got) = on_card_within(&card, &brain, &config, false, (1 << 27, tiles));
+        assert_close("gradient", &scaled(&got.optimizer.mean), &scaled(&expected), 1e-4);
+    }
 }
 
 #[test]

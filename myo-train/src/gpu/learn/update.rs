@@ -4,7 +4,7 @@ use myo_gpu::{Batch, Buffer, Gpu, GpuError};
 
 use super::layout::Layout;
 use super::memory::{LearnMemory, STEP_METRICS};
-use super::products::Products;
+use super::products::{Products, Tiles};
 use super::schedule::{rates, stats};
 use super::small::Small;
 use crate::gpu::dense::Dispatch;
@@ -60,9 +60,24 @@ impl DeviceLearner {
         parameters: &Buffer<f32>,
         record: &RolloutBuffers,
     ) -> Result<Self, GpuError> {
+        Self::with_tiles(gpu, sizes, config, parameters, record, Tiles::default())
+    }
+
+    /// As [`DeviceLearner::new`], with tiles of one's own: for measurements.
+    ///
+    /// # Errors
+    /// As for [`DeviceLearner::new`].
+    pub fn with_tiles(
+        gpu: &Gpu,
+        sizes: &Sizes,
+        config: &PpoConfig,
+        parameters: &Buffer<f32>,
+        record: &RolloutBuffers,
+        tiles: Tiles,
+    ) -> Result<Self, GpuError> {
         let adapter = gpu.adapter();
         let max_bytes = adapter.max_buffer_bytes.min(adapter.max_binding_bytes);
-        Self::with_limit(gpu, sizes, config, parameters, record, max_bytes)
+        Self::with_limit(gpu, sizes, config, parameters, record, (max_bytes, tiles))
     }
 
     /// As [`DeviceLearner::new`], with activations of at most `max_bytes` at a time.
@@ -72,14 +87,14 @@ impl DeviceLearner {
         config: &PpoConfig,
         parameters: &Buffer<f32>,
         record: &RolloutBuffers,
-        max_bytes: u64,
+        (max_bytes, tiles): (u64, Tiles),
     ) -> Result<Self, GpuError> {
         let networks = Networks {
             policy: Mlp::new(sizes.observations, &config.policy_hidden, sizes.actions),
             value: Mlp::new(sizes.observations, &config.value_hidden, 1),
         };
         let layout = Layout::new(sizes, &networks, config, max_bytes);
-        let mut products = Products::new(gpu, sizes, &layout, &networks);
+        let mut products = Products::new(gpu, sizes, &layout, &networks, tiles);
         let memory = LearnMemory::new(gpu, sizes, &networks, &layout, products.splits())?;
         let small =
             Small { gpu, sizes, layout: &layout, networks: &networks, config, parameters, record, memory: &memory };
