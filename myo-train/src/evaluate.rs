@@ -51,34 +51,72 @@ pub fn evaluate(
     mut progress: impl FnMut(usize) -> bool,
 ) -> Result<Evaluation, TrainError> {
     let spec = env.spec().clone();
-    policy.check(&spec)?;
-    if spec.autoreset != Autoreset::SameStep {
-        let (got, expected) = (format!("{:?}", spec.autoreset), "SameStep".into());
-        return Err(TrainError::Mismatch { what: "the autoreset mode", got, expected });
-    }
-    let (envs, width) = (spec.num_envs, spec.episode_size());
+    check(policy, &spec)?;
     let mut step = StepStorage::new(&spec);
-    let mut actions = vec![0.0; envs * spec.action_size()];
-    let mut quota: Vec<usize> = (0..envs).map(|i| episodes / envs + usize::from(i < episodes % envs)).collect();
-    // Summaries in the order of the environments, so that sums do not depend on when an episode ended.
-    let mut summaries = vec![Vec::new(); envs];
-    let mut counted = 0;
+    let mut actions = vec![0.0; spec.num_envs * spec.action_size()];
+    let mut tally = Tally::new(episodes, spec.num_envs);
     env.reset(Some(seed), None, &mut step.observation)?;
-    while counted < episodes {
+    while !tally.is_full() {
         policy.act_deterministic(&step.observation, &mut actions);
         env.step(&actions, step.buffers())?;
-        for i in 0..envs {
-            if (step.terminated[i] || step.truncated[i]) && quota[i] > 0 {
-                quota[i] -= 1;
-                counted += 1;
-                summaries[i].extend_from_slice(&step.episode[i * width..][..width]);
+        for i in 0..spec.num_envs {
+            if step.terminated[i] || step.truncated[i] {
+                tally.add(i, step.episode[i * spec.episode_size()..][..spec.episode_size()].iter().copied());
             }
         }
-        if !progress(counted) {
+        if !progress(tally.counted) {
             break;
         }
     }
-    Ok(Evaluation::new(&spec, counted, &summaries.concat()))
+    Ok(tally.evaluation(&spec))
+}
+
+/// Refuses environments that do not fit the policy or do not start their episodes again.
+pub(crate) fn check(policy: &Policy, spec: &EnvSpec) -> Result<(), TrainError> {
+    policy.check(spec)?;
+    if spec.autoreset == Autoreset::SameStep {
+        return Ok(());
+    }
+    let (got, expected) = (format!("{:?}", spec.autoreset), "SameStep".into());
+    Err(TrainError::Mismatch { what: "the autoreset mode", got, expected })
+}
+
+/// Episodes counted so far.
+pub(crate) struct Tally {
+    episodes: usize,
+    /// How many each environment may still count.
+    quota: Vec<usize>,
+    /// Summaries in the order of the environments, so that sums do not depend on when an episode ended.
+    summaries: Vec<Vec<f32>>,
+    /// How many there are.
+    pub counted: usize,
+}
+
+impl Tally {
+    /// For so many episodes in so many environments.
+    pub fn new(episodes: usize, envs: usize) -> Self {
+        let quota = (0..envs).map(|i| episodes / envs + usize::from(i < episodes % envs)).collect();
+        Self { episodes, quota, summaries: vec![Vec::new(); envs], counted: 0 }
+    }
+
+    /// Whether all are counted.
+    pub fn is_full(&self) -> bool {
+        self.counted >= self.episodes
+    }
+
+    /// Counts an episode that ended in environment `env`, if that may count another one.
+    pub fn add(&mut self, env: usize, summary: impl Iterator<Item = f32>) {
+        if self.quota[env] > 0 {
+            self.quota[env] -= 1;
+            self.counted += 1;
+            self.summaries[env].extend(summary);
+        }
+    }
+
+    /// The result.
+    pub fn evaluation(&self, spec: &EnvSpec) -> Evaluation {
+        Evaluation::new(spec, self.counted, &self.summaries.concat())
+    }
 }
 
 impl Evaluation {

@@ -2,8 +2,8 @@
 //!
 //! [`Trainer`] collects experience in a [`VectorEnv`](myo_env::VectorEnv) and learns from it, [`Policy`] acts,
 //! [`evaluate`] tells how well, [`RunWriter`] keeps what happened. Every setting is in [`PpoConfig`]. The crate knows
-//! nothing of muscles, tasks or the command line. In [`gpu`], the policy acts on the graphics card beside the
-//! environment; [`Trainer::on_card`] learns from that.
+//! nothing of muscles, tasks or the command line. In [`gpu`], the policy acts and learns on the graphics card beside the
+//! environment, behind [`Trainer::on_card`]; [`gpu::DeviceEvaluator`] evaluates there.
 //!
 //! ```
 //! use std::path::Path;

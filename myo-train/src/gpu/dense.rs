@@ -19,6 +19,8 @@ pub enum Finish<'a> {
     /// The sum is the mean of an action. `Y` holds standard normal noise and gets the action; the environment's
     /// actions get it mapped and clipped.
     Sample(Sampling<'a>),
+    /// The same without noise.
+    Act(Sampling<'a>),
 }
 
 impl<'a> Finish<'a> {
@@ -27,11 +29,12 @@ impl<'a> Finish<'a> {
             Self::Silu => Kind::Silu,
             Self::Linear => Kind::Linear,
             Self::Sample(_) => Kind::Sample,
+            Self::Act(_) => Kind::Act,
         }
     }
 
     fn sampling(self) -> Option<Sampling<'a>> {
-        if let Self::Sample(sampling) = self { Some(sampling) } else { None }
+        if let Self::Sample(sampling) | Self::Act(sampling) = self { Some(sampling) } else { None }
     }
 }
 
@@ -41,6 +44,7 @@ enum Kind {
     Silu,
     Linear,
     Sample,
+    Act,
 }
 
 /// Columns of samples in a buffer: entry `row` of column `k` is at `row * stride + first + k`.
@@ -82,7 +86,7 @@ pub struct Layer {
     pub bias: usize,
 }
 
-/// What [`Finish::Sample`] needs besides.
+/// What [`Finish::Sample`] and [`Finish::Act`] need besides.
 #[derive(Clone, Copy, Debug)]
 pub struct Sampling<'a> {
     /// Actions of the environment, `(actions, num_envs)`.
@@ -95,6 +99,8 @@ pub struct Sampling<'a> {
     pub log_std: usize,
     /// Offset and scale from the policy's output to an action.
     pub mapping: (f32, f32),
+    /// Whether there is noise.
+    pub noisy: bool,
 }
 
 /// A kernel with its buffers, ready to be run.
@@ -210,7 +216,7 @@ const SILU: &str = "fn silu(z: vec4<f32>) -> vec4<f32> {
 
 const SAMPLE: &str = "fn sample(output: u32, group: u32, mean: vec4<f32>) {
     let place = output * shape.y_stride + shape.y_first + group;
-    let action = fma(vec4<f32>(exp(parameters[shape.log_std + output])), y[place], mean);
+    let action = $ACTION;
     y[place] = action;
     let mapped = clamp(fma(vec4<f32>(shape.scale), action, vec4<f32>(shape.offset)), vec4<f32>(-1.0), vec4<f32>(1.0));
     let env = shape.first_env + 4u * group;
@@ -221,24 +227,28 @@ const SAMPLE: &str = "fn sample(output: u32, group: u32, mean: vec4<f32>) {
     if env + 3u < shape.num_envs { env_actions[first + 3u] = mapped.w; }
 }";
 
+const NOISY: &str = "fma(vec4<f32>(exp(parameters[shape.log_std + output])), y[place], mean)";
+
 /// The kernel's text and how it uses its buffers.
 fn source(tile: Tile, kind: Kind) -> (String, Vec<Access>) {
     let place = "y[output * shape.y_stride + shape.y_first + group]";
+    let sample = "sample(output, group, sum);".to_owned();
     let (functions, statement) = match kind {
-        Kind::Silu => (SILU, format!("{place} = silu(sum);")),
-        Kind::Linear => ("", format!("{place} = sum;")),
-        Kind::Sample => (SAMPLE, "sample(output, group, sum);".to_owned()),
+        Kind::Silu => (SILU.to_owned(), format!("{place} = silu(sum);")),
+        Kind::Linear => (String::new(), format!("{place} = sum;")),
+        Kind::Sample => (SAMPLE.replace("$ACTION", NOISY), sample),
+        Kind::Act => (SAMPLE.replace("$ACTION", "mean"), sample),
     };
     let mut access = vec![Access::Read, Access::Read, Access::ReadWrite];
     let mut bindings = "";
-    if kind == Kind::Sample {
+    if matches!(kind, Kind::Sample | Kind::Act) {
         access.push(Access::ReadWrite);
         bindings = "@group(0) @binding(3) var<storage, read_write> env_actions: array<f32>;";
     }
     let template = include_str!("dense.wgsl")
         .replace("$BINDINGS", bindings)
         .replace("$SHAPE", &access.len().to_string())
-        .replace("$FUNCTIONS", functions);
+        .replace("$FUNCTIONS", &functions);
     access.push(Access::Uniform);
     (tile.fill_in(&template, &statement), access)
 }

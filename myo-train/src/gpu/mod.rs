@@ -8,6 +8,7 @@
 mod buffers;
 mod card;
 mod dense;
+mod evaluate;
 mod kernels;
 mod learn;
 mod network;
@@ -23,6 +24,7 @@ mod tile;
 
 pub use buffers::{ALL_FINITE, RolloutBuffers};
 pub(crate) use card::{Card, CardUpdate};
+pub use evaluate::DeviceEvaluator;
 pub use learn::{DeviceLearner, Layout, LearnMemory, Settings, Tiles};
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;

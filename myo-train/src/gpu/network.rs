@@ -54,7 +54,7 @@ pub(crate) struct Place<'a> {
 
 impl Pass {
     /// From the columns of `x` to those of `y`, `columns` of them, a multiple of [`GROUP`]. With `sampling`, the outputs are
-    /// means of actions and `y` holds noise and gets the actions.
+    /// means of actions and `y` gets the actions; if they are noisy, it holds the noise.
     pub fn new(
         kernels: &mut DenseKernels,
         place: Place<'_>,
@@ -99,7 +99,8 @@ fn add_layers(
         let finish = match sampling {
             _ if index < last => Finish::Silu,
             None => Finish::Linear,
-            Some(sampling) => Finish::Sample(sampling),
+            Some(sampling) if sampling.noisy => Finish::Sample(sampling),
+            Some(sampling) => Finish::Act(sampling),
         };
         out.push(kernels.layer(place.parameters, layer, from, to, columns, finish)?);
     }

@@ -201,7 +201,7 @@ impl DeviceRollout {
 }
 
 /// Refuses environments in several sets of buffers.
-fn check_shards(env: &GpuEnv) -> Result<(), TrainError> {
+pub(super) fn check_shards(env: &GpuEnv) -> Result<(), TrainError> {
     let [first, _, ..] = env.shards() else { return Ok(()) };
     Err(TrainError::Mismatch {
         what: "the number of environments",
@@ -263,6 +263,7 @@ impl Parts<'_> {
             first_env: 0,
             log_std: self.networks.log_std_range().start,
             mapping: (self.config.action_offset as f32, self.config.action_scale as f32),
+            noisy: true,
         };
         let x = Columns { buffer: &self.buffers.observation, stride: sizes.columns(), first };
         let y = Columns { buffer: &self.buffers.action, stride: sizes.samples(), first };
