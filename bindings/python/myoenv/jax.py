@@ -7,9 +7,9 @@
 
 What it is: XLA calls back to the host, where the library steps all environments at once.
 
-What it costs: a round trip from XLA to Python and back per control step, 0.1 to 0.2 ms plus copies of the arrays,
-however many environments there are. At 1,024 environments, that is a few percent of a step; at 16 it is most of it:
-use many.
+What it costs: a round trip from XLA to Python and back per control step, and copies of the arrays. Measured under
+`scan` on one core of a server processor, with `pointing-single`: 0.15 ms at 16 environments, where a step takes 0.14 ms
+without; 0.2 to 0.5 ms at 1,024, where a step takes 3.3 ms. So use many environments.
 
 What it is not:
 
