@@ -23,7 +23,7 @@ pub const SCALARS: usize = 4;
 
 /// Sizes of the update. Activations are `(rows, stride)`: observations, then every layer's outputs of the policy, then of
 /// the value network. Gradients with respect to them lie in the same rows, less those of the observations, followed by
-/// what is summed up per sample: gradients of the logarithms of the standard deviations, and [`METRICS`].
+/// what is summed up per sample: gradients of the logarithms of the standard deviations, and four metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Neighbouring columns that stay together in the shuffle.
