@@ -1,0 +1,97 @@
+"""Steps per second beside other muscle-driven arms: `python bindings/examples/compare.py [--seconds S] [--rounds N]`.
+
+Needs `pip install envpool myosuite`; what is not there is left out. Everybody in turns, in one process, random actions,
+all processors. MyoSuite's environments are single ones, run side by side by Gymnasium in processes.
+"""
+
+import argparse
+import os
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from importlib.metadata import version
+
+import numpy as np
+
+Step = Callable[[], object]
+
+
+def myo(num_envs: int) -> tuple[Step, float]:
+    """Ours: a step of all environments, and the seconds it simulates."""
+    import myoenv
+
+    envs = myoenv.make_vec("pointing-single", num_envs, "cpu", seed=1)
+    envs.reset()
+    actions = envs.action_space.sample()
+    return lambda: envs.step(actions), envs.control_dt
+
+
+def envpool(num_envs: int) -> tuple[Step, float]:
+    """EnvPool's arm, all environments in every batch."""
+    import envpool
+
+    envs = envpool.make("myoArmReachRandom-v0", env_type="gymnasium", num_envs=num_envs, num_threads=os.cpu_count())
+    envs.reset()
+    actions = np.random.default_rng(1).uniform(-1, 1, (num_envs, *envs.action_space.shape)).astype(np.float32)
+    return lambda: envs.step(actions), 0.02
+
+
+def myosuite(num_envs: int) -> tuple[Step, float]:
+    """MyoSuite's arm, in Gymnasium's processes."""
+    import gymnasium
+    import myosuite  # noqa: F401
+
+    single = gymnasium.make("myoArmReachRandom-v0")
+    control_dt = float(single.unwrapped.dt)
+    single.close()
+    make = lambda: __import__("myosuite") and gymnasium.make("myoArmReachRandom-v0")  # noqa: E731
+    envs = gymnasium.vector.AsyncVectorEnv([make] * num_envs, context="spawn")
+    envs.reset(seed=1)
+    actions = envs.action_space.sample()
+    return lambda: envs.step(actions), control_dt
+
+
+def rates(step: Step, num_envs: int, seconds: float) -> float:
+    """Control steps per second of all environments."""
+    start, count = time.perf_counter(), 0
+    while time.perf_counter() - start < seconds:
+        step()
+        count += num_envs
+    return count / (time.perf_counter() - start)
+
+
+def contestants() -> Iterator[tuple[str, int, Step, float]]:
+    """Whoever is installed."""
+    for package, make, sizes in (
+        ("myoenv", myo, (64, 1024)),
+        ("envpool", envpool, (64,)),
+        ("myosuite", myosuite, (2,)),
+    ):
+        for num_envs in sizes:
+            try:
+                step, control_dt = make(num_envs)
+                step()
+            except Exception as error:
+                print(f"{package} is left out: {error}")
+                break
+            yield f"{package} {version(package)}", num_envs, step, control_dt
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=3)
+    parser.add_argument("--rounds", type=int, default=3)
+    args = parser.parse_args()
+    warnings.filterwarnings("ignore")
+    everybody = list(contestants())
+    best = [0.0] * len(everybody)
+    for _ in range(args.rounds):
+        for k, (_, num_envs, step, _) in enumerate(everybody):
+            best[k] = max(best[k], rates(step, num_envs, args.seconds))
+    print(f"{'':16} environments  control steps/s  simulated s per s")
+    for rate, (name, num_envs, _, control_dt) in zip(best, everybody, strict=True):
+        print(f"{name:16} {num_envs:12,} {rate:16,.0f} {rate * control_dt:18,.1f}")
+
+
+if __name__ == "__main__":
+    main()
