@@ -71,7 +71,8 @@ struct Data {
 fn data(gpu: &Gpu, config: &PpoConfig) -> Result<Data, Failure> {
     let (envs, steps) = (config.num_envs, config.steps_per_update);
     let padded = envs.next_multiple_of(4);
-    let sizes = Sizes { steps, envs, padded, observations: 55, actions: 26, summary: 5, time_limit: 100 };
+    let sizes =
+        Sizes { steps, envs, padded, observations: 55, actions: 26, summary: 5, time_limit: 100, control_dt: 0.05 };
     let record = RolloutBuffers::new(gpu, &sizes)?;
     for (seed, buffer) in [&record.observation, &record.action, &record.value, &record.reward].into_iter().enumerate() {
         gpu.write(buffer, 0, &numbers(buffer.len(), seed as u32))?;

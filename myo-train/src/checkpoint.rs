@@ -108,7 +108,7 @@ impl Checkpoint {
         Policy::new(names, self.networks(), &self.config, self.parameters.clone(), self.normalizer.clone())
     }
 
-    fn networks(&self) -> Networks {
+    pub(crate) fn networks(&self) -> Networks {
         let (observations, actions) = (self.observation_names.len(), self.action_names.len());
         Networks {
             policy: Mlp::new(observations, &self.config.policy_hidden, actions),

@@ -25,9 +25,10 @@ pub struct PpoConfig {
     /// Widths of the hidden layers of the value network (default 128, 128).
     pub value_hidden: Vec<usize>,
 
-    /// Discount per control step, in [0, 1) (default 0.95: at 20 Hz a reward counts half after 0.7 s). Lower learns
-    /// sooner, higher plans further.
-    pub gamma: f64,
+    /// What a reward one second of simulated time ahead counts, in [0, 1) (default 0.36, that is 0.95 per control step at
+    /// 20 Hz: a reward counts half after 0.7 s). Lower learns sooner, higher plans further. Per second, so that a task with
+    /// other control steps looks as far ahead.
+    pub discount_per_s: f64,
     /// Decay of the advantage estimate, in [0, 1] (default 0.95). 0 trusts the value network alone, 1 the returns alone.
     pub gae_lambda: f64,
     /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2).
@@ -53,6 +54,9 @@ pub struct PpoConfig {
     pub kl_factor: f64,
     /// See [`PpoConfig::kl_factor`] (default 1.5).
     pub kl_tolerance: f64,
+    /// An update that moves the policy further than this, in nats, has gone astray: a [`Session`](crate::Session) takes
+    /// it back (default 1).
+    pub kl_max: f64,
     /// Decay of Adam's mean gradient per gradient step (default 0.9).
     pub adam_beta1: f64,
     /// Decay of Adam's mean squared gradient per gradient step (default 0.999).
@@ -92,7 +96,7 @@ impl Default for PpoConfig {
             minibatches: 4,
             policy_hidden: vec![128, 128],
             value_hidden: vec![128, 128],
-            gamma: 0.95,
+            discount_per_s: 0.36,
             gae_lambda: 0.95,
             clip: 0.2,
             entropy_coefficient: 0.002,
@@ -104,6 +108,7 @@ impl Default for PpoConfig {
             kl_target: 0.02,
             kl_factor: 1.5,
             kl_tolerance: 1.5,
+            kl_max: 1.0,
             adam_beta1: 0.9,
             adam_beta2: 0.999,
             adam_epsilon: 1e-5,
@@ -137,6 +142,11 @@ impl PpoConfig {
         self.num_envs * self.steps_per_update
     }
 
+    /// Discount per control step of `control_dt` seconds, often called gamma.
+    pub fn gamma(&self, control_dt: f64) -> f64 {
+        self.discount_per_s.powf(control_dt)
+    }
+
     /// Refuses values with which training cannot work.
     pub fn validate(&self) -> Result<(), ConfigError> {
         let check = |ok: bool, name, value: &dyn std::fmt::Debug, range| {
@@ -160,7 +170,9 @@ impl PpoConfig {
         for (name, widths) in [("policy_hidden", &self.policy_hidden), ("value_hidden", &self.value_hidden)] {
             check(widths.iter().all(|&w| (1..=8192).contains(&w)), name, widths, "a list of widths from 1 to 8192")?;
         }
-        for (name, value) in [("gamma", self.gamma), ("adam_beta1", self.adam_beta1), ("adam_beta2", self.adam_beta2)] {
+        for (name, value) in
+            [("discount_per_s", self.discount_per_s), ("adam_beta1", self.adam_beta1), ("adam_beta2", self.adam_beta2)]
+        {
             check((0.0..1.0).contains(&value), name, &value, "at least 0 and less than 1")?;
         }
         check((0.0..=1.0).contains(&self.gae_lambda), "gae_lambda", &self.gae_lambda, "from 0 to 1")?;
@@ -173,6 +185,7 @@ impl PpoConfig {
         }
         for (name, value) in [
             ("clip", self.clip),
+            ("kl_max", self.kl_max),
             ("reward_scale", self.reward_scale),
             ("learning_rate_min", self.learning_rate_min),
             ("adam_epsilon", self.adam_epsilon),
@@ -205,16 +218,24 @@ mod tests {
     #[test]
     fn defaults_are_valid_and_missing_keys_take_them() {
         PpoConfig::default().validate().unwrap();
-        let config: PpoConfig = serde_json::from_str(r#"{"gamma": 0.9}"#).unwrap();
-        assert_eq!(config, PpoConfig { gamma: 0.9, ..PpoConfig::default() });
+        let config: PpoConfig = serde_json::from_str(r#"{"discount_per_s": 0.9}"#).unwrap();
+        assert_eq!(config, PpoConfig { discount_per_s: 0.9, ..PpoConfig::default() });
     }
 
     #[test]
     fn a_bad_value_is_named_with_its_range() {
-        let config = PpoConfig { gamma: 1.0, ..PpoConfig::default() };
-        assert_eq!(config.validate().unwrap_err().to_string(), "gamma is 1.0; it must be at least 0 and less than 1");
+        let config = PpoConfig { discount_per_s: 1.0, ..PpoConfig::default() };
+        assert_eq!(
+            config.validate().unwrap_err().to_string(),
+            "discount_per_s is 1.0; it must be at least 0 and less than 1"
+        );
         let config = PpoConfig { clip: f64::NAN, ..PpoConfig::default() };
         assert_eq!(config.validate().unwrap_err().to_string(), "clip is NaN; it must be finite and greater than 0");
-        assert!(serde_json::from_str::<PpoConfig>(r#"{"gama": 0.9}"#).unwrap_err().to_string().contains("gama"));
+        assert!(
+            serde_json::from_str::<PpoConfig>(r#"{"discount_per_m": 0.9}"#)
+                .unwrap_err()
+                .to_string()
+                .contains("discount_per_m")
+        );
     }
 }

@@ -49,7 +49,7 @@ impl EpisodeSums {
 }
 
 /// Everything that one update is worth recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct UpdateMetrics {
     /// Control steps of all environments since the start.
     pub env_steps: u64,

@@ -36,6 +36,8 @@ pub struct Rollout {
     truncated_value: Vec<f32>,
     /// An entry of a last observation that was not finite.
     bad_last: Option<usize>,
+    /// Discount per control step.
+    gamma: f32,
     /// Samples with which the task ended.
     terminated: Vec<u32>,
     env_action: Vec<f32>,
@@ -84,6 +86,7 @@ impl Rollout {
             truncated_observation: Vec::new(),
             truncated_value: Vec::new(),
             bad_last: None,
+            gamma: config.gamma(spec.control_dt) as f32,
             terminated: Vec::with_capacity(samples),
             env_action: vec![0.0; envs * actions],
             step: StepStorage::new(spec),
@@ -224,7 +227,7 @@ impl Rollout {
     pub fn estimate(&mut self, config: &PpoConfig) {
         let envs = self.value.len() - self.reward.len();
         let value = &self.value[..self.reward.len()];
-        let decay = (config.gamma as f32, config.gae_lambda as f32);
+        let decay = (self.gamma, config.gae_lambda as f32);
         crate::gae::advantages(envs, decay, &self.reward, value, &self.next_value, &self.ended, &mut self.advantage);
         for ((target, advantage), value) in self.target.iter_mut().zip(&self.advantage).zip(value) {
             *target = advantage + value;

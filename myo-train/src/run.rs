@@ -201,19 +201,14 @@ impl RunWriter {
         let folder = RunFolder::open(path)?;
         let lock = lock(path)?;
         let columns: Vec<String> = UpdateMetrics::columns(episode_names).map(String::from).collect();
-        for file in folder.checkpoints() {
-            // Only damaged ones are newer than the one resumed from.
-            if file > checkpoint_path(path, env_steps) {
-                fs::remove_file(&file).map_err(|source| IoError::new("remove", &file, source))?;
-            }
-        }
-        Ok(Self {
-            metrics: MetricsFile::resume(&path.join("metrics.csv"), &columns, env_steps)?,
-            events: EventFile::resume(&path.join("tensorboard"), env_steps)?,
-            folder,
-            columns,
-            _lock: lock,
-        })
+        let (metrics, events) = cut(&folder, &columns, env_steps)?;
+        Ok(Self { metrics, events, folder, columns, _lock: lock })
+    }
+
+    /// Cuts off what was recorded after `env_steps`, checkpoints included: training went back to that state.
+    pub fn go_back(&mut self, env_steps: u64) -> Result<(), RunError> {
+        (self.metrics, self.events) = cut(&self.folder, &self.columns, env_steps)?;
+        Ok(())
     }
 
     /// The folder.
@@ -241,6 +236,18 @@ impl RunWriter {
         }
         Ok(path)
     }
+}
+
+/// Removes what came after `env_steps`; the files that go on from there.
+fn cut(folder: &RunFolder, columns: &[String], env_steps: u64) -> Result<(MetricsFile, EventFile), RunError> {
+    let path = &folder.path;
+    for file in folder.checkpoints() {
+        if file > checkpoint_path(path, env_steps) {
+            fs::remove_file(&file).map_err(|source| IoError::new("remove", &file, source))?;
+        }
+    }
+    let metrics = MetricsFile::resume(&path.join("metrics.csv"), columns, env_steps)?;
+    Ok((metrics, EventFile::resume(&path.join("tensorboard"), env_steps)?))
 }
 
 fn checkpoint_path(run: &Path, env_steps: u64) -> PathBuf {

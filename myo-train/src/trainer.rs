@@ -9,6 +9,7 @@ use crate::checkpoint::Checkpoint;
 use crate::gae::explained_variance;
 use crate::gaussian::Spread;
 use crate::gpu::CardUpdate;
+use crate::inherit::{Heir, Inherited};
 use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::{EpisodeSums, UpdateMetrics};
 use crate::networks::{ChunkWork, Lender, Networks};
@@ -190,6 +191,11 @@ impl Trainer {
         &self.brain.config
     }
 
+    /// Step size of Adam in the next update.
+    pub fn learning_rate(&self) -> f64 {
+        self.learning_rate
+    }
+
     /// The seed.
     pub fn seed(&self) -> u64 {
         self.brain.seed
@@ -247,23 +253,65 @@ impl Trainer {
         check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
         check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
         let mut trainer = Self::start(place, checkpoint.config.clone(), checkpoint.seed)?;
-        let known = trainer.known.get_mut().unwrap_or_else(PoisonError::into_inner);
+        trainer.load(checkpoint)?;
+        Ok(trainer)
+    }
+
+    /// Takes over the state of a training with the same sizes.
+    fn load(&mut self, checkpoint: &Checkpoint) -> Result<(), TrainError> {
+        let known = self.known.get_mut().unwrap_or_else(PoisonError::into_inner);
         known.restore(checkpoint);
         if checkpoint.env_state.is_empty() {
             // Other episodes than those of the beginning.
             let seed = checkpoint.seed.wrapping_add(checkpoint.updates);
-            trainer.place.env_mut().reset(Some(seed), None, &mut known.observation)?;
+            self.place.env_mut().reset(Some(seed), None, &mut known.observation)?;
         } else {
-            trainer.place.load(&checkpoint.env_state, &checkpoint.observation)?;
+            self.place.load(&checkpoint.env_state, &checkpoint.observation)?;
         }
-        if let Place::Card(card) = &mut trainer.place {
+        if let Place::Card(card) = &mut self.place {
             card.set_weights(&known.parameters, &known.optimizer)?;
         }
-        trainer.brain.normalizer.clone_from(&checkpoint.normalizer);
-        trainer.learning_rate = checkpoint.learning_rate;
-        trainer.updates = checkpoint.updates;
-        trainer.wall_s = checkpoint.wall_s;
-        Ok(trainer)
+        self.brain.normalizer.clone_from(&checkpoint.normalizer);
+        self.learning_rate = checkpoint.learning_rate;
+        self.updates = checkpoint.updates;
+        self.wall_s = checkpoint.wall_s;
+        Ok(())
+    }
+
+    /// Goes back to an earlier state of this training, and goes on from there with steps that are `factor` times as long
+    /// as they were, and at most that factor of what they were allowed to become. The time spent is not given back.
+    ///
+    /// # Errors
+    /// The environment refuses its state, or the card is lost.
+    pub fn go_back(&mut self, checkpoint: &Checkpoint, factor: f64) -> Result<(), TrainError> {
+        let wall_s = self.wall_s;
+        self.load(checkpoint)?;
+        self.wall_s = wall_s;
+        let (config, before) = (&mut self.brain.config, &checkpoint.config);
+        config.learning_rate_max = (before.learning_rate_max * factor).max(before.learning_rate_min);
+        config.learning_rate = before.learning_rate.min(config.learning_rate_max);
+        self.learning_rate =
+            (checkpoint.learning_rate * factor).clamp(config.learning_rate_min, config.learning_rate_max);
+        Ok(())
+    }
+
+    /// Begins with what another training learned instead of with nothing; to be called before the first update.
+    ///
+    /// Observations and actions are matched by name: what the other training did not know is ignored by the networks at
+    /// first, and what it knew and is not there any more is left out. The scaling of observations starts from the other's
+    /// and soon follows the new ones; Adam starts afresh.
+    ///
+    /// # Errors
+    /// Hidden layers of other widths, no observation or action in common, or the card is lost.
+    pub fn warm_start(&mut self, other: &Checkpoint) -> Result<Inherited, TrainError> {
+        let known = self.known.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let heir = Heir { spec: &self.brain.spec, config: &self.brain.config, networks: &self.brain.networks };
+        let inherited = heir.take(other, &mut known.parameters, &mut known.normalizer)?;
+        self.brain.normalizer.clone_from(&known.normalizer);
+        if let Place::Card(card) = &mut self.place {
+            card.set_weights(&known.parameters, &known.optimizer)?;
+        }
+        Ok(inherited)
     }
 }
 

@@ -13,7 +13,6 @@ fn config() -> PpoConfig {
         value_hidden: vec![32, 32],
         action_offset: 0.0,
         action_scale: 1.0,
-        gamma: 0.95,
         ..PpoConfig::default()
     }
 }
@@ -96,7 +95,7 @@ fn learned_value(terminates: bool, gamma: f64) -> f64 {
         num_envs: 64,
         value_hidden: vec![16],
         policy_hidden: vec![4],
-        gamma,
+        discount_per_s: gamma.powf(1.0 / 0.05),
         learning_rate: 3e-3,
         kl_target: 0.0,
         gradient_norm_max: 100.0,

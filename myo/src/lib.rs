@@ -31,7 +31,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What this crate adds is small: [`ModelReach`], which lets the checks of a task ask a model.
+//! What this crate adds is small: [`ModelReach`], which lets the checks of a task ask a model; and [`Wish`], [`Place`]
+//! and [`Envs`], which choose between processor and graphics card; and [`likely_cause`], why a training leads nowhere.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
@@ -41,8 +42,12 @@ pub use myo_scalar as scalar;
 pub use myo_tasks as tasks;
 pub use myo_train as train;
 
+mod advice;
+mod place;
 mod reach;
 
+pub use advice::likely_cause;
+pub use place::{AUTO_ENVS_PER_THREAD, Envs, Place, Wish, auto_envs};
 pub use reach::ModelReach;
 
 /// The example on the repository's front page compiles and runs.

@@ -88,7 +88,7 @@ fn unknown_names_get_the_nearest_ones() {
     assert_refused(&here(&["train", "pontin"]), "did you mean `pointing`");
     assert_refused(&here(&["task", "show", "mobile"]), "did you mean `mobile-typing`");
     assert_refused(&here(&["model", "show", "mobl-arm"]), "did you mean `mobl-arms`");
-    assert_refused(&here(&["train", "ar", "--set", "gama=1"]), "did you mean `gamma`");
+    assert_refused(&here(&["train", "ar", "--set", "discount=1"]), "did you mean `discount_per_s`");
 }
 
 #[test]

@@ -71,13 +71,38 @@ impl GpuEnv {
         let spec = batch::spec(model, task, &tables, config);
         let count = EnvState::<f64>::new(&tables).numbers().count();
         let per_shard = portable_envs(&spec, count).min(options.envs_per_shard.max(1));
-        let shards = (0..config.num_envs)
+        Ok(Self::start(gpu, kernels, spec, count, per_shard, config.seed)?)
+    }
+
+    /// Other environments of the same model and task, with the same kernels: nothing is compiled again.
+    ///
+    /// # Errors
+    /// No environments, no memory left, or the device lost.
+    pub fn sibling(&self, num_envs: usize, seed: u64) -> Result<Self, BuildError> {
+        if num_envs == 0 {
+            return Err(BuildError::NoEnvironments);
+        }
+        let spec = EnvSpec { num_envs, ..self.spec.clone() };
+        let per_shard = portable_envs(&spec, self.count);
+        Ok(Self::start(&self.gpu, self.kernels.clone(), spec, self.count, per_shard, seed)?)
+    }
+
+    /// Makes the environments, in sets of `per_shard`, and resets them.
+    fn start(
+        gpu: &Gpu,
+        kernels: Kernels,
+        spec: EnvSpec,
+        count: usize,
+        per_shard: usize,
+        seed: u64,
+    ) -> Result<Self, GpuError> {
+        let shards = (0..spec.num_envs)
             .step_by(per_shard)
-            .map(|first| Shard::new(gpu, &kernels, &spec, count, first, per_shard.min(config.num_envs - first)))
+            .map(|first| Shard::new(gpu, &kernels, &spec, count, first, per_shard.min(spec.num_envs - first)))
             .collect::<Result<Vec<_>, GpuError>>()?;
         let finished = Finished::new(&spec);
         let mut env = Self { gpu: gpu.clone(), kernels, shards, spec, count, finished, scratch: Scratch::default() };
-        env.start_episodes(Some(config.seed), None)?;
+        env.start_episodes(Some(seed), None)?;
         Ok(env)
     }
 

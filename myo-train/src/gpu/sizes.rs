@@ -7,7 +7,7 @@ use super::kernels::OBSERVE_WORKGROUP;
 use crate::PpoConfig;
 
 /// Sizes of a roll-out. Its samples are columns: environment `e` in step `t` is column `t * padded + e`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizes {
     /// Control steps.
     pub steps: usize,
@@ -23,6 +23,8 @@ pub struct Sizes {
     pub summary: usize,
     /// Control steps after which an episode is cut off.
     pub time_limit: usize,
+    /// Seconds of simulated time per control step.
+    pub control_dt: f64,
 }
 
 impl Sizes {
@@ -36,6 +38,7 @@ impl Sizes {
             actions: spec.action_size(),
             summary: spec.episode_size(),
             time_limit: spec.max_episode_steps.max(1),
+            control_dt: spec.control_dt,
         }
     }
 
@@ -79,7 +82,16 @@ mod tests {
 
     #[test]
     fn last_observations_of_one_environment_never_share_a_column() {
-        let sizes = Sizes { steps: 17, envs: 5, padded: 8, observations: 3, actions: 2, summary: 4, time_limit: 5 };
+        let sizes = Sizes {
+            steps: 17,
+            envs: 5,
+            padded: 8,
+            observations: 3,
+            actions: 2,
+            summary: 4,
+            time_limit: 5,
+            control_dt: 0.05,
+        };
         for first in 0..sizes.time_limit {
             let columns: Vec<_> =
                 (first..sizes.steps).step_by(sizes.time_limit).map(|t| sizes.last_column(t)).collect();

@@ -1,16 +1,13 @@
 //! What computes the physics: what was asked for, and what is taken.
 
 use clap::{Args, ValueEnum};
-use myo::env::BuildError;
-use myo::gpu::{Gpu, GpuError, Want};
+use myo::env::{BuildError, EnvConfig};
+use myo::gpu::{GpuError, Want};
+use myo::model::Model;
+use myo::tasks::Task;
+use myo::{Envs, Place, Wish};
 
 use super::failure::{Failure, Result, complain};
-
-/// Environments per thread of the processor from which on `auto` takes a graphics card.
-///
-/// A step on a card takes as long for one environment as for some thousands, 0.15 ms on an H200, in which two AVX-512 threads
-/// do 110 environments and sixteen 300.
-pub const AUTO_ENVS_PER_THREAD: usize = 64;
 
 /// The options of every command that simulates.
 #[derive(Args, Clone, Debug, Default)]
@@ -35,26 +32,6 @@ pub enum Backend {
     Gpu,
 }
 
-/// What was asked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// What is faster here.
-    Auto,
-    /// The processor.
-    Cpu,
-    /// This adapter.
-    Gpu(Want),
-}
-
-/// What is taken.
-#[derive(Clone, Debug)]
-pub enum Place {
-    /// The processor.
-    Cpu,
-    /// An open graphics card.
-    Gpu(Gpu),
-}
-
 impl Options {
     /// Whether any was given.
     pub fn is_given(&self) -> bool {
@@ -77,44 +54,21 @@ impl Options {
     }
 }
 
-/// Environments from which on `auto` takes a graphics card here.
-pub fn auto_envs() -> usize {
-    AUTO_ENVS_PER_THREAD * rayon::current_num_threads()
+/// What is taken for so many environments; tells why a graphics card that is there is not.
+pub fn place(wish: &Wish, num_envs: usize) -> Result<Place> {
+    wish.place(num_envs, &mut warn).map_err(|error| refusal(&error))
 }
 
-impl Wish {
-    /// What is taken for so many environments.
-    pub fn place(&self, num_envs: usize) -> Result<Place> {
-        match self {
-            Self::Cpu => Ok(Place::Cpu),
-            Self::Gpu(want) => Gpu::open(want).map(Place::Gpu).map_err(|error| refusal(&error)),
-            Self::Auto if num_envs < auto_envs() => Ok(Place::Cpu),
-            Self::Auto => Ok(Gpu::open(&Want::Hardware).map_or_else(|error| without_card(&error), Place::Gpu)),
-        }
-    }
-
-    /// Builds something at a place. With `auto`, what a graphics card refuses is built on the processor, and that is told.
-    pub fn build<T>(
-        &self,
-        place: Place,
-        make: impl Fn(&Place) -> std::result::Result<T, BuildError>,
-    ) -> Result<(Place, T)> {
-        match make(&place) {
-            Err(error @ (BuildError::TooLargeForGpu { .. } | BuildError::Gpu(_))) if *self == Self::Auto => {
-                complain(&format!("warning: {error}\nthe processor is taken instead"));
-                Ok((Place::Cpu, make(&Place::Cpu)?))
-            }
-            made => Ok((place, made?)),
-        }
-    }
+/// Environments for a task where they are wished; tells why a graphics card is not taken.
+pub fn build(wish: &Wish, model: &Model, task: &Task, config: &EnvConfig) -> Result<Envs> {
+    wish.build(model, task, config, &mut warn).map_err(|error| match error {
+        BuildError::Gpu(error) => refusal(&error),
+        other => other.into(),
+    })
 }
 
-/// The processor; a card that is there but cannot be used is worth a word.
-fn without_card(error: &GpuError) -> Place {
-    if !matches!(error, GpuError::NoAdapter | GpuError::OnlySoftware { .. }) {
-        complain(&format!("warning: {error}\nthe processor is taken instead"));
-    }
-    Place::Cpu
+fn warn(error: &dyn std::error::Error) {
+    complain(&format!("warning: {error}\nthe processor is taken instead"));
 }
 
 fn refusal(error: &GpuError) -> Failure {
@@ -128,30 +82,11 @@ fn refusal(error: &GpuError) -> Failure {
     }
 }
 
-impl Place {
-    /// Name of the backend.
-    pub fn backend(&self) -> &'static str {
-        match self {
-            Self::Cpu => "cpu",
-            Self::Gpu(_) => "gpu",
-        }
-    }
-
-    /// Name of the graphics card, if it is one.
-    pub fn device(&self) -> Option<&str> {
-        match self {
-            Self::Cpu => None,
-            Self::Gpu(gpu) => Some(&gpu.adapter().name),
-        }
-    }
-
-    /// For people.
-    pub fn sentence(&self) -> String {
-        let threads = rayon::current_num_threads();
-        match self {
-            Self::Cpu => format!("the cpu ({threads} threads)"),
-            Self::Gpu(gpu) => format!("the gpu ({})", gpu.adapter().name),
-        }
+/// A place, for people.
+pub fn sentence(place: &Place) -> String {
+    match place.device() {
+        None => format!("the cpu ({} threads)", rayon::current_num_threads()),
+        Some(device) => format!("the gpu ({device})"),
     }
 }
 
@@ -163,14 +98,6 @@ mod tests {
         Options { backend, device: device.map(String::from) }.wish(Backend::Auto)
     }
 
-    fn too_large(place: &Place) -> std::result::Result<&'static str, BuildError> {
-        static TRIES: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
-        match TRIES.fetch_add(1, std::sync::atomic::Ordering::Relaxed).is_multiple_of(2) {
-            true => Err(BuildError::TooLargeForGpu { operations: 9, most: 1 }),
-            false => Ok(place.backend()),
-        }
-    }
-
     #[test]
     fn a_device_is_a_wish_for_a_graphics_card() {
         let named = Wish::Gpu(Want::Named("rtx".into()));
@@ -180,21 +107,6 @@ mod tests {
         assert_eq!((wish(None, None).unwrap(), wish(Some(Backend::Cpu), None).unwrap()), (Wish::Auto, Wish::Cpu));
         match wish(Some(Backend::Cpu), Some("rtx")) {
             Err(Failure::Sentence(text)) => assert!(text.contains("leave one of them out"), "{text}"),
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn few_environments_stay_on_the_processor() {
-        assert!(matches!(Wish::Auto.place(auto_envs() - 1).unwrap(), Place::Cpu));
-    }
-
-    #[test]
-    fn what_is_too_large_for_a_card_is_built_on_the_processor_only_if_that_was_left_open() {
-        let (place, made) = Wish::Auto.build(Place::Cpu, too_large).unwrap();
-        assert_eq!((place.backend(), made), ("cpu", "cpu"));
-        match Wish::Gpu(Want::Hardware).build(Place::Cpu, too_large) {
-            Err(Failure::Sentence(text)) => assert!(text.contains("9 operations"), "{text}"),
             other => panic!("{other:?}"),
         }
     }

@@ -1,10 +1,10 @@
 //! `myo devices`: the graphics cards of this machine.
 
 use clap::Args;
+use myo::auto_envs;
 use myo::gpu::{Adapter, GpuError, Kind, adapters};
 use serde_json::json;
 
-use super::backend::auto_envs;
 use super::failure::Result;
 use super::output::{print, print_json, row, table};
 

@@ -5,16 +5,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use myo::Envs;
+use myo::train::gpu::DeviceEvaluator;
+use myo::train::session::evaluation_seed;
 use myo::train::{Evaluation, RunFolder, evaluate};
 use serde::Serialize;
 
-use super::backend::{Backend, Options};
+use super::backend::{Backend, Options, sentence};
 use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
 use super::output::{print, print_json, rounded};
-use super::run_config::{Description, newest_checkpoint};
+use super::run_config::{Description, existing_checkpoint};
 use super::stage::Stage;
-use super::train::evaluation_seed;
 use super::{parse, report};
 
 /// Most environments side by side.
@@ -72,19 +74,20 @@ struct Results<'a> {
 pub fn run(args: &Eval) -> Result<()> {
     let folder = RunFolder::open(&args.run)?;
     let stage = Stage::of(Description::of(&folder)?.task)?;
-    let Some(checkpoint) = newest_checkpoint(&folder)? else {
-        let run = args.run.display();
-        return Err(Failure::sentence(format!("{run} has no checkpoint yet; go on with `myo train --resume {run}`")));
-    };
+    let checkpoint = existing_checkpoint(&folder)?;
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
     let episodes = usize::try_from(args.episodes)?;
-    let (place, mut env) = stage.env(&args.physics.wish(Backend::Auto)?, episodes.min(ENVS), seed)?;
-    let bar = bar(args.episodes);
-    let evaluation = evaluate(&mut checkpoint.policy(), env.as_mut(), episodes, seed, |counted| {
+    let env = stage.env(&args.physics.wish(Backend::Auto)?, episodes.min(ENVS), seed)?;
+    let (place, mut policy, bar) = (env.place(), checkpoint.policy(), bar(args.episodes));
+    let progress = |counted: usize| {
         bar.set_position(counted as u64);
         !interrupt.wanted()
-    })?;
+    };
+    let evaluation = match env {
+        Envs::Cpu(mut env) => evaluate(&mut policy, env.as_mut(), episodes, seed, progress)?,
+        Envs::Gpu(env) => DeviceEvaluator::new(*env, &policy)?.evaluate(&policy, episodes, seed, progress)?,
+    };
     bar.finish_and_clear();
     // What was counted before an interrupt over-represents short episodes.
     if interrupt.wanted() {
@@ -100,7 +103,7 @@ pub fn run(args: &Eval) -> Result<()> {
     print(&format!(
         "{}  trained         {trained} control steps\n  evaluated       on {}\n",
         report::evaluation(task, &evaluation),
-        place.sentence()
+        sentence(&place)
     ))
 }
 

@@ -3,7 +3,6 @@
 mod backend;
 mod bench;
 mod devices;
-mod envs;
 mod eval;
 mod failure;
 mod interrupt;

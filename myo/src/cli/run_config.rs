@@ -1,13 +1,14 @@
 //! What the command line writes into a run's `config.json`, and reads from it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use myo::Wish;
 use myo::gpu::Want;
 use myo::tasks::Task;
+use myo::train::session::Goal;
 use myo::train::{Checkpoint, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
 
-use super::backend::Wish;
 use super::failure::{Failure, Result, complain};
 use super::output::grouped;
 
@@ -27,6 +28,18 @@ pub struct Description {
     pub until: Option<f64>,
     /// Control steps after which training stops.
     pub steps: u64,
+    /// What it began from, if not from nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<Inheritance>,
+}
+
+/// The run that a warm start began from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inheritance {
+    /// Its folder.
+    pub run: PathBuf,
+    /// Control steps that it had seen.
+    pub env_steps: u64,
 }
 
 impl Description {
@@ -37,6 +50,11 @@ impl Description {
             let path = run.path().join("config.json");
             RunError::BadConfig { path, reason: error.to_string() }.into()
         })
+    }
+
+    /// When to stop.
+    pub fn goal(&self) -> Goal {
+        Goal { until: self.until, steps: self.steps }
     }
 
     /// The backend that the run began on, where alone it goes on to the bit.
@@ -51,6 +69,14 @@ impl Description {
 /// The task that was trained in a run folder.
 pub fn run_task(path: &Path) -> Result<Task> {
     Ok(Description::of(&RunFolder::open(path)?)?.task)
+}
+
+/// The newest checkpoint that is whole; refuses a run without one.
+pub fn existing_checkpoint(run: &RunFolder) -> Result<Checkpoint> {
+    newest_checkpoint(run)?.ok_or_else(|| {
+        let path = run.path().display();
+        Failure::sentence(format!("{path} has no checkpoint yet; go on with `myo train --resume {path}`"))
+    })
 }
 
 /// The newest checkpoint that is whole; tells about newer ones that are not. None if none was written yet.

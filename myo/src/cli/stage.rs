@@ -1,12 +1,11 @@
 //! A task and the body that does it, ready to be simulated.
 
-use myo::ModelReach;
-use myo::env::{BuildError, CpuEnv, EnvConfig, GpuEnv};
+use myo::env::EnvConfig;
 use myo::model::Model;
 use myo::tasks::{Report, Source, Task, load};
+use myo::{Envs, ModelReach, Wish};
 
-use super::backend::{Place, Wish};
-use super::envs::Envs;
+use super::backend;
 use super::failure::{Failure, Mistake, Result, task_mistakes};
 use super::model;
 
@@ -38,17 +37,8 @@ impl Stage {
     }
 
     /// Environments that do the task, at the place that is wished.
-    pub fn env(&self, wish: &Wish, num_envs: usize, seed: u64) -> Result<(Place, Envs)> {
-        wish.build(wish.place(num_envs)?, |place| self.env_at(place, num_envs, seed))
-    }
-
-    /// Environments that do the task, at this place.
-    pub fn env_at(&self, place: &Place, num_envs: usize, seed: u64) -> std::result::Result<Envs, BuildError> {
-        let config = EnvConfig { num_envs, seed, ..EnvConfig::default() };
-        Ok(match place {
-            Place::Cpu => Envs::Cpu(Box::new(CpuEnv::new(&self.model, &self.task, &config)?)),
-            Place::Gpu(gpu) => Envs::Gpu(Box::new(GpuEnv::new(gpu, &self.model, &self.task, &config)?)),
-        })
+    pub fn env(&self, wish: &Wish, num_envs: usize, seed: u64) -> Result<Envs> {
+        backend::build(wish, &self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })
     }
 }
 

@@ -92,7 +92,16 @@ mod tests {
         assert_eq!(block(16_384, 4), 16);
         assert_eq!(block(2048, 4), 8);
         assert_eq!(block(100, 4), 1);
-        let sizes = Sizes { steps: 7, envs: 37, padded: 40, observations: 3, actions: 2, summary: 4, time_limit: 5 };
+        let sizes = Sizes {
+            steps: 7,
+            envs: 37,
+            padded: 40,
+            observations: 3,
+            actions: 2,
+            summary: 4,
+            time_limit: 5,
+            control_dt: 0.05,
+        };
         let networks = Networks { policy: Mlp::new(3, &[5], 2), value: Mlp::new(3, &[4], 1) };
         let config = PpoConfig { num_envs: 37, steps_per_update: 7, minibatches: 3, ..PpoConfig::default() };
         let layout = Layout::new(&sizes, &networks, &config, 1000);

@@ -6,13 +6,14 @@ use clap::Args;
 use myo::gpu::Gpu;
 use myo::scalar::Level;
 use myo::scalar::symbolic::Form;
+use myo::{Place, Wish};
 use serde::Serialize;
 use serde_json::json;
 
 use super::env_gpu::{self, Measurement, Part};
 use super::machine::Machine;
 use super::speed::through_host;
-use crate::cli::backend::{Backend, Options, Place};
+use crate::cli::backend::{Backend, Options, place};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{print, print_json, rounded, row, table};
 use crate::cli::parse;
@@ -84,7 +85,7 @@ pub fn run(args: &Env) -> Result<()> {
     let stage = Stage::open(&args.task)?;
     let most = args.envs.iter().copied().max().unwrap_or(1);
     let start = Instant::now();
-    match args.physics.wish(Backend::Cpu)?.place(most)? {
+    match place(&args.physics.wish(Backend::Cpu)?, most)? {
         Place::Gpu(gpu) => on_gpu(args, &stage, &gpu, start.elapsed().as_secs_f64()),
         Place::Cpu if args.part != [Part::Env] || args.loops => Err(Failure::sentence(
             "on the cpu there is only `--part env`, without `--loops`; `myo bench physics` measures the physics alone",
@@ -128,8 +129,8 @@ fn show(args: &Env, stage: &Stage, rows: &[impl Serialize], cells: Vec<Vec<Strin
 
 fn measure(stage: &Stage, envs: usize) -> Result<Row> {
     complain(&format!("measuring {envs} environments"));
-    let mut env = stage.env_at(&Place::Cpu, envs, 1)?;
-    let (best, median) = through_host(env.as_mut())?;
+    let mut env = stage.env(&Wish::Cpu, envs, 1)?;
+    let (best, median) = through_host(env.as_env())?;
     let substeps = stage.task.substeps(stage.model.options.timestep);
     Ok(Row {
         backend: "cpu",

@@ -3,13 +3,14 @@
 use std::time::Instant;
 
 use clap::Args;
+use myo::Place;
 use myo::env::{EnvSpec, StepStorage};
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::machine::Machine;
 use super::random::Random;
-use crate::cli::backend::{Backend, Options, Place};
+use crate::cli::backend::{Backend, Options, sentence};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{duration, grouped, print, print_json, rounded};
 use crate::cli::parse;
@@ -84,8 +85,9 @@ struct First {
 /// Runs `myo bench nan`.
 pub fn run(args: &Nan) -> Result<()> {
     let stage = Stage::open(&args.task)?;
-    let (place, mut env) = stage.env(&args.physics.wish(Backend::Cpu)?, args.envs, args.seed)?;
-    let env = env.as_mut();
+    let mut env = stage.env(&args.physics.wish(Backend::Cpu)?, args.envs, args.seed)?;
+    let place = env.place();
+    let env = env.as_env();
     let spec = env.spec().clone();
     let mut out = StepStorage::new(&spec);
     let mut actions = vec![0.0; args.envs * spec.action_size()];
@@ -161,7 +163,7 @@ fn show(args: &Nan, stage: &Stage, place: &Place, found: &Findings, wall_s: f64)
              {} in {} environments on {}, seed {}, {machine}, {date}, myo {version}\n",
             duration(wall_s),
             args.envs,
-            place.sentence(),
+            sentence(place),
             args.seed,
         ))?;
     }

@@ -3,6 +3,8 @@
 use std::time::Instant;
 
 use clap::Args;
+use myo::train::PpoConfig;
+use myo::train::session::{End, Goal};
 use serde::Serialize;
 use serde_json::json;
 
@@ -11,9 +13,9 @@ use crate::cli::backend::{Backend, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
-use crate::cli::parse::{self, Goal};
+use crate::cli::parse;
 use crate::cli::stage::Stage;
-use crate::cli::train::{End, STEPS, Session, UNTIL, settings};
+use crate::cli::train::{Ready, STEPS, UNTIL, settings};
 
 /// Arguments of `myo bench train`.
 #[derive(Args)]
@@ -28,7 +30,7 @@ pub struct Train {
 
     /// Share of fresh episodes in which the deterministic policy must succeed [default: 0.95]
     #[arg(long, value_name = "SHARE", value_parser = parse::goal)]
-    until: Option<Goal>,
+    until: Option<parse::Goal>,
 
     /// Control steps after which a seed has failed [default: 60M]
     #[arg(long, value_name = "N", value_parser = parse::count)]
@@ -81,7 +83,7 @@ struct Row {
 
 /// Runs `myo bench train`.
 pub fn run(args: &Train) -> Result<()> {
-    settings(args.envs, &args.set)?;
+    settings(&PpoConfig::default(), args.envs, &args.set)?;
     let stage = Stage::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
     let mut rows = Vec::new();
@@ -115,17 +117,17 @@ pub fn run(args: &Train) -> Result<()> {
 }
 
 fn measure(args: &Train, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
-    let config = settings(args.envs, &args.set)?;
+    let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
     let envs = config.num_envs;
     let start = Instant::now();
-    let (place, env) = stage.env(&args.physics.wish(Backend::Cpu)?, envs, seed)?;
-    let trainer = env.train(config, seed)?;
-    let ready_s = start.elapsed().as_secs_f64();
-    let until = args.until.map_or(UNTIL, |goal| goal.0);
-    let outcome = Session::new(stage, trainer, until, args.steps.unwrap_or(STEPS)).run(interrupt)?;
+    let env = stage.env(&args.physics.wish(Backend::Cpu)?, envs, seed)?;
+    let goal = Goal { until: args.until.map_or(UNTIL, |goal| goal.0), steps: args.steps.unwrap_or(STEPS) };
+    let (ready, _) = Ready::new(stage, env, (config, seed), None, goal)?;
+    let (place, ready_s) = (ready.place.clone(), start.elapsed().as_secs_f64());
+    let outcome = ready.run(interrupt)?;
     match outcome.end {
         End::Interrupted => return Err(Failure::Interrupted),
-        End::DeviceLost => return Err(Failure::DeviceLost(outcome.lost.unwrap_or_default())),
+        End::DeviceLost { reason } => return Err(Failure::DeviceLost(reason)),
         End::Until | End::Steps => {}
     }
     let wall_s = ready_s + outcome.wall_s;

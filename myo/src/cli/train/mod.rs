@@ -1,29 +1,29 @@
 //! `myo train`: learns a task, leaves a run folder.
 
-mod examiner;
+mod drive;
 mod progress;
-mod schedule;
-mod session;
 mod settings;
+mod several;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::train::{PpoConfig, RunError, RunFolder, RunWriter, Trainer};
+use myo::train::session::{End, Outcome};
+use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunFolder, RunWriter, Trainer};
+use myo::{Envs, Wish};
 use serde_json::json;
 
-use super::backend::{Backend, Options, Place, Wish};
-use super::envs::Envs;
+use super::backend::{Backend, Options, place, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{duration, grouped, print, print_json, rounded};
 use super::parse::{self, Goal};
 use super::report;
-use super::run_config::{Description, newest_checkpoint};
+use super::run_config::{Description, Inheritance, existing_checkpoint, newest_checkpoint};
 use super::stage::Stage;
+use several::Several;
 
-pub use examiner::evaluation_seed;
-pub use session::{End, Outcome, Session};
+pub use drive::Ready;
 pub use settings::{STEPS, UNTIL, settings};
 
 /// Arguments of `myo train`.
@@ -61,9 +61,19 @@ pub struct Train {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
+    /// Train with several seeds one after the other, from --seed on, and tell mean and spread; the folder then holds a run
+    /// folder for each, and seeds.json
+    #[arg(long, value_name = "N", value_parser = parse::positive)]
+    seeds: Option<usize>,
+
+    /// Begin with the networks of another run instead of with nothing; its task may have had other targets, and its body
+    /// other muscles: observations and actions are matched by name
+    #[arg(long, value_name = "RUN")]
+    from: Option<PathBuf>,
+
     /// Go on with a run from its newest checkpoint, where it began, to the bit as if it had never stopped; with another
     /// --backend or --device, not to the bit
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "envs", "set"])]
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "seeds", "from", "envs", "set"])]
     resume: Option<PathBuf>,
 
     /// Print the result as JSON on standard output; progress stays on standard error
@@ -75,19 +85,26 @@ const HELP: &str = "\
 Examples:
   myo train pointing                          until 95 % of fresh episodes succeed, at most 60 M control steps
   myo train my.yaml --out runs/slow --seed 7
-  myo train pointing --until off --steps 20M --set gamma=0.98
+  myo train pointing --until off --steps 20M --set discount_per_s=0.5
+  myo train my.yaml --from runs/pointing-1    starts with what that user can do already
+  myo train ar --seeds 5                      mean and spread over five seeds
   myo train --resume runs/pointing-1          after Ctrl-C, or a crash
 
 The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ (every 30 s) and evaluation.json.
-Whether `--until` is reached is looked at in 256 fresh episodes whenever training does well, and confirmed in 1,000
-others; these are the ones in the final table. Ctrl-C stops with a checkpoint, a second one at once. A graphics card that
-is lost stops with a checkpoint, too, and status 3; going on from it begins new episodes.
+Whether `--until` is reached is looked at in 256 fresh episodes (1,024 on a graphics card) whenever training does well,
+and confirmed in 1,000 others; these are the ones in the final table, with the 95 % confidence interval of their success.
+Ctrl-C stops with a checkpoint, a second one at once. A graphics card that is lost stops with a checkpoint, too, and status
+3; going on from it begins new episodes. When learning runs away (a NaN, or a policy that moves by more than `kl_max`), it
+goes back to its last good state with shorter steps and says so; when nothing improves for six million control steps, the
+likely cause is named.
 
-With --backend gpu the policy acts and learns on the card, too; looking at the goal is work of the processor.
+With --backend gpu the policy acts, learns and is looked at on the card.
 
 JSON: `run`, `task`, `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), `env_steps`, `updates`,
 `wall_s` (evaluations included), `stopped_by` (`until`, `steps`, `interrupt` or `device_lost`), `until`, and `evaluation`,
-with the keys that `myo eval --json` prints; null after an interrupt or a loss.";
+with the keys that `myo eval --json` prints; null after an interrupt or a loss. With --seeds: `task`, `folder`, `runs`, a list
+of such objects, `reached`, the number of seeds that reached the goal, and `mean` and `sd`, each with `wall_s`, `env_steps`,
+`success`, `episode_length_s` and `effort`.";
 
 /// Runs `myo train`.
 pub fn run(args: &Train) -> Result<()> {
@@ -101,48 +118,151 @@ pub fn run(args: &Train) -> Result<()> {
 }
 
 fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
-    let config = settings(args.envs, &args.set)?;
+    let heritage = args.from.as_deref().map(Heritage::open).transpose()?;
+    let config = settings(&base(heritage.as_ref()), args.envs, &args.set)?;
     let stage = Stage::open(task)?;
     let seed = args.seed.unwrap_or(1);
-    let (place, env) = stage.env(&args.physics.wish(Backend::Auto)?, config.num_envs, seed)?;
-    let description = Description {
-        task: stage.task.clone(),
-        backend: place.backend().into(),
-        device: place.device().map(String::from),
-        version: env!("CARGO_PKG_VERSION").into(),
-        until: args.until.map_or(UNTIL, |goal| goal.0),
-        steps: args.steps.unwrap_or(STEPS),
-    };
-    let trainer = env.train(config, seed)?;
-    let writer = create(args.out.as_deref(), &description, &trainer)?;
-    complain(&format!(
-        "training {} in {}: {} environments on {}",
-        stage.task.name,
-        writer.folder().path().display(),
-        grouped(trainer.spec().num_envs as u64),
-        place.sentence()
-    ));
-    let session = Session::new(&stage, trainer, description.until, description.steps);
-    conclude(args, &stage, &place, session.recorded_in(writer), interrupt)
+    let training = Training { args, stage: &stage, config, heritage, interrupt };
+    match args.seeds {
+        Some(seeds) => training.several(seed, seeds as u64),
+        None => {
+            let (ready, writer) = training.ready(seed, |make| numbered(&stage.task.name, args.out.as_deref(), make))?;
+            conclude(args, &stage, ready, writer, interrupt)
+        }
+    }
 }
 
+/// The defaults; with the networks of the training that a warm start begins from.
+fn base(heritage: Option<&Heritage>) -> PpoConfig {
+    let default = PpoConfig::default();
+    heritage.map_or(default.clone(), |heritage| {
+        let PpoConfig { policy_hidden, value_hidden, .. } = heritage.checkpoint.config().clone();
+        PpoConfig { policy_hidden, value_hidden, ..default }
+    })
+}
+
+/// What a warm start begins from.
+struct Heritage {
+    run: PathBuf,
+    checkpoint: Checkpoint,
+}
+
+impl Heritage {
+    fn open(run: &Path) -> Result<Self> {
+        let checkpoint = existing_checkpoint(&RunFolder::open(run)?)?;
+        Ok(Self { run: run.to_owned(), checkpoint })
+    }
+
+    fn description(&self) -> Inheritance {
+        Inheritance { run: self.run.clone(), env_steps: self.checkpoint.env_steps() }
+    }
+}
+
+/// New trainings that differ in nothing but their seed.
+struct Training<'a> {
+    args: &'a Train,
+    stage: &'a Stage,
+    config: PpoConfig,
+    heritage: Option<Heritage>,
+    interrupt: &'a Interrupt,
+}
+
+impl<'a> Training<'a> {
+    /// Prepares a training; `make_folder` chooses where it is recorded.
+    fn ready(
+        &self,
+        seed: u64,
+        make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder) -> Result<RunWriter>,
+    ) -> Result<(Ready<'a>, RunWriter)> {
+        let (args, stage) = (self.args, self.stage);
+        let env = stage.env(&args.physics.wish(Backend::Auto)?, self.config.num_envs, seed)?;
+        let place = env.place();
+        let description = Description {
+            task: stage.task.clone(),
+            backend: place.backend().into(),
+            device: place.device().map(String::from),
+            version: env!("CARGO_PKG_VERSION").into(),
+            until: args.until.map_or(UNTIL, |goal| goal.0),
+            steps: args.steps.unwrap_or(STEPS),
+            from: self.heritage.as_ref().map(Heritage::description),
+        };
+        let other = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
+        let (ready, inherited) = Ready::new(stage, env, (self.config.clone(), seed), other, description.goal())?;
+        let (run, trainer) = (serde_json::to_value(&description)?, ready.session.trainer());
+        let names = &trainer.spec().episode_names;
+        let mut writer =
+            make_folder(&|path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), names))?;
+        complain(&format!(
+            "training {} in {}: {} environments on {}",
+            stage.task.name,
+            writer.folder().path().display(),
+            grouped(trainer.spec().num_envs as u64),
+            sentence(&place)
+        ));
+        if let (Some(inherited), Some(heritage)) = (inherited, &self.heritage) {
+            complain(&heir(heritage, inherited, trainer));
+            // A run that is stopped before its first checkpoint goes on without the other run's folder.
+            writer.write_checkpoint(&trainer.save())?;
+        }
+        Ok((ready, writer))
+    }
+
+    /// One training after the other.
+    fn several(&self, first: u64, seeds: u64) -> Result<()> {
+        let name = &self.stage.task.name;
+        let folder = self.args.out.clone().unwrap_or_else(|| free_folder(name));
+        let mut several = Several::new(name, &folder)?;
+        for seed in first..first + seeds {
+            let path = several.run_folder(seed);
+            let (ready, writer) = self.ready(seed, |make| Ok(make(&path)?))?;
+            let outcome = ready.recorded_in(writer).run(self.interrupt)?;
+            let (end, lost) = (outcome.end.clone(), loss(&outcome, &path.display().to_string()));
+            several.add(seed, outcome)?;
+            match end {
+                End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
+                End::Interrupted => return Err(Failure::Interrupted),
+                End::Until | End::Steps => {}
+            }
+        }
+        several.tell(self.args.json)
+    }
+}
+
+/// What a warm start took over, for people.
+fn heir(heritage: &Heritage, inherited: Inherited, trainer: &Trainer) -> String {
+    let spec = trainer.spec();
+    format!(
+        "starting from {} after {} control steps: {} of {} observations and {} of {} actions are known",
+        heritage.run.display(),
+        grouped(inherited.env_steps),
+        inherited.observations,
+        spec.observation_size(),
+        inherited.actions,
+        spec.action_size()
+    )
+}
+
+type MadeFolder = std::result::Result<RunWriter, RunError>;
+
 /// Makes the run folder: the one asked for, or the first that is free.
-fn create(out: Option<&Path>, description: &Description, trainer: &Trainer) -> Result<RunWriter> {
-    let run = serde_json::to_value(description)?;
-    let make = |path: &Path| {
-        RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), &trainer.spec().episode_names)
-    };
+fn numbered(task: &str, out: Option<&Path>, make: &dyn Fn(&Path) -> MadeFolder) -> Result<RunWriter> {
     if let Some(path) = out {
         return Ok(make(path)?);
     }
-    let name = description.task.name.replace(|c: char| !c.is_alphanumeric() && c != '_', "-");
-    let mut number = 1;
     loop {
-        match make(&Path::new("runs").join(format!("{name}-{number}"))) {
-            Err(RunError::Exists { .. }) => number += 1,
+        // Another process may take the name in between.
+        match make(&free_folder(task)) {
+            Err(RunError::Exists { .. }) => {}
             made => return Ok(made?),
         }
     }
+}
+
+/// The first of `runs/<task>-1`, `runs/<task>-2`, ... that is not taken.
+fn free_folder(task: &str) -> PathBuf {
+    let name = task.replace(|c: char| !c.is_alphanumeric() && c != '_', "-");
+    let path = |number: u64| Path::new("runs").join(format!("{name}-{number}"));
+    (1..).map(path).find(|path| !path.exists()).unwrap_or_else(|| path(1))
 }
 
 fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
@@ -151,15 +271,16 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     description.until = args.until.map_or(description.until, |goal| goal.0);
     description.steps = args.steps.unwrap_or(description.steps);
     let stage = Stage::of(description.task.clone())?;
-    let (config, seed) = (run.config().ppo.clone(), run.config().seed);
-    let (place, env) = env_again(args, &stage, &description, &config, seed)?;
-    let trainer = match newest_checkpoint(&run)? {
-        Some(checkpoint) => env.go_on(&checkpoint)?,
+    let (config, seed, goal) = (run.config().ppo.clone(), run.config().seed, description.goal());
+    let env = env_again(args, &stage, &description, &config, seed)?;
+    let ready = match newest_checkpoint(&run)? {
+        Some(checkpoint) => Ready::again(&stage, env, &checkpoint, goal)?,
         // Stopped before its first checkpoint: the same seed begins the same run.
-        None => env.train(config, seed)?,
+        None => Ready::new(&stage, env, (config, seed), None, goal)?.0,
     };
-    if trainer.env_steps() >= description.steps {
-        let (done, limit) = (grouped(trainer.env_steps()), grouped(description.steps));
+    let trainer = ready.session.trainer();
+    if trainer.env_steps() >= goal.steps {
+        let (done, limit) = (grouped(trainer.env_steps()), grouped(goal.steps));
         let path = path.display();
         return Err(Failure::sentence(format!(
             "{path} has {done} control steps, and its limit is {limit}; raise it with --steps"
@@ -171,25 +292,18 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
         stage.task.name,
         path.display(),
         grouped(trainer.env_steps()),
-        place.sentence()
+        sentence(&ready.place)
     ));
-    let session = Session::new(&stage, trainer, description.until, description.steps);
-    conclude(args, &stage, &place, session.recorded_in(writer), interrupt)
+    conclude(args, &stage, ready, writer, interrupt)
 }
 
 /// The environments of a run that goes on: where it began, unless another place is asked for.
-fn env_again(
-    args: &Train,
-    stage: &Stage,
-    description: &Description,
-    config: &PpoConfig,
-    seed: u64,
-) -> Result<(Place, Envs)> {
+fn env_again(args: &Train, stage: &Stage, description: &Description, config: &PpoConfig, seed: u64) -> Result<Envs> {
     if args.physics.is_given() {
         return stage.env(&args.physics.wish(Backend::Auto)?, config.num_envs, seed);
     }
     let wish = description.wish();
-    if let (Wish::Gpu(_), Err(Failure::Sentence(reason))) = (&wish, wish.place(config.num_envs)) {
+    if let (Wish::Gpu(_), Err(Failure::Sentence(reason))) = (&wish, place(&wish, config.num_envs)) {
         let device = description.device.as_deref().unwrap_or("a graphics card");
         return Err(Failure::sentence(format!(
             "the run began on {device}, which cannot be had now: {reason}. To go on elsewhere, add --backend cpu or --device"
@@ -199,9 +313,9 @@ fn env_again(
 }
 
 /// Trains to the end and tells how it went.
-fn conclude(args: &Train, stage: &Stage, place: &Place, session: Session<'_>, interrupt: &Interrupt) -> Result<()> {
-    let (seed, until) = (session.seed(), session.until());
-    let outcome = session.run(interrupt)?;
+fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, writer: RunWriter, interrupt: &Interrupt) -> Result<()> {
+    let (seed, until, place) = (ready.session.trainer().seed(), ready.session.goal().until, ready.place.clone());
+    let outcome = ready.recorded_in(writer).run(interrupt)?;
     let run = outcome.run.as_deref().unwrap_or(Path::new("")).display().to_string();
     if args.json {
         print_json(&json!({
@@ -217,11 +331,11 @@ fn conclude(args: &Train, stage: &Stage, place: &Place, session: Session<'_>, in
             "until": until,
             "evaluation": outcome.evaluation,
         }))?;
-    } else if outcome.end != End::DeviceLost {
+    } else if !matches!(outcome.end, End::DeviceLost { .. }) {
         print(&summary(stage, &outcome, seed, until, &run))?;
     }
     match outcome.end {
-        End::DeviceLost => Err(Failure::DeviceLost(loss(&outcome, &run))),
+        End::DeviceLost { .. } => Err(Failure::DeviceLost(loss(&outcome, &run))),
         End::Interrupted => Err(Failure::Interrupted),
         End::Until | End::Steps => Ok(()),
     }
@@ -229,7 +343,7 @@ fn conclude(args: &Train, stage: &Stage, place: &Place, session: Session<'_>, in
 
 /// What is left after the graphics card was lost.
 fn loss(outcome: &Outcome, run: &str) -> String {
-    let reason = outcome.lost.as_deref().unwrap_or("the driver does not say why");
+    let End::DeviceLost { reason } = &outcome.end else { return String::new() };
     let steps = rounded(outcome.env_steps as f64);
     let checkpoint = outcome.checkpoint.as_deref().unwrap_or(Path::new("")).display();
     format!(
@@ -250,11 +364,11 @@ fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Option<f64>, run:
         let next = format!("{program} train --resume {run}");
         return format!("\nstopped after {steps} control steps and {time}, with a checkpoint\n\nnext: {next}\n");
     };
-    let next = match (outcome.end, until) {
+    let next = match (&outcome.end, until) {
         (End::Steps, Some(_)) => format!("{program} train --resume {run} --steps {}", 2 * outcome.env_steps),
         _ => format!("{program} eval {run} --episodes 10000"),
     };
-    let missed = match (outcome.end, until) {
+    let missed = match (&outcome.end, until) {
         (End::Steps, Some(until)) => format!("the step limit came before {:.0} % success\n", 100.0 * until),
         _ => String::new(),
     };

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use myo::train::UpdateMetrics;
+use myo::train::{UpdateMetrics, session};
 
 use crate::cli::failure::complain;
 use crate::cli::output::{duration, percent, rounded};
@@ -31,33 +31,49 @@ impl Progress {
     }
 
     /// Shows an update.
-    pub fn show(&mut self, metrics: &UpdateMetrics, success: Option<f64>) {
+    pub fn show(&mut self, progress: &session::Progress) {
+        let Some(metrics) = &progress.metrics else { return };
         let now = metrics.steps_per_s();
         let rate = self.rate.map_or(now, |rate| rate + FRESH * (now - rate));
         self.rate = Some(rate);
         if let Some(bar) = &self.bar {
             bar.set_position(metrics.env_steps);
-            bar.set_message(self.sentence(metrics, success, rate));
+            bar.set_message(self.sentence(progress, metrics, rate));
         } else if self.last_line.elapsed() >= LINE_EVERY {
             self.last_line = Instant::now();
-            complain(&self.sentence(metrics, success, rate));
+            complain(&self.sentence(progress, metrics, rate));
         }
     }
 
-    fn sentence(&self, metrics: &UpdateMetrics, success: Option<f64>, rate: f64) -> String {
+    /// Tells something that is to stay on the screen.
+    pub fn tell(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| complain(text)),
+            None => complain(text),
+        }
+    }
+
+    fn sentence(&self, progress: &session::Progress, metrics: &UpdateMetrics, rate: f64) -> String {
         let mean = |x: Option<f64>, show: fn(f64) -> String| x.map_or("-".into(), show);
-        let left = duration(self.limit.saturating_sub(metrics.env_steps) as f64 / rate);
+        let limit = self.limit.saturating_sub(metrics.env_steps);
+        let left = match progress.steps_left {
+            Some(0) => "close to the goal".into(),
+            Some(steps) if steps < limit => format!("about {} left", duration(steps as f64 / rate)),
+            _ => format!("at most {} left", duration(limit as f64 / rate)),
+        };
         format!(
-            "{} steps, {}/s, success {}, return {}, at most {left} left",
+            "{} steps, {}/s, success {}, return {}, {left}",
             rounded(metrics.env_steps as f64),
             rounded(rate),
-            mean(success, percent),
+            mean(progress.success, percent),
             mean(metrics.episode_mean("return"), |x| format!("{x:.1}")),
         )
     }
+}
 
+impl Drop for Progress {
     /// Takes the bar away.
-    pub fn finish(&self) {
+    fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

@@ -12,9 +12,9 @@ pub const UNTIL: Option<f64> = Some(0.95);
 /// Control steps after which training stops unless asked otherwise.
 pub const STEPS: u64 = 60_000_000;
 
-/// The learner's defaults with the changes asked for, `NAME=VALUE` each.
-pub fn settings(num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {
-    let mut table = serde_json::to_value(PpoConfig::default())?;
+/// Settings of the learner with the changes asked for, `NAME=VALUE` each.
+pub fn settings(base: &PpoConfig, num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {
+    let mut table = serde_json::to_value(base)?;
     changes.iter().try_for_each(|change| apply(&mut table, change))?;
     let mut config: PpoConfig = serde_json::from_value(table)?;
     config.num_envs = num_envs.unwrap_or(config.num_envs);
@@ -24,7 +24,9 @@ pub fn settings(num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig
 
 fn apply(table: &mut Value, change: &str) -> Result<()> {
     let Some((name, text)) = change.split_once('=') else {
-        return Err(Failure::sentence(format!("`--set {change}` needs the form NAME=VALUE, such as gamma=0.98")));
+        return Err(Failure::sentence(format!(
+            "`--set {change}` needs the form NAME=VALUE, such as discount_per_s=0.5"
+        )));
     };
     let Some(entry) = table.get_mut(name) else {
         let valid = table.as_object().into_iter().flat_map(|table| table.keys()).map(String::as_str);
@@ -61,7 +63,7 @@ mod tests {
 
     fn sentence(changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
-        match settings(None, &changes) {
+        match settings(&PpoConfig::default(), None, &changes) {
             Err(Failure::Sentence(text)) => text,
             other => panic!("{other:?}"),
         }
@@ -69,17 +71,17 @@ mod tests {
 
     #[test]
     fn settings_change_one_by_one() {
-        let changes = ["gamma=0.9".to_owned(), "policy_hidden=[64,32]".to_owned()];
-        let config = settings(Some(8), &changes).unwrap();
-        assert_eq!((config.gamma, config.num_envs), (0.9, 8));
+        let changes = ["discount_per_s=0.9".to_owned(), "policy_hidden=[64,32]".to_owned()];
+        let config = settings(&PpoConfig::default(), Some(8), &changes).unwrap();
+        assert_eq!((config.discount_per_s, config.num_envs), (0.9, 8));
         assert_eq!(config.policy_hidden, [64, 32]);
     }
 
     #[test]
     fn bad_settings_are_told_in_one_sentence() {
-        assert!(sentence(&["gama=0.9"]).starts_with("unknown setting `gama`; did you mean `gamma`"));
+        assert!(sentence(&["discount=0.9"]).starts_with("unknown setting `discount`; did you mean `discount_per_s`"));
         assert_eq!(sentence(&["epochs=1.5"]), "`epochs` is `1.5`; it must be a whole number, 0 or more");
-        assert_eq!(sentence(&["gamma=2"]), "gamma is 2.0; it must be at least 0 and less than 1");
-        assert_eq!(sentence(&["gamma"]), "`--set gamma` needs the form NAME=VALUE, such as gamma=0.98");
+        assert_eq!(sentence(&["discount_per_s=2"]), "discount_per_s is 2.0; it must be at least 0 and less than 1");
+        assert_eq!(sentence(&["clip"]), "`--set clip` needs the form NAME=VALUE, such as discount_per_s=0.5");
     }
 }

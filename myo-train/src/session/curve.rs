@@ -1,0 +1,203 @@
+//! The learning curve: how training success grew, where it leads, and whether it grows at all.
+
+use crate::UpdateMetrics;
+
+/// Episodes over which success is averaged.
+const MEMORY: f64 = 500.0;
+
+/// Control steps between two points that are kept.
+const SPACING: u64 = 65_536;
+
+/// Points that a forecast looks back on.
+const FORECAST_POINTS: usize = 12;
+
+/// Points that must not have brought anything for a curve to be flat: six million control steps.
+const FLAT_POINTS: usize = 93;
+
+/// Share by which success, targets done or distance must have improved for it not to be flat.
+const WORTH: f64 = 0.03;
+
+/// What is known of recent episodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recent {
+    /// Share that succeeded.
+    pub success: f64,
+    /// Targets done.
+    pub targets_done: f64,
+    /// Distance to the last target at the end, in metres.
+    pub final_distance: f64,
+    /// Control steps of an episode.
+    pub length: f64,
+    /// Share of episodes in which each target was done.
+    pub target_success: Vec<f64>,
+}
+
+impl Recent {
+    /// Of the episodes that ended in an update; none if none ended.
+    fn of(metrics: &UpdateMetrics) -> Option<Self> {
+        let mean = |name: &str| metrics.episode_mean(name);
+        Some(Self {
+            success: mean("success")?,
+            targets_done: mean("targets_done").unwrap_or(0.0),
+            final_distance: mean("final_distance").unwrap_or(0.0),
+            length: mean("length").unwrap_or(0.0),
+            target_success: (1..).map_while(|k| mean(&format!("target_{k}_success"))).collect(),
+        })
+    }
+
+    fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let Self { success, targets_done, final_distance, length, target_success } = self;
+        [success, targets_done, final_distance, length].into_iter().chain(target_success)
+    }
+
+    /// Moves towards newer episodes.
+    fn follow(&mut self, mut newer: Self, weight: f64) {
+        self.numbers().zip(newer.numbers()).for_each(|(x, y)| *x += weight * (*y - *x));
+    }
+}
+
+/// One point of the curve.
+#[derive(Clone, Debug)]
+struct Point {
+    env_steps: u64,
+    recent: Recent,
+}
+
+/// The curve so far.
+#[derive(Clone, Debug, Default)]
+pub struct Curve {
+    recent: Option<Recent>,
+    points: Vec<Point>,
+}
+
+impl Curve {
+    /// Hears of an update.
+    pub fn hear(&mut self, metrics: &UpdateMetrics) {
+        let Some(newer) = Recent::of(metrics) else { return };
+        let weight = 1.0 - (-(metrics.episodes as f64) / MEMORY).exp();
+        let recent = self.recent.get_or_insert_with(|| newer.clone());
+        recent.follow(newer, weight);
+        if self.points.last().is_none_or(|last| metrics.env_steps >= last.env_steps + SPACING) {
+            self.points.push(Point { env_steps: metrics.env_steps, recent: recent.clone() });
+        }
+    }
+
+    /// Forgets what came after `env_steps`.
+    pub fn cut(&mut self, env_steps: u64) {
+        self.points.retain(|point| point.env_steps <= env_steps);
+        self.recent = self.points.last().map(|point| point.recent.clone());
+    }
+
+    /// Recent episodes, if any has ended.
+    pub fn recent(&self) -> Option<&Recent> {
+        self.recent.as_ref()
+    }
+
+    /// Control steps until training success is `goal`, if it goes on as it did lately; none where nobody can tell.
+    ///
+    /// Success grows like a logistic function of the steps, so a line is fitted to its log-odds.
+    pub fn steps_to(&self, goal: f64) -> Option<u64> {
+        let points = &self.points[self.points.len().saturating_sub(FORECAST_POINTS)..];
+        let seen = points.iter().filter(|point| point.recent.success > 0.01).count();
+        if points.len() < FORECAST_POINTS || seen < FORECAST_POINTS {
+            return None;
+        }
+        let x = |point: &Point| point.env_steps as f64;
+        let y = |point: &Point| log_odds(point.recent.success);
+        let (slope, now) = line(points.iter().map(|point| (x(point), y(point))), x(points.last()?));
+        let left = (log_odds(goal) - now) / slope;
+        (slope > 0.0 && left.is_finite()).then_some(left.max(0.0) as u64)
+    }
+
+    /// Whether success, targets done and distance have not improved for long; since how many control steps.
+    pub fn flat_for(&self) -> Option<u64> {
+        let window = &self.points[self.points.len().checked_sub(FLAT_POINTS)?..];
+        let third = FLAT_POINTS / 3;
+        let mean = |points: &[Point], f: fn(&Recent) -> f64| {
+            points.iter().map(|point| f(&point.recent)).sum::<f64>() / points.len() as f64
+        };
+        let change = |f| mean(&window[FLAT_POINTS - third..], f) - mean(&window[..third], f);
+        let targets = window[0].recent.target_success.len().max(1) as f64;
+        let distance = mean(&window[..third], |recent| recent.final_distance);
+        let grows = change(|recent| recent.success) > WORTH
+            || change(|recent| recent.targets_done) > WORTH * targets
+            || change(|recent| recent.final_distance) < -WORTH * distance;
+        (!grows).then(|| window[FLAT_POINTS - 1].env_steps - window[0].env_steps)
+    }
+}
+
+fn log_odds(p: f64) -> f64 {
+    let p = p.clamp(0.005, 0.995);
+    (p / (1.0 - p)).ln()
+}
+
+/// Least-squares line through some points: its slope and its height at `at`.
+fn line(points: impl Iterator<Item = (f64, f64)> + Clone, at: f64) -> (f64, f64) {
+    let n = points.clone().count() as f64;
+    let (sum_x, sum_y) = points.clone().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
+    let (mean_x, mean_y) = (sum_x / n, sum_y / n);
+    let (xy, xx) = points
+        .fold((0.0, 0.0), |(xy, xx), (x, y)| (xy + (x - mean_x) * (y - mean_y), xx + (x - mean_x) * (x - mean_x)));
+    let slope = xy / xx;
+    (slope, mean_y + slope * (at - mean_x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The curve after updates with `success` and `distance` as functions of the control steps.
+    fn curve(until: u64, success: impl Fn(f64) -> f64, distance: impl Fn(f64) -> f64) -> Curve {
+        let mut curve = Curve::default();
+        for env_steps in (0..until).step_by(16_384) {
+            let x = env_steps as f64;
+            let means = [("success", success(x)), ("targets_done", 2.0 * success(x)), ("final_distance", distance(x))];
+            curve.hear(&UpdateMetrics {
+                env_steps,
+                episodes: 500,
+                episode_means: means.map(|(name, mean)| (name.to_owned(), mean)).to_vec(),
+                ..UpdateMetrics::default()
+            });
+        }
+        curve
+    }
+
+    fn logistic(x: f64) -> f64 {
+        1.0 / (1.0 + (4.0 - x / 1e6).exp())
+    }
+
+    #[test]
+    fn a_logistic_curve_is_foreseen() {
+        // It reaches 90 % after (4 + ln 9) million steps.
+        let expected = (4.0 + 9.0_f64.ln()) * 1e6;
+        for now in [3_000_000, 4_000_000, 5_000_000] {
+            let forecast = (now + curve(now, logistic, |_| 0.1).steps_to(0.9).unwrap()) as f64;
+            assert!((forecast / expected - 1.0).abs() < 0.05, "{forecast} {expected}");
+        }
+        assert_eq!(curve(8_000_000, logistic, |_| 0.1).steps_to(0.9), Some(0), "it is there");
+    }
+
+    #[test]
+    fn nothing_is_foretold_without_success_or_growth() {
+        assert_eq!(curve(4_000_000, |_| 0.0, |_| 0.1).steps_to(0.9), None);
+        assert_eq!(curve(4_000_000, |x| 0.5 - x / 1e8, |_| 0.1).steps_to(0.9), None);
+        assert_eq!(curve(500_000, logistic, |_| 0.1).steps_to(0.9), None, "too few points");
+    }
+
+    #[test]
+    fn a_curve_is_flat_when_neither_success_nor_distance_improve() {
+        assert!(curve(7_000_000, |_| 0.6, |_| 0.1).flat_for().is_some_and(|steps| steps >= 6_000_000));
+        assert_eq!(curve(7_000_000, |x| 0.5 + x / 5e7, |_| 0.1).flat_for(), None, "success grows");
+        assert_eq!(curve(7_000_000, |_| 0.0, |x| 0.5 - x / 5e7).flat_for(), None, "it comes nearer");
+        assert_eq!(curve(5_000_000, |_| 0.0, |_| 0.5).flat_for(), None, "too early to tell");
+    }
+
+    #[test]
+    fn what_came_after_a_step_is_forgotten() {
+        let mut curve = curve(4_000_000, logistic, |_| 0.1);
+        let before = curve.recent().unwrap().success;
+        curve.cut(2_000_000);
+        assert!(curve.recent().unwrap().success < before);
+        assert!(curve.points.iter().all(|point| point.env_steps <= 2_000_000));
+    }
+}

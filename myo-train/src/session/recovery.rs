@@ -1,0 +1,57 @@
+//! Going back after learning ran away.
+
+use crate::{Checkpoint, TrainError, Trainer, UpdateMetrics};
+
+/// Updates between two states that are kept to go back to.
+const EVERY: u64 = 64;
+
+/// By how much steps become shorter each time.
+const FACTOR: f64 = 0.25;
+
+/// How often to go back to the same state before giving up.
+const TRIES: i32 = 4;
+
+/// The last good state of a training.
+#[derive(Debug)]
+pub struct Recovery {
+    good: Checkpoint,
+    tries: i32,
+}
+
+impl Recovery {
+    /// The state at the start is good.
+    pub fn new(trainer: &Trainer) -> Self {
+        Self { good: trainer.save(), tries: 0 }
+    }
+
+    /// Hears of an update that went well.
+    pub fn went_well(&mut self, trainer: &Trainer) {
+        if trainer.updates() >= self.good.updates() + EVERY {
+            *self = Self::new(trainer);
+        }
+    }
+
+    /// What was wrong with an update, if learning ran away in it; other errors are nothing to recover from.
+    pub fn what_ran_away(&self, updated: &Result<UpdateMetrics, TrainError>, kl_max: f64) -> Option<String> {
+        match updated {
+            Ok(metrics) if metrics.learn.kl > kl_max => {
+                Some(format!("the policy moved by {:.1} nats, more than kl_max {kl_max}", metrics.learn.kl))
+            }
+            Err(TrainError::Diverged { what, .. }) => Some(format!("the {what} was not finite")),
+            Err(TrainError::NonFiniteEnv { what, .. }) => {
+                Some(format!("the environment returned a NaN or infinite {what}"))
+            }
+            _ => None,
+        }
+    }
+
+    /// Goes back to the last good state with shorter steps; false when that was tried often enough.
+    pub fn go_back(&mut self, trainer: &mut Trainer) -> Result<bool, TrainError> {
+        if self.tries == TRIES {
+            return Ok(false);
+        }
+        self.tries += 1;
+        trainer.go_back(&self.good, FACTOR.powi(self.tries))?;
+        Ok(true)
+    }
+}

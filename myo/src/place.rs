@@ -1,0 +1,239 @@
+//! Where environments run: what was asked for, what is taken, and training there.
+
+use std::error::Error;
+
+use myo_env::{BuildError, CpuEnv, EnvConfig, GpuEnv, VectorEnv};
+use myo_gpu::{Gpu, GpuError, Want};
+use myo_model::Model;
+use myo_tasks::Task;
+use myo_train::gpu::DeviceEvaluator;
+use myo_train::session::Examiner;
+use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer};
+
+/// Environments per thread of the processor from which on [`Wish::Auto`] takes a graphics card.
+///
+/// A step on a card takes as long for one environment as for some thousands, 0.15 ms on an H200, in which two AVX-512 threads
+/// do 110 environments and sixteen 300.
+pub const AUTO_ENVS_PER_THREAD: usize = 64;
+
+/// Environments for looks at a policy: on the processor enough to occupy it, on a card as many as take no longer than one.
+const LOOK_ENVS: [usize; 2] = [256, 1024];
+
+/// What was asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// What is faster here.
+    Auto,
+    /// The processor.
+    Cpu,
+    /// This adapter.
+    Gpu(Want),
+}
+
+/// What is taken.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// The processor.
+    Cpu,
+    /// An open graphics card.
+    Gpu(Gpu),
+}
+
+/// Environments at a place.
+pub enum Envs {
+    /// On the processor.
+    Cpu(Box<CpuEnv>),
+    /// On a graphics card.
+    Gpu(Box<GpuEnv>),
+}
+
+/// Environments from which on [`Wish::Auto`] takes a graphics card in this pool of threads.
+pub fn auto_envs() -> usize {
+    AUTO_ENVS_PER_THREAD * rayon::current_num_threads()
+}
+
+impl Wish {
+    /// What is taken for so many environments. `notice` hears why a graphics card that is there is not taken.
+    ///
+    /// # Errors
+    /// The card that was asked for cannot be had.
+    pub fn place(&self, num_envs: usize, notice: &mut dyn FnMut(&dyn Error)) -> Result<Place, GpuError> {
+        match self {
+            Self::Cpu => Ok(Place::Cpu),
+            Self::Gpu(want) => Gpu::open(want).map(Place::Gpu),
+            Self::Auto if num_envs < auto_envs() => Ok(Place::Cpu),
+            Self::Auto => Ok(Gpu::open(&Want::Hardware).map_or_else(
+                |error| {
+                    if !matches!(error, GpuError::NoAdapter | GpuError::OnlySoftware { .. }) {
+                        notice(&error);
+                    }
+                    Place::Cpu
+                },
+                Place::Gpu,
+            )),
+        }
+    }
+
+    /// Environments for a task where they are wished. With [`Wish::Auto`], what a graphics card refuses is built on the
+    /// processor, and `notice` hears why.
+    ///
+    /// # Errors
+    /// The task or model cannot be simulated, or the card that was asked for cannot be had.
+    pub fn build(
+        &self,
+        model: &Model,
+        task: &Task,
+        config: &EnvConfig,
+        notice: &mut dyn FnMut(&dyn Error),
+    ) -> Result<Envs, BuildError> {
+        let place = self.place(config.num_envs, notice)?;
+        self.build_at(place, notice, |place| Envs::new(place, model, task, config))
+    }
+
+    fn build_at<T>(
+        &self,
+        place: Place,
+        notice: &mut dyn FnMut(&dyn Error),
+        make: impl Fn(&Place) -> Result<T, BuildError>,
+    ) -> Result<T, BuildError> {
+        match make(&place) {
+            Err(error @ (BuildError::TooLargeForGpu { .. } | BuildError::Gpu(_))) if *self == Self::Auto => {
+                notice(&error);
+                make(&Place::Cpu)
+            }
+            made => made,
+        }
+    }
+}
+
+impl Place {
+    /// Name of the backend, `cpu` or `gpu`.
+    pub fn backend(&self) -> &'static str {
+        match self {
+            Self::Cpu => "cpu",
+            Self::Gpu(_) => "gpu",
+        }
+    }
+
+    /// Name of the graphics card, if it is one.
+    pub fn device(&self) -> Option<&str> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu(gpu) => Some(&gpu.adapter().name),
+        }
+    }
+}
+
+impl Envs {
+    /// Environments for a task at this place.
+    ///
+    /// # Errors
+    /// The task or model cannot be simulated there.
+    pub fn new(place: &Place, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
+        Ok(match place {
+            Place::Cpu => Self::Cpu(Box::new(CpuEnv::new(model, task, config)?)),
+            Place::Gpu(gpu) => Self::Gpu(Box::new(GpuEnv::new(gpu, model, task, config)?)),
+        })
+    }
+
+    /// Where they are.
+    pub fn place(&self) -> Place {
+        match self {
+            Self::Cpu(_) => Place::Cpu,
+            Self::Gpu(env) => Place::Gpu(env.gpu().clone()),
+        }
+    }
+
+    /// The environments, whatever they are.
+    pub fn as_env(&mut self) -> &mut dyn VectorEnv {
+        match self {
+            Self::Cpu(env) => env.as_mut(),
+            Self::Gpu(env) => env.as_mut(),
+        }
+    }
+
+    /// The environments, whatever they are.
+    pub fn boxed(self) -> Box<dyn VectorEnv> {
+        match self {
+            Self::Cpu(env) => env,
+            Self::Gpu(env) => env,
+        }
+    }
+
+    /// Others of the same task and model at the same place, to look at a policy in; `model` and `task` are those of these.
+    ///
+    /// # Errors
+    /// As for [`Envs::new`].
+    pub fn for_looks(&self, model: &Model, task: &Task, seed: u64) -> Result<Self, BuildError> {
+        let [host, card] = LOOK_ENVS;
+        Ok(match self {
+            Self::Cpu(_) => {
+                Self::new(&Place::Cpu, model, task, &EnvConfig { num_envs: host, seed, ..EnvConfig::default() })?
+            }
+            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(card, seed)?)),
+        })
+    }
+
+    /// A trainer with a new policy, which acts and learns where the environments are.
+    ///
+    /// # Errors
+    /// The settings do not fit, or the card is lost.
+    pub fn train(self, config: PpoConfig, seed: u64) -> Result<Trainer, TrainError> {
+        match self {
+            Self::Cpu(env) => Trainer::new(env, config, seed),
+            Self::Gpu(env) => Trainer::on_card(*env, config, seed),
+        }
+    }
+
+    /// A trainer that goes on from a checkpoint, of this backend or another.
+    ///
+    /// # Errors
+    /// The checkpoint does not fit, or the card is lost.
+    pub fn go_on(self, checkpoint: &Checkpoint) -> Result<Trainer, TrainError> {
+        match self {
+            Self::Cpu(env) => Trainer::restore(env, checkpoint),
+            Self::Gpu(env) => Trainer::restore_on_card(*env, checkpoint),
+        }
+    }
+
+    /// Looks at the policies of a trainer, in these environments.
+    ///
+    /// # Errors
+    /// They do not fit the policy, or the card is lost.
+    pub fn examine(self, trainer: &Trainer) -> Result<Examiner, TrainError> {
+        Ok(match self {
+            Self::Cpu(env) => Examiner::on_host(env, trainer.seed()),
+            Self::Gpu(env) => Examiner::on_card(DeviceEvaluator::new(*env, &trainer.policy())?, trainer.seed()),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    #[test]
+    fn few_environments_stay_on_the_processor() {
+        let mut silent = |error: &dyn Error| panic!("{error}");
+        assert!(matches!(Wish::Auto.place(auto_envs() - 1, &mut silent).unwrap(), Place::Cpu));
+    }
+
+    #[test]
+    fn what_is_too_large_for_a_card_is_built_on_the_processor_only_if_that_was_left_open() {
+        let (tries, mut heard) = (Cell::new(0), Vec::new());
+        let make = |place: &Place| {
+            tries.set(tries.get() + 1);
+            if tries.get() % 2 == 1 {
+                Err(BuildError::TooLargeForGpu { operations: 9, most: 1 })
+            } else {
+                Ok(place.backend())
+            }
+        };
+        let made = Wish::Auto.build_at(Place::Cpu, &mut |error| heard.push(error.to_string()), make).unwrap();
+        assert_eq!((made, heard.len()), ("cpu", 1));
+        let error = Wish::Gpu(Want::Hardware).build_at(Place::Cpu, &mut |_| unreachable!(), make).unwrap_err();
+        assert!(error.to_string().contains("9 operations"), "{error}");
+    }
+}
