@@ -319,3 +319,50 @@ fn operations_of_a_kernel_are_those_of_its_stages() {
     let text = std::fs::read_to_string(folder.path().join("ar.wgsl")).unwrap();
     assert!(text.contains("@compute @workgroup_size(64"), "{}", &text[..200.min(text.len())]);
 }
+
+#[test]
+fn several_seeds_give_runs_of_their_own_and_a_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let train = |more: &[&str]| myo(folder.path(), &short_training("1k", more));
+    let all = json(&train(&["--seeds", "2", "--seed", "4", "--out", "both", "--json"]));
+    assert_eq!(all["reached"], 0);
+    let runs = all["runs"].as_array().unwrap();
+    assert_eq!(runs.iter().map(|run| run["seed"].as_u64().unwrap()).collect::<Vec<_>>(), [4, 5]);
+    let success = |run: &Value| run["evaluation"]["success"].as_f64().unwrap();
+    let mean = (success(&runs[0]) + success(&runs[1])) / 2.0;
+    assert!((all["mean"]["success"].as_f64().unwrap() - mean).abs() < 1e-12);
+    assert_eq!((&all["mean"]["env_steps"], &all["sd"]["env_steps"]), (&1024.0.into(), &0.0.into()));
+    let kept: Value = serde_json::from_slice(&std::fs::read(folder.path().join("both/seeds.json")).unwrap()).unwrap();
+    assert_eq!(kept, all);
+
+    stdout(&train(&["--seed", "5", "--out", "alone"]));
+    let parameters = |run: &str| newest_checkpoint(&folder.path().join(run)).to_bytes();
+    assert!(parameters("both/seed-5") == parameters("alone"), "a seed does not depend on the ones before it");
+    let table = stdout(&train(&["--seeds", "2", "--out", "again"]));
+    assert!(["mean", "sd", "0 of 2 seeds"].iter().all(|word| table.contains(word)), "{table}");
+    assert_refused(&train(&["--seeds", "2", "--out", "both"]), "choose another with --out");
+}
+
+#[test]
+fn a_run_may_begin_with_what_another_learned() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("2k", &["--out", "first"])));
+    // Other targets, more of them, another body, and the networks of the first run without being told.
+    let warm = ["train", "public-display", "--from", "first", "--out", "second", "--until", "off"];
+    let short = ["--envs", "32", "--steps", "512"];
+    let output = myo(folder.path(), &[&warm[..], &short].concat());
+    stdout(&output);
+    assert!(stderr(&output).contains("starting from first after 2,048 control steps"), "{}", stderr(&output));
+    let config: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("second/config.json")).unwrap()).unwrap();
+    assert_eq!(config["run"]["from"], serde_json::json!({"run": "first", "env_steps": 2048}));
+    assert_eq!(config["ppo"]["policy_hidden"], serde_json::json!([16]));
+    // Both checkpoints are there: what was inherited, and the end.
+    let checkpoints = myo::train::RunFolder::open(&folder.path().join("second")).unwrap().checkpoints();
+    assert_eq!(checkpoints.len(), 2);
+
+    let refused = |args: &[&str], sentence| assert_refused(&myo(folder.path(), args), sentence);
+    refused(&["train", "ar", "--from", "nowhere"], "nowhere is not a run folder");
+    refused(&["train", "ar", "--from", "first", "--set", "policy_hidden=[8]"], "width of the hidden layers");
+    assert!(!folder.path().join("runs").exists(), "nothing is left of what was refused");
+}

@@ -188,3 +188,20 @@ fn measurements_on_the_gpu_give_rows() {
     }
     assert!(["warm", "cold", "none"].contains(&rows[0]["kernel_cache"].as_str().unwrap()));
 }
+
+#[test]
+fn a_training_on_the_gpu_looks_at_its_goal_there() {
+    let Some(_) = devices() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let task = "version: 1
+name: easy
+targets: [{kind: pointing, position: {x: 0.35, y: 0, z: 0}, radius: 0.3, dwell_s: 0.05}]
+time_limit_s: 1
+";
+    std::fs::write(folder.path().join("easy.yaml"), task).unwrap();
+    let args = ["train", "easy.yaml", "--device", "0", "--envs", "256", "--until", "0.3", "--steps", "400k", "--json"];
+    let result = json(&myo(folder.path(), &args));
+    assert_eq!(result["stopped_by"], "until", "{result}");
+    assert!(result["evaluation"]["success"].as_f64().unwrap() >= 0.3);
+    assert_eq!(result["evaluation"]["episodes"], 1000);
+}

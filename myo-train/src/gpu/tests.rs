@@ -185,11 +185,20 @@ fn training_on_the_card_resumes_with_the_same_bits() {
     trainer.update().unwrap();
     let mut resumed = Trainer::restore_on_card(env(&gpu, envs), &saved).unwrap();
     resumed.update().unwrap();
-    let bytes = [trainer.save(), resumed.save()].map(|mut checkpoint| {
+    let bytes = |trainer: &Trainer| {
+        let mut checkpoint = trainer.save();
         checkpoint.forget_wall_time();
         checkpoint.to_bytes()
-    });
-    assert!(bytes[0] == bytes[1]);
+    };
+    let whole = bytes(&trainer);
+    assert!(whole == bytes(&resumed), "resumed");
+    trainer.update().unwrap();
+    trainer.go_back(&saved, 1.0).unwrap();
+    trainer.update().unwrap();
+    assert!(whole == bytes(&trainer), "gone back");
+    let mut heir = Trainer::on_card(env(&gpu, envs), config(envs), 2).unwrap();
+    heir.warm_start(&saved).unwrap();
+    assert_eq!(heir.save().parameters, saved.parameters);
 }
 
 #[test]
@@ -240,7 +249,7 @@ fn training_on_the_card_improves() {
 fn evaluation_on_the_card_is_that_of_the_processor() {
     let Some(gpu) = gpu() else { return };
     let mut trainer = Trainer::on_card(env(&gpu, 64), config(64), 1).unwrap();
-    let mut evaluator = DeviceEvaluator::new(env(&gpu, 37), &trainer.policy()).unwrap();
+    let mut evaluator = DeviceEvaluator::new(env(&gpu, 64).sibling(37, 5).unwrap(), &trainer.policy()).unwrap();
     for seed in [1, 2] {
         trainer.update().unwrap();
         let card = evaluator.evaluate(&trainer.policy(), 100, seed, |_| true).unwrap();
