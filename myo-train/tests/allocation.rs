@@ -15,16 +15,19 @@ static LISTENING: AtomicBool = AtomicBool::new(false);
 static CALLS: AtomicU64 = AtomicU64::new(0);
 static BYTES: AtomicU64 = AtomicU64::new(0);
 
+// SAFETY: every call is handed to the system as it is.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         if LISTENING.load(Ordering::Relaxed) {
             CALLS.fetch_add(1, Ordering::Relaxed);
             BYTES.fetch_add(layout.size() as u64, Ordering::Relaxed);
         }
+        // SAFETY: as the caller promised.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promised.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -37,7 +40,7 @@ fn of_an_update(num_envs: usize) -> (u64, u64) {
     let config = PpoConfig { num_envs, ..PpoConfig::default() };
     let mut trainer = Trainer::new(Box::new(Points::new(num_envs)), config, 1).unwrap();
     (0..8).for_each(|_| drop(trainer.update().unwrap()));
-    [&CALLS, &BYTES].map(|count| count.store(0, Ordering::Relaxed));
+    [&CALLS, &BYTES].into_iter().for_each(|count| count.store(0, Ordering::Relaxed));
     LISTENING.store(true, Ordering::Relaxed);
     drop(trainer.update().unwrap());
     LISTENING.store(false, Ordering::Relaxed);

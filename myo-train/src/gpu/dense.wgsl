@@ -36,15 +36,7 @@ struct Shape {
 $BINDINGS
 @group(0) @binding($SHAPE) var<uniform> shape: Shape;
 
-const DEPTH = $DEPTHu;
-const TILE_OUTPUTS = $TILE_OUTPUTSu;
-const TILE_GROUPS = $TILE_GROUPSu;
-const THREADS = $THREADSu;
-const THREADS_X = $THREADS_Xu;
-const THREADS_Y = $THREADS_Yu;
-
-var<workgroup> w_tile: array<vec4<f32>, $W_TILE>;
-var<workgroup> x_tile: array<vec4<f32>, $X_TILE>;
+$SIZES
 
 fn fetch_w(input: u32, output: u32) -> f32 {
     if input < shape.inputs && output < shape.outputs {
@@ -74,22 +66,6 @@ fn main(
 ) {
     // Tiles of the same columns follow each other and share X in the cache.
     let tile = workgroup.y * workgroups.x + workgroup.x;
-    let tiles = (shape.outputs + TILE_OUTPUTS - 1u) / TILE_OUTPUTS;
-    let first_output = (tile % tiles) * TILE_OUTPUTS;
-    let first_group = (tile / tiles) * TILE_GROUPS;
-    let at_x = local % THREADS_X;
-    let at_y = local / THREADS_X;
-
-$ZERO
-$FETCH_FIRST
-    // Which half of the shared memory this depth takes.
-    var half = 0u;
-    for (var depth = 0u; depth < shape.inputs; depth += DEPTH) {
-$STORE
-        workgroupBarrier();
-$FETCH_NEXT
-$MULTIPLY
-        half = 1u - half;
-    }
-$FINISH
+$PLACE
+$PRODUCT
 }

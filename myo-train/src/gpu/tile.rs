@@ -20,6 +20,14 @@ const PORTABLE_SHARED: u32 = 16 << 10;
 /// Threads of a workgroup that every device can run.
 const PORTABLE_THREADS: u32 = 256;
 
+/// Text that several kernels have in common.
+const SHARED: [(&str, &str); 4] = [
+    ("$SIZES", include_str!("tile.wgsl")),
+    ("$JOB", include_str!("learn/job.wgsl")),
+    ("$PLACE", include_str!("place.wgsl")),
+    ("$PRODUCT", include_str!("product_loop.wgsl")),
+];
+
 impl Tile {
     /// A tile of some rows and columns.
     ///
@@ -106,6 +114,7 @@ impl Tile {
     }
 
     fn fill_in_parts(self, template: &str, finish: &str, copies: &[(&str, String)]) -> String {
+        let text = SHARED.iter().fold(template.to_owned(), |text, (name, part)| text.replace(name, part));
         // Longer names first where one begins with another.
         let parts = [
             ("$TILE_OUTPUTS", self.outputs.to_string()),
@@ -120,7 +129,7 @@ impl Tile {
             ("$MULTIPLY", self.multiply()),
             ("$FINISH", self.finish(finish)),
         ];
-        parts.iter().chain(copies).fold(template.to_owned(), |text, (name, part)| text.replace(name, part))
+        parts.iter().chain(copies).fold(text, |text, (name, part)| text.replace(name, part))
     }
 
     /// Rows of a thread, and groups of columns of a thread.

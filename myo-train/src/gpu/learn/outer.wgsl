@@ -36,13 +36,6 @@ struct Shape {
 @group(0) @binding(3) var<storage, read_write> partial: array<f32>;
 @group(0) @binding(4) var<uniform> all: Shape;
 
-const DEPTH = $DEPTHu;
-const TILE_OUTPUTS = $TILE_OUTPUTSu;
-const TILE_GROUPS = $TILE_GROUPSu;
-const THREADS = $THREADSu;
-const THREADS_X = $THREADS_Xu;
-const THREADS_Y = $THREADS_Yu;
-
 // Rows and columns of the product, as the text of the tile calls them.
 struct Part {
     outputs: u32,
@@ -55,8 +48,7 @@ struct Part {
 }
 
 var<private> shape: Part;
-var<workgroup> w_tile: array<vec4<f32>, $W_TILE>;
-var<workgroup> x_tile: array<vec4<f32>, $X_TILE>;
+$SIZES
 
 fn fetch_w(sample: u32, row: u32) -> vec4<f32> {
     if sample < shape.end && row < shape.outputs {
@@ -94,24 +86,13 @@ fn main(
     let group = workgroup.y * workgroups.x + workgroup.x;
     var tile = group / all.splits;
     let split = group % all.splits;
-    var begin = 0u;
-    var index = 0u;
-    while index + 1u < all.jobs && tile >= jobs[index].end {
-        begin = jobs[index].end;
-        index += 1u;
-    }
-    if tile >= jobs[index].end { return; }
-    let job = jobs[index];
+$JOB
     let slot = (all.slot + split) * all.length;
     let end = min((split + 1u) * all.split_groups, all.stride);
     shape = Part(job.inputs, (job.outputs + 3u) / 4u, job.outputs, job.h_row, job.z_row, end, slot + job.weight);
     tile -= begin;
 
-    let tiles = max((shape.outputs + TILE_OUTPUTS - 1u) / TILE_OUTPUTS, 1u);
-    let first_output = (tile % tiles) * TILE_OUTPUTS;
-    let first_group = (tile / tiles) * TILE_GROUPS;
-    let at_x = local % THREADS_X;
-    let at_y = local / THREADS_X;
+$PLACE
     let start = 4u * split * all.split_groups;
 
 $ZERO

@@ -30,11 +30,6 @@ struct Shape {
 $BINDINGS
 @group(0) @binding($SHAPE) var<uniform> all: Shape;
 
-const DEPTH = $DEPTHu;
-const TILE_OUTPUTS = $TILE_OUTPUTSu;
-const TILE_GROUPS = $TILE_GROUPSu;
-const THREADS_X = $THREADS_Xu;
-const THREADS_Y = $THREADS_Yu;
 
 struct Part {
     inputs: u32,
@@ -48,8 +43,7 @@ struct Part {
 }
 
 var<private> shape: Part;
-var<workgroup> w_tile: array<vec4<f32>, $W_TILE>;
-var<workgroup> x_tile: array<vec4<f32>, $X_TILE>;
+$SIZES
 
 fn fetch_w(input: u32, output: u32) -> f32 {
     if input < shape.inputs && output < shape.outputs {
@@ -74,32 +68,10 @@ fn main(
     @builtin(local_invocation_index) local: u32,
 ) {
     var tile = workgroup.y * workgroups.x + workgroup.x;
-    var begin = 0u;
-    var index = 0u;
-    while index + 1u < all.jobs && tile >= jobs[index].end {
-        begin = jobs[index].end;
-        index += 1u;
-    }
-    if tile >= jobs[index].end { return; }
-    let job = jobs[index];
+$JOB
     shape = Part(job.inputs, job.outputs, all.groups, job.weight, job.bias, job.x_row, job.y_row, job.hidden);
     tile -= begin;
 
-    let tiles = (shape.outputs + TILE_OUTPUTS - 1u) / TILE_OUTPUTS;
-    let first_output = (tile % tiles) * TILE_OUTPUTS;
-    let first_group = (tile / tiles) * TILE_GROUPS;
-    let at_x = local % THREADS_X;
-    let at_y = local / THREADS_X;
-
-$ZERO
-$FETCH_FIRST
-    var half = 0u;
-    for (var depth = 0u; depth < shape.inputs; depth += DEPTH) {
-$STORE
-        workgroupBarrier();
-$FETCH_NEXT
-$MULTIPLY
-        half = 1u - half;
-    }
-$FINISH
+$PLACE
+$PRODUCT
 }
