@@ -1,4 +1,4 @@
-"""How much Python costs: `python bindings/examples/speed.py [--task TASK] [--seconds S]`.
+"""How much Python costs: `python bindings/examples/speed.py [--task TASK] [--envs N ...]`.
 
 Steps with and without Python in turns, in one process, so that both see the same neighbours on a shared machine.
 """
@@ -36,7 +36,7 @@ def overhead(task: str, num_envs: int, rounds: int, **kwargs) -> tuple[float, fl
     return float(np.quantile(rust, 0.1)), float(np.quantile(python, 0.1))
 
 
-def gymnasium_rate(task: str, num_envs: int, seconds: int, rounds: int) -> tuple[float, float]:
+def gymnasium_rates(task: str, num_envs: int, seconds: int, rounds: int) -> tuple[float, float]:
     """Control steps per second in Rust, and as Gymnasium measures them; best of the rounds."""
     envs = myoenv.make_vec(task, num_envs, "cpu", seed=1)
     envs.reset()
@@ -53,19 +53,21 @@ def gymnasium_rate(task: str, num_envs: int, seconds: int, rounds: int) -> tuple
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--task", default="pointing")
+    parser.add_argument("--envs", type=int, nargs="+", default=[1, 1024, 4096])
     parser.add_argument("--seconds", type=int, default=4)
     parser.add_argument("--rounds", type=int, default=5)
     args = parser.parse_args()
-    for num_envs in (1, 1024, 4096):
+    for num_envs in args.envs:
         for copy in (True, False):
             rust, python = overhead(args.task, num_envs, 20 * args.rounds, copy=copy)
             name = "copies" if copy else "views"
             cost = 1e6 * (python - rust)
             line = f"{1e6 * rust:8.1f} us in Rust, {1e6 * python:8.1f} us in Python, {cost:+.1f} us"
             print(f"{num_envs:5} environments, {name:6}: {line}")
-    rust, gymnasium = gymnasium_rate(args.task, 4096, args.seconds, args.rounds)
-    share = gymnasium / rust
-    print(f"benchmark_vector_step, 4096 environments: {gymnasium:,.0f} steps/s of {rust:,.0f} in Rust, {share:.0%}")
+    num_envs = max(args.envs)
+    rust, gymnasium = gymnasium_rates(args.task, num_envs, args.seconds, args.rounds)
+    rates = f"{gymnasium:,.0f} steps/s of {rust:,.0f} in Rust, {gymnasium / rust:.0%}"
+    print(f"benchmark_vector_step, {num_envs} environments: {rates}")
 
 
 if __name__ == "__main__":
