@@ -265,7 +265,7 @@ class Env:
         """Least and greatest value of every entry of the observation."""
 
 class Trainer:
-    """PPO on one task, one update at a time; `myoenv.train` is the loop around it."""
+    """PPO on one task, one update at a time; `myoenv.train` is the loop around it. `resume` is a run folder."""
 
     def __init__(
         self,
@@ -281,8 +281,10 @@ class Trainer:
     ) -> None: ...
     def update(self) -> dict[str, float]:
         """Collects and learns once; returns what `metrics.csv` has as columns."""
-    def record_in(self, path: str | PathLike[str], description: str, resume: bool = False) -> None:
+    def record_in(self, path: str | PathLike[str], description: str, go_on: bool) -> None:
         """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
+    def stop_recording(self) -> None:
+        """Leaves the run folder to others."""
     def checkpoint(self) -> str | None:
         """Writes a checkpoint into the run folder and returns its path; none without a folder."""
     def record_evaluation(self, evaluation: str) -> None:
