@@ -14,7 +14,7 @@ CASES = [
     ("rsl_rl_ppo.py", ["rsl_rl"], ["--envs", "32", "--steps", "1024"]),
     ("skrl_ppo.py", ["skrl"], ["--envs", "32", "--steps", "1024"]),
     ("sweep.py", ["ray"], ["--columns", "2", "--rows", "1", "--seeds", "1", "--steps", "16384"]),
-    ("speed.py", [], ["--envs", "1", "64", "--seconds", "1", "--rounds", "1"]),
+    ("speed.py", ["jax"], ["--jax", "--envs", "1", "64", "--seconds", "1", "--rounds", "1"]),
     # The others' environments are left out: they are no part of the tests.
     ("compare.py", [], ["--only", "myoenv", "--seconds", "0.1", "--rounds", "1"]),
 ]
