@@ -51,6 +51,10 @@ def myosuite(num_envs: int) -> tuple[Step, float]:
     return lambda: envs.step(actions), control_dt
 
 
+# How they are made, and how many environments each.
+CONTESTANTS = {"myoenv": (myo, (64, 1024)), "envpool": (envpool, (64,)), "myosuite": (myosuite, (2,))}
+
+
 def rates(step: Step, num_envs: int, seconds: float) -> float:
     """Control steps per second of all environments."""
     start, count = time.perf_counter(), 0
@@ -60,13 +64,10 @@ def rates(step: Step, num_envs: int, seconds: float) -> float:
     return count / (time.perf_counter() - start)
 
 
-def contestants() -> Iterator[tuple[str, int, Step, float]]:
-    """Whoever is installed."""
-    for package, make, sizes in (
-        ("myoenv", myo, (64, 1024)),
-        ("envpool", envpool, (64,)),
-        ("myosuite", myosuite, (2,)),
-    ):
+def contestants(names: list[str]) -> Iterator[tuple[str, int, Step, float]]:
+    """Whoever of them is installed: name, environments, a step, seconds that it simulates."""
+    for package in names:
+        make, sizes = CONTESTANTS[package]
         for num_envs in sizes:
             try:
                 step, control_dt = make(num_envs)
@@ -79,18 +80,19 @@ def contestants() -> Iterator[tuple[str, int, Step, float]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", nargs="+", choices=CONTESTANTS, default=list(CONTESTANTS))
     parser.add_argument("--seconds", type=float, default=3)
     parser.add_argument("--rounds", type=int, default=3)
     args = parser.parse_args()
     warnings.filterwarnings("ignore")
-    everybody = list(contestants())
+    everybody = list(contestants(args.only))
     best = [0.0] * len(everybody)
     for _ in range(args.rounds):
         for k, (_, num_envs, step, _) in enumerate(everybody):
             best[k] = max(best[k], rates(step, num_envs, args.seconds))
-    print(f"{'':16} environments  control steps/s  simulated s per s")
     for rate, (name, num_envs, _, control_dt) in zip(best, everybody, strict=True):
-        print(f"{name:16} {num_envs:12,} {rate:16,.0f} {rate * control_dt:18,.1f}")
+        simulated = rate * control_dt
+        print(f"{name:16} {num_envs:6,} environments {rate:10,.0f} control steps/s {simulated:8,.1f} simulated s per s")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
 //! Environments stepped side by side.
 
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
-use myo::env::{Autoreset, EnvConfig, EnvSpec, Snapshot, StepBuffers, StepStorage, Tables, VectorEnv, reseed};
+use myo::env::{
+    Autoreset, EnvConfig, EnvError, EnvSpec, Snapshot, StepBuffers, StepStorage, Tables, VectorEnv, reseed,
+};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -17,13 +19,12 @@ use crate::place::Wish;
 use crate::process::{Birthplace, own_pool, pool};
 use crate::space;
 use crate::task::Task;
+use crate::xla;
 
 /// Copies of one task. All arrays have the environments as their first axis.
 #[pyclass(module = "myoenv._native", frozen)]
 pub struct Env {
-    inner: Mutex<Option<Inner>>,
-    born: Birthplace,
-    spec: EnvSpec,
+    shared: Arc<Shared>,
     backend: &'static str,
     device: Option<String>,
     bounds: (Vec<f32>, Vec<f32>),
@@ -32,13 +33,38 @@ pub struct Env {
     painter: Painter,
 }
 
-struct Inner {
+/// What Python's object and programs of XLA both step.
+pub struct Shared {
+    inner: Mutex<Option<Inner>>,
+    born: Birthplace,
+    /// Sizes and names.
+    pub spec: EnvSpec,
+}
+
+/// Environments that are open.
+pub struct Inner {
     env: Box<dyn VectorEnv>,
     pool: Arc<ThreadPool>,
-    final_observation: Vec<f32>,
-    episode: Vec<f32>,
+    /// Number of the present state: every reset and step makes another one of it.
+    present: i32,
+    /// Last observations of episodes that ended in the last step, `(num_envs, observation_size)`.
+    pub final_observation: Vec<f32>,
+    /// Their summaries, `(num_envs, episode_size)`.
+    pub episode: Vec<f32>,
     /// Arrays that every call writes anew; without them, each call makes its own.
     views: Option<Views>,
+}
+
+/// Where a step writes what it shows of all environments.
+pub struct Shown<'a> {
+    /// `(num_envs, observation_size)`.
+    pub observation: &'a mut [f32],
+    /// `(num_envs,)`.
+    pub reward: &'a mut [f32],
+    /// `(num_envs,)`.
+    pub terminated: &'a mut [bool],
+    /// `(num_envs,)`.
+    pub truncated: &'a mut [bool],
 }
 
 /// Arrays that are handed out again and again.
@@ -108,8 +134,43 @@ impl Inner {
         }
     }
 
+    /// Number of the present state.
+    pub fn present(&self) -> i32 {
+        self.present
+    }
+
+    fn change(&mut self) {
+        self.present = self.present.checked_add(1).unwrap_or(0);
+    }
+
+    /// One control step of actions `(num_envs, action_size)`.
+    pub fn step(&mut self, actions: &[f32], shown: Shown<'_>) -> Result<(), EnvError> {
+        let Self { env, pool, final_observation, episode, .. } = self;
+        let Shown { observation, reward, terminated, truncated } = shown;
+        let out = StepBuffers { observation, reward, terminated, truncated, final_observation, episode };
+        pool.install(|| env.step(actions, out))?;
+        self.change();
+        Ok(())
+    }
+
+    fn reset(
+        &mut self,
+        seed: Option<u64>,
+        seeds: Option<&[u64]>,
+        mask: Option<&[bool]>,
+        observation: &mut [f32],
+    ) -> Result<(), EnvError> {
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| {
+            seeds.map_or(Ok(()), |seeds| self.reseed(seeds, mask))?;
+            self.env.reset(seed, mask, observation)
+        })?;
+        self.change();
+        Ok(())
+    }
+
     /// Starts the streams of masked environments from seeds of their own.
-    fn reseed(&mut self, seeds: &[u64], mask: Option<&[bool]>) -> Result<(), myo::env::EnvError> {
+    fn reseed(&mut self, seeds: &[u64], mask: Option<&[bool]>) -> Result<(), EnvError> {
         let mut state = self.env.save_state()?;
         let masked = |env: &usize| mask.is_none_or(|mask| mask[*env]);
         reseed(&mut state, (0..seeds.len()).filter(masked).map(|env| (env, seeds[env])))?;
@@ -135,9 +196,9 @@ impl Inner {
     }
 }
 
-impl Env {
+impl Shared {
     /// Locks the environments, unless they are closed, busy, or of another process.
-    fn open(&self) -> PyResult<Opened<'_>> {
+    pub fn open(&self) -> PyResult<Opened<'_>> {
         self.born.check("the environment")?;
         let guard = match self.inner.try_lock() {
             Ok(guard) => guard,
@@ -151,23 +212,26 @@ impl Env {
         }
         Ok(Opened(guard))
     }
+}
 
+impl Env {
     fn check_env(&self, env: usize) -> PyResult<()> {
-        let n = self.spec.num_envs;
+        let n = self.shared.spec.num_envs;
         if env < n { Ok(()) } else { Err(PyValueError::new_err(format!("there is no environment {env}, only {n}"))) }
     }
 }
 
-/// Open environments.
-struct Opened<'a>(MutexGuard<'a, Option<Inner>>);
+/// Open environments, locked.
+pub struct Opened<'a>(MutexGuard<'a, Option<Inner>>);
 
 impl Opened<'_> {
-    fn inner(&mut self) -> &mut Inner {
+    /// The environments.
+    pub fn inner(&mut self) -> &mut Inner {
         self.0.as_mut().expect("looked at when it was opened")
     }
 }
 
-impl Drop for Env {
+impl Drop for Shared {
     fn drop(&mut self) {
         // In a forked child the threads are not there to be stopped.
         if !self.born.is_here() {
@@ -204,19 +268,19 @@ impl Env {
         let inner = Inner {
             env,
             pool,
+            present: 0,
             final_observation: vec![0.0; num_envs * spec.observation_size()],
             episode: vec![0.0; num_envs * spec.episode_size()],
             views: (!copy).then(|| Arrays::new(py, &spec).into_views()),
         };
+        let bounds = space::bounds(model, task, &spec.observation_names);
         Ok(Self {
-            inner: Mutex::new(Some(inner)),
-            born: Birthplace::here(),
+            shared: Arc::new(Shared { inner: Mutex::new(Some(inner)), born: Birthplace::here(), spec }),
             backend,
             device,
-            bounds: space::bounds(model, task, &spec.observation_names),
+            bounds,
             tables: Tables::new(model, task).map_err(error::build)?,
             painter: Painter::new(model, task).map_err(error::task)?,
-            spec,
         })
     }
 
@@ -231,32 +295,25 @@ impl Env {
         seeds: Option<Vec<u64>>,
         mask: Option<PyReadonlyArray1<'py, bool>>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let mut opened = self.open()?;
+        let mut opened = self.shared.open()?;
         let inner = opened.inner();
         let mask = mask.as_ref().map(PyReadonlyArray1::as_slice).transpose()?;
-        if seeds.as_ref().is_some_and(|seeds| seeds.len() != self.spec.num_envs) {
+        if seeds.as_ref().is_some_and(|seeds| seeds.len() != self.shared.spec.num_envs) {
             return Err(PyValueError::new_err(format!(
                 "there must be one seed for each of {} environments",
-                self.spec.num_envs
+                self.shared.spec.num_envs
             )));
         }
         let observation = inner.arrays(py).observation;
         // SAFETY: a new array, or the one that the caller agreed to have overwritten.
         let rows = unsafe { observation.as_slice_mut()? };
-        compute(py, || {
-            let pool = Arc::clone(&inner.pool);
-            pool.install(|| {
-                seeds.map_or(Ok(()), |seeds| inner.reseed(&seeds, mask))?;
-                inner.env.reset(seed, mask, rows)
-            })
-        })?
-        .map_err(error::env)?;
+        compute(py, || inner.reset(seed, seeds.as_deref(), mask, rows))?.map_err(error::env)?;
         Ok(observation)
     }
 
     /// One control step. `actions` is `(num_envs, action_size)` in [-1, 1].
     fn step<'py>(&self, py: Python<'py>, actions: PyReadonlyArray2<'py, f32>) -> PyResult<Stepped<'py>> {
-        let mut opened = self.open()?;
+        let mut opened = self.shared.open()?;
         let inner = opened.inner();
         let arrays = inner.arrays(py);
         let actions = actions.as_slice()?;
@@ -269,12 +326,8 @@ impl Env {
                 arrays.truncated.as_slice_mut()?,
             )
         };
-        compute(py, || {
-            let Inner { env, pool, final_observation, episode, .. } = &mut *inner;
-            let out = StepBuffers { observation, reward, terminated, truncated, final_observation, episode };
-            pool.install(|| env.step(actions, out))
-        })?
-        .map_err(error::env)?;
+        let shown = Shown { observation, reward, terminated, truncated };
+        compute(py, || inner.step(actions, shown))?.map_err(error::env)?;
         let ended = {
             // SAFETY: nobody writes while the environment is locked.
             let flags = unsafe { (arrays.terminated.as_slice()?, arrays.truncated.as_slice()?) };
@@ -290,9 +343,11 @@ impl Env {
         actions: PyReadonlyArray2<'py, f32>,
         steps: usize,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let mut opened = self.open()?;
-        let Inner { env, pool, .. } = opened.inner();
-        let (actions, mut out) = (actions.as_slice()?, StepStorage::new(&self.spec));
+        let mut opened = self.shared.open()?;
+        let inner = opened.inner();
+        inner.change();
+        let Inner { env, pool, .. } = inner;
+        let (actions, mut out) = (actions.as_slice()?, StepStorage::new(&self.shared.spec));
         let timed = compute(py, || {
             let step = |_| {
                 let start = Instant::now();
@@ -305,7 +360,7 @@ impl Env {
 
     /// Everything that the next steps depend on.
     fn save_state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let mut opened = self.open()?;
+        let mut opened = self.shared.open()?;
         let env = &mut opened.inner().env;
         let state = compute(py, move || env.save_state())?.map_err(error::env)?;
         Ok(PyBytes::new(py, &state))
@@ -313,9 +368,11 @@ impl Env {
 
     /// Goes back to what `save_state` returned, bit for bit.
     fn load_state(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
-        let mut opened = self.open()?;
+        let mut opened = self.shared.open()?;
         let inner = opened.inner();
-        compute(py, || inner.env.load_state(state))?.map_err(error::env)
+        compute(py, || inner.env.load_state(state))?.map_err(error::env)?;
+        inner.change();
+        Ok(())
     }
 
     /// Pictures of environments, `(height, width, 3)` of bytes each.
@@ -325,7 +382,7 @@ impl Env {
         envs: Vec<usize>,
         size: (usize, usize),
     ) -> PyResult<Vec<Bound<'py, PyArray3<u8>>>> {
-        let mut opened = self.open()?;
+        let mut opened = self.shared.open()?;
         let env = &mut opened.inner().env;
         envs.iter().try_for_each(|&env| self.check_env(env))?;
         let (width, height) = size;
@@ -338,53 +395,59 @@ impl Env {
             let state = env.save_state()?;
             let paint =
                 |&env: &usize| Ok(self.painter.paint(&Snapshot::read(&self.tables, &state, env)?, width, height));
-            envs.iter().map(paint).collect::<Result<Vec<_>, myo::env::EnvError>>()
+            envs.iter().map(paint).collect::<Result<Vec<_>, EnvError>>()
         })?
         .map_err(error::env)?;
         pictures.into_iter().map(|picture| picture.into_pyarray(py).reshape([height, width, 3])).collect()
     }
 
-    /// Frees the environments; a second time does nothing.
-    fn close(&self) -> PyResult<()> {
-        if !self.born.is_here() {
-            return Ok(());
+    /// Frees the environments, after a step that is going on; a second time does nothing.
+    fn close(&self, py: Python<'_>) {
+        if self.shared.born.is_here() {
+            let inner = py.detach(|| self.shared.inner.lock().unwrap_or_else(PoisonError::into_inner).take());
+            drop(inner);
         }
-        match self.open() {
-            Ok(mut opened) => drop(opened.0.take()),
-            Err(error) if Python::attach(|py| error.is_instance_of::<ClosedError>(py)) => {}
-            Err(error) => return Err(error),
-        }
-        Ok(())
+    }
+
+    /// A number by which programs of XLA know these environments.
+    fn xla_id(&self) -> i64 {
+        xla::id_of(&self.shared)
+    }
+
+    /// Number of the present state: every reset and step makes another one of it.
+    #[getter]
+    fn present(&self) -> PyResult<i32> {
+        Ok(self.shared.open()?.inner().present)
     }
 
     #[getter]
     fn num_envs(&self) -> usize {
-        self.spec.num_envs
+        self.shared.spec.num_envs
     }
 
     #[getter]
     fn observation_names(&self) -> Vec<String> {
-        self.spec.observation_names.clone()
+        self.shared.spec.observation_names.clone()
     }
 
     #[getter]
     fn action_names(&self) -> Vec<String> {
-        self.spec.action_names.clone()
+        self.shared.spec.action_names.clone()
     }
 
     #[getter]
     fn episode_names(&self) -> Vec<String> {
-        self.spec.episode_names.clone()
+        self.shared.spec.episode_names.clone()
     }
 
     #[getter]
     fn control_dt(&self) -> f64 {
-        self.spec.control_dt
+        self.shared.spec.control_dt
     }
 
     #[getter]
     fn max_episode_steps(&self) -> usize {
-        self.spec.max_episode_steps
+        self.shared.spec.max_episode_steps
     }
 
     #[getter]

@@ -4,6 +4,7 @@
 //! - [`train`]: PPO, evaluation, run folders; [`policy`]: what they leave
 //! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
 //! - [`simulation`]: the body alone
+//! - [`xla`]: steps without Python, in programs of JAX
 //! - [`picture`]: one environment drawn
 //!
 //! What Python users see is in `python/myoenv`; this half knows no Gymnasium. Three rules hold everywhere: the interpreter is
@@ -21,6 +22,7 @@ mod simulation;
 mod space;
 mod task;
 mod train;
+mod xla;
 
 use pyo3::prelude::*;
 
@@ -39,5 +41,6 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(place::devices, m)?)?;
     m.add_function(wrap_pyfunction!(train::evaluate, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
+    m.add_function(wrap_pyfunction!(xla::xla_step_handler, m)?)?;
     m.add_function(wrap_pyfunction!(train::default_settings, m)?)
 }

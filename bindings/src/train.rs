@@ -1,11 +1,12 @@
 //! Training: the loop is Python's, an update is Rust's.
 
-use std::path::PathBuf;
+use std::ffi::CString;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
-use myo::train::{PpoConfig, RunFolder, RunWriter, UpdateMetrics};
-use pyo3::exceptions::{PyFileExistsError, PyValueError};
+use myo::train::{Checkpoint, PpoConfig, RunFolder, RunWriter, UpdateMetrics};
+use pyo3::exceptions::{PyFileExistsError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
@@ -13,7 +14,7 @@ use rayon::ThreadPool;
 use crate::error::{self, BusyError, compute};
 use crate::model::Model;
 use crate::place::{Envs, Wish};
-use crate::policy::{Policy, checkpoint};
+use crate::policy::Policy;
 use crate::process::{Birthplace, own_pool, pool};
 use crate::task::Task;
 
@@ -55,6 +56,19 @@ fn settings(json: &str) -> PyResult<PpoConfig> {
     Ok(config)
 }
 
+/// The newest checkpoint of a run that is whole, with a warning where newer ones are not; none where none was written yet.
+fn newest_checkpoint(py: Python<'_>, run: &Path) -> PyResult<Option<Checkpoint>> {
+    let latest = RunFolder::open(run).map_err(error::run)?.latest_checkpoint();
+    if latest.checkpoint.is_none() && !latest.refused.is_empty() {
+        return Err(error::run(format!("{} has no checkpoint that can be used; train it again", run.display())));
+    }
+    for (path, reason) in &latest.refused {
+        let sentence = format!("{} cannot be used, an older checkpoint is: {reason}", path.display());
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(sentence)?, 3)?;
+    }
+    Ok(latest.checkpoint)
+}
+
 #[pymethods]
 impl Trainer {
     #[new]
@@ -72,7 +86,7 @@ impl Trainer {
         resume: Option<PathBuf>,
     ) -> PyResult<Self> {
         let (wish, config) = (Wish::new(backend, device)?, settings(config)?);
-        let checkpoint = resume.map(|path| checkpoint(&path)).transpose()?;
+        let checkpoint = resume.map_or(Ok(None), |run| newest_checkpoint(py, &run))?;
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
         let (task, model) = (task.inner(), model.inner());
@@ -110,13 +124,13 @@ impl Trainer {
     }
 
     /// Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained.
-    #[pyo3(signature = (path, description, resume = false))]
-    fn record_in(&self, path: PathBuf, description: &str, resume: bool) -> PyResult<()> {
+    #[pyo3(signature = (path, description, go_on))]
+    fn record_in(&self, path: PathBuf, description: &str, go_on: bool) -> PyResult<()> {
         let description = serde_json::from_str(description).map_err(error::run)?;
         self.with(|inner| {
             let trainer = &inner.trainer;
             let names = &trainer.spec().episode_names;
-            let writer = if resume {
+            let writer = if go_on {
                 RunWriter::resume(&path, trainer.env_steps(), names)
             } else {
                 RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
@@ -125,6 +139,14 @@ impl Trainer {
                 myo::train::RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
                 other => error::run(other),
             })?);
+            Ok(())
+        })
+    }
+
+    /// Leaves the run folder to others.
+    fn stop_recording(&self) -> PyResult<()> {
+        self.with(|inner| {
+            inner.writer = None;
             Ok(())
         })
     }

@@ -1,11 +1,17 @@
 """Shared by all tests."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import myoenv
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 MODES = ["next_step", "same_step", "disabled"]
 
@@ -39,3 +45,13 @@ def short_task() -> dict:
 def relaxed(env) -> np.ndarray:
     """Actions that relax all muscles."""
     return np.full(env.action_space.shape, -1, np.float32)
+
+
+def run_example(example: str, *arguments: str, cwd: Path) -> str:
+    """Runs an example to its end; what it prints."""
+    command = [sys.executable, EXAMPLES / example, *arguments]
+    # One thread of PyTorch: more of them than processors make small networks slow.
+    env = {**os.environ, "OMP_NUM_THREADS": "1"}
+    run = subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, timeout=600, check=False)
+    assert run.returncode == 0, run.stderr[-4000:]
+    return run.stdout

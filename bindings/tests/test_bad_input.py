@@ -169,7 +169,7 @@ def test_two_threads_on_one_environment_are_told(make):
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning", "ignore:os.fork:RuntimeWarning")
 def test_after_a_fork_the_child_is_told_and_can_make_its_own(make):
     env = make(num_envs=64)
     env.reset(seed=1)

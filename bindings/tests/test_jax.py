@@ -1,5 +1,7 @@
 """JAX and the Brax-style interface."""
 
+import gc
+
 import numpy as np
 import pytest
 
@@ -7,19 +9,28 @@ jax = pytest.importorskip("jax", reason="JAX is not installed")
 
 import jax.numpy as jnp  # noqa: E402
 
+import myoenv  # noqa: E402
+import myoenv.jax  # noqa: E402
 from myoenv.brax import BraxEnv  # noqa: E402
 from myoenv.jax import JaxEnv  # noqa: E402
 
 
+@pytest.fixture(params=["in XLA", "by callback"])
+def way(request, monkeypatch):
+    """How steps are taken: the second is that of graphics cards, and of an XLA that is too old or too new."""
+    if request.param == "by callback":
+        monkeypatch.setattr(myoenv.jax, "XLA_TAKES_STEPS", False)
+
+
 @pytest.fixture
-def env(short_task):
+def env(way, short_task):
     env = JaxEnv(short_task, 8, "cpu")
     yield env
     env.close()
 
 
 @pytest.fixture
-def brax_env(short_task):
+def brax_env(way, short_task):
     env = BraxEnv(short_task, 8, "cpu")
     yield env
     env.close()
@@ -78,17 +89,84 @@ def test_every_environment_can_have_its_key(env):
     np.testing.assert_array_equal(one, legacy)
 
 
+def test_this_xla_takes_steps():
+    assert myoenv.jax.XLA_TAKES_STEPS
+
+
 def test_a_state_is_stepped_once(env):
     state, _ = env.reset(jax.random.key(1))
     action = jnp.zeros((8, env.num_actions))
-    env.step(state, action)
-    with pytest.raises(jax.errors.JaxRuntimeError, match="a state can be stepped once"):
+    following, _ = env.step(state, action)
+    with pytest.raises(jax.errors.JaxRuntimeError, match="a state can be stepped once, and not after a reset"):
         jax.block_until_ready(env.step(state, action))
+    env.reset(jax.random.key(1))
+    with pytest.raises(jax.errors.JaxRuntimeError, match="a state can be stepped once, and not after a reset"):
+        jax.block_until_ready(env.step(following, action))
+
+
+def test_a_step_past_jax_makes_its_states_old(env):
+    state, _ = env.reset(jax.random.key(1))
+    jax.block_until_ready(state)
+    env.envs.step(env.envs.action_space.sample())
+    with pytest.raises(jax.errors.JaxRuntimeError, match="a state can be stepped once"):
+        jax.block_until_ready(env.step(state, jnp.zeros((8, env.num_actions))))
+
+
+def test_bad_actions_are_told_in_one_sentence(env):
+    state, _ = env.reset(jax.random.key(1))
+    with pytest.raises(myoenv.ActionError, match=r"actions have the shape \(7, 26\), expected \(8, 26\)"):
+        env.step(state, jnp.zeros((7, 26)))
+    for wrong in (jnp.zeros((8, 26), jnp.int32), jnp.zeros((8, 26), jnp.complex64), jnp.zeros((8, 26), bool)):
+        with pytest.raises(myoenv.ActionError, match=f"actions are of type {wrong.dtype}, expected float32"):
+            env.step(state, wrong)
+    with pytest.raises(jax.errors.JaxRuntimeError, match="action 3 of environment 2 is NaN"):
+        jax.block_until_ready(env.step(state, jnp.zeros((8, 26)).at[2, 3].set(jnp.nan)))
+    # The refused step took none.
+    jax.block_until_ready(env.step(state, np.zeros((8, 26))))
+
+
+def test_keys_must_fit(env):
+    for wrong in (jax.random.split(jax.random.key(0), 7), 3, np.zeros((8, 2))):
+        with pytest.raises(ValueError, match="one key, or one for each of 8 environments"):
+            env.reset(wrong)
+
+
+def test_closed_environments_are_told(env):
+    state, _ = env.reset(jax.random.key(1))
+    env.close()
+    env.close()
+    with pytest.raises(jax.errors.JaxRuntimeError, match="the environment is closed"):
+        jax.block_until_ready(env.step(state, jnp.zeros((8, env.num_actions))))
+    with pytest.raises(jax.errors.JaxRuntimeError, match="the environment is closed"):
+        jax.block_until_ready(env.reset(jax.random.key(1)))
+
+
+def test_a_program_that_outlives_its_environments_says_so(short_task):
+    env = JaxEnv(short_task, 8, "cpu")
+    state, _ = env.reset(jax.random.key(1))
+    jax.block_until_ready(state)
+    number = np.int64(env.envs._env.xla_id())
+    env.close()
+    del env
+    gc.collect()
+    step = jax.jit(lambda: jax.ffi.ffi_call("myoenv_step", (), has_side_effect=True)(env=number))
+    with pytest.raises(jax.errors.JaxRuntimeError, match="the environment is gone"):
+        jax.block_until_ready(step())
+
+
+def test_closing_waits_for_the_steps_that_were_asked_for(env):
+    state, _ = env.reset(jax.random.key(1))
+    rewards = []
+    for _ in range(50):
+        state, out = env.step(state, jnp.zeros((8, env.num_actions)))
+        rewards.append(out.reward)
+    env.close()
+    assert np.isfinite(jnp.stack(rewards)).all()
 
 
 def test_there_is_no_gradient(env):
     state, _ = env.reset(jax.random.key(1))
-    with pytest.raises(ValueError, match="JVP"):
+    with pytest.raises(ValueError, match=r"JVP|cannot be differentiated"):
         jax.grad(lambda action: env.step(state, action)[1].reward.sum())(jnp.zeros((8, env.num_actions)))
 
 

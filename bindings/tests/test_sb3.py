@@ -6,7 +6,7 @@ import pytest
 
 import myoenv  # noqa: F401
 
-pytest.importorskip("stable_baselines3")
+pytest.importorskip("stable_baselines3", reason="Stable-Baselines3 is not installed")
 
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env

@@ -8,6 +8,9 @@ import pytest
 from myoenv.sweep import button_grid, sweep
 from myoenv.tasks import TaskError, load_task, to_dict
 
+# JAX, where other tests have imported it, warns of forks; Ray starts programs by them.
+pytestmark = pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")
+
 SHORT = {"steps": 512, "num_envs": 32, "settings": {"steps_per_update": 8}}
 
 
@@ -47,7 +50,6 @@ def test_a_bad_layout_is_refused_before_anything_is_trained(cluster, tmp_path):
     assert not (tmp_path / "trials").exists()
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
     assert len([node for node in cluster.nodes() if node["Alive"]]) == 2
     grid = button_grid(columns=2, rows=1)
@@ -66,7 +68,6 @@ def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
         assert [row["layout"] for row in csv.DictReader(file)] == [row["layout"] for row in rows]
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_failed_trial_has_its_error_in_the_table_and_no_file(cluster, tmp_path):
     grid = button_grid(columns=1, rows=1)
     [row] = sweep(grid, [1], tmp_path, **SHORT | {"settings": {"gamma": 2.0}})

@@ -89,7 +89,64 @@ def test_bad_states_of_the_body_are_refused():
         body.step(np.zeros(3))
 
 
-def test_a_button_pushes_back():
-    task = myoenv.load_task("ar")
-    body = myoenv.Simulation(myoenv.load_model(task.model), task)
-    assert body.contact_force == 0
+POSE = np.array([0.2, 0.8, -0.3, 1.0, 0.1])
+
+
+def button_ahead(gap: float) -> tuple[myoenv.Simulation, myoenv.Simulation]:
+    """An arm with an upright button whose centre is so far (m) in front of the fingertip, and the same arm without."""
+    model = myoenv.Model()
+    free = myoenv.Simulation(model)
+    free.qpos = POSE
+    x, y, z = free.fingertip
+    place = {"position": [x + gap, y, z], "size": [0.05, 0.05, 0.02], "tilt_deg": 0.0}
+    button = {"kind": "pressing", **place, "min_force_n": 1.0}
+    task = myoenv.load_task({"version": 1, "name": "press", "time_limit_s": 1.0, "targets": [button]})
+    body = myoenv.Simulation(model, task)
+    body.qpos = POSE
+    return body, free
+
+
+def fingertip_jacobian(body: myoenv.Simulation, step: float = 1e-6) -> np.ndarray:
+    """Derivative of the fingertip's position with respect to `qpos`, `(3, ndof)`, by differences."""
+    pose, columns = body.qpos, []
+    for direction in np.eye(len(pose)) * step:
+        places = []
+        for sign in (-1, 1):
+            body.qpos = pose + sign * direction
+            places.append(body.fingertip)
+        columns.append((places[1] - places[0]) / (2 * step))
+    body.qpos = pose
+    return np.array(columns).T
+
+
+def test_a_button_pushes_back_with_the_force_that_it_tells():
+    before = 0.0
+    for gap in (0.026, 0.024, 0.022, 0.018):
+        body, free = button_ahead(gap)
+        # What the button does to the joints, and the force at the fingertip that does the same.
+        torque = body.mass_matrix @ (body.qacc - free.qacc)
+        force, *_ = np.linalg.lstsq(fingertip_jacobian(free).T, torque, rcond=None)
+        # Against the finger, which comes from behind; the deeper, the stronger.
+        assert force[0] < 0
+        assert body.contact_force == pytest.approx(-force[0], rel=2e-3)
+        assert body.contact_force > before + 10
+        # The friction pyramid, with a coefficient of 1.
+        assert np.abs(force[1:]).sum() <= 1.01 * body.contact_force
+        before = body.contact_force
+    assert button_ahead(0.03)[0].contact_force == 0
+
+
+def test_muscles_press_a_button():
+    body, free = button_ahead(0.03)
+    # Muscles that move the finger forward.
+    forward = free.moment_arms @ np.linalg.solve(free.mass_matrix, fingertip_jacobian(free)[0])
+    ctrl = np.where(forward > 0, 0.3, 0.0)
+    start, forces = body.fingertip[0], []
+    for _ in range(100):
+        body.step(ctrl)
+        free.step(ctrl)
+        forces.append(body.contact_force)
+    assert forces[0] == 0
+    # Enough for any task's button and less than an arm can, and the same for as long as it is pressed.
+    assert 5 < forces[-1] < 100 and np.ptp(forces[-25:]) < 0.05 * forces[-1]
+    assert body.fingertip[0] - start < 0.005 and body.fingertip[0] < free.fingertip[0]

@@ -2,11 +2,14 @@
 
 import csv
 import json
+import shutil
 
 import numpy as np
 import pytest
 
 import myoenv
+from myoenv.runs import RunDescription
+from myoenv.session import Session
 
 SMALL = {
     "settings": {"steps_per_update": 4, "policy_hidden": [16], "value_hidden": [16]},
@@ -70,20 +73,154 @@ def test_an_easy_task_reaches_its_goal(short_task):
     assert result.stopped_by == "until" and result.evaluation["success"] >= 0.95
 
 
+def rows_without_seconds(run) -> list[dict[str, str]]:
+    """The metrics of a run but for how long things took."""
+    with open(run / "metrics.csv") as file:
+        return [{k: v for k, v in row.items() if not k.endswith("_s")} for row in csv.DictReader(file)]
+
+
+def test_a_resumed_run_ends_as_if_it_had_never_stopped(run, tmp_path):
+    folder = tmp_path / "stopped"
+    three = lambda metrics: metrics["updates"] >= 3  # noqa: E731
+    stopped = myoenv.train("pointing-single", seed=3, until=None, steps=1024, out=folder, callback=three, **SMALL)
+    assert (stopped.updates, stopped.env_steps) == (3, 384)
+    resumed = myoenv.train(resume=folder)
+    assert (resumed.updates, resumed.env_steps, resumed.run) == (8, 1024, folder)
+    observation = np.random.default_rng(1).normal(size=(50, len(run.policy.observation_names)))
+    assert np.array_equal(resumed.policy(observation), run.policy(observation))
+    assert not np.array_equal(stopped.policy(observation), run.policy(observation))
+    assert rows_without_seconds(folder) == rows_without_seconds(run.run)
+    assert resumed.evaluation == run.evaluation
+
+
+def test_a_run_without_a_checkpoint_begins_again(run, tmp_path):
+    folder = tmp_path / "killed"
+    shutil.copytree(run.run, folder)
+    for path in (folder / "checkpoints").iterdir():
+        path.unlink()
+    resumed = myoenv.train(resume=folder, threads=1)
+    assert resumed.updates == 8 and resumed.evaluation == run.evaluation
+
+
+def test_a_damaged_checkpoint_is_told(run, tmp_path):
+    folder = tmp_path / "damaged"
+    shutil.copytree(run.run, folder)
+    [checkpoint] = (folder / "checkpoints").iterdir()
+    (folder / "checkpoints" / "step_000000002048.ckpt").write_bytes(checkpoint.read_bytes()[:-10])
+    with pytest.warns(UserWarning, match="step_000000002048.ckpt cannot be used"):
+        assert myoenv.train(resume=folder, steps=1200).updates == 10
+    for path in (folder / "checkpoints").iterdir():
+        path.write_bytes(b"")
+    with pytest.raises(myoenv.TrainingError, match="no checkpoint that can be used"):
+        myoenv.train(resume=folder, steps=4000)
+
+
+def test_another_body_is_kept_in_the_run(tmp_path):
+    heavier = myoenv.to_dict(myoenv.Model())
+    for body in heavier["bodies"]:
+        body["mass"] *= 1.1
+    folder = tmp_path / "run"
+    first = myoenv.train("pointing-single", model=heavier, until=None, steps=256, out=folder, **SMALL)
+    resumed = myoenv.train(resume=folder, steps=384)
+    whole = myoenv.train("pointing-single", model=heavier, until=None, steps=384, **SMALL)
+    other = myoenv.train("pointing-single", until=None, steps=384, **SMALL)
+    observation = np.ones((1, len(first.policy.observation_names)), np.float32)
+    assert np.array_equal(resumed.policy(observation), whole.policy(observation))
+    assert not np.array_equal(other.policy(observation), whole.policy(observation))
+    heavy = myoenv.evaluate(folder, 8, num_envs=8)["final_distance"]
+    assert not np.array_equal(heavy, myoenv.evaluate(folder, 8, num_envs=8, model="mobl-arms")["final_distance"])
+
+
+def test_an_error_of_the_callback_leaves_a_checkpoint_and_the_run_free(tmp_path):
+    def fail(metrics):
+        raise RuntimeError("no network")
+
+    with pytest.raises(RuntimeError, match="no network") as error:
+        myoenv.train("pointing-single", out=tmp_path / "run", until=None, steps=256, callback=fail, **SMALL)
+    # The traceback is still there, and the run can be had.
+    assert error.tb is not None
+    assert myoenv.train(resume=tmp_path / "run").updates == 2
+
+
+def test_ctrl_c_stops_with_a_checkpoint(tmp_path):
+    def interrupt(metrics):
+        raise KeyboardInterrupt
+
+    result = myoenv.train("pointing-single", out=tmp_path / "run", until=None, steps=256, callback=interrupt, **SMALL)
+    assert (result.stopped_by, result.evaluation, result.updates) == ("interrupt", None, 1)
+    assert myoenv.train(resume=tmp_path / "run").updates == 2
+
+
+def test_a_lost_card_leaves_a_checkpoint(tmp_path):
+    """The trainer is a stand-in: no driver can be made to fail."""
+
+    class Lost:
+        env_steps, updates = 0, 0
+
+        def update(self):
+            raise myoenv.DeviceError("the GPU was lost: unplugged")
+
+        def checkpoint(self):
+            return "run/checkpoints/step_1.ckpt"
+
+        def stop_recording(self):
+            self.left = True
+
+    task, model = myoenv.load_task("pointing-single"), myoenv.Model()
+    description = RunDescription(myoenv.to_dict(task), None, 1, {}, "gpu", "card", None, 100)
+    session = Session(Lost(), task, model, description)
+    with pytest.raises(myoenv.DeviceError, match="unplugged; the run goes on from its checkpoint run/checkpoints"):
+        session.run(None)
+    assert session.trainer.left
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "sentence"),
+    [
+        ({"task": "pointing"}, "leave out task"),
+        ({"seed": 3}, "leave out seed"),
+        ({"out": "elsewhere"}, "leave out out"),
+        ({"num_envs": 3}, "leave out num_envs"),
+        ({"settings": {}}, "leave out settings"),
+        ({"model": "mobl-arms"}, "leave out model"),
+        ({}, "has 1024 control steps, and its limit is 1024"),
+        ({"backend": "gpu", "device": "no such card"}, "no such card"),
+    ],
+)
+def test_what_a_resumed_run_refuses(run, kwargs, sentence):
+    with pytest.raises((ValueError, myoenv.DeviceError), match=sentence):
+        myoenv.train(resume=run.run, **kwargs)
+
+
+def test_a_run_on_a_card_that_is_gone_says_so(run, tmp_path):
+    folder = tmp_path / "moved"
+    shutil.copytree(run.run, folder)
+    config = json.loads((folder / "config.json").read_text())
+    config["run"] |= {"backend": "gpu", "device": "no such card"}
+    (folder / "config.json").write_text(json.dumps(config))
+    with pytest.raises(myoenv.DeviceError, match=r"the run began on no such card, which cannot be had now.*elsewhere"):
+        myoenv.train(resume=folder, steps=2000)
+    assert myoenv.train(resume=folder, steps=1152, backend="cpu").updates == 9
+
+
 @pytest.mark.parametrize(
     ("kwargs", "error", "sentence"),
     [
         ({"settings": {"gama": 0.9}}, ValueError, "unknown field `gama`"),
         ({"settings": {"gamma": 2}}, ValueError, "gamma is 2"),
         ({"settings": {"gamma": object()}}, ValueError, "bad training setting"),
+        ({"task": None}, ValueError, "name a task, or a run to resume"),
         ({"until": 1.5}, ValueError, "until is 1.5"),
+        ({"until": "0.9"}, TypeError, "until is '0.9'; it must be a number"),
+        ({"threads": 0}, ValueError, "threads is 0"),
+        ({"resume": "no/such/run", "task": None}, myoenv.TrainingError, "not a run folder"),
         ({"steps": 0}, ValueError, "steps is 0"),
         ({"seed": "one"}, TypeError, "seed is 'one'"),
     ],
 )
 def test_bad_arguments(kwargs, error, sentence):
     with pytest.raises(error, match=sentence):
-        myoenv.train("pointing-single", **kwargs)
+        myoenv.train(**{"task": "pointing-single", **kwargs})
 
 
 def test_runs_are_not_overwritten(run):
@@ -98,3 +235,8 @@ def test_what_is_no_run_is_told(tmp_path, run):
         myoenv.evaluate(tmp_path)
     with pytest.raises(ValueError, match="knows no task"):
         myoenv.evaluate(run.policy)
+    shutil.copytree(run.run, tmp_path / "other")
+    config = json.loads((run.run / "config.json").read_text())
+    (tmp_path / "other" / "config.json").write_text(json.dumps({**config, "run": None}))
+    with pytest.raises(myoenv.TrainingError, match="does not say what was trained"):
+        myoenv.train(resume=tmp_path / "other")

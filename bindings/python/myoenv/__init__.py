@@ -36,11 +36,13 @@ from myoenv._native import (
     preset_names,
 )
 from myoenv.check import CheckError, check_vec_env
+from myoenv.evaluation import evaluate
 from myoenv.policy import Policy
 from myoenv.registration import env_id, register_envs
+from myoenv.session import TrainResult
 from myoenv.single import MyoEnv, make
 from myoenv.tasks import load_model, load_task, to_dict
-from myoenv.training import TrainResult, evaluate, train
+from myoenv.training import train
 from myoenv.vector import MyoVectorEnv, make_vec
 
 __all__ = [

@@ -47,6 +47,9 @@ def default_settings() -> str:
 def run_config(path: str | PathLike[str]) -> str:
     """`config.json` of a run folder."""
 
+def xla_step_handler() -> int:
+    """Address of the handler that steps environments in programs of XLA, for `jax.ffi.pycapsule`."""
+
 def evaluate(policy: Policy, task: Task, model: Model, *, episodes: int, num_envs: int, seed: int) -> str:
     """Runs the mean actions until so many fresh episodes ended; JSON as `evaluation.json` has it."""
 
@@ -243,7 +246,12 @@ class Env:
     def render(self, envs: list[int], size: tuple[int, int]) -> list[NDArray[np.uint8]]:
         """Pictures of environments, `(height, width, 3)` each."""
     def close(self) -> None:
-        """Frees the environments; a second time does nothing."""
+        """Frees the environments, after a step that is going on; a second time does nothing."""
+    def xla_id(self) -> int:
+        """A number by which programs of XLA know these environments."""
+    @property
+    def present(self) -> int:
+        """Number of the present state: every reset and step makes another one of it."""
     @property
     def num_envs(self) -> int: ...
     @property
@@ -265,7 +273,7 @@ class Env:
         """Least and greatest value of every entry of the observation."""
 
 class Trainer:
-    """PPO on one task, one update at a time; `myoenv.train` is the loop around it."""
+    """PPO on one task, one update at a time; `myoenv.train` is the loop around it. `resume` is a run folder."""
 
     def __init__(
         self,
@@ -281,8 +289,10 @@ class Trainer:
     ) -> None: ...
     def update(self) -> dict[str, float]:
         """Collects and learns once; returns what `metrics.csv` has as columns."""
-    def record_in(self, path: str | PathLike[str], description: str, resume: bool = False) -> None:
+    def record_in(self, path: str | PathLike[str], description: str, go_on: bool) -> None:
         """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
+    def stop_recording(self) -> None:
+        """Leaves the run folder to others."""
     def checkpoint(self) -> str | None:
         """Writes a checkpoint into the run folder and returns its path; none without a folder."""
     def record_evaluation(self, evaluation: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,15 @@ def as_integer(name: str, value: Any) -> int:
         return operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r}; it must be a whole number") from None
+
+
+def as_share(name: str, value: Any) -> float:
+    """A share above 0 and up to 1."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} is {value!r}; it must be a number")
+    if not 0 < value <= 1:
+        raise ValueError(f"{name} is {value}; it must be above 0 and at most 1")
+    return float(value)
 
 
 def as_seed(seed: Any) -> int:

@@ -5,24 +5,26 @@
 >>> state, obs = env.reset(jax.random.key(1))
 >>> state, out = env.step(state, jnp.zeros((1024, env.num_actions)))
 
-What it is: XLA calls back to the host, where the library steps all environments at once.
+What it is: on the processor, a program of XLA steps all environments at once, without Python. Where JAX computes on a
+graphics card, and with a jaxlib of another interface than 0.3, each step calls back to Python, and so does every reset.
 
-What it costs: a round trip from XLA to Python and back per control step, and copies of the arrays. Measured under
-`scan` on one core of a server processor, with `pointing-single`: 0.15 ms at 16 environments, where a step takes 0.14 ms
-without; 0.2 to 0.5 ms at 1,024, where a step takes 3.3 ms. So use many environments.
+What it costs: nearly nothing on the processor, a few tenths of a millisecond per call back; docs/performance.md has the
+figures.
 
 What it is not:
 
 - A pure function. The environments live on the host and have one present, so a state can be stepped once. Stepping an
   older one, or one from before a reset, raises an error; it never silently steps something else.
 - Something to `vmap`: the batch is made by `num_envs`. `pmap` and sharding across hosts are not supported either.
-- Differentiable: gradients do not pass through the callback.
+- Differentiable: there is no gradient through a step.
 
 `myoenv.brax.BraxEnv` has the interface of Brax on top.
 """
 
 from __future__ import annotations
 
+import ctypes
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -32,8 +34,24 @@ import numpy as np
 from jax import Array
 from jax.experimental import io_callback
 
+from myoenv._native import ActionError, xla_step_handler
 from myoenv.tasks import TaskLike
 from myoenv.vector import Backend, make_vec
+
+
+def _register() -> bool:
+    """Whether this XLA takes steps without Python: it refuses handlers of an interface that it does not know."""
+    try:
+        handler = jax.ffi.pycapsule(ctypes.c_void_p(xla_step_handler()))
+        jax.ffi.register_ffi_target("myoenv_step", handler, platform="cpu")
+    except Exception:
+        # Which one depends on the version, and any of them means the same.
+        return False
+    return True
+
+
+#: Whether steps need no Python on the processor.
+XLA_TAKES_STEPS = _register()
 
 
 class Pytree:
@@ -73,7 +91,10 @@ class Step(Pytree):
 
 
 class JaxEnv:
-    """Copies of one task behind callbacks; finished ones are reset in the same step, to new targets."""
+    """Copies of one task; finished ones are reset in the same step, to new targets.
+
+    Steps run in the background, as all of JAX: wait with `jax.block_until_ready` before you use `envs` directly.
+    """
 
     def __init__(self, task: TaskLike, num_envs: int, backend: Backend = "auto", **options: Any) -> None:
         """Makes the environments; `options` are those of `make_vec`. Seeds come with the key of `reset`."""
@@ -86,6 +107,8 @@ class JaxEnv:
         f32, flag = jnp.float32, jnp.bool_
         obs, rows = self._like(f32, self.num_obs), self._like(f32)
         summary = {name: rows for name in self.envs.episode_names}
+        # On a graphics card, steps are calls back to Python.
+        self._in_xla = XLA_TAKES_STEPS and jax.default_backend() == "cpu"
         self._reset_like = (EnvState(self._token), obs)
         self._step_like = (EnvState(self._token), Step(obs, obs, rows, self._like(flag), self._like(flag), summary))
         # Compiled even when called alone: without a compiler between, arrays of the host could be shared.
@@ -103,17 +126,46 @@ class JaxEnv:
         return self._step(state, action)
 
     def close(self) -> None:
-        """Frees the environments."""
+        """Frees the environments, after the steps that were asked for."""
+        # What failed among them has been raised where it was used, or nobody wants to know.
+        with suppress(jax.errors.JaxRuntimeError):
+            jax.effects_barrier()
         self.envs.close()
 
     def _call_reset(self, key: Array) -> tuple[EnvState, Array]:
-        batched = key.ndim == (1 if jnp.issubdtype(key.dtype, jax.dtypes.prng_key) else 2)
+        typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
+        # Keys of the old kind are a few words each.
+        shape = key.shape if typed else key.shape[:-1]
+        if shape not in {(), (self.num_envs,)} or not (typed or key.dtype == jnp.uint32):
+            raise ValueError(f"reset takes one key, or one for each of {self.num_envs} environments, not {key.aval}")
+        batched = shape != ()
         draw = lambda one: jax.random.bits(one, (2,), jnp.uint32)  # noqa: E731
         words = jax.vmap(draw)(key) if batched else draw(key)
         return io_callback(self._host.reset, self._reset_like, words)
 
     def _call_step(self, state: EnvState, action: Array) -> tuple[EnvState, Step]:
-        return io_callback(self._host.step, self._step_like, state.token, action.astype(jnp.float32))
+        shape = (self.num_envs, self.num_actions)
+        if action.shape != shape:
+            raise ActionError(f"actions have the shape {action.shape}, expected {shape}")
+        if not jnp.issubdtype(action.dtype, jnp.floating):
+            raise ActionError(f"actions are of type {action.dtype}, expected float32")
+        action = action.astype(jnp.float32)
+        return self._xla_step(state.token, action) if self._in_xla else self._host_step(state.token, action)
+
+    def _xla_step(self, token: Array, action: Array) -> tuple[EnvState, Step]:
+        """Within XLA, without Python."""
+        f32, flag = jnp.float32, jnp.bool_
+        obs, rows, flags = self._like(f32, self.num_obs), self._like(f32), self._like(flag)
+        names = self.envs.episode_names
+        summary = jax.ShapeDtypeStruct((len(names), self.num_envs), f32)
+        call = jax.ffi.ffi_call(
+            "myoenv_step", (self._token, obs, obs, rows, flags, flags, summary), has_side_effect=True
+        )
+        token, *out, summary = call(token, action, env=np.int64(self.envs._env.xla_id()))
+        return EnvState(token), Step(*out, dict(zip(names, summary, strict=True)))
+
+    def _host_step(self, token: Array, action: Array) -> tuple[EnvState, Step]:
+        return io_callback(self._host.step, self._step_like, token, action)
 
     @property
     def _token(self) -> jax.ShapeDtypeStruct:
@@ -128,7 +180,6 @@ class _Host:
 
     def __init__(self, task: TaskLike, num_envs: int, backend: Backend, options: dict[str, Any]) -> None:
         self.envs = make_vec(task, num_envs, backend, autoreset="same_step", copy=False, **options)
-        self.token = 0
         zeros = np.zeros(num_envs, np.float32)
         self.no_summary = {name: zeros for name in self.envs.episode_names}
 
@@ -139,9 +190,9 @@ class _Host:
         return self._next(), obs
 
     def step(self, token: Any, action: Any) -> tuple[EnvState, Step]:
-        if int(token) != self.token:
+        if int(token) != self.envs._env.present:
             raise ValueError(
-                f"this state is number {int(token)}, the environments are at {self.token}: "
+                f"this state is number {int(token)}, the environments are at {self.envs._env.present}: "
                 "a state can be stepped once, and not after a reset"
             )
         obs, reward, terminated, truncated, infos = self.envs.step(np.asarray(action))
@@ -154,5 +205,4 @@ class _Host:
         return self._next(), Step(obs, next_obs, reward, terminated, truncated, summary)
 
     def _next(self) -> EnvState:
-        self.token = (self.token + 1) % 2**31
-        return EnvState(np.int32(self.token))
+        return EnvState(np.int32(self.envs._env.present))

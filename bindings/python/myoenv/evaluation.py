@@ -1,0 +1,94 @@
+"""How well a policy does."""
+
+from __future__ import annotations
+
+from os import PathLike
+
+import numpy as np
+from numpy.typing import NDArray
+
+from myoenv import _native
+from myoenv.arguments import as_count, as_seed
+from myoenv.policy import Policy
+from myoenv.runs import read_run
+from myoenv.tasks import ModelLike, TaskLike
+from myoenv.vector import Backend, make_vec
+
+
+def evaluate(
+    run: str | PathLike[str] | Policy,
+    episodes: int = 1000,
+    *,
+    task: TaskLike | None = None,
+    seed: int | None = None,
+    num_envs: int = 1024,
+    backend: Backend = "auto",
+    device: str | None = None,
+    model: ModelLike | None = None,
+) -> dict[str, NDArray[np.float32]]:
+    """Runs a policy's mean actions on fresh episodes; returns one array per quantity, one entry per episode.
+
+    `pandas.DataFrame(evaluate("runs/pointing-1"))` is a table. Columns: `return`, `length` (control steps), `success`,
+    `targets_done`, `final_distance` (m), `effort`, the parts of the reward, and for each target `target_1_success` and
+    `target_1_time` (s, NaN where it was not done).
+
+    Args:
+        run: A run folder, or a `Policy`.
+        episodes: How many.
+        task: The task; that of the run by default.
+        seed: Seed of the episodes; by default one made from that of the training, never the same.
+        num_envs: Most environments side by side.
+        backend: `"cpu"`, `"gpu"` or `"auto"`.
+        device: A graphics card by its number or a part of its name.
+        model: Another body than that of the run, or of the task if one is named.
+    """
+    episodes = as_count("episodes", episodes)
+    if isinstance(run, Policy):
+        policy, trained_with = run, 0
+    else:
+        description = read_run(run)
+        policy, trained_with = Policy.load(run), description.seed
+        if task is None:
+            task, model = description.task, description.model if model is None else model
+    if task is None:
+        raise ValueError("a policy alone knows no task; name one with task=...")
+    seed = evaluation_seed(trained_with, 0) if seed is None else as_seed(seed)
+    side_by_side = min(as_count("num_envs", num_envs), episodes)
+    envs = make_vec(task, side_by_side, backend, autoreset="same_step", device=device, model=model)
+    try:
+        return _episodes(policy, envs._env, episodes, seed)
+    finally:
+        envs.close()
+
+
+def _episodes(policy: Policy, env: _native.Env, episodes: int, seed: int) -> dict[str, NDArray[np.float32]]:
+    """Every environment counts its first few episodes, equally many up to one: were the first ones to end anywhere
+    counted, short episodes, mostly the successful ones, would be over-represented."""
+    if policy.observation_names != env.observation_names:
+        raise ValueError("the policy was trained on other observations than those of this task")
+    count = env.num_envs
+    quota = np.array([episodes // count + (i < episodes % count) for i in range(count)])
+    rows: list[list[NDArray[np.float32]]] = [[] for _ in range(count)]
+    observation = env.reset(seed, None, None)
+    while quota.any():
+        observation, _, _, _, ended = env.step(policy._native.act(observation))
+        if ended is None:
+            continue
+        for one, summary in zip(ended[0], ended[2], strict=True):
+            if quota[one]:
+                quota[one] -= 1
+                rows[one].append(summary)
+    table = np.concatenate([np.array(of_env, np.float32) for of_env in rows])
+    return {name: table[:, k].copy() for k, name in enumerate(env.episode_names)}
+
+
+def evaluation_seed(training_seed: int, number: int) -> int:
+    """A seed for the `number`-th evaluation that is not the one of the training; 0 is that of `evaluate`.
+
+    SplitMix64 (Steele et al. 2014, doi 10.1145/2714064.2660195): neighbours become far apart. So does `myo eval`.
+    """
+    word = 2**64 - 1
+    z = (training_seed + (number + 1) * 0x9E3779B97F4A7C15) & word
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & word
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & word
+    return z ^ (z >> 31)

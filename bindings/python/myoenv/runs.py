@@ -1,0 +1,64 @@
+"""What a run folder says about itself."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from os import PathLike, fspath
+from typing import Any
+
+from myoenv import _native
+from myoenv._native import TrainingError
+
+
+@dataclass(frozen=True)
+class RunDescription:
+    """What was trained, on what, until when: `config.json`, as the command line writes and reads it, too."""
+
+    #: The task, with the keys of a task file.
+    task: dict[str, Any]
+    #: Another body than the task's, with the keys of a model file.
+    model: dict[str, Any] | None
+    #: Seed of everything random.
+    seed: int
+    #: All settings of PPO.
+    settings: dict[str, Any]
+    #: `cpu` or `gpu`: where it began, and where alone it goes on to the bit.
+    backend: str
+    #: Name of the graphics card, if it was one.
+    device: str | None
+    #: Share of fresh episodes in which the deterministic policy must succeed, if any.
+    until: float | None
+    #: Control steps after which to stop in any case.
+    steps: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """The caller's part of `config.json`: seed and settings have places of their own there."""
+        optional = {"device": self.device, "model": self.model}
+        return {
+            "task": self.task,
+            "backend": self.backend,
+            **{key: value for key, value in optional.items() if value is not None},
+            "version": _native.__version__,
+            "until": self.until,
+            "steps": self.steps,
+        }
+
+
+def read_run(path: str | PathLike[str]) -> RunDescription:
+    """Reads the description of a run folder."""
+    config = json.loads(_native.run_config(fspath(path)))
+    run = config["run"]
+    try:
+        return RunDescription(
+            task=run["task"],
+            model=run.get("model"),
+            seed=config["seed"],
+            settings=config["ppo"],
+            backend=run["backend"],
+            device=run.get("device"),
+            until=run["until"],
+            steps=run["steps"],
+        )
+    except (TypeError, AttributeError, KeyError) as error:
+        raise TrainingError(f"{fspath(path)}/config.json does not say what was trained: {error}") from None
