@@ -1,7 +1,7 @@
 //! The vectorised environment on the CPU: lanes across environments, threads across blocks of lanes.
 
 use crate::check::{self, Finished};
-use crate::config::{BuildError, EnvConfig};
+use crate::config::{BuildError, EnvConfig, MOST_THREADS};
 use crate::control::episode_names;
 use crate::job::{Backend, ResetJob, StepJob, Storage};
 use crate::observe;
@@ -81,6 +81,9 @@ pub fn spec<C: Real>(model: &Model, task: &Task, tables: &Tables<C>, config: &En
 }
 
 fn thread_pool(threads: usize) -> Result<ThreadPool, BuildError> {
+    if !(1..=MOST_THREADS).contains(&threads) {
+        return Err(BuildError::BadThreads { threads });
+    }
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     built.map_err(|error| BuildError::Threads { threads, reason: error.to_string() })
 }

@@ -5,6 +5,9 @@ use myo_dynamics::PlanError;
 use myo_scalar::Level;
 use thiserror::Error;
 
+/// Most threads of one pool.
+pub const MOST_THREADS: usize = 1024;
+
 /// Choices that are not part of the task.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnvConfig {
@@ -14,7 +17,7 @@ pub struct EnvConfig {
     pub seed: u64,
     /// How finished environments start again.
     pub autoreset: Autoreset,
-    /// Threads of an own pool; without it the caller's rayon pool is used.
+    /// Threads of an own pool, 1 to [`MOST_THREADS`]; without it the caller's rayon pool is used.
     pub threads: Option<usize>,
     /// Instruction-set level; without it the widest one of the processor.
     pub level: Option<Level>,
@@ -60,6 +63,12 @@ pub enum BuildError {
         operations: usize,
         /// Most that are tried.
         most: usize,
+    },
+    /// No threads, or more than any machine has use for: starting them would stall it.
+    #[error("threads is {threads}; it must be from 1 to {MOST_THREADS}")]
+    BadThreads {
+        /// How many were asked for.
+        threads: usize,
     },
     /// The thread pool could not be made.
     #[error("a pool of {threads} threads could not be started: {reason}")]

@@ -36,7 +36,7 @@ mod tables;
 mod vector;
 
 pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
-pub use config::{BuildError, EnvConfig};
+pub use config::{BuildError, EnvConfig, MOST_THREADS};
 pub use gpu::GpuEnv;
 pub use job::Backend;
 pub use observe::Part;

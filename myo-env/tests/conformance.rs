@@ -294,6 +294,11 @@ fn a_control_step_that_does_not_fit_the_physics_is_refused() {
     assert!(refused.to_string().contains("0.0333 s, which is no whole number"), "{refused}");
     let none = CpuEnv::new(&arm(&task), &task, &EnvConfig { num_envs: 0, ..Default::default() }).err();
     assert!(none.expect("zero environments").to_string().contains("at least one"));
+    for threads in [0, 1_000_000] {
+        let config = EnvConfig { threads: Some(threads), ..Default::default() };
+        let error = CpuEnv::new(&arm(&preset("pointing").unwrap()), &preset("pointing").unwrap(), &config).err();
+        assert_eq!(error.unwrap().to_string(), format!("threads is {threads}; it must be from 1 to 1024"));
+    }
 }
 
 #[test]

@@ -120,12 +120,13 @@ pub enum Pose {
 
 /// Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
 ///
-/// The defaults are those that train soonest. The published system (MyoInteract) has `inside_is_zero: false`,
+/// The defaults are those that train soonest. The published system (MyoInteract) has `distance: 1`, `inside_is_zero: false`,
 /// `remaining_path: true`, `time_cost: 0`, `subtask_bonus: 0`, `completion_bonus: 10`, `neural_effort: 0`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Reward {
-    /// Cost per metre and control step of the distance from the fingertip to the current target. Default 1.
+    /// Cost per metre and control step of the distance from the fingertip to the current target. Default 0.3:
+    /// where the arm must first go away from a target to reach it, a larger cost makes stopping short pay.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub distance: f64,
@@ -154,7 +155,7 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub completion_bonus: f64,
 
-    /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0.002.
+    /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0.001.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub neural_effort: f64,
@@ -297,13 +298,13 @@ impl Default for Reset {
 impl Default for Reward {
     fn default() -> Self {
         Self {
-            distance: 1.0,
+            distance: 0.3,
             inside_is_zero: true,
             remaining_path: false,
             time_cost: 0.6,
             subtask_bonus: 3.0,
             completion_bonus: 6.0,
-            neural_effort: 0.002,
+            neural_effort: 0.001,
             acceleration_effort: 0.0,
         }
     }

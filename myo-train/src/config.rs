@@ -9,10 +9,10 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PpoConfig {
-    /// Environments stepped side by side (default 1,024). More of them give steadier gradients per update and need
+    /// Environments stepped side by side (default 2,048). More of them give steadier gradients per update and need
     /// more control steps in all.
     pub num_envs: usize,
-    /// Control steps of every environment between two updates (default 16). Longer roll-outs lean less on the value
+    /// Control steps of every environment between two updates (default 8). Longer roll-outs lean less on the value
     /// network, and update less often.
     pub steps_per_update: usize,
     /// Passes over the collected samples in one update (default 2). More learn more from the same samples, until
@@ -25,9 +25,9 @@ pub struct PpoConfig {
     /// Widths of the hidden layers of the value network (default 128, 128).
     pub value_hidden: Vec<usize>,
 
-    /// What a reward one second of simulated time ahead counts, in [0, 1) (default 0.36, that is 0.95 per control step at
-    /// 20 Hz: a reward counts half after 0.7 s). Lower learns sooner, higher plans further. Per second, so that a task with
-    /// other control steps looks as far ahead.
+    /// What a reward one second of simulated time ahead counts, in [0, 1) (default 0.67, that is 0.98 per control step at
+    /// 20 Hz: a reward counts half after 1.7 s). Lower learns sooner, higher plans further: with 0.36 the arm stops short
+    /// of targets that it must go round to reach. Per second, so that a task with other control steps looks as far ahead.
     pub discount_per_s: f64,
     /// Decay of the advantage estimate, in [0, 1] (default 0.95). 0 trusts the value network alone, 1 the returns alone.
     pub gae_lambda: f64,
@@ -44,10 +44,10 @@ pub struct PpoConfig {
     pub learning_rate: f64,
     /// The step size never falls below this (default 1e-5).
     pub learning_rate_min: f64,
-    /// The step size never rises above this (default 3e-3).
+    /// The step size never rises above this (default 1e-2).
     pub learning_rate_max: f64,
     /// Divergence from the collecting policy that one update should reach, mean over its last pass, in nats (default
-    /// 0.02). 0 keeps the step size fixed. Larger moves faster and may collapse.
+    /// 0.04). 0 keeps the step size fixed. Larger moves faster and may collapse.
     pub kl_target: f64,
     /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
     /// below `kl_target / kl_tolerance` (default 1.5).
@@ -90,13 +90,13 @@ pub struct PpoConfig {
 impl Default for PpoConfig {
     fn default() -> Self {
         Self {
-            num_envs: 1024,
-            steps_per_update: 16,
+            num_envs: 2048,
+            steps_per_update: 8,
             epochs: 2,
             minibatches: 4,
             policy_hidden: vec![128, 128],
             value_hidden: vec![128, 128],
-            discount_per_s: 0.36,
+            discount_per_s: 0.67,
             gae_lambda: 0.95,
             clip: 0.2,
             entropy_coefficient: 0.002,
@@ -104,8 +104,8 @@ impl Default for PpoConfig {
             reward_scale: 1.0,
             learning_rate: 1e-3,
             learning_rate_min: 1e-5,
-            learning_rate_max: 3e-3,
-            kl_target: 0.02,
+            learning_rate_max: 1e-2,
+            kl_target: 0.04,
             kl_factor: 1.5,
             kl_tolerance: 1.5,
             kl_max: 1.0,

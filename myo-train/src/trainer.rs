@@ -408,7 +408,7 @@ mod tests {
         assert_eq!(adapted_rate(1e-3, 0.001, &config), 1.5e-3);
         assert_eq!(adapted_rate(1e-3, config.kl_target, &config), 1e-3);
         assert_eq!(adapted_rate(1e-5, 0.1, &config), 1e-5);
-        assert_eq!(adapted_rate(3e-3, 0.0, &config), 3e-3);
+        assert_eq!(adapted_rate(1e-2, 0.0, &config), 1e-2);
         assert_eq!(adapted_rate(1e-3, 0.1, &PpoConfig { kl_target: 0.0, ..config }), 1e-3);
     }
 }

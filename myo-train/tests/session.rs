@@ -15,6 +15,7 @@ const ENVS: usize = 256;
 fn config() -> PpoConfig {
     PpoConfig {
         num_envs: ENVS,
+        steps_per_update: 16,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
         action_offset: 0.0,
@@ -166,7 +167,7 @@ fn learning_that_runs_away_goes_back_and_still_succeeds() {
     };
     let batch = config().batch_size() as u64;
     assert_eq!((*env_steps, *to_env_steps), (70 * batch, 64 * batch));
-    assert!(reason.contains("NaN") && *learning_rate <= 3e-3 / 4.0, "{reason} {learning_rate}");
+    assert!(reason.contains("NaN") && *learning_rate <= config().learning_rate_max / 4.0, "{reason} {learning_rate}");
     assert_eq!(outcome.end, End::Steps);
     assert!(outcome.evaluation.unwrap().success.unwrap() > 0.95);
 

@@ -9,6 +9,7 @@ use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer};
 fn config() -> PpoConfig {
     PpoConfig {
         num_envs: 256,
+        steps_per_update: 16,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
         action_offset: 0.0,
@@ -93,6 +94,7 @@ fn another_seed_gives_another_run() {
 fn learned_value(terminates: bool, gamma: f64) -> f64 {
     let config = PpoConfig {
         num_envs: 64,
+        steps_per_update: 16,
         value_hidden: vec![16],
         policy_hidden: vec![4],
         discount_per_s: gamma.powf(1.0 / 0.05),

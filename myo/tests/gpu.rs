@@ -52,7 +52,8 @@ fn devices() -> Option<Value> {
 fn short_training<'a>(envs: &'a str, steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let fixed =
         ["train", "pointing-single", "--until", "off", "--envs", envs, "--steps", steps, "--out", "run", "--json"];
-    [&fixed[..], &["--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"], more].concat()
+    [&fixed[..], &["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"], more]
+        .concat()
 }
 
 #[test]

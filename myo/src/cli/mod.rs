@@ -29,7 +29,7 @@ struct Cli {
     command: Command,
 
     /// Processor threads for everything [default: all]
-    #[arg(long, global = true, value_name = "N", value_parser = parse::positive)]
+    #[arg(long, global = true, value_name = "N", value_parser = parse::threads)]
     threads: Option<usize>,
 }
 

@@ -1,10 +1,20 @@
 //! Values of options.
 
+use myo::env::MOST_THREADS;
+
 /// A whole number from 1.
 pub fn positive(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(n) if n >= 1 => Ok(n),
         _ => Err("a whole number from 1 is needed".into()),
+    }
+}
+
+/// A number of processor threads.
+pub fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n) if (1..=MOST_THREADS).contains(&n) => Ok(n),
+        _ => Err(format!("a whole number from 1 to {MOST_THREADS} is needed")),
     }
 }
 
@@ -52,6 +62,12 @@ mod tests {
         for text in ["", "k", "0", "-1", "1.5", "nan", "inf", "1e30", "many", "é"] {
             assert!(count(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn threads_are_few() {
+        assert_eq!(threads("2"), Ok(2));
+        assert!(["0", "1000000", "two"].iter().all(|text| threads(text).unwrap_err().contains("1 to 1024")));
     }
 
     #[test]
