@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myoenv import _native
-from myoenv.arguments import as_count, as_seed
+from myoenv.arguments import as_count, as_num_envs, as_seed
 from myoenv.policy import Policy
 from myoenv.runs import read_run
 from myoenv.tasks import ModelLike, TaskLike
@@ -23,7 +23,7 @@ def evaluate(
     seed: int | None = None,
     num_envs: int = 1024,
     backend: Backend = "auto",
-    device: str | None = None,
+    device: str | int | None = None,
     model: ModelLike | None = None,
 ) -> dict[str, NDArray[np.float32]]:
     """Runs a policy's mean actions on fresh episodes; returns one array per quantity, one entry per episode.
@@ -53,7 +53,7 @@ def evaluate(
     if task is None:
         raise ValueError("a policy alone knows no task; name one with task=...")
     seed = evaluation_seed(trained_with, 0) if seed is None else as_seed(seed)
-    side_by_side = min(as_count("num_envs", num_envs), episodes)
+    side_by_side = min(as_num_envs(num_envs), episodes)
     envs = make_vec(task, side_by_side, backend, autoreset="same_step", device=device, model=model)
     try:
         return _episodes(policy, envs._env, episodes, seed)
