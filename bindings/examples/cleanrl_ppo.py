@@ -27,6 +27,7 @@ parser.add_argument("--gae-lambda", type=float, default=0.95)
 parser.add_argument("--clip", type=float, default=0.2)
 parser.add_argument("--entropy", type=float, default=0.002)
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--episodes", type=int, default=1000, help="fresh episodes to evaluate in at the end")
 args = parser.parse_args()
 
 
@@ -130,3 +131,13 @@ for update in range(1, updates + 1):
         rate = steps / (time.perf_counter() - start)
         success = f"{sum(successes) / len(successes):.1%}" if successes else "none ended"
         print(f"{steps:,} steps, success {success}, {rate:,.0f} steps/s, learning included")
+
+
+@torch.no_grad()
+def act(observation):
+    """The mean actions."""
+    return agent.policy(agent.normalise(torch.from_numpy(observation))).mean.numpy()
+
+
+table = myoenv.evaluate(act, args.episodes, task=args.task)
+print(f"success {table['success'].mean():.1%} of {args.episodes} fresh episodes")

@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+import myoenv
 from myoenv.brax import BraxEnv
 
 parser = argparse.ArgumentParser(description=__doc__)
@@ -19,6 +20,7 @@ parser.add_argument("--task", default="pointing-single")
 parser.add_argument("--envs", type=int, default=1024)
 parser.add_argument("--steps", type=int, default=4_000_000, help="control steps of all environments")
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--episodes", type=int, default=1000, help="fresh episodes to evaluate in at the end")
 args = parser.parse_args()
 ROLLOUT, EPOCHS, MINIBATCHES = 16, 4, 4
 GAMMA, GAE_LAMBDA, CLIP, ENTROPY, LEARNING_RATE = 0.95, 0.95, 0.2, 0.002, 1e-3
@@ -171,3 +173,8 @@ for k in range(1, updates + 1):
         share = f"{succeeded / ended:.1%}" if ended else "none ended"
         print(f"{k * ROLLOUT * args.envs:,} steps, success {share}, {rate:,.0f} steps/s, learning included")
         ended = succeeded = 0.0
+
+learner, moments, *_ = carry
+act = jax.jit(lambda obs: mean_action(learner[0], moments.normalise(obs)))
+table = myoenv.evaluate(act, args.episodes, task=args.task)
+print(f"success {table['success'].mean():.1%} of {args.episodes} fresh episodes")

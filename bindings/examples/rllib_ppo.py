@@ -7,6 +7,7 @@ import argparse
 import time
 
 import ray
+import torch
 from ray.rllib.algorithms.ppo import PPOConfig
 from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
 from ray.tune.registry import register_env
@@ -19,6 +20,7 @@ parser.add_argument("--envs", type=int, default=64, help="environments of a work
 parser.add_argument("--workers", type=int, default=2)
 parser.add_argument("--steps", type=int, default=400_000, help="control steps of all environments")
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--episodes", type=int, default=1000, help="fresh episodes to evaluate in at the end")
 args = parser.parse_args()
 
 
@@ -65,5 +67,18 @@ while steps < args.steps:
     mean_return = collected.get("episode_return_mean", float("nan"))
     rate = steps / (time.perf_counter() - start)
     print(f"{steps:,.0f} steps, return {mean_return:.2f}, {rate:,.0f} steps/s, learning included", flush=True)
+
+module = algorithm.get_module()
+
+
+@torch.inference_mode()
+def act(observation):
+    """The mean actions: of the means and logarithms of deviations, the first half."""
+    out = module.forward_inference({"obs": torch.from_numpy(observation)})["action_dist_inputs"]
+    return out[:, : out.shape[1] // 2].clamp(-1, 1).numpy()
+
+
+table = myoenv.evaluate(act, args.episodes, task=args.task, backend="cpu")
+print(f"success {table['success'].mean():.1%} of {args.episodes} fresh episodes")
 algorithm.stop()
 ray.shutdown()

@@ -6,9 +6,12 @@ Needs `pip install myoenv[rsl-rl]`.
 import argparse
 import time
 
+import numpy as np
 import torch
 from rsl_rl.runners import OnPolicyRunner
+from tensordict import TensorDict
 
+import myoenv
 from myoenv.rsl_rl import RslRlVecEnv
 
 parser = argparse.ArgumentParser(description=__doc__)
@@ -17,6 +20,7 @@ parser.add_argument("--envs", type=int, default=1024)
 parser.add_argument("--steps", type=int, default=4_000_000, help="control steps of all environments")
 parser.add_argument("--log-dir", default=None, help="folder for TensorBoard and checkpoints")
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--episodes", type=int, default=1000, help="fresh episodes to evaluate in at the end")
 args = parser.parse_args()
 
 network = {"class_name": "MLPModel", "hidden_dims": [128, 128], "activation": "elu", "obs_normalization": True}
@@ -50,13 +54,15 @@ runner.learn(updates)
 wall_s = time.perf_counter() - start
 print(f"{updates * config['num_steps_per_env'] * args.envs / wall_s:,.0f} steps/s, learning included")
 
-# The deterministic policy: the first episode of every environment.
 policy = runner.get_inference_policy()
-obs, _ = envs.reset(seed=args.seed + 1)
-success = torch.full((args.envs,), torch.nan)
-with torch.inference_mode():
-    while success.isnan().any():
-        obs, _, dones, extras = envs.step(policy(obs))
-        first = dones.bool() & success.isnan()
-        success[first] = (~extras["time_outs"][first]).float()
-print(f"success {success.mean():.1%} of {args.envs} episodes")
+
+
+@torch.inference_mode()
+def act(observation: np.ndarray) -> np.ndarray:
+    """The mean actions."""
+    rows = TensorDict({"policy": torch.from_numpy(observation)}, batch_size=[len(observation)])
+    return policy(rows.to(envs.device)).cpu().numpy()
+
+
+table = myoenv.evaluate(act, args.episodes, task=args.task)
+print(f"success {table['success'].mean():.1%} of {args.episodes} fresh episodes")

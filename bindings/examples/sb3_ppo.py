@@ -12,6 +12,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecNormalize
 
+import myoenv
 from myoenv.sb3 import MyoVecEnv
 
 
@@ -26,17 +27,12 @@ def parse() -> argparse.Namespace:
 
 
 def success(model: PPO, normalize: VecNormalize, task: str, episodes: int, seed: int) -> float:
-    """Share of fresh episodes, one per environment, in which the mean actions succeed."""
-    env = MyoVecEnv(task, episodes, seed=seed)
-    observation = env.reset()
-    first = np.full(episodes, np.nan)
-    while np.isnan(first).any():
-        actions, _ = model.predict(normalize.normalize_obs(observation), deterministic=True)
-        observation, _, done, infos = env.step(actions)
-        for i in np.flatnonzero(done & np.isnan(first)):
-            first[i] = infos[i]["is_success"]
-    env.close()
-    return float(first.mean())
+    """Share of fresh episodes in which the mean actions succeed."""
+
+    def act(observation: np.ndarray) -> np.ndarray:
+        return model.predict(normalize.normalize_obs(observation), deterministic=True)[0]
+
+    return float(myoenv.evaluate(act, episodes, task=task, seed=seed)["success"].mean())
 
 
 class Look(BaseCallback):

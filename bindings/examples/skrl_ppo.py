@@ -24,6 +24,7 @@ parser.add_argument("--task", default="pointing-single")
 parser.add_argument("--envs", type=int, default=1024)
 parser.add_argument("--steps", type=int, default=4_000_000, help="control steps of all environments")
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--episodes", type=int, default=1000, help="fresh episodes to evaluate in at the end")
 args = parser.parse_args()
 ROLLOUT = 16
 
@@ -90,3 +91,15 @@ trainer = SequentialTrainer(
 start = time.perf_counter()
 trainer.train()
 print(f"{timesteps * args.envs / (time.perf_counter() - start):,.0f} steps/s, learning included")
+
+
+@torch.inference_mode()
+def act(observation):
+    """The mean actions."""
+    agent.enable_training_mode(False)
+    rows = torch.from_numpy(observation).to(envs.device)
+    return agent.act(rows, None, timestep=timesteps, timesteps=timesteps)[1]["mean_actions"].cpu().numpy()
+
+
+table = myoenv.evaluate(act, args.episodes, task=args.task)
+print(f"success {table['success'].mean():.1%} of {args.episodes} fresh episodes")

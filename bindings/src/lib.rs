@@ -1,6 +1,6 @@
 //! Python bindings: the compiled half of the package `myoenv`.
 //!
-//! - [`env`]: environments stepped side by side, arrays in and arrays out
+//! - [`env`]: environments stepped side by side, arrays in and arrays out; [`batch`]: what is behind it, [`arrays`]: NumPy's
 //! - [`train`]: PPO, evaluation, run folders; [`policy`]: what they leave
 //! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
 //! - [`simulation`]: the body alone
@@ -11,6 +11,8 @@
 //! released while Rust computes, nothing a caller passes ends in a panic ([`error`]), and a process forked after threads were
 //! started is refused ([`process`]).
 
+mod arrays;
+mod batch;
 mod env;
 mod error;
 mod model;

@@ -5,13 +5,19 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use myo::dynamics::{Coupling, Obstacles, Plan, State, Workspace, step};
 use myo::env::Tables;
 use numpy::ndarray::Array2;
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayLike1};
-use pyo3::exceptions::PyValueError;
+use numpy::{
+    AllowTypeChange, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayLike1, PyUntypedArray,
+    PyUntypedArrayMethods, get_array_module,
+};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::error::{self, compute};
 use crate::model::Model;
 use crate::task::Task;
+
+/// Steps, some milliseconds of them, after which Ctrl-C is looked for.
+const STEPS_BETWEEN_SIGNALS: i64 = 1000;
 
 /// One body, stepped directly: the double-precision reference. Coupled joints follow the independent ones.
 ///
@@ -50,25 +56,37 @@ impl Simulation {
         moment
     }
 
-    fn set(
-        &self,
-        what: &str,
-        values: &PyArrayLike1<'_, f64, AllowTypeChange>,
-        part: fn(&mut State<f64>) -> &mut Vec<f64>,
-    ) -> PyResult<()> {
-        let values = checked(what, values, part(&mut self.moment().state).len())?;
+    fn advance(&self, ctrl: &[f64], steps: i64) {
         let mut moment = self.moment();
-        part(&mut moment.state).copy_from_slice(&values);
+        let Moment { state, ws, time, fresh } = &mut *moment;
+        for _ in 0..steps {
+            step::step(&self.plan, &self.obstacles, ctrl, state, ws);
+        }
+        *time += steps as f64 * self.plan.timestep;
+        *fresh = false;
+    }
+
+    fn set(&self, values: &[f64], part: fn(&mut State<f64>) -> &mut Vec<f64>) {
+        let mut moment = self.moment();
+        part(&mut moment.state).copy_from_slice(values);
         moment.fresh = false;
-        Ok(())
     }
 }
 
-fn checked(what: &str, values: &PyArrayLike1<'_, f64, AllowTypeChange>, expected: usize) -> PyResult<Vec<f64>> {
-    let values = values.as_array().to_vec();
-    if values.len() != expected {
-        return Err(PyValueError::new_err(format!("{what} has {} entries, expected {expected}", values.len())));
+/// So many finite numbers, whatever they come in.
+fn numbers(what: &str, values: &Bound<'_, PyAny>, expected: usize) -> PyResult<Vec<f64>> {
+    let refuse = |sentence: String| PyValueError::new_err(format!("{what} {sentence}"));
+    let array = get_array_module(values.py())?
+        .call_method1("asarray", (values,))
+        .map_err(|error| refuse(format!("cannot be made an array: {}", error.value(values.py()))))?;
+    let array = array.cast::<PyUntypedArray>()?;
+    if !matches!(array.dtype().kind(), b'f' | b'i' | b'u') {
+        return Err(refuse(format!("is of type {}; it must be numbers", array.dtype())));
     }
+    if array.shape() != [expected] {
+        return Err(refuse(format!("has the shape {:?}, expected [{expected}]", array.shape())));
+    }
+    let values = array.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>()?.as_array().to_vec();
     match values.iter().position(|x| !x.is_finite()) {
         Some(index) => Err(PyValueError::new_err(format!("{what}[{index}] is {}; it must be finite", values[index]))),
         None => Ok(values),
@@ -99,20 +117,25 @@ impl Simulation {
         })
     }
 
-    /// Advances `steps` physics steps under excitations in [0, 1], `(nmuscle,)`.
+    /// Advances `steps` physics steps under excitations `(nmuscle,)`, clipped to [0, 1].
     #[pyo3(signature = (ctrl, steps = 1))]
-    fn step(&self, py: Python<'_>, ctrl: PyArrayLike1<'_, f64, AllowTypeChange>, steps: usize) -> PyResult<()> {
-        let mut ctrl = checked("ctrl", &ctrl, self.plan.nmuscle())?;
+    fn step(&self, py: Python<'_>, ctrl: &Bound<'_, PyAny>, steps: i64) -> PyResult<()> {
+        let mut ctrl = numbers("ctrl", ctrl, self.plan.nmuscle())?;
         ctrl.iter_mut().for_each(|u| *u = u.clamp(0.0, 1.0));
-        compute(py, || {
-            let mut moment = self.moment();
-            let Moment { state, ws, time, fresh } = &mut *moment;
-            for _ in 0..steps {
-                step::step(&self.plan, &self.obstacles, &ctrl, state, ws);
-            }
-            *time += steps as f64 * self.plan.timestep;
-            *fresh = false;
-        })
+        if steps < 0 {
+            return Err(PyValueError::new_err(format!("steps is {steps}; it must be at least 0")));
+        }
+        let mut left = steps;
+        while left > 0 {
+            let now = left.min(STEPS_BETWEEN_SIGNALS);
+            compute(py, || self.advance(&ctrl, now))?;
+            py.check_signals()?;
+            left -= now;
+        }
+        if self.moment().state.qpos.iter().any(|x| !x.is_finite()) {
+            return Err(PyRuntimeError::new_err("the body moves too fast to be computed; reset it"));
+        }
+        Ok(())
     }
 
     /// Back to rest in the zero pose.
@@ -141,8 +164,9 @@ impl Simulation {
     }
 
     #[setter]
-    fn set_qpos(&self, values: PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<()> {
-        self.set("qpos", &values, |state| &mut state.qpos)
+    fn set_qpos(&self, values: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.set(&numbers("qpos", values, self.plan.ndof())?, |state| &mut state.qpos);
+        Ok(())
     }
 
     /// Their rates (1/s), `(ndof,)`.
@@ -152,8 +176,9 @@ impl Simulation {
     }
 
     #[setter]
-    fn set_qvel(&self, values: PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<()> {
-        self.set("qvel", &values, |state| &mut state.qvel)
+    fn set_qvel(&self, values: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.set(&numbers("qvel", values, self.plan.ndof())?, |state| &mut state.qvel);
+        Ok(())
     }
 
     /// Muscle activations in [0, 1], `(nmuscle,)`.
@@ -163,8 +188,14 @@ impl Simulation {
     }
 
     #[setter]
-    fn set_activation(&self, values: PyArrayLike1<'_, f64, AllowTypeChange>) -> PyResult<()> {
-        self.set("activation", &values, |state| &mut state.act)
+    fn set_activation(&self, values: &Bound<'_, PyAny>) -> PyResult<()> {
+        let given = numbers("activation", values, self.plan.nmuscle())?;
+        if let Some(muscle) = given.iter().position(|x| !(0.0..=1.0).contains(x)) {
+            let x = given[muscle];
+            return Err(PyValueError::new_err(format!("activation[{muscle}] is {x}; it must be from 0 to 1")));
+        }
+        self.set(&given, |state| &mut state.act);
+        Ok(())
     }
 
     /// Accelerations of the independent joints in this state (rad/s^2), `(ndof,)`.

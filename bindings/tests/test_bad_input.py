@@ -78,6 +78,15 @@ def test_other_floats_and_layouts_are_converted(make):
         ({"seed": 2**64}, "seed is 18446744073709551616"),
         ({"seed": 1.5}, "seed is 1.5"),
         ({"threads": 0}, "threads is 0"),
+        ({"threads": 10**6}, "threads is 1000000; it must be at most 1024"),
+        ({"num_envs": 10**12}, "num_envs is 1000000000000; it must be at most"),
+        ({"autoreset": []}, r"autoreset is \[\]"),
+        ({"backend": None}, "backend is None; it must be a string"),
+        ({"device": 1.5}, "device is 1.5; it must be a string"),
+        ({"render_size": 64}, "render_size is 64; it must be width and height"),
+        ({"render_size": (-3, 64)}, "render_size is -3 x 64; sizes are 16 to 4096 pixels"),
+        ({"render_size": (64.5, 64)}, "render_size is 64.5; it must be a whole number"),
+        ({"task": "a\0b.toml"}, "cannot read"),
         ({"render_mode": "human"}, "render_mode is 'human'"),
         ({"task": "pionting"}, "did you mean `pointing`"),
         ({"task": 3}, "a task is a name"),
@@ -102,6 +111,7 @@ def test_bad_arguments(kwargs, sentence):
         ("abc", None, "whole number"),
         (-1, None, "seed is -1"),
         (None, {"mask": 1}, "unknown option 'mask'"),
+        (None, "reset_mask", "options is 'reset_mask'; it must be a dictionary"),
         (None, {"reset_mask": [True] * 8}, "NumPy array"),
         (None, {"reset_mask": np.ones(8)}, "must be bool"),
         (None, {"reset_mask": np.ones(7, bool)}, "expected"),
@@ -111,6 +121,44 @@ def test_bad_arguments(kwargs, sentence):
 def test_bad_resets(make, seed, options, sentence):
     with pytest.raises((ValueError, TypeError), match=sentence):
         make().reset(seed=seed, options=options)
+
+
+def test_bad_files_are_told_by_their_names(tmp_path):
+    for name in ("bytes.toml", "bytes.yaml"):
+        (tmp_path / name).write_bytes(b"\xff\xfe\x00")
+        with pytest.raises(myoenv.TaskError, match=name):
+            myoenv.load_task(tmp_path / name)
+    with pytest.raises(myoenv.TaskError, match=r"bytes\.yaml"):
+        myoenv.load_model(tmp_path / "bytes.yaml")
+
+
+def test_one_environment_refuses_what_many_refuse():
+    env = myoenv.make("pointing-single")
+    cases = {
+        "shape (25,), expected": np.zeros(25),
+        r"shape \(1, 26\), expected \(26,\)": np.zeros((1, 26)),
+        "cannot be made an array": [[1.0], [1.0, 2.0]],
+        "of type int64": np.zeros(26, np.int64),
+        "action 0 of environment 0 is NaN": np.full(26, np.nan),
+    }
+    env.reset(seed=1)
+    for sentence, actions in cases.items():
+        with pytest.raises(myoenv.ActionError, match=sentence.replace("(25,)", r"\(25,\)")):
+            env.step(actions)
+    with pytest.raises(ValueError, match="unknown option 'reset_mask'; there is none"):
+        env.reset(options={"reset_mask": np.ones(1, bool)})
+    with pytest.raises(TypeError, match="seed is"):
+        env.reset(seed=[1])
+
+
+def test_pictures_and_states_that_are_not_there(make):
+    env = make(num_envs=4)
+    for index in (-1, 4):
+        with pytest.raises(ValueError, match=f"env is {index}; it must be from 0 to 3"):
+            env.render_env(index)
+    for state in (None, "state", np.zeros(3)):
+        with pytest.raises(TypeError, match="a state is what save_state returned, bytes"):
+            env.load_state(state)
 
 
 def test_what_the_body_cannot_do_is_refused(short_task):

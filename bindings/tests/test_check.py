@@ -80,6 +80,12 @@ def test_every_fault_is_found(make, short_task, fault):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("other", [3, myoenv.MyoVectorEnv, "CartPole-v1"])
+def test_what_is_no_vector_environment_is_told(other):
+    with pytest.raises(myoenv.CheckError, match=r"no gymnasium\.vector\.VectorEnv"):
+        myoenv.check_vec_env(other)
+
+
 def test_it_is_of_use_on_others():
     others = gymnasium.make_vec("CartPole-v1", num_envs=3, vectorization_mode="sync")
     assert "autoreset" in myoenv.check_vec_env(others)

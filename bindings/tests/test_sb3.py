@@ -4,7 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-import myoenv  # noqa: F401
+import myoenv
 
 pytest.importorskip("stable_baselines3", reason="Stable-Baselines3 is not installed")
 
@@ -49,6 +49,23 @@ def test_seeds_attributes_and_pictures():
     with pytest.raises(ValueError, match="all environments"):
         env.set_attr("render_size", (32, 32), indices=0)
     env.close()
+
+
+def test_bad_calls_are_told():
+    env = MyoVecEnv("pointing-single", 3, "cpu")
+    for seed, error in ((-1, ValueError), ("one", TypeError)):
+        with pytest.raises(error, match="seed is"):
+            env.seed(seed)
+    env.set_options({"mask": 1})
+    with pytest.raises(ValueError, match="unknown option 'mask'"):
+        env.reset()
+    env.reset()
+    with pytest.raises(myoenv.ActionError, match="expected"):
+        env.step(np.zeros((2, 26), np.float32))
+    env.close()
+    env.close()
+    with pytest.raises(myoenv.ClosedError):
+        env.reset()
 
 
 def test_ppo_learns_a_little():

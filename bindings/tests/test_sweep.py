@@ -50,6 +50,33 @@ def test_a_bad_layout_is_refused_before_anything_is_trained(cluster, tmp_path):
     assert not (tmp_path / "trials").exists()
 
 
+@pytest.mark.parametrize(
+    ("kwargs", "sentence"),
+    [
+        ({"layouts": ["pointing"]}, "layouts is .*; it must be a dictionary"),
+        ({"layouts": {3: "pointing"}}, "layouts has the key 3"),
+        ({"seeds": 3}, "seeds is 3"),
+        ({"seeds": ["one"]}, "seed is 'one'"),
+        ({"until": 2}, "until is 2"),
+        ({"num_envs": 0}, "num_envs is 0"),
+        ({"steps": 0}, "steps is 0"),
+        ({"cpus_per_trial": 0}, "cpus_per_trial is 0"),
+        ({"folder": 3}, "folder is 3; it must be a path"),
+    ],
+)
+def test_bad_arguments_are_told_at_once(kwargs, sentence, tmp_path):
+    pytest.importorskip("ray", reason="Ray is not installed")
+    arguments = {"layouts": {"one": "pointing-single"}, "folder": tmp_path, **kwargs}
+    with pytest.raises((ValueError, TypeError), match=sentence):
+        sweep(**arguments)
+
+
+def test_bad_grids_are_told():
+    for kwargs, sentence in (({"x": "far"}, "x is 'far'"), ({"x": float("nan")}, "x is nan"), ({"y": 1}, "y is 1")):
+        with pytest.raises((ValueError, TypeError), match=sentence):
+            button_grid(**kwargs)
+
+
 def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
     assert len([node for node in cluster.nodes() if node["Alive"]]) == 2
     grid = button_grid(columns=2, rows=1)

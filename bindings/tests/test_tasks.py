@@ -8,6 +8,8 @@ import pytest
 
 import myoenv
 
+POSE = np.array([0.2, 0.8, -0.3, 1.0, 0.1])
+
 
 def test_one_task_from_everything(tmp_path, short_task):
     whole = myoenv.load_task(short_task)
@@ -60,7 +62,7 @@ def test_the_body_falls_and_follows_its_muscles():
 
 def test_moment_arms_are_derivatives_of_length():
     body = myoenv.Simulation(myoenv.Model())
-    pose, step = np.array([0.2, 0.8, -0.3, 1.0, 0.1]), 1e-6
+    pose, step = POSE, 1e-6
     for k in range(5):
         lengths = []
         for sign in (-1, 1):
@@ -80,16 +82,49 @@ def test_the_mass_matrix_is_symmetric_and_positive():
     assert (np.linalg.eigvalsh(body.mass_matrix) > 0).all()
 
 
-def test_bad_states_of_the_body_are_refused():
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        (np.zeros(4), r"qpos has the shape \[4\], expected \[5\]"),
+        (np.zeros((1, 5)), r"qpos has the shape \[1, 5\]"),
+        ([0, np.nan, 0, 0, 0], r"qpos\[1\] is NaN; it must be finite"),
+        (np.zeros(5, complex), "qpos is of type complex128; it must be numbers"),
+        (None, "qpos is of type object"),
+        ("12345", "qpos is of type <U5"),
+        ([[1], [2, 3]], "qpos cannot be made an array"),
+    ],
+)
+def test_bad_states_of_the_body_are_refused(values, sentence):
     body = myoenv.Simulation(myoenv.Model())
-    for values, sentence in ((np.zeros(4), "4 entries, expected 5"), ([0, np.nan, 0, 0, 0], r"qpos\[1\] is NaN")):
+    body.qpos = POSE
+    with pytest.raises(ValueError, match=sentence):
+        body.qpos = values
+    assert np.array_equal(body.qpos, POSE)
+
+
+def test_bad_steps_of_the_body_are_refused():
+    body = myoenv.Simulation(myoenv.Model())
+    for ctrl, steps, sentence in (
+        (np.zeros(3), 1, r"ctrl has the shape \[3\]"),
+        (np.full(26, np.inf), 1, r"ctrl\[0\] is inf"),
+        (np.zeros(26), -1, "steps is -1"),
+    ):
         with pytest.raises(ValueError, match=sentence):
-            body.qpos = values
-    with pytest.raises(ValueError, match="ctrl has 3 entries"):
-        body.step(np.zeros(3))
+            body.step(ctrl, steps)
+    for activation in (1.5, -0.1):
+        with pytest.raises(ValueError, match=rf"activation\[0\] is {activation}; it must be from 0 to 1"):
+            body.activation = np.full(26, activation)
+    assert body.time == 0
 
 
-POSE = np.array([0.2, 0.8, -0.3, 1.0, 0.1])
+def test_a_body_that_moves_too_fast_says_so_and_can_be_reset():
+    body = myoenv.Simulation(myoenv.Model())
+    body.qvel = np.full(5, 1e200)
+    with pytest.raises(RuntimeError, match="too fast to be computed; reset it"):
+        body.step(np.zeros(26), 5)
+    body.reset()
+    body.step(np.zeros(26), 5)
+    assert np.isfinite(body.qpos).all()
 
 
 def button_ahead(gap: float) -> tuple[myoenv.Simulation, myoenv.Simulation]:

@@ -5,6 +5,7 @@ import pytest
 
 torch = pytest.importorskip("torch", reason="PyTorch is not installed")
 
+import myoenv  # noqa: E402
 from myoenv.torch import TorchVectorEnv  # noqa: E402
 
 
@@ -75,6 +76,29 @@ def test_actions_with_a_gradient_are_taken(make):
     envs.step(torch.zeros(envs.num_envs, envs.num_actions, requires_grad=True))
 
 
+def test_bad_tensors_are_told(make):
+    envs = TorchVectorEnv(make())
+    envs.reset()
+    for wrong, sentence in (
+        (torch.zeros(8, 26, dtype=torch.int64), r"actions are of type torch\.int64, expected torch\.float32"),
+        (torch.zeros(8, 26, dtype=torch.complex64), "actions are of type"),
+        (torch.zeros(8, 25), r"shape \(8, 25\), expected \(8, 26\)"),
+        (torch.full((8, 26), 1e300, dtype=torch.float64), "action 0 of environment 0 is inf"),
+    ):
+        with pytest.raises(myoenv.ActionError, match=sentence):
+            envs.step(wrong)
+    with pytest.raises(TypeError, match="actions is a ndarray; it must be a tensor"):
+        envs.step(np.zeros((8, 26), np.float32))
+    with pytest.raises(TypeError, match="mask is a list; it must be a tensor"):
+        envs.reset(mask=[True] * 8)
+    with pytest.raises(TypeError, match=r"it must be what myoenv\.make_vec returns"):
+        TorchVectorEnv(myoenv.make("pointing"))
+    envs.close()
+    envs.close()
+    with pytest.raises(myoenv.ClosedError):
+        envs.step(torch.zeros(8, 26))
+
+
 @pytest.fixture
 def rsl_env(short_task):
     pytest.importorskip("rsl_rl", reason="rsl-rl-lib is not installed")
@@ -116,6 +140,15 @@ def test_rsl_rl_tells_time_outs_from_successes(rsl_env):
 def test_rsl_rl_refuses_episodes_that_begin_in_their_middle(rsl_env):
     with pytest.raises(ValueError, match="init_at_random_ep_len=False"):
         rsl_env.episode_length_buf = torch.zeros(8)
+
+
+def test_rsl_rl_tells_bad_actions_and_closed_environments(rsl_env):
+    with pytest.raises(myoenv.ActionError, match="action 0 of environment 0 is NaN"):
+        rsl_env.step(torch.full((8, 26), torch.nan))
+    rsl_env.close()
+    rsl_env.close()
+    with pytest.raises(myoenv.ClosedError):
+        rsl_env.step(torch.zeros(8, 26))
 
 
 def test_skrl_takes_the_vector_environment(make):

@@ -42,9 +42,22 @@ def test_the_policy_is_read_again(run):
     action = policy(observation)
     assert action.shape == (26,) and (abs(action) <= 1).all()
     assert np.array_equal(action, run.policy(observation[np.newaxis])[0])
-    for wrong in (observation[:-1], observation * np.nan, "text"):
-        with pytest.raises(ValueError):
+    cases = {
+        "has 53 entries, the policy knows 54": observation[:-1],
+        "an entry that is not finite": observation * np.nan,
+        "an array of numbers, not of shape": "text",
+        "cannot be made an array": [[1], [2, 3]],
+        "not finite": np.full(54, 1e300),
+    }
+    for sentence, wrong in cases.items():
+        with pytest.raises(ValueError, match=sentence):
             policy(wrong)
+    assert policy(np.zeros((0, 54))).shape == (0, 26) and policy(np.zeros((2, 3, 54))).shape == (2, 3, 26)
+    for wrong in (None, 3, ""):
+        with pytest.raises(TypeError, match=r"path is .*; it must be a path"):
+            myoenv.Policy.load(wrong)
+    with pytest.raises(TypeError, match=r"made by Policy\.load or train"):
+        myoenv.Policy(3)
 
 
 def test_the_table_has_one_entry_per_episode(run):
@@ -213,6 +226,16 @@ def test_a_run_on_a_card_that_is_gone_says_so(run, tmp_path):
         ({"until": 1.5}, ValueError, "until is 1.5"),
         ({"until": "0.9"}, TypeError, "until is '0.9'; it must be a number"),
         ({"threads": 0}, ValueError, "threads is 0"),
+        ({"threads": 10**6}, ValueError, "threads is 1000000; it must be at most 1024"),
+        ({"num_envs": 10**9}, ValueError, "num_envs is 1000000000; it must be at most"),
+        ({"steps": 1e6}, TypeError, "steps is 1000000.0; it must be a whole number"),
+        ({"until": float("nan")}, ValueError, "until is nan"),
+        ({"callback": "print"}, TypeError, "callback is 'print'; it must be a function"),
+        ({"settings": [1]}, TypeError, r"settings is \[1\]; it must be a dictionary"),
+        ({"settings": {1: 2}}, TypeError, "settings has the key 1; keys must be strings"),
+        ({"out": ""}, TypeError, "out is ''; it must be a path"),
+        ({"out": 3}, TypeError, "out is 3; it must be a path"),
+        ({"resume": 3, "task": None}, TypeError, "run is 3; it must be a path"),
         ({"resume": "no/such/run", "task": None}, myoenv.TrainingError, "not a run folder"),
         ({"steps": 0}, ValueError, "steps is 0"),
         ({"seed": "one"}, TypeError, "seed is 'one'"),

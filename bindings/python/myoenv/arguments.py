@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import operator
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Real
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,14 @@ from numpy.typing import NDArray
 from myoenv._native import ActionError
 
 SEED_LIMIT = 2**64
+# More than any machine has memory for: a slip of the keyboard should not end the process.
+MOST_ENVS = 2**24
+MOST_THREADS = 1024
+# Least and greatest width or height of a picture.
+PICTURE_SIZES = (16, 4096)
 
 
-def as_actions(actions: Any, shape: tuple[int, int]) -> NDArray[np.float32]:
+def as_actions(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
     """Actions as a contiguous float32 array of `shape`, without a copy where they are one."""
     if type(actions) is not np.ndarray:
         try:
@@ -32,12 +39,90 @@ def as_actions(actions: Any, shape: tuple[int, int]) -> NDArray[np.float32]:
         return np.ascontiguousarray(actions, dtype=np.float32)
 
 
-def as_count(name: str, value: Any) -> int:
+def as_count(name: str, value: Any, most: int | None = None) -> int:
     """A whole number from 1 on."""
     number = as_integer(name, value)
     if number < 1:
         raise ValueError(f"{name} is {number}; it must be at least 1")
+    if most is not None and number > most:
+        raise ValueError(f"{name} is {number}; it must be at most {most}")
     return number
+
+
+def as_num_envs(value: Any) -> int:
+    """A number of environments."""
+    return as_count("num_envs", value, MOST_ENVS)
+
+
+def as_threads(value: Any) -> int | None:
+    """A number of threads, or none for all processors."""
+    return None if value is None else as_count("threads", value, MOST_THREADS)
+
+
+def as_path(name: str, value: Any) -> str:
+    """The path of a file or folder."""
+    if not isinstance(value, (str, PathLike)) or not isinstance(os.fspath(value), str) or not os.fspath(value):
+        raise TypeError(f"{name} is {value!r}; it must be a path")
+    return os.fspath(value)
+
+
+def as_mapping(name: str, value: Any) -> dict[str, Any]:
+    """A dictionary with names as keys, a new one; nothing is an empty one."""
+    if value is not None and not isinstance(value, Mapping):
+        raise TypeError(f"{name} is {value!r}; it must be a dictionary")
+    for key in value or ():
+        if not isinstance(key, str):
+            raise TypeError(f"{name} has the key {key!r}; keys must be strings")
+    return dict(value or {})
+
+
+def as_number(name: str, value: Any) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} is {value!r}; it must be a number")
+    if not math.isfinite(value):
+        raise ValueError(f"{name} is {value}; it must be finite")
+    return float(value)
+
+
+def as_pair(name: str, value: Any) -> tuple[float, float]:
+    """Two finite numbers."""
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise TypeError(f"{name} is {value!r}; it must be two numbers")
+    return as_number(name, value[0]), as_number(name, value[1])
+
+
+def as_text(name: str, value: Any) -> str:
+    """A string."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is {value!r}; it must be a string")
+    return value
+
+
+def as_device(device: Any) -> str | None:
+    """A graphics card by its number or a part of its name, or none."""
+    if isinstance(device, (int, np.integer)) and not isinstance(device, bool):
+        return str(device)
+    return None if device is None else as_text("device", device)
+
+
+def as_index(name: str, value: Any, count: int) -> int:
+    """A whole number from 0 to `count` - 1."""
+    number = as_integer(name, value)
+    if not 0 <= number < count:
+        raise ValueError(f"{name} is {number}; it must be from 0 to {count - 1}")
+    return number
+
+
+def as_picture_size(value: Any) -> tuple[int, int]:
+    """Width and height in pixels."""
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise TypeError(f"render_size is {value!r}; it must be width and height")
+    width, height = (as_integer("render_size", one) for one in value)
+    least, most = PICTURE_SIZES
+    if not (least <= width <= most and least <= height <= most):
+        raise ValueError(f"render_size is {width} x {height}; sizes are {least} to {most} pixels")
+    return width, height
 
 
 def as_integer(name: str, value: Any) -> int:
@@ -52,11 +137,10 @@ def as_integer(name: str, value: Any) -> int:
 
 def as_share(name: str, value: Any) -> float:
     """A share above 0 and up to 1."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"{name} is {value!r}; it must be a number")
-    if not 0 < value <= 1:
+    number = as_number(name, value)
+    if not 0 < number <= 1:
         raise ValueError(f"{name} is {value}; it must be above 0 and at most 1")
-    return float(value)
+    return number
 
 
 def as_seed(seed: Any) -> int:

@@ -33,6 +33,7 @@ def check_vec_env(env: VectorEnv, *, steps: int = 1000, actions: Callable[[], An
     Raises:
         CheckError: A promise is broken.
     """
+    _require(isinstance(env, VectorEnv), f"it is a {type(env).__name__}, no gymnasium.vector.VectorEnv")
     checker = _Checker(env, steps, actions or env.action_space.sample)
     for check in checker.checks():
         if check() is not False:
@@ -107,7 +108,6 @@ class _Checker:
         return self.env.step(self.actions() if actions is None else actions)
 
     def _metadata(self) -> None:
-        _require(isinstance(self.env, VectorEnv), f"it is a {type(self.env).__name__}, no gymnasium.vector.VectorEnv")
         self.mode = self.env.metadata.get("autoreset_mode")
         _require(
             isinstance(self.mode, AutoresetMode),

@@ -2,38 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from myoenv import _native
-from myoenv.arguments import as_count, as_seed
+from myoenv.arguments import as_actions, as_count, as_num_envs, as_seed
 from myoenv.policy import Policy
 from myoenv.runs import read_run
 from myoenv.tasks import ModelLike, TaskLike
 from myoenv.vector import Backend, make_vec
 
+# What acts: a batch of observations to a batch of actions.
+Actor = Callable[[NDArray[np.float32]], Any]
+
 
 def evaluate(
-    run: str | PathLike[str] | Policy,
+    run: str | PathLike[str] | Policy | Actor,
     episodes: int = 1000,
     *,
     task: TaskLike | None = None,
     seed: int | None = None,
     num_envs: int = 1024,
     backend: Backend = "auto",
-    device: str | None = None,
+    device: str | int | None = None,
     model: ModelLike | None = None,
 ) -> dict[str, NDArray[np.float32]]:
-    """Runs a policy's mean actions on fresh episodes; returns one array per quantity, one entry per episode.
+    """Runs a policy, ours or anybody's, on fresh episodes; returns one array per quantity, one entry per episode.
 
     `pandas.DataFrame(evaluate("runs/pointing-1"))` is a table. Columns: `return`, `length` (control steps), `success`,
     `targets_done`, `final_distance` (m), `effort`, the parts of the reward, and for each target `target_1_success` and
     `target_1_time` (s, NaN where it was not done).
 
     Args:
-        run: A run folder, or a `Policy`.
+        run: A run folder or a `Policy`, of which the mean actions are taken, or any function that makes actions
+            `(num_envs, nmuscle)` of observations `(num_envs, observation_size)`.
         episodes: How many.
         task: The task; that of the run by default.
         seed: Seed of the episodes; by default one made from that of the training, never the same.
@@ -43,7 +49,7 @@ def evaluate(
         model: Another body than that of the run, or of the task if one is named.
     """
     episodes = as_count("episodes", episodes)
-    if isinstance(run, Policy):
+    if callable(run):
         policy, trained_with = run, 0
     else:
         description = read_run(run)
@@ -53,7 +59,7 @@ def evaluate(
     if task is None:
         raise ValueError("a policy alone knows no task; name one with task=...")
     seed = evaluation_seed(trained_with, 0) if seed is None else as_seed(seed)
-    side_by_side = min(as_count("num_envs", num_envs), episodes)
+    side_by_side = min(as_num_envs(num_envs), episodes)
     envs = make_vec(task, side_by_side, backend, autoreset="same_step", device=device, model=model)
     try:
         return _episodes(policy, envs._env, episodes, seed)
@@ -61,17 +67,18 @@ def evaluate(
         envs.close()
 
 
-def _episodes(policy: Policy, env: _native.Env, episodes: int, seed: int) -> dict[str, NDArray[np.float32]]:
+def _episodes(policy: Actor, env: _native.Env, episodes: int, seed: int) -> dict[str, NDArray[np.float32]]:
     """Every environment counts its first few episodes, equally many up to one: were the first ones to end anywhere
     counted, short episodes, mostly the successful ones, would be over-represented."""
-    if policy.observation_names != env.observation_names:
+    if isinstance(policy, Policy) and policy.observation_names != env.observation_names:
         raise ValueError("the policy was trained on other observations than those of this task")
     count = env.num_envs
+    shape = (count, len(env.action_names))
     quota = np.array([episodes // count + (i < episodes % count) for i in range(count)])
     rows: list[list[NDArray[np.float32]]] = [[] for _ in range(count)]
     observation = env.reset(seed, None, None)
     while quota.any():
-        observation, _, _, _, ended = env.step(policy._native.act(observation))
+        observation, _, _, _, ended = env.step(as_actions(policy(observation), shape))
         if ended is None:
             continue
         for one, summary in zip(ended[0], ended[2], strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from os import PathLike
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myoenv import _native
+from myoenv.arguments import as_path
 
 
 class Policy:
@@ -19,12 +21,14 @@ class Policy:
     """
 
     def __init__(self, native: _native.Policy) -> None:
+        if not isinstance(native, _native.Policy):
+            raise TypeError(f"a policy is made by Policy.load or train, not of a {type(native).__name__}")
         self._native = native
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Policy:
         """The policy of a run folder's newest checkpoint that is whole, or of a checkpoint file."""
-        return cls(_native.Policy.load(path))
+        return cls(_native.Policy.load(as_path("path", path)))
 
     @property
     def observation_names(self) -> list[str]:
@@ -38,12 +42,18 @@ class Policy:
 
     def __call__(self, observation: Any) -> NDArray[np.float32]:
         """Mean actions `(..., nmuscle)` for observations `(..., observation_size)`."""
-        observation = np.asarray(observation)
+        try:
+            observation = np.asarray(observation)
+        except Exception as error:
+            raise ValueError(f"the observation cannot be made an array: {error}") from None
         if observation.dtype.kind not in "fiu" or observation.ndim == 0:
             raise ValueError(
                 f"an observation is an array of numbers, not of shape {observation.shape}, type {observation.dtype}"
             )
-        rows = np.ascontiguousarray(observation, np.float32).reshape(-1, observation.shape[-1])
+        *batch, width = observation.shape
+        with np.errstate(over="ignore"):
+            # What is too large for float32 becomes infinite, and is refused as such.
+            rows = np.ascontiguousarray(observation, np.float32).reshape(math.prod(batch), width)
         if not np.isfinite(rows).all():
             raise ValueError("the observation has an entry that is not finite")
-        return self._native.act(rows).reshape(*observation.shape[:-1], -1)
+        return self._native.act(rows).reshape(*batch, len(self.action_names))

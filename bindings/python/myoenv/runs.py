@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from os import PathLike, fspath
+from os import PathLike
 from typing import Any
 
 from myoenv import _native
 from myoenv._native import TrainingError
+from myoenv.arguments import as_path
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ class RunDescription:
 
 def read_run(path: str | PathLike[str]) -> RunDescription:
     """Reads the description of a run folder."""
-    config = json.loads(_native.run_config(fspath(path)))
+    folder = as_path("run", path)
+    config = json.loads(_native.run_config(folder))
     run = config["run"]
     try:
         return RunDescription(
@@ -61,4 +63,4 @@ def read_run(path: str | PathLike[str]) -> RunDescription:
             steps=run["steps"],
         )
     except (TypeError, AttributeError, KeyError) as error:
-        raise TrainingError(f"{fspath(path)}/config.json does not say what was trained: {error}") from None
+        raise TrainingError(f"{folder}/config.json does not say what was trained: {error}") from None

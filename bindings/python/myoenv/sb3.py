@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
+from myoenv.arguments import as_seed
 from myoenv.tasks import ModelLike, TaskLike
 from myoenv.vector import RENDER_SIZE, Backend, make_vec
 
@@ -30,7 +31,7 @@ class MyoVecEnv(VecEnv):
         backend: Backend = "auto",
         *,
         seed: int | None = None,
-        device: str | None = None,
+        device: str | int | None = None,
         threads: int | None = None,
         model: ModelLike | None = None,
         render_mode: Literal["rgb_array"] | None = None,
@@ -56,11 +57,16 @@ class MyoVecEnv(VecEnv):
         """Starts new episodes everywhere and returns the observations, `(num_envs, observation_size)`."""
         options = next((one for one in self._options if one), None)
         seeds = None if all(seed is None for seed in self._seeds) else self._seeds
+        # Once for all, as with a good one: a bad option must not stand in the way of every reset that follows.
+        self._reset_options()
         observation, _ = self.envs.reset(seed=seeds, options=options)
         self._reset_seeds()
-        self._reset_options()
         self.reset_infos = [{} for _ in range(self.num_envs)]
         return observation
+
+    def seed(self, seed: int | None = None) -> list[int | None]:
+        """Seeds of the next `reset`: `seed + i` for environment `i`."""
+        return super().seed(None if seed is None else as_seed(seed))
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Takes the actions, `(num_envs, nmuscle)`, of the next `step_wait`."""

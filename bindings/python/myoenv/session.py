@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
@@ -92,9 +91,9 @@ class Session:
         self.evaluation_s = 0.0
         self.saved_at = time.monotonic()
 
-    def record_in(self, folder: str | PathLike[str], *, go_on: bool) -> None:
+    def record_in(self, folder: str, *, go_on: bool) -> None:
         """Makes a run folder, or goes on with one: metrics, checkpoints and the evaluation are kept there."""
-        self.trainer.record_in(fspath(folder), json.dumps(self.description.to_dict()), go_on)
+        self.trainer.record_in(folder, json.dumps(self.description.to_dict()), go_on)
         self.folder = Path(folder)
 
     def run(self, callback: Callable[[Metrics], Any] | None) -> TrainResult:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myoenv._native import Env
-from myoenv.arguments import as_actions, as_seed, fresh_seed
+from myoenv.arguments import as_actions, as_device, as_mapping, as_picture_size, as_seed, as_text, fresh_seed
 from myoenv.spaces import spaces
 from myoenv.tasks import ModelLike, TaskLike, task_and_model
 from myoenv.vector import RENDER_SIZE, Backend, check_render_mode
@@ -35,21 +35,21 @@ class MyoEnv(gymnasium.Env):
         *,
         model: ModelLike | None = None,
         backend: Backend = "cpu",
-        device: str | None = None,
+        device: str | int | None = None,
         render_mode: Literal["rgb_array"] | None = None,
         render_size: tuple[int, int] = RENDER_SIZE,
     ) -> None:
         self.task, self.model = task_and_model(task, model)
         self.render_mode = check_render_mode(render_mode)
-        self.render_size = render_size
+        self.render_size = as_picture_size(render_size)
         self._env = Env(
             self.task,
             self.model,
             1,
             seed=fresh_seed(),
             autoreset="disabled",
-            backend=backend,
-            device=device,
+            backend=as_text("backend", backend),
+            device=as_device(device),
             threads=1,
             copy=True,
         )
@@ -65,6 +65,8 @@ class MyoEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Starts a new episode and returns its first observation. A seed restarts the random stream."""
+        if as_mapping("options", options):
+            raise ValueError(f"unknown option {next(iter(options))!r}; there is none")
         if seed is not None:
             seed = as_seed(seed)
             super().reset(seed=seed)
@@ -72,8 +74,8 @@ class MyoEnv(gymnasium.Env):
 
     def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """One control step: observation, reward, terminated, truncated, info."""
-        actions = as_actions(np.asarray(action)[np.newaxis], (1, len(self.action_names)))
-        observation, reward, terminated, truncated, ended = self._env.step(actions)
+        actions = as_actions(action, (len(self.action_names),))
+        observation, reward, terminated, truncated, ended = self._env.step(actions[np.newaxis])
         info: dict[str, Any] = {}
         if ended is not None:
             info["summary"] = dict(zip(self.episode_names, ended[2][0].tolist(), strict=True))
@@ -81,7 +83,7 @@ class MyoEnv(gymnasium.Env):
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture, `(height, width, 3)` uint8; none without a render mode."""
-        return None if self.render_mode is None else self._env.render([0], self.render_size)[0]
+        return None if self.render_mode is None else self._env.render([0], as_picture_size(self.render_size))[0]
 
     def close(self) -> None:
         """Frees the environment; a second time does nothing."""

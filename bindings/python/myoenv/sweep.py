@@ -23,7 +23,17 @@ from typing import Any
 import numpy as np
 
 from myoenv._native import __version__
-from myoenv.arguments import as_count, as_seed
+from myoenv.arguments import (
+    MOST_THREADS,
+    as_count,
+    as_mapping,
+    as_num_envs,
+    as_number,
+    as_pair,
+    as_path,
+    as_seed,
+    as_share,
+)
 from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
 
 Row = dict[str, Any]
@@ -45,6 +55,7 @@ def button_grid(
     `public-display`.
     """
     described = to_dict(load_task(task))
+    x, y, z = as_number("x", x), as_pair("y", y), as_pair("z", z)
     target = described["targets"][0]
     layouts = {}
     for i, z_m in enumerate(np.linspace(*z, as_count("rows", rows))):
@@ -89,11 +100,18 @@ def sweep(
         progress: Called with every row as it is there, also with those of earlier calls.
     """
     ray = _ray()
-    steps = as_count("steps", steps)
-    options = {"until": until, "steps": steps, "settings": dict(settings or {}), "num_envs": num_envs}
-    threads = as_count("cpus_per_trial", cpus_per_trial)
-    trials = _trials(layouts, [as_seed(seed) for seed in seeds], options)
-    results = _Results(Path(folder), progress)
+    options = {
+        "until": None if until is None else as_share("until", until),
+        "steps": as_count("steps", steps),
+        "settings": as_mapping("settings", settings),
+        "num_envs": None if num_envs is None else as_num_envs(num_envs),
+    }
+    threads = as_count("cpus_per_trial", cpus_per_trial, MOST_THREADS)
+    if not isinstance(seeds, Iterable):
+        raise TypeError(f"seeds is {seeds!r}; it must be a list of whole numbers")
+    folder = Path(as_path("folder", folder))
+    trials = _trials(as_mapping("layouts", layouts), [as_seed(seed) for seed in seeds], options)
+    results = _Results(folder, progress)
     missing = [trial for trial in trials if not results.load(trial)]
     if missing:
         started = not ray.is_initialized()
@@ -105,7 +123,7 @@ def sweep(
             if started:
                 ray.shutdown()
     rows = [results.rows[trial.id] for trial in trials]
-    write_table(rows, Path(folder) / "results.csv")
+    write_table(rows, folder / "results.csv")
     return rows
 
 

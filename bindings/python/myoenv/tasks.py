@@ -79,6 +79,9 @@ def _read(path: str) -> str:
         return Path(path).read_text(encoding="utf-8")
     except OSError as error:
         raise TaskError(f"cannot read {path}: {error.strerror}") from None
+    except ValueError as error:
+        # A name that no file can have, or bytes that are no text.
+        raise TaskError(f"cannot read {path!r}: {error}") from None
 
 
 def _toml(path: str) -> dict[str, Any]:

@@ -19,6 +19,7 @@ import torch
 from gymnasium.vector import AutoresetMode
 from torch import Tensor
 
+from myoenv._native import ActionError
 from myoenv.vector import MyoVectorEnv
 
 Infos = dict[str, Any]
@@ -34,6 +35,8 @@ class TorchVectorEnv:
 
     def __init__(self, envs: MyoVectorEnv, device: torch.device | str = "cpu") -> None:
         """Wraps `envs`; tensors live on `device`."""
+        if not isinstance(envs, MyoVectorEnv):
+            raise TypeError(f"envs is a {type(envs).__name__}; it must be what myoenv.make_vec returns")
         self.envs = envs
         self.device = torch.device(device)
         self.num_envs: int = envs.num_envs
@@ -43,7 +46,7 @@ class TorchVectorEnv:
 
     def reset(self, *, seed: int | list[int] | None = None, mask: Tensor | None = None) -> tuple[Tensor, Infos]:
         """Starts new episodes, where `mask`, `(num_envs,)` bool, is true if there is one; returns the observations."""
-        options = None if mask is None else {"reset_mask": mask.cpu().numpy()}
+        options = None if mask is None else {"reset_mask": _tensor("mask", mask).cpu().numpy()}
         obs, infos = self.envs.reset(seed=seed, options=options)
         return self._tensor(obs), infos
 
@@ -53,6 +56,8 @@ class TorchVectorEnv:
         With same-step autoreset and an episode that ended, infos get `ended`, `(k,)` int64, the environments where
         one did, and `final_obs` becomes their last observations, `(k, num_obs)`.
         """
+        if not _tensor("actions", actions).is_floating_point():
+            raise ActionError(f"actions are of type {actions.dtype}, expected torch.float32")
         obs, reward, terminated, truncated, infos = self.envs.step(actions.detach().to("cpu", torch.float32).numpy())
         if self._same_step and "final_obs" in infos:
             ended = np.flatnonzero(infos["_final_obs"])
@@ -66,3 +71,9 @@ class TorchVectorEnv:
 
     def _tensor(self, array: np.ndarray) -> Tensor:
         return torch.from_numpy(array).to(self.device)
+
+
+def _tensor(name: str, value: Any) -> Tensor:
+    if not isinstance(value, Tensor):
+        raise TypeError(f"{name} is a {type(value).__name__}; it must be a tensor")
+    return value

@@ -11,14 +11,24 @@ from typing import Any
 
 from myoenv import _native
 from myoenv._native import DeviceError
-from myoenv.arguments import as_count, as_seed, as_share
+from myoenv.arguments import (
+    as_count,
+    as_device,
+    as_mapping,
+    as_num_envs,
+    as_path,
+    as_seed,
+    as_share,
+    as_text,
+    as_threads,
+)
 from myoenv.runs import RunDescription, read_run
 from myoenv.session import Metrics, Session, TrainResult
 from myoenv.tasks import Model, ModelLike, Task, TaskLike, load_model, load_task, task_and_model, to_dict
 from myoenv.vector import Backend
 
 # Backend and device, as asked for.
-Wish = tuple[str | None, str | None]
+Wish = tuple[str, str | None]
 
 _UNTIL = 0.95
 _STEPS = 60_000_000
@@ -35,7 +45,7 @@ def train(
     settings: Mapping[str, Any] | None = None,
     num_envs: int | None = None,
     backend: Backend | None = None,
-    device: str | None = None,
+    device: str | int | None = None,
     threads: int | None = None,
     model: ModelLike | None = None,
     resume: str | PathLike[str] | None = None,
@@ -63,18 +73,21 @@ def train(
 
     Ctrl-C, and the loss of a graphics card, stop with a checkpoint.
     """
+    if callback is not None and not callable(callback):
+        raise TypeError(f"callback is {callback!r}; it must be a function")
     if resume is None:
         if task is None:
             raise ValueError("name a task, or a run to resume")
         task, body = task_and_model(task, model)
         description = _describe(task, None if model is None else body, seed, settings, num_envs)
-        wish = (backend, device)
+        wish = _wish(backend, device)
     else:
         _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out)
         description = read_run(resume)
         task = load_task(description.task)
         body = load_model(task.model if description.model is None else description.model)
-        wish = _where_it_began(backend, device, description)
+        began = (description.backend, description.device)
+        wish = began if backend is None and device is None else _wish(backend, device)
     if until is not ...:
         description = replace(description, until=None if until is None else as_share("until", until))
     if steps is not None:
@@ -82,9 +95,9 @@ def train(
     trainer = _trainer(task, body, description, wish, threads, resume)
     session = Session(trainer, task, body, replace(description, backend=trainer.backend, device=trainer.device))
     if resume is not None:
-        session.record_in(resume, go_on=True)
+        session.record_in(as_path("resume", resume), go_on=True)
     elif out is not None:
-        session.record_in(out, go_on=False)
+        session.record_in(as_path("out", out), go_on=False)
     return session.run(callback)
 
 
@@ -96,9 +109,9 @@ def _describe(
     num_envs: int | None,
 ) -> RunDescription:
     """A new run; where it takes place is known when it is open."""
-    changes = dict(settings or {})
+    changes = as_mapping("settings", settings)
     if num_envs is not None:
-        changes["num_envs"] = as_count("num_envs", num_envs)
+        changes["num_envs"] = as_num_envs(num_envs)
     return RunDescription(
         task=to_dict(task),
         model=None if own_model is None else to_dict(own_model),
@@ -118,8 +131,8 @@ def _refuse(**given: Any) -> None:
             raise ValueError(f"resume goes on with a run as it is; leave out {name}")
 
 
-def _where_it_began(backend: str | None, device: str | None, run: RunDescription) -> Wish:
-    return (run.backend, run.device) if backend is None and device is None else (backend, device)
+def _wish(backend: Any, device: Any) -> Wish:
+    return as_text("backend", "auto" if backend is None else backend), as_device(device)
 
 
 def _trainer(
@@ -137,9 +150,9 @@ def _trainer(
             model,
             config=_json(description.settings),
             seed=description.seed,
-            backend=backend or "auto",
+            backend=backend,
             device=device,
-            threads=None if threads is None else as_count("threads", threads),
+            threads=as_threads(threads),
             resume=resume,
         )
     except DeviceError as error:

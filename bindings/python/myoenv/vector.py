@@ -12,7 +12,20 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from myoenv._native import Env
-from myoenv.arguments import as_actions, as_count, as_mask, as_seed, fresh_seed, spread_seeds
+from myoenv.arguments import (
+    as_actions,
+    as_device,
+    as_index,
+    as_mapping,
+    as_mask,
+    as_num_envs,
+    as_picture_size,
+    as_seed,
+    as_text,
+    as_threads,
+    fresh_seed,
+    spread_seeds,
+)
 from myoenv.spaces import ActionSpace, spaces
 from myoenv.tasks import ModelLike, TaskLike, task_and_model
 
@@ -36,7 +49,7 @@ def make_vec(
     seed: int | None = None,
     autoreset: Autoreset | AutoresetMode = "next_step",
     copy: bool = True,
-    device: str | None = None,
+    device: str | int | None = None,
     threads: int | None = None,
     model: ModelLike | None = None,
     render_mode: Literal["rgb_array"] | None = None,
@@ -96,7 +109,7 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         seed: int | None = None,
         autoreset: Autoreset | AutoresetMode = "next_step",
         copy: bool = True,
-        device: str | None = None,
+        device: str | int | None = None,
         threads: int | None = None,
         model: ModelLike | None = None,
         render_mode: Literal["rgb_array"] | None = None,
@@ -106,8 +119,8 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         mode = _mode(autoreset)
         self.task, self.model = task_and_model(task, model)
         self.render_mode = check_render_mode(render_mode)
-        self.render_size = render_size
-        self.num_envs = as_count("num_envs", num_envs)
+        self.render_size = as_picture_size(render_size)
+        self.num_envs = as_num_envs(num_envs)
         self._first_seed = None if seed is None else as_seed(seed)
         self._env = Env(
             self.task,
@@ -115,9 +128,9 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
             self.num_envs,
             seed=fresh_seed(),
             autoreset=next(word for word, value in _MODES.items() if value is mode),
-            backend=backend,
-            device=device,
-            threads=None if threads is None else as_count("threads", threads),
+            backend=as_text("backend", backend),
+            device=as_device(device),
+            threads=as_threads(threads),
             copy=bool(copy),
         )
         self.closed = False
@@ -157,7 +170,7 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
             options: `{"reset_mask": mask}` resets only where the boolean array `(num_envs,)` is true. Observations of
                 the others are their current ones.
         """
-        options = dict(options or {})
+        options = as_mapping("options", options)
         mask = options.pop("reset_mask", None)
         if options:
             raise ValueError(f"unknown option {next(iter(options))!r}; the only one is 'reset_mask'")
@@ -229,11 +242,12 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         """A picture of every environment, `(height, width, 3)` uint8 each; none without a render mode."""
         if self.render_mode is None:
             return None
-        return tuple(self._env.render(list(range(self.num_envs)), self.render_size))
+        return tuple(self._env.render(list(range(self.num_envs)), as_picture_size(self.render_size)))
 
     def render_env(self, env: int) -> NDArray[np.uint8]:
         """A picture of one environment, `(height, width, 3)` uint8, whatever the render mode."""
-        return self._env.render([env], self.render_size)[0]
+        env = as_index("env", env, self.num_envs)
+        return self._env.render([env], as_picture_size(self.render_size))[0]
 
     def save_state(self) -> bytes:
         """Everything that the next steps depend on."""
@@ -241,6 +255,8 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
 
     def load_state(self, state: bytes) -> None:
         """Goes back to what `save_state` returned, in this or an equal environment, bit for bit."""
+        if not isinstance(state, bytes):
+            raise TypeError(f"a state is what save_state returned, bytes, not {type(state).__name__}")
         self._env.load_state(state)
 
     def close_extras(self, **kwargs: Any) -> None:
@@ -258,6 +274,6 @@ def check_render_mode(render_mode: str | None) -> Literal["rgb_array"] | None:
 def _mode(autoreset: Autoreset | AutoresetMode) -> AutoresetMode:
     if isinstance(autoreset, AutoresetMode):
         return autoreset
-    if autoreset in _MODES:
+    if isinstance(autoreset, str) and autoreset in _MODES:
         return _MODES[autoreset]
     raise ValueError(f"autoreset is {autoreset!r}; it must be one of {', '.join(map(repr, _MODES))}")

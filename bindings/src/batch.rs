@@ -1,0 +1,172 @@
+//! Environments that Python's object and programs of XLA both step: locked, counted, and told when they are gone.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::Instant;
+
+use myo::env::{EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv, reseed};
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+
+use crate::error::{BusyError, ClosedError};
+use crate::process::Birthplace;
+
+/// What Python's object and programs of XLA both step.
+pub struct Batch {
+    live: Mutex<Option<Live>>,
+    born: Birthplace,
+    /// Sizes and names.
+    pub spec: EnvSpec,
+}
+
+/// Environments that are open.
+pub struct Live {
+    env: Box<dyn VectorEnv>,
+    pool: Arc<ThreadPool>,
+    /// Number of the present state: every reset and step makes another one of it.
+    present: i32,
+    /// Last observations of episodes that ended in the last step, `(num_envs, observation_size)`.
+    pub final_observation: Vec<f32>,
+    /// Their summaries, `(num_envs, episode_size)`.
+    pub episode: Vec<f32>,
+}
+
+/// Where a step writes what it shows of all environments.
+pub struct Shown<'a> {
+    /// `(num_envs, observation_size)`.
+    pub observation: &'a mut [f32],
+    /// `(num_envs,)`.
+    pub reward: &'a mut [f32],
+    /// `(num_envs,)`.
+    pub terminated: &'a mut [bool],
+    /// `(num_envs,)`.
+    pub truncated: &'a mut [bool],
+}
+
+impl Batch {
+    /// Environments that this process made.
+    pub fn new(env: Box<dyn VectorEnv>, pool: Arc<ThreadPool>) -> Self {
+        let spec = env.spec().clone();
+        let live = Live {
+            final_observation: vec![0.0; spec.num_envs * spec.observation_size()],
+            episode: vec![0.0; spec.num_envs * spec.episode_size()],
+            env,
+            pool,
+            present: 0,
+        };
+        Self { live: Mutex::new(Some(live)), born: Birthplace::here(), spec }
+    }
+
+    /// Frees the environments, after a step that is going on; in a forked child, there is nothing to free.
+    pub fn close(&self) {
+        if self.born.is_here() {
+            drop(self.live.lock().unwrap_or_else(PoisonError::into_inner).take());
+        }
+    }
+
+    /// Locks the environments, unless they are closed, busy, or of another process.
+    pub fn open(&self) -> PyResult<Opened<'_>> {
+        self.born.check("the environment")?;
+        let guard = match self.live.try_lock() {
+            Ok(guard) => guard,
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                return Err(BusyError::new_err("another thread is using this environment; give each thread its own"));
+            }
+        };
+        if guard.is_none() {
+            return Err(ClosedError::new_err("the environment is closed; make a new one"));
+        }
+        Ok(Opened(guard))
+    }
+}
+
+/// Open environments, locked.
+pub struct Opened<'a>(MutexGuard<'a, Option<Live>>);
+
+impl Opened<'_> {
+    /// The environments.
+    pub fn live(&mut self) -> &mut Live {
+        self.0.as_mut().expect("looked at when it was opened")
+    }
+}
+
+impl Drop for Batch {
+    fn drop(&mut self) {
+        // In a forked child the threads are not there to be stopped.
+        if !self.born.is_here() {
+            std::mem::forget(self.live.get_mut().ok().and_then(Option::take));
+        }
+    }
+}
+
+impl Live {
+    /// Number of the present state.
+    pub fn present(&self) -> i32 {
+        self.present
+    }
+
+    /// Makes older states old.
+    fn change(&mut self) {
+        self.present = self.present.checked_add(1).unwrap_or(0);
+    }
+
+    /// One control step of actions `(num_envs, action_size)`.
+    pub fn step(&mut self, actions: &[f32], shown: Shown<'_>) -> Result<(), EnvError> {
+        let Self { env, pool, final_observation, episode, .. } = self;
+        let Shown { observation, reward, terminated, truncated } = shown;
+        let out = StepBuffers { observation, reward, terminated, truncated, final_observation, episode };
+        pool.install(|| env.step(actions, out))?;
+        self.change();
+        Ok(())
+    }
+
+    /// Starts episodes where `mask` says so, else everywhere; `seed` restarts the streams of the batch, `seeds` each one.
+    pub fn reset(
+        &mut self,
+        seed: Option<u64>,
+        seeds: Option<&[u64]>,
+        mask: Option<&[bool]>,
+        observation: &mut [f32],
+    ) -> Result<(), EnvError> {
+        let pool = Arc::clone(&self.pool);
+        pool.install(|| {
+            seeds.map_or(Ok(()), |seeds| self.reseed(seeds, mask))?;
+            self.env.reset(seed, mask, observation)
+        })?;
+        self.change();
+        Ok(())
+    }
+
+    /// Starts the streams of masked environments from seeds of their own.
+    fn reseed(&mut self, seeds: &[u64], mask: Option<&[bool]>) -> Result<(), EnvError> {
+        let mut state = self.env.save_state()?;
+        let masked = |env: &usize| mask.is_none_or(|mask| mask[*env]);
+        reseed(&mut state, (0..seeds.len()).filter(masked).map(|env| (env, seeds[env])))?;
+        self.env.load_state(&state)
+    }
+
+    /// Seconds that each of so many steps takes.
+    pub fn time_steps(&mut self, actions: &[f32], steps: usize) -> Result<Vec<f64>, EnvError> {
+        let mut out = StepStorage::new(self.env.spec());
+        let Self { env, pool, .. } = self;
+        let step = |_| {
+            let start = Instant::now();
+            pool.install(|| env.step(actions, out.buffers())).map(|()| start.elapsed().as_secs_f64())
+        };
+        let times = (0..steps).map(step).collect();
+        self.change();
+        times
+    }
+
+    /// Everything that the next steps depend on.
+    pub fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        self.env.save_state()
+    }
+
+    /// Goes back to what `save_state` returned.
+    pub fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        self.env.load_state(state)?;
+        self.change();
+        Ok(())
+    }
+}
