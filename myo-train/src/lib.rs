@@ -1,7 +1,8 @@
 //! PPO, metrics, checkpoints, evaluation.
 //!
 //! [`Trainer`] collects experience in a [`VectorEnv`](myo_env::VectorEnv) and learns from it, [`Policy`] acts,
-//! [`evaluate`] tells how well, [`RunWriter`] keeps what happened. Every setting is in [`PpoConfig`]. The crate knows
+//! [`evaluate`] tells how well, [`RunWriter`] keeps what happened; a [`Session`] joins them to a training that stops at its
+//! goal, heals itself and tells where it leads. Every setting is in [`PpoConfig`]. The crate knows
 //! nothing of muscles, tasks or the command line. In [`gpu`], the policy acts and learns on the graphics card beside the
 //! environment, behind [`Trainer::on_card`]; [`gpu::DeviceEvaluator`] evaluates there.
 //!
@@ -9,23 +10,28 @@
 //! use std::path::Path;
 //!
 //! use myo_env::VectorEnv;
-//! use myo_train::{PpoConfig, RunWriter, Trainer, evaluate};
+//! use myo_train::session::{Examiner, Goal};
+//! use myo_train::{PpoConfig, RunWriter, Session, Trainer};
 //!
 //! fn train(
 //!     training_env: Box<dyn VectorEnv>,
-//!     mut fresh_env: Box<dyn VectorEnv>,
+//!     fresh_env: Box<dyn VectorEnv>,
 //! ) -> Result<(), Box<dyn std::error::Error>> {
 //!     let (config, seed) = (PpoConfig::default(), 1);
-//!     let mut trainer = Trainer::new(training_env, config, seed)?;
+//!     let trainer = Trainer::new(training_env, config, seed)?;
 //!     let episode_names = trainer.spec().episode_names.clone();
 //!     let description = serde_json::json!({ "task": "pointing" });
-//!     let mut run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, &episode_names)?;
-//!     while trainer.env_steps() < 10_000_000 {
-//!         run.record(&trainer.update()?)?;
-//!     }
-//!     run.write_checkpoint(&trainer.save())?;
-//!     let evaluation = evaluate(&mut trainer.policy(), fresh_env.as_mut(), 1000, seed + 1, |_counted| true)?;
-//!     run.folder().write_evaluation(&evaluation)?;
+//!     let run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, &episode_names)?;
+//!     let goal = Goal { until: Some(0.95), steps: 10_000_000 };
+//!     let mut session = Session::new(trainer, Examiner::on_host(fresh_env, seed), goal).recorded_in(run);
+//!     let end = loop {
+//!         let progress = session.advance(&|| true)?;
+//!         println!("{:?}", progress.success);
+//!         if let Some(end) = progress.end {
+//!             break end;
+//!         }
+//!     };
+//!     println!("{:?}", session.conclude(end, &|| true)?.evaluation);
 //!     Ok(())
 //! }
 //! ```
