@@ -266,7 +266,8 @@ fn a_warm_start_needs_fewer_steps() {
     assert_eq!((inherited.observations, inherited.actions), (6, 2));
     let (_, outcome) = run(session_of(trainer, REACH));
     assert_eq!(outcome.end, End::Until);
-    assert!(4 * outcome.env_steps < cold.env_steps(), "{} after {}", outcome.env_steps, cold.env_steps());
+    // No look before every environment has ended an episode, which takes 16,384 steps.
+    assert!(4 * outcome.env_steps <= cold.env_steps(), "{} after {}", outcome.env_steps, cold.env_steps());
 
     let narrow = PpoConfig { policy_hidden: vec![16], ..config() };
     let mut trainer = Trainer::new(Box::new(Points::new(ENVS)), narrow, 2).unwrap();

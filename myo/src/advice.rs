@@ -12,6 +12,18 @@ const EDGE_SHARE: f64 = 0.05;
 /// Share of the time limit that the mean episode takes from which on time is the likely cause.
 const LATE: f64 = 0.9;
 
+/// The greatest share of episodes that can succeed as far as the check of a task knows: no sphere lies out of reach in them.
+/// Buttons do not count: one of which a part is out of reach can still be pressed elsewhere.
+pub fn most_success(report: &Report) -> f64 {
+    let reached = report.warnings.iter().filter_map(|warning| match warning {
+        TaskWarning::PartlyOutOfReach { target, fraction, .. } if target.kind == "pointing" => {
+            Some((1.0 - fraction).powi((target.last - target.first + 1) as i32))
+        }
+        _ => None,
+    });
+    reached.product()
+}
+
 /// The likely cause that so many episodes fail, and what may help: one sentence.
 pub fn likely_cause(task: &Task, reach: &dyn Reach, recent: &Recent) -> String {
     let hardest = hardest(recent);
@@ -100,6 +112,17 @@ mod tests {
         let success = *target_success.last().unwrap();
         let target_success = target_success.to_vec();
         likely_cause(task, &Ball, &Recent { success, targets_done, final_distance, length, target_success })
+    }
+
+    #[test]
+    fn spheres_out_of_reach_bound_the_success() {
+        let mut task = preset("mobile-typing").unwrap();
+        assert_eq!(most_success(&check(&task, &Ball)), 1.0);
+        let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("spheres") };
+        sphere.position.x.max = 0.45;
+        let most = most_success(&check(&task, &Ball));
+        // x below 0.41, of 0.225 to 0.45.
+        assert!((most - 0.185 / 0.225).abs() < 0.02, "{most}");
     }
 
     #[test]

@@ -366,3 +366,18 @@ fn a_run_may_begin_with_what_another_learned() {
     refused(&["train", "ar", "--from", "first", "--set", "policy_hidden=[8]"], "width of the hidden layers");
     assert!(!folder.path().join("runs").exists(), "nothing is left of what was refused");
 }
+
+#[test]
+fn a_goal_beyond_what_the_task_allows_is_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = "version: 1\nname: far\ntargets:\n- kind: pointing\n  position: {x: [0.5, 0.8], y: 0, z: 0}\n  radius: 0.02\n  dwell_s: 0.05\n";
+    std::fs::write(folder.path().join("far.yaml"), far).unwrap();
+    let train = |until| {
+        let args = ["train", "far.yaml", "--envs", "8", "--steps", "64", "--until", until];
+        stderr(&myo(folder.path(), &args))
+    };
+    assert!(
+        train("0.95").contains("% of the episodes can succeed, since targets lie out of reach, and the goal is 95.0 %")
+    );
+    assert!(!train("off").contains("of the episodes can succeed"));
+}

@@ -8,7 +8,7 @@ const MEMORY: f64 = 500.0;
 /// Control steps between two points that are kept.
 const SPACING: u64 = 65_536;
 
-/// Points that a forecast looks back on.
+/// Points that a forecast needs; it looks back on half of all.
 const FORECAST_POINTS: usize = 12;
 
 /// Points that must not have brought anything for a curve to be flat: six million control steps.
@@ -66,13 +66,24 @@ struct Point {
 /// The curve so far.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
+    /// Control steps before which episodes do not count.
+    start: u64,
     recent: Option<Recent>,
     points: Vec<Point>,
 }
 
 impl Curve {
+    /// Nothing known yet. Episodes that end before `start` control steps do not count: the first ones to end are short,
+    /// and short ones are mostly successes.
+    pub fn new(start: u64) -> Self {
+        Self { start, ..Self::default() }
+    }
+
     /// Hears of an update.
     pub fn hear(&mut self, metrics: &UpdateMetrics) {
+        if metrics.env_steps < self.start {
+            return;
+        }
         let Some(newer) = Recent::of(metrics) else { return };
         let weight = 1.0 - (-(metrics.episodes as f64) / MEMORY).exp();
         let recent = self.recent.get_or_insert_with(|| newer.clone());
@@ -95,18 +106,19 @@ impl Curve {
 
     /// Control steps until training success is `goal`, if it goes on as it did lately; none where nobody can tell.
     ///
-    /// Success grows like a logistic function of the steps, so a line is fitted to its log-odds.
+    /// The log-odds of success grow about as the logarithm of the steps does, so a line is fitted to them.
     pub fn steps_to(&self, goal: f64) -> Option<u64> {
-        let points = &self.points[self.points.len().saturating_sub(FORECAST_POINTS)..];
-        let seen = points.iter().filter(|point| point.recent.success > 0.01).count();
-        if points.len() < FORECAST_POINTS || seen < FORECAST_POINTS {
+        let back = (self.points.len() / 2).max(FORECAST_POINTS);
+        let points = &self.points[self.points.len().checked_sub(back)?..];
+        if points.iter().any(|point| point.recent.success < 0.01) {
             return None;
         }
-        let x = |point: &Point| point.env_steps as f64;
+        let x = |point: &Point| (point.env_steps.max(1) as f64).ln();
         let y = |point: &Point| log_odds(point.recent.success);
-        let (slope, now) = line(points.iter().map(|point| (x(point), y(point))), x(points.last()?));
-        let left = (log_odds(goal) - now) / slope;
-        (slope > 0.0 && left.is_finite()).then_some(left.max(0.0) as u64)
+        let last = points.last()?;
+        let (slope, now) = line(points.iter().map(|point| (x(point), y(point))), x(last));
+        let left = ((log_odds(goal) - now) / slope).max(0.0).exp_m1() * last.env_steps as f64;
+        (slope > 0.0 && left.is_finite()).then_some(left as u64)
     }
 
     /// Whether success, targets done and distance have not improved for long; since how many control steps.
@@ -162,19 +174,20 @@ mod tests {
         curve
     }
 
+    /// Odds of success that grow as the third power of the steps.
     fn logistic(x: f64) -> f64 {
-        1.0 / (1.0 + (4.0 - x / 1e6).exp())
+        1.0 / (1.0 + (4e6 / x.max(1.0)).powi(3))
     }
 
     #[test]
-    fn a_logistic_curve_is_foreseen() {
-        // It reaches 90 % after (4 + ln 9) million steps.
-        let expected = (4.0 + 9.0_f64.ln()) * 1e6;
-        for now in [3_000_000, 4_000_000, 5_000_000] {
+    fn a_curve_that_goes_on_as_before_is_foreseen() {
+        // It reaches 90 % when the odds are nine.
+        let expected = 4e6 * 9.0_f64.cbrt();
+        for now in [4_000_000, 5_000_000, 7_000_000] {
             let forecast = (now + curve(now, logistic, |_| 0.1).steps_to(0.9).unwrap()) as f64;
             assert!((forecast / expected - 1.0).abs() < 0.05, "{forecast} {expected}");
         }
-        assert_eq!(curve(8_000_000, logistic, |_| 0.1).steps_to(0.9), Some(0), "it is there");
+        assert_eq!(curve(9_000_000, logistic, |_| 0.1).steps_to(0.9), Some(0), "it is there");
     }
 
     #[test]
@@ -190,6 +203,21 @@ mod tests {
         assert_eq!(curve(7_000_000, |x| 0.5 + x / 5e7, |_| 0.1).flat_for(), None, "success grows");
         assert_eq!(curve(7_000_000, |_| 0.0, |x| 0.5 - x / 5e7).flat_for(), None, "it comes nearer");
         assert_eq!(curve(5_000_000, |_| 0.0, |_| 0.5).flat_for(), None, "too early to tell");
+    }
+
+    #[test]
+    fn episodes_that_ended_before_all_could_do_not_count() {
+        let mut curve = Curve::new(1000);
+        let update = |env_steps| UpdateMetrics {
+            env_steps,
+            episodes: 1,
+            episode_means: vec![("success".into(), 1.0)],
+            ..UpdateMetrics::default()
+        };
+        curve.hear(&update(999));
+        assert_eq!(curve.recent(), None);
+        curve.hear(&update(1000));
+        assert_eq!(curve.recent().unwrap().success, 1.0);
     }
 
     #[test]

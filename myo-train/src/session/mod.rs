@@ -156,7 +156,7 @@ impl Session {
         Self {
             looks: goal.until.map(|until| Looks::new(until, trainer.env_steps())),
             recovery: Recovery::new(&trainer),
-            curve: Curve::default(),
+            curve: Curve::new(first_whole_episodes(&trainer)),
             record: None,
             told_flat: false,
             training_s: 0.0,
@@ -337,6 +337,12 @@ impl Session {
             run: folder.map(|folder| folder.path().to_owned()),
         })
     }
+}
+
+/// Control steps after which every environment has ended an episode.
+fn first_whole_episodes(trainer: &Trainer) -> u64 {
+    let spec = trainer.spec();
+    trainer.env_steps() + (spec.num_envs * spec.max_episode_steps) as u64
 }
 
 /// The end that the loss of a graphics card is; other errors stay errors.

@@ -3,7 +3,7 @@
 use myo::env::EnvConfig;
 use myo::model::Model;
 use myo::tasks::{Report, Source, Task, load};
-use myo::{Envs, ModelReach, Wish};
+use myo::{Envs, ModelReach, Wish, most_success};
 
 use super::backend;
 use super::failure::{Failure, Mistake, Result, task_mistakes};
@@ -15,6 +15,8 @@ pub struct Stage {
     pub task: Task,
     /// Who does it.
     pub model: Model,
+    /// The greatest share of episodes that can succeed, as far as the check of the task knows.
+    pub most_success: f64,
 }
 
 impl Stage {
@@ -27,13 +29,13 @@ impl Stage {
         if !errors.is_empty() {
             return Err(Failure::Mistakes(errors));
         }
-        Ok(Self { task: source.task, model })
+        Ok(Self { task: source.task, model, most_success: most_success(&report) })
     }
 
     /// A task that was checked before.
     pub fn of(task: Task) -> Result<Self> {
         let model = model::open(&task.model)?;
-        Ok(Self { task, model })
+        Ok(Self { task, model, most_success: 1.0 })
     }
 
     /// Environments that do the task, at the place that is wished.

@@ -121,6 +121,7 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let heritage = args.from.as_deref().map(Heritage::open).transpose()?;
     let config = settings(&base(heritage.as_ref()), args.envs, &args.set)?;
     let stage = Stage::open(task)?;
+    warn_of_goal(&stage, args.until.map_or(UNTIL, |goal| goal.0));
     let seed = args.seed.unwrap_or(1);
     let training = Training { args, stage: &stage, config, heritage, interrupt };
     match args.seeds {
@@ -129,6 +130,19 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
             let (ready, writer) = training.ready(seed, |make| numbered(&stage.task.name, args.out.as_deref(), make))?;
             conclude(args, &stage, ready, writer, interrupt)
         }
+    }
+}
+
+/// Tells at once when the goal is beyond what the task allows.
+fn warn_of_goal(stage: &Stage, until: Option<f64>) {
+    let most = stage.most_success;
+    if let Some(until) = until.filter(|until| *until > most) {
+        complain(&format!(
+            "warning: at most {:.1} % of the episodes can succeed, since targets lie out of reach, and the goal is {:.1} %: bring them \
+             nearer, or set --until lower",
+            100.0 * most,
+            100.0 * until
+        ));
     }
 }
 
