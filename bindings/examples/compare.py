@@ -5,6 +5,7 @@ all processors. MyoSuite's environments are single ones, run side by side by Gym
 """
 
 import argparse
+import importlib
 import os
 import time
 import warnings
@@ -39,12 +40,15 @@ def envpool(num_envs: int) -> tuple[Step, float]:
 def myosuite(num_envs: int) -> tuple[Step, float]:
     """MyoSuite's arm, in Gymnasium's processes."""
     import gymnasium
-    import myosuite  # noqa: F401
 
-    single = gymnasium.make("myoArmReachRandom-v0")
+    def make() -> gymnasium.Env:
+        # Importing it registers its environments, in every process anew.
+        importlib.import_module("myosuite")
+        return gymnasium.make("myoArmReachRandom-v0")
+
+    single = make()
     control_dt = float(single.unwrapped.dt)
     single.close()
-    make = lambda: __import__("myosuite") and gymnasium.make("myoArmReachRandom-v0")  # noqa: E731
     envs = gymnasium.vector.AsyncVectorEnv([make] * num_envs, context="spawn")
     envs.reset(seed=1)
     actions = envs.action_space.sample()

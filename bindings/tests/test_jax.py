@@ -5,14 +5,15 @@ import gc
 import numpy as np
 import pytest
 
-jax = pytest.importorskip("jax", reason="JAX is not installed")
+pytest.importorskip("jax", reason="JAX is not installed")
 
-import jax.numpy as jnp  # noqa: E402
+import jax
+import jax.numpy as jnp
 
-import myoenv  # noqa: E402
-import myoenv.jax  # noqa: E402
-from myoenv.brax import BraxEnv  # noqa: E402
-from myoenv.jax import JaxEnv  # noqa: E402
+import myoenv
+import myoenv.jax
+from myoenv.brax import BraxEnv
+from myoenv.jax import JaxEnv
 
 
 @pytest.fixture(params=["in XLA", "by callback"])

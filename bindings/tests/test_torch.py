@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-torch = pytest.importorskip("torch", reason="PyTorch is not installed")
+pytest.importorskip("torch", reason="PyTorch is not installed")
 
-import myoenv  # noqa: E402
-from myoenv.torch import TorchVectorEnv  # noqa: E402
+import torch
+
+import myoenv
+from myoenv.torch import TorchVectorEnv
 
 
 def actions_like(envs, step: int) -> np.ndarray:

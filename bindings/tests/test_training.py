@@ -94,7 +94,10 @@ def rows_without_seconds(run) -> list[dict[str, str]]:
 
 def test_a_resumed_run_ends_as_if_it_had_never_stopped(run, tmp_path):
     folder = tmp_path / "stopped"
-    three = lambda metrics: metrics["updates"] >= 3  # noqa: E731
+
+    def three(metrics) -> bool:
+        return metrics["updates"] >= 3
+
     stopped = myoenv.train("pointing-single", seed=3, until=None, steps=1024, out=folder, callback=three, **SMALL)
     assert (stopped.updates, stopped.env_steps) == (3, 384)
     resumed = myoenv.train(resume=folder)

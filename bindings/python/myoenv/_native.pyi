@@ -201,9 +201,11 @@ class Policy:
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
         """Mean actions `(rows, actions)` for observations `(rows, observations)`."""
     @property
-    def observation_names(self) -> list[str]: ...
+    def observation_names(self) -> list[str]:
+        """Names of the observations that it was trained on, in order."""
     @property
-    def action_names(self) -> list[str]: ...
+    def action_names(self) -> list[str]:
+        """Names of the actions, in order: muscles."""
 
 class Env:
     """Environments without Gymnasium: strict about types, `(num_envs, ...)` arrays in and out."""
@@ -253,21 +255,29 @@ class Env:
     def present(self) -> int:
         """Number of the present state: every reset and step makes another one of it."""
     @property
-    def num_envs(self) -> int: ...
+    def num_envs(self) -> int:
+        """How many environments."""
     @property
-    def observation_names(self) -> list[str]: ...
+    def observation_names(self) -> list[str]:
+        """Names of the entries of an observation, in order."""
     @property
-    def action_names(self) -> list[str]: ...
+    def action_names(self) -> list[str]:
+        """Names of the entries of an action, in order: muscles."""
     @property
-    def episode_names(self) -> list[str]: ...
+    def episode_names(self) -> list[str]:
+        """Names of the entries of an episode's summary, in order."""
     @property
-    def control_dt(self) -> float: ...
+    def control_dt(self) -> float:
+        """Seconds of a control step."""
     @property
-    def max_episode_steps(self) -> int: ...
+    def max_episode_steps(self) -> int:
+        """Control steps after which an episode is over in any case."""
     @property
-    def backend(self) -> str: ...
+    def backend(self) -> str:
+        """`cpu` or `gpu`."""
     @property
-    def device(self) -> str | None: ...
+    def device(self) -> str | None:
+        """Name of the graphics card, if it is one."""
     @property
     def observation_bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Least and greatest value of every entry of the observation."""
@@ -300,12 +310,17 @@ class Trainer:
     def policy(self) -> Policy:
         """A copy of the policy as it is now."""
     @property
-    def env_steps(self) -> int: ...
+    def env_steps(self) -> int:
+        """Control steps of all environments since the start."""
     @property
-    def updates(self) -> int: ...
+    def updates(self) -> int:
+        """Updates since the start."""
     @property
-    def max_episode_steps(self) -> int: ...
+    def max_episode_steps(self) -> int:
+        """Control steps after which an episode is over in any case."""
     @property
-    def backend(self) -> str: ...
+    def backend(self) -> str:
+        """`cpu` or `gpu`."""
     @property
-    def device(self) -> str | None: ...
+    def device(self) -> str | None:
+        """Name of the graphics card, if it is one."""

@@ -54,12 +54,13 @@ def _register() -> bool:
 XLA_TAKES_STEPS = _register()
 
 
+@dataclass(frozen=True)
 class Pytree:
     """What all states share: they are changed by making new ones."""
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed."""
-        return replace(self, **changes)  # type: ignore[type-var]
+        return replace(self, **changes)
 
 
 @jax.tree_util.register_dataclass
@@ -139,8 +140,7 @@ class JaxEnv:
         if shape not in {(), (self.num_envs,)} or not (typed or key.dtype == jnp.uint32):
             raise ValueError(f"reset takes one key, or one for each of {self.num_envs} environments, not {key.aval}")
         batched = shape != ()
-        draw = lambda one: jax.random.bits(one, (2,), jnp.uint32)  # noqa: E731
-        words = jax.vmap(draw)(key) if batched else draw(key)
+        words = jax.vmap(_words)(key) if batched else _words(key)
         return io_callback(self._host.reset, self._reset_like, words)
 
     def _call_step(self, state: EnvState, action: Array) -> tuple[EnvState, Step]:
@@ -175,6 +175,11 @@ class JaxEnv:
         return jax.ShapeDtypeStruct((self.num_envs, *width), dtype)
 
 
+def _words(key: Array) -> Array:
+    """Two random words, `(2,)` uint32: the halves of a seed."""
+    return jax.random.bits(key, (2,), jnp.uint32)
+
+
 class _Host:
     """The other end of the callbacks: NumPy in, NumPy out."""
 
@@ -184,12 +189,14 @@ class _Host:
         self.no_summary = {name: zeros for name in self.envs.episode_names}
 
     def reset(self, words: Any) -> tuple[EnvState, np.ndarray]:
+        """Of `(2,)` or `(num_envs, 2)` random words of 32 bits, which make the seeds."""
         words = np.asarray(words).astype(np.uint64)
         seeds = words[..., 0] << np.uint64(32) | words[..., 1]
         obs, _ = self.envs.reset(seed=seeds.tolist())
         return self._next(), obs
 
     def step(self, token: Any, action: Any) -> tuple[EnvState, Step]:
+        """What the handler in XLA does, too."""
         if int(token) != self.envs._env.present:
             raise ValueError(
                 f"this state is number {int(token)}, the environments are at {self.envs._env.present}: "

@@ -66,6 +66,7 @@ class _Schedule:
         self.wait = 0
 
     def is_due(self, metrics: Metrics) -> bool:
+        """Hears of an update; whether to look now."""
         success = metrics["success"]
         if not math.isnan(success):
             before = success if self.recent is None else self.recent
@@ -74,6 +75,7 @@ class _Schedule:
         return metrics["env_steps"] - self.last_look >= (self.wait if near else _LONGEST_WAIT)
 
     def looked(self, env_steps: int, cost: int) -> None:
+        """Hears that a look was taken and how many control steps it took."""
         self.last_look = env_steps
         self.wait = _STEPS_PER_LOOK * cost
 

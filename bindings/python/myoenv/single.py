@@ -27,6 +27,7 @@ class MyoEnv(gymnasium.Env):
     an episode that ended. Time limits are the task's own: `truncated` tells of them.
     """
 
+    # Gymnasium asks the class; a class variable by its type could not be changed for a task with another frame rate.
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012
 
     def __init__(

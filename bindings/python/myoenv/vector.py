@@ -266,8 +266,10 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
 
 def check_render_mode(render_mode: str | None) -> Literal["rgb_array"] | None:
     """Refuses render modes that do not exist."""
-    if render_mode in (None, "rgb_array"):
-        return render_mode  # type: ignore[return-value]
+    if render_mode is None:
+        return None
+    if render_mode == "rgb_array":
+        return "rgb_array"
     raise ValueError(f'render_mode is {render_mode!r}; it must be "rgb_array" or None')
 
 
