@@ -65,16 +65,15 @@ impl Env {
         let config = EnvConfig { num_envs, seed, autoreset: autoreset_mode(autoreset)?, ..EnvConfig::default() };
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let (task, model) = (task.inner(), model.inner());
-        let built = compute(py, || pool.install(|| wish.build(model, task, &config)))??;
-        let (backend, device) = (built.backend(), built.device());
-        let env = built.boxed();
+        let built = wish.build(py, &pool, (model, task), &config)?;
+        let (place, env) = (built.place(), built.boxed());
         let views = (!copy).then(|| Arrays::new(py, env.spec()).into_views());
         let bounds = space::bounds(model, task, &env.spec().observation_names);
         Ok(Self {
             batch: Arc::new(Batch::new(env, pool)),
             views,
-            backend,
-            device,
+            backend: place.backend(),
+            device: place.device().map(String::from),
             bounds,
             tables: Tables::new(model, task).map_err(error::build)?,
             painter: Painter::new(model, task).map_err(error::task)?,

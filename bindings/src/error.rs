@@ -1,12 +1,14 @@
 //! Exceptions, one sentence each.
 
+use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use myo::env::{BuildError, EnvError};
 use myo::gpu::GpuError;
 use myo::train::TrainError;
+use myo::train::session::SessionError;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 
 create_exception!(myoenv, TaskError, PyValueError, "A task or model that cannot be read, checked or simulated.");
@@ -42,6 +44,11 @@ pub fn compute<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyRe
         let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
         PyRuntimeError::new_err(format!("internal error, please report it: {}", text.unwrap_or("no message")))
     })
+}
+
+/// A warning, at the line that called the package.
+pub fn warn(py: Python<'_>, sentence: &str) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(sentence)?, 3)
 }
 
 /// Something in the way of a task or a model.
@@ -82,6 +89,14 @@ pub fn train(error: TrainError) -> PyErr {
         TrainError::Gpu(error) => gpu(&error),
         TrainError::Config(error) => PyValueError::new_err(error.to_string()),
         error => TrainingError::new_err(error.to_string()),
+    }
+}
+
+/// A training that cannot go on or be recorded.
+pub fn session(error: SessionError) -> PyErr {
+    match error {
+        SessionError::Train(error) => train(error),
+        other => run(other),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Python bindings: the compiled half of the package `myoenv`.
 //!
 //! - [`env`]: environments stepped side by side, arrays in and arrays out; [`batch`]: what is behind it, [`arrays`]: NumPy's
-//! - [`train`]: PPO, evaluation, run folders; [`policy`]: what they leave
+//! - [`train`]: PPO and run folders; [`policy`]: what they leave
 //! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
 //! - [`simulation`]: the body alone
 //! - [`xla`]: steps without Python, in programs of JAX
@@ -36,12 +36,12 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<model::Model>()?;
     m.add_class::<env::Env>()?;
     m.add_class::<policy::Policy>()?;
-    m.add_class::<train::Trainer>()?;
+    m.add_class::<train::Session>()?;
     m.add_class::<simulation::Simulation>()?;
     m.add_function(wrap_pyfunction!(task::preset_names, m)?)?;
     m.add_function(wrap_pyfunction!(model::model_names, m)?)?;
     m.add_function(wrap_pyfunction!(place::devices, m)?)?;
-    m.add_function(wrap_pyfunction!(train::evaluate, m)?)?;
+    m.add_function(wrap_pyfunction!(train::evaluation_seed, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
     m.add_function(wrap_pyfunction!(xla::xla_step_handler, m)?)?;
     m.add_function(wrap_pyfunction!(train::default_settings, m)?)

@@ -1,62 +1,22 @@
 //! Where environments run: the processor or a graphics card.
 
-use myo::env::{BuildError, CpuEnv, EnvConfig, GpuEnv, VectorEnv};
-use myo::gpu::{Gpu, GpuError, Kind, Want, adapters};
+use std::error::Error;
+
+use myo::env::{BuildError, EnvConfig};
+use myo::gpu::{GpuError, Kind, Want, adapters};
 use myo::model::Model;
 use myo::tasks::Task;
+use myo::{Envs, auto_envs};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 
 use crate::error;
 use crate::process::check_gpu_process;
 
-/// Environments per thread of the processor from which on `auto` takes a graphics card: that of the command line.
-const AUTO_ENVS_PER_THREAD: usize = 64;
-
-/// Environments of one backend.
-pub enum Envs {
-    /// On the processor.
-    Cpu(Box<CpuEnv>),
-    /// On a graphics card.
-    Gpu(Box<GpuEnv>),
-}
-
-impl Envs {
-    /// The environments, whatever they are.
-    pub fn boxed(self) -> Box<dyn VectorEnv> {
-        match self {
-            Self::Cpu(env) => env,
-            Self::Gpu(env) => env,
-        }
-    }
-
-    /// `cpu` or `gpu`.
-    pub fn backend(&self) -> &'static str {
-        match self {
-            Self::Cpu(_) => "cpu",
-            Self::Gpu(_) => "gpu",
-        }
-    }
-
-    /// Name of the graphics card, if it is one.
-    pub fn device(&self) -> Option<String> {
-        match self {
-            Self::Cpu(_) => None,
-            Self::Gpu(env) => Some(env.gpu().adapter().name.clone()),
-        }
-    }
-}
-
 /// What a caller asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wish {
-    /// What is faster here.
-    Auto,
-    /// The processor.
-    Cpu,
-    /// This adapter.
-    Gpu(Want),
-}
+pub struct Wish(myo::Wish);
 
 impl Wish {
     /// From the arguments `backend` and `device`.
@@ -65,43 +25,46 @@ impl Wish {
             ("cpu", Some(device)) => Err(PyValueError::new_err(format!(
                 "device {device:?} names a graphics card, but backend \"cpu\" takes none; leave one of them out"
             ))),
-            ("auto" | "gpu", Some(device)) => Ok(Self::Gpu(Want::Named(device))),
-            ("auto", None) => Ok(Self::Auto),
-            ("cpu", None) => Ok(Self::Cpu),
-            ("gpu", None) => Ok(Self::Gpu(Want::Hardware)),
+            ("auto" | "gpu", Some(device)) => Ok(Self(myo::Wish::Gpu(Want::Named(device)))),
+            ("auto", None) => Ok(Self(myo::Wish::Auto)),
+            ("cpu", None) => Ok(Self(myo::Wish::Cpu)),
+            ("gpu", None) => Ok(Self(myo::Wish::Gpu(Want::Hardware))),
             _ => Err(PyValueError::new_err(format!("backend is {backend:?}; it must be \"auto\", \"cpu\" or \"gpu\""))),
         }
     }
 
-    /// Builds environments; with `auto`, what a graphics card refuses is built on the processor.
-    pub fn build(&self, model: &Model, task: &Task, config: &EnvConfig) -> PyResult<Envs> {
-        let Some(gpu) = self.open(config.num_envs)? else { return cpu(model, task, config) };
-        match GpuEnv::new(&gpu, model, task, config) {
-            Err(BuildError::TooLargeForGpu { .. } | BuildError::Gpu(_)) if *self == Self::Auto => {
-                cpu(model, task, config)
-            }
-            built => Ok(Envs::Gpu(Box::new(built.map_err(error::build)?))),
-        }
+    /// Builds environments; with `auto`, what a graphics card refuses is built on the processor, with a warning.
+    pub fn build(
+        &self,
+        py: Python<'_>,
+        pool: &ThreadPool,
+        (model, task): (&Model, &Task),
+        config: &EnvConfig,
+    ) -> PyResult<Envs> {
+        let mut notices = Vec::new();
+        let built = error::compute(py, || {
+            pool.install(|| {
+                let mut notice =
+                    |refusal: &dyn Error| notices.push(format!("{refusal}; the processor is taken instead"));
+                Ok::<_, PyErr>(self.in_this_process(config.num_envs)?.build(model, task, config, &mut notice))
+            })
+        })?;
+        notices.iter().try_for_each(|notice| error::warn(py, notice))?;
+        built?.map_err(|refusal| match refusal {
+            BuildError::Gpu(refusal) => no_card(&refusal),
+            other => error::build(other),
+        })
     }
 
-    /// The graphics card, if one is taken for so many environments.
-    fn open(&self, num_envs: usize) -> PyResult<Option<Gpu>> {
-        let want = match self {
-            Self::Cpu => return Ok(None),
-            Self::Auto if num_envs < AUTO_ENVS_PER_THREAD * rayon::current_num_threads() => return Ok(None),
-            Self::Auto => &Want::Hardware,
-            Self::Gpu(want) => want,
-        };
-        let opened = check_gpu_process().and_then(|()| Gpu::open(want).map_err(|refusal| no_card(&refusal)));
-        match opened {
-            Err(_) if *self == Self::Auto => Ok(None),
-            opened => opened.map(Some),
+    /// The same wish without graphics cards where this process cannot have one.
+    fn in_this_process(&self, num_envs: usize) -> PyResult<&myo::Wish> {
+        match &self.0 {
+            myo::Wish::Cpu => Ok(&self.0),
+            myo::Wish::Auto if num_envs < auto_envs() || check_gpu_process().is_err() => Ok(&myo::Wish::Cpu),
+            myo::Wish::Auto => Ok(&self.0),
+            myo::Wish::Gpu(_) => check_gpu_process().map(|()| &self.0),
         }
     }
-}
-
-fn cpu(model: &Model, task: &Task, config: &EnvConfig) -> PyResult<Envs> {
-    Ok(Envs::Cpu(Box::new(CpuEnv::new(model, task, config).map_err(error::build)?)))
 }
 
 fn no_card(refusal: &GpuError) -> PyErr {

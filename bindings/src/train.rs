@@ -1,58 +1,76 @@
-//! Training: the loop is Python's, an update is Rust's.
+//! Training: one update at a time, so that the loop is Python's.
 
-use std::ffi::CString;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
-use myo::train::{Checkpoint, PpoConfig, RunFolder, RunWriter, UpdateMetrics};
-use pyo3::exceptions::{PyFileExistsError, PyUserWarning, PyValueError};
+use myo::train::session::{End, Goal, News, Outcome, Progress};
+use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics};
+use myo::{Envs, ModelReach, likely_cause};
+use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
 
 use crate::error::{self, BusyError, compute};
 use crate::model::Model;
-use crate::place::{Envs, Wish};
-use crate::policy::Policy;
+use crate::place::Wish;
+use crate::policy::{Policy, checkpoint};
 use crate::process::{Birthplace, own_pool, pool};
 use crate::task::Task;
 
-/// PPO on one task.
+/// One training from start, or from a checkpoint, to its end.
 #[pyclass(module = "myoenv._native", frozen)]
-pub struct Trainer {
-    inner: Mutex<Inner>,
+pub struct Session {
+    live: Mutex<Option<Live>>,
     born: Birthplace,
-    columns: Vec<String>,
     backend: &'static str,
     device: Option<String>,
+    inherited: Option<Inherited>,
 }
 
-struct Inner {
-    trainer: myo::train::Trainer,
-    writer: Option<RunWriter>,
+struct Live {
+    session: Inner,
     pool: Arc<ThreadPool>,
+    task: myo::tasks::Task,
+    model: myo::model::Model,
 }
 
-impl Trainer {
-    fn with<T>(&self, work: impl FnOnce(&mut Inner) -> PyResult<T>) -> PyResult<T> {
-        self.born.check("the trainer")?;
-        match self.inner.try_lock() {
-            Ok(mut inner) => work(&mut inner),
+/// Where a training begins.
+enum Beginning {
+    /// With nothing, or with what another training learned.
+    New(Option<Checkpoint>),
+    /// Where it was stopped.
+    Again(Checkpoint),
+}
+
+impl Session {
+    fn with<T>(&self, work: impl FnOnce(&mut Option<Live>) -> PyResult<T>) -> PyResult<T> {
+        self.born.check("the training")?;
+        match self.live.try_lock() {
+            Ok(mut live) => work(&mut live),
             Err(TryLockError::Poisoned(poisoned)) => work(&mut poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => Err(BusyError::new_err("another thread is using this trainer")),
+            Err(TryLockError::WouldBlock) => Err(BusyError::new_err("another thread is using this training")),
         }
+    }
+
+    fn live<T>(&self, work: impl FnOnce(&mut Live) -> PyResult<T>) -> PyResult<T> {
+        self.with(|live| work(live.as_mut().ok_or_else(|| error::run("the training is over"))?))
     }
 }
 
-/// Settings from JSON; what is not named keeps its default.
-fn settings(json: &str) -> PyResult<PpoConfig> {
-    let config: PpoConfig = serde_json::from_str(json).map_err(|error| {
+/// Settings from JSON; what is not named is as in `base`.
+fn settings(json: &str, base: &PpoConfig) -> PyResult<PpoConfig> {
+    let bad = |error: &dyn std::fmt::Display| {
         // Line and column are those of a text that the user never saw.
         let text = error.to_string();
         PyValueError::new_err(format!("bad training setting: {}", text.split(" at line ").next().unwrap_or(&text)))
-    })?;
-    config.validate().map_err(|error| PyValueError::new_err(format!("bad training setting: {error}")))?;
+    };
+    let changes: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).map_err(|e| bad(&e))?;
+    let mut table = serde_json::to_value(base).map_err(|e| bad(&e))?;
+    changes.into_iter().for_each(|(name, value)| table[name] = value);
+    let config: PpoConfig = serde_json::from_value(table).map_err(|e| bad(&e))?;
+    config.validate().map_err(|e| bad(&e))?;
     Ok(config)
 }
 
@@ -63,17 +81,37 @@ fn newest_checkpoint(py: Python<'_>, run: &Path) -> PyResult<Option<Checkpoint>>
         return Err(error::run(format!("{} has no checkpoint that can be used; train it again", run.display())));
     }
     for (path, reason) in &latest.refused {
-        let sentence = format!("{} cannot be used, an older checkpoint is: {reason}", path.display());
-        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(sentence)?, 3)?;
+        error::warn(py, &format!("{} cannot be used, an older checkpoint is: {reason}", path.display()))?;
     }
     Ok(latest.checkpoint)
 }
 
+/// A session in these environments.
+fn open(
+    env: Envs,
+    (model, task): (&myo::model::Model, &myo::tasks::Task),
+    (config, seed): (PpoConfig, u64),
+    beginning: Beginning,
+    goal: Goal,
+) -> PyResult<(Inner, Option<Inherited>)> {
+    let looks = env.for_looks(model, task, seed).map_err(error::build)?;
+    let (trainer, inherited) = match beginning {
+        Beginning::Again(checkpoint) => (env.go_on(&checkpoint).map_err(error::train)?, None),
+        Beginning::New(other) => {
+            let mut trainer = env.train(config, seed).map_err(error::train)?;
+            let inherited = other.map(|other| trainer.warm_start(&other)).transpose().map_err(error::train)?;
+            (trainer, inherited)
+        }
+    };
+    let examiner = looks.examine(&trainer).map_err(error::train)?;
+    Ok((Inner::new(trainer, examiner, goal), inherited))
+}
+
 #[pymethods]
-impl Trainer {
+impl Session {
     #[new]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
-    #[pyo3(signature = (task, model, *, config, seed, backend, device, threads, resume))]
+    #[pyo3(signature = (task, model, *, config, seed, backend, device, threads, until, steps, resume, start_from))]
     fn new(
         py: Python<'_>,
         task: &Task,
@@ -83,112 +121,116 @@ impl Trainer {
         backend: &str,
         device: Option<String>,
         threads: Option<usize>,
+        until: Option<f64>,
+        steps: u64,
         resume: Option<PathBuf>,
+        start_from: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let (wish, config) = (Wish::new(backend, device)?, settings(config)?);
-        let checkpoint = resume.map_or(Ok(None), |run| newest_checkpoint(py, &run))?;
+        let wish = Wish::new(backend, device)?;
+        let other = start_from.map(|run| checkpoint(&run)).transpose()?;
+        let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
+        let config = settings(config, &base)?;
+        let again = resume.map_or(Ok(None), |run| newest_checkpoint(py, &run))?;
+        let beginning = again.map_or(Beginning::New(other), Beginning::Again);
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
-        let (task, model) = (task.inner(), model.inner());
-        let (backend, device, trainer) = compute(py, || {
-            pool.install(|| {
-                let env = wish.build(model, task, &envs)?;
-                let (backend, device) = (env.backend(), env.device());
-                let trainer = match (env, checkpoint) {
-                    (Envs::Cpu(env), None) => myo::train::Trainer::new(env, config, seed),
-                    (Envs::Gpu(env), None) => myo::train::Trainer::on_card(*env, config, seed),
-                    (Envs::Cpu(env), Some(checkpoint)) => myo::train::Trainer::restore(env, &checkpoint),
-                    (Envs::Gpu(env), Some(checkpoint)) => myo::train::Trainer::restore_on_card(*env, &checkpoint),
-                };
-                Ok::<_, PyErr>((backend, device, trainer.map_err(error::train)?))
-            })
-        })??;
-        let columns = UpdateMetrics::columns(&trainer.spec().episode_names).map(String::from).collect();
-        let inner = Mutex::new(Inner { trainer, writer: None, pool });
-        Ok(Self { inner, born: Birthplace::here(), columns, backend, device })
-    }
-
-    /// Collects and learns once; returns what `metrics.csv` has as columns. Records it in the run folder, if there is one.
-    fn update<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let row = self.with(|inner| {
-            compute(py, || {
-                let Inner { trainer, writer, pool } = inner;
-                let metrics = pool.install(|| trainer.update()).map_err(error::train)?;
-                writer.as_mut().map_or(Ok(()), |writer| writer.record(&metrics)).map_err(error::run)?;
-                Ok(metrics.row())
-            })?
-        })?;
-        let out = PyDict::new(py);
-        self.columns.iter().zip(row).try_for_each(|(name, x)| out.set_item(name, x))?;
-        Ok(out)
+        let (task, model) = (task.inner().clone(), model.inner().clone());
+        let env = wish.build(py, &pool, (&model, &task), &envs)?;
+        let (place, goal) = (env.place(), Goal { until, steps });
+        let (session, inherited) =
+            compute(py, || pool.install(|| open(env, (&model, &task), (config, seed), beginning, goal)))??;
+        let live = Mutex::new(Some(Live { session, pool, task, model }));
+        let device = place.device().map(String::from);
+        Ok(Self { live, born: Birthplace::here(), backend: place.backend(), device, inherited })
     }
 
     /// Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained.
     #[pyo3(signature = (path, description, go_on))]
     fn record_in(&self, path: PathBuf, description: &str, go_on: bool) -> PyResult<()> {
         let description = serde_json::from_str(description).map_err(error::run)?;
-        self.with(|inner| {
-            let trainer = &inner.trainer;
+        self.with(|live| {
+            let Live { session, pool, task, model } = live.take().ok_or_else(|| error::run("the training is over"))?;
+            let trainer = session.trainer();
             let names = &trainer.spec().episode_names;
             let writer = if go_on {
                 RunWriter::resume(&path, trainer.env_steps(), names)
             } else {
                 RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
             };
-            inner.writer = Some(writer.map_err(|refusal| match refusal {
-                myo::train::RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
+            let mut writer = writer.map_err(|refusal| match refusal {
+                RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
                 other => error::run(other),
-            })?);
+            })?;
+            if self.inherited.is_some() {
+                // A run that is stopped before its first checkpoint goes on without the other run's folder.
+                writer.write_checkpoint(&trainer.save()).map_err(error::run)?;
+            }
+            *live = Some(Live { session: session.recorded_in(writer), pool, task, model });
             Ok(())
         })
     }
 
-    /// Leaves the run folder to others.
-    fn stop_recording(&self) -> PyResult<()> {
-        self.with(|inner| {
-            inner.writer = None;
+    /// One update, its record, and a look at the goal when it is time to.
+    ///
+    /// Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state; `news`,
+    /// sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card.
+    fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.live(|live| {
+            let (progress, news) = compute(py, || {
+                let Live { session, pool, task, model } = &mut *live;
+                let progress = pool.install(|| session.advance(&|| true)).map_err(error::session)?;
+                let news =
+                    progress.news.iter().map(|news| sentence(news, task, model)).collect::<PyResult<Vec<_>>>()?;
+                Ok::<_, PyErr>((progress, news))
+            })??;
+            let out = PyDict::new(py);
+            let names = &live.session.trainer().spec().episode_names;
+            out.set_item("metrics", progress.metrics.as_ref().map(|m| metrics(py, names, m)).transpose()?)?;
+            out.set_item("news", news)?;
+            out.set_item("end", progress.end.as_ref().map(End::name))?;
+            out.set_item("reason", reason(&progress))?;
+            Ok(out)
+        })
+    }
+
+    /// Closes the training after the `end` that `advance` told, or another: a last checkpoint, and, unless it was
+    /// interrupted or lost, the evaluation. JSON.
+    fn conclude(&self, py: Python<'_>, end: &str) -> PyResult<String> {
+        let end = match end {
+            "until" => End::Until,
+            "interrupt" => End::Interrupted,
+            "device_lost" => End::DeviceLost { reason: String::new() },
+            _ => End::Steps,
+        };
+        let outcome = self.with(|live| {
+            let Live { session, pool, .. } = live.take().ok_or_else(|| error::run("the training is over"))?;
+            compute(py, || pool.install(|| session.conclude(end, &|| true)))?.map_err(error::session)
+        })?;
+        serde_json::to_string(&table(&outcome)).map_err(error::run)
+    }
+
+    /// Leaves the run folder to others, even after a failure.
+    fn abandon(&self) -> PyResult<()> {
+        self.with(|live| {
+            *live = None;
             Ok(())
-        })
-    }
-
-    /// Writes a checkpoint into the run folder and returns its path; none without a folder.
-    fn checkpoint(&self, py: Python<'_>) -> PyResult<Option<PathBuf>> {
-        self.with(|inner| {
-            compute(py, || {
-                let Inner { trainer, writer, .. } = inner;
-                writer.as_mut().map(|writer| writer.write_checkpoint(&trainer.save())).transpose()
-            })?
-            .map_err(error::run)
-        })
-    }
-
-    /// Writes an evaluation, as JSON, into the run folder.
-    fn record_evaluation(&self, evaluation: &str) -> PyResult<()> {
-        let evaluation = serde_json::from_str(evaluation).map_err(error::run)?;
-        self.with(|inner| match &inner.writer {
-            Some(writer) => writer.folder().write_evaluation(&evaluation).map_err(error::run),
-            None => Ok(()),
         })
     }
 
     /// A copy of the policy as it is now.
     fn policy(&self) -> PyResult<Policy> {
-        self.with(|inner| Ok(Policy::of(inner.trainer.policy())))
+        self.live(|live| Ok(Policy::of(live.session.trainer().policy())))
     }
 
     #[getter]
     fn env_steps(&self) -> PyResult<u64> {
-        self.with(|inner| Ok(inner.trainer.env_steps()))
+        self.live(|live| Ok(live.session.trainer().env_steps()))
     }
 
+    /// Control steps of the training that this one began with, if any.
     #[getter]
-    fn max_episode_steps(&self) -> PyResult<usize> {
-        self.with(|inner| Ok(inner.trainer.spec().max_episode_steps))
-    }
-
-    #[getter]
-    fn updates(&self) -> PyResult<u64> {
-        self.with(|inner| Ok(inner.trainer.updates()))
+    fn inherited_env_steps(&self) -> Option<u64> {
+        self.inherited.map(|inherited| inherited.env_steps)
     }
 
     #[getter]
@@ -202,29 +244,39 @@ impl Trainer {
     }
 }
 
-/// Runs the mean actions of a policy until so many fresh episodes ended; JSON as `evaluation.json` has it.
-#[pyfunction]
-#[pyo3(signature = (policy, task, model, *, episodes, num_envs, seed))]
-pub fn evaluate(
-    py: Python<'_>,
-    policy: &Policy,
-    task: &Task,
-    model: &Model,
-    episodes: usize,
-    num_envs: usize,
-    seed: u64,
-) -> PyResult<String> {
-    let config = EnvConfig { num_envs, seed, ..EnvConfig::default() };
-    let (task, model, pool) = (task.inner(), model.inner(), pool()?);
-    let evaluation = compute(py, || {
-        pool.install(|| {
-            let mut env = Wish::Cpu.build(model, task, &config)?.boxed();
-            policy
-                .with(|policy| myo::train::evaluate(policy, env.as_mut(), episodes, seed, |_| true))
-                .map_err(error::train)
-        })
-    })??;
-    serde_json::to_string(&evaluation).map_err(error::run)
+fn metrics<'py>(py: Python<'py>, names: &[String], metrics: &UpdateMetrics) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    UpdateMetrics::columns(names).zip(metrics.row()).try_for_each(|(name, x)| out.set_item(name, x))?;
+    Ok(out)
+}
+
+fn reason(progress: &Progress) -> Option<&str> {
+    match &progress.end {
+        Some(End::DeviceLost { reason }) => Some(reason),
+        _ => None,
+    }
+}
+
+/// News, for people.
+fn sentence(news: &News, task: &myo::tasks::Task, model: &myo::model::Model) -> PyResult<String> {
+    Ok(match news {
+        News::WentBack { .. } => news.to_string(),
+        News::Flat { recent, .. } => {
+            let reach = ModelReach::new(model).map_err(error::task)?;
+            format!("{news}; {}", likely_cause(task, &reach, recent))
+        }
+    })
+}
+
+fn table(outcome: &Outcome) -> serde_json::Value {
+    serde_json::json!({
+        "stopped_by": outcome.end.name(),
+        "env_steps": outcome.env_steps,
+        "updates": outcome.updates,
+        "wall_s": outcome.wall_s,
+        "evaluation": outcome.evaluation,
+        "checkpoint": outcome.checkpoint,
+    })
 }
 
 /// `config.json` of a run folder.
@@ -232,6 +284,12 @@ pub fn evaluate(
 pub fn run_config(path: PathBuf) -> PyResult<String> {
     let folder = RunFolder::open(&path).map_err(error::run)?;
     serde_json::to_string(folder.config()).map_err(error::run)
+}
+
+/// A seed for the `number`-th evaluation of a training that is not the training's own.
+#[pyfunction]
+pub fn evaluation_seed(training_seed: u64, number: u64) -> u64 {
+    myo::train::session::evaluation_seed(training_seed, number)
 }
 
 /// The default settings of PPO, as JSON.

@@ -97,6 +97,6 @@ def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
 
 def test_a_failed_trial_has_its_error_in_the_table_and_no_file(cluster, tmp_path):
     grid = button_grid(columns=1, rows=1)
-    [row] = sweep(grid, [1], tmp_path, **SHORT | {"settings": {"gamma": 2.0}})
-    assert "gamma" in row["error"]
+    [row] = sweep(grid, [1], tmp_path, **SHORT | {"settings": {"discount_per_s": 2.0}})
+    assert "discount_per_s" in row["error"]
     assert list((tmp_path / "trials").iterdir()) == []

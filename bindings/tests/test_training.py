@@ -168,26 +168,46 @@ def test_ctrl_c_stops_with_a_checkpoint(tmp_path):
 
 
 def test_a_lost_card_leaves_a_checkpoint(tmp_path):
-    """The trainer is a stand-in: no driver can be made to fail."""
+    """The native half is a stand-in: no driver can be made to fail."""
 
     class Lost:
-        env_steps, updates = 0, 0
+        def advance(self):
+            return {"metrics": None, "news": [], "end": "device_lost", "reason": "unplugged"}
 
-        def update(self):
-            raise myoenv.DeviceError("the GPU was lost: unplugged")
+        def conclude(self, end):
+            assert end == "device_lost"
+            return json.dumps({"checkpoint": "run/checkpoints/step_1.ckpt"})
 
-        def checkpoint(self):
-            return "run/checkpoints/step_1.ckpt"
-
-        def stop_recording(self):
+        def abandon(self):
             self.left = True
 
-    task, model = myoenv.load_task("pointing-single"), myoenv.Model()
-    description = RunDescription(myoenv.to_dict(task), None, 1, {}, "gpu", "card", None, 100)
-    session = Session(Lost(), task, model, description)
+    description = RunDescription({}, None, 1, {}, "gpu", "card", None, 100)
+    session = Session(Lost(), description)
     with pytest.raises(myoenv.DeviceError, match="unplugged; the run goes on from its checkpoint run/checkpoints"):
         session.run(None)
-    assert session.trainer.left
+    assert session.native.left
+
+
+def test_learning_that_runs_away_is_told_and_healed():
+    wild = SMALL | {"settings": SMALL["settings"] | {"learning_rate": 1.0, "learning_rate_max": 1.0, "kl_target": 0.0}}
+    heard = []
+    with pytest.warns(RuntimeWarning, match="training ran away after .* kl_max"):
+        result = myoenv.train("pointing-single", until=None, steps=640, callback=heard.append, **wild)
+    assert result.stopped_by == "steps" and len(heard) >= result.updates == 5
+
+
+def test_a_training_begins_with_what_another_learned(run, tmp_path):
+    short = {"until": None, "steps": 128, "num_envs": 32, "settings": {"steps_per_update": 4}, "backend": "cpu"}
+    warm = myoenv.train("public-display", start_from=run.run, out=tmp_path / "warm", **short)
+    config = json.loads((warm.run / "config.json").read_text())
+    assert config["run"]["from"] == {"run": str(run.run), "env_steps": 1024}
+    assert config["ppo"]["policy_hidden"] == [16]
+    assert len(list((warm.run / "checkpoints").iterdir())) == 2
+    assert myoenv.train(resume=warm.run, steps=256).updates == 2
+    with pytest.raises(myoenv.TrainingError, match="width of the hidden layers"):
+        myoenv.train("ar", start_from=run.run, settings={"policy_hidden": [8]})
+    with pytest.raises(ValueError, match="leave out start_from"):
+        myoenv.train(resume=run.run, start_from=run.run)
 
 
 @pytest.mark.parametrize(
@@ -223,8 +243,8 @@ def test_a_run_on_a_card_that_is_gone_says_so(run, tmp_path):
     ("kwargs", "error", "sentence"),
     [
         ({"settings": {"gama": 0.9}}, ValueError, "unknown field `gama`"),
-        ({"settings": {"gamma": 2}}, ValueError, "gamma is 2"),
-        ({"settings": {"gamma": object()}}, ValueError, "bad training setting"),
+        ({"settings": {"discount_per_s": 2}}, ValueError, "discount_per_s is 2"),
+        ({"settings": {"discount_per_s": object()}}, ValueError, "bad training setting"),
         ({"task": None}, ValueError, "name a task, or a run to resume"),
         ({"until": 1.5}, ValueError, "until is 1.5"),
         ({"until": "0.9"}, TypeError, "until is '0.9'; it must be a number"),

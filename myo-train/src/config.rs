@@ -142,6 +142,12 @@ impl PpoConfig {
         self.num_envs * self.steps_per_update
     }
 
+    /// The defaults, with the networks of these settings: what a warm start begins with.
+    pub fn with_default_learning(&self) -> Self {
+        let Self { policy_hidden, value_hidden, .. } = self.clone();
+        Self { policy_hidden, value_hidden, ..Self::default() }
+    }
+
     /// Discount per control step of `control_dt` seconds, often called gamma.
     pub fn gamma(&self, control_dt: f64) -> f64 {
         self.discount_per_s.powf(control_dt)

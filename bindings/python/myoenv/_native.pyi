@@ -50,8 +50,8 @@ def run_config(path: str | PathLike[str]) -> str:
 def xla_step_handler() -> int:
     """Address of the handler that steps environments in programs of XLA, for `jax.ffi.pycapsule`."""
 
-def evaluate(policy: Policy, task: Task, model: Model, *, episodes: int, num_envs: int, seed: int) -> str:
-    """Runs the mean actions until so many fresh episodes ended; JSON as `evaluation.json` has it."""
+def evaluation_seed(training_seed: int, number: int) -> int:
+    """A seed for the `number`-th evaluation of a training that is not the training's own; 0 is that of `evaluate`."""
 
 class Task:
     """A task: targets to point at or to press within a time limit.
@@ -282,8 +282,8 @@ class Env:
     def observation_bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Least and greatest value of every entry of the observation."""
 
-class Trainer:
-    """PPO on one task, one update at a time; `myoenv.train` is the loop around it. `resume` is a run folder."""
+class Session:
+    """One training; `myoenv.train` is the loop around it. `resume` is a run folder, `start_from` that or a checkpoint."""
 
     def __init__(
         self,
@@ -295,29 +295,32 @@ class Trainer:
         backend: str,
         device: str | None,
         threads: int | None,
+        until: float | None,
+        steps: int,
         resume: str | PathLike[str] | None,
+        start_from: str | PathLike[str] | None,
     ) -> None: ...
-    def update(self) -> dict[str, float]:
-        """Collects and learns once; returns what `metrics.csv` has as columns."""
     def record_in(self, path: str | PathLike[str], description: str, go_on: bool) -> None:
         """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
-    def stop_recording(self) -> None:
-        """Leaves the run folder to others."""
-    def checkpoint(self) -> str | None:
-        """Writes a checkpoint into the run folder and returns its path; none without a folder."""
-    def record_evaluation(self, evaluation: str) -> None:
-        """Writes an evaluation, as JSON, into the run folder."""
+    def advance(self) -> dict[str, Any]:
+        """One update, its record, and a look at the goal when it is time to.
+
+        Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state;
+        `news`, sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card.
+        """
+    def conclude(self, end: str) -> str:
+        """Closes the training after the `end` that `advance` told, or another: a last checkpoint, and, unless it was
+        interrupted or lost, the evaluation. JSON."""
+    def abandon(self) -> None:
+        """Leaves the run folder to others, even after a failure."""
     def policy(self) -> Policy:
         """A copy of the policy as it is now."""
     @property
     def env_steps(self) -> int:
         """Control steps of all environments since the start."""
     @property
-    def updates(self) -> int:
-        """Updates since the start."""
-    @property
-    def max_episode_steps(self) -> int:
-        """Control steps after which an episode is over in any case."""
+    def inherited_env_steps(self) -> int | None:
+        """Control steps of the training that this one began with, if any."""
     @property
     def backend(self) -> str:
         """`cpu` or `gpu`."""

@@ -58,7 +58,7 @@ def evaluate(
             task, model = description.task, description.model if model is None else model
     if task is None:
         raise ValueError("a policy alone knows no task; name one with task=...")
-    seed = evaluation_seed(trained_with, 0) if seed is None else as_seed(seed)
+    seed = _native.evaluation_seed(trained_with, 0) if seed is None else as_seed(seed)
     side_by_side = min(as_num_envs(num_envs), episodes)
     envs = make_vec(task, side_by_side, backend, autoreset="same_step", device=device, model=model)
     try:
@@ -87,15 +87,3 @@ def _episodes(policy: Actor, env: _native.Env, episodes: int, seed: int) -> dict
                 rows[one].append(summary)
     table = np.concatenate([np.array(of_env, np.float32) for of_env in rows])
     return {name: table[:, k].copy() for k, name in enumerate(env.episode_names)}
-
-
-def evaluation_seed(training_seed: int, number: int) -> int:
-    """A seed for the `number`-th evaluation that is not the one of the training; 0 is that of `evaluate`.
-
-    SplitMix64 (Steele et al. 2014, doi 10.1145/2714064.2660195): neighbours become far apart. So does `myo eval`.
-    """
-    word = 2**64 - 1
-    z = (training_seed + (number + 1) * 0x9E3779B97F4A7C15) & word
-    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & word
-    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & word
-    return z ^ (z >> 31)

@@ -32,10 +32,14 @@ class RunDescription:
     until: float | None
     #: Control steps after which to stop in any case.
     steps: int
+    #: The run that a warm start began with, if any, and its control steps then.
+    start_from: str | None = None
+    inherited_env_steps: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The caller's part of `config.json`: seed and settings have places of their own there."""
-        optional = {"device": self.device, "model": self.model}
+        began = {"run": self.start_from, "env_steps": self.inherited_env_steps}
+        optional = {"device": self.device, "model": self.model, "from": None if self.start_from is None else began}
         return {
             "task": self.task,
             "backend": self.backend,
@@ -61,6 +65,8 @@ def read_run(path: str | PathLike[str]) -> RunDescription:
             device=run.get("device"),
             until=run["until"],
             steps=run["steps"],
+            start_from=run.get("from", {}).get("run"),
+            inherited_env_steps=run.get("from", {}).get("env_steps"),
         )
     except (TypeError, AttributeError, KeyError) as error:
         raise TrainingError(f"{folder}/config.json does not say what was trained: {error}") from None

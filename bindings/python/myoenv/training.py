@@ -49,6 +49,7 @@ def train(
     threads: int | None = None,
     model: ModelLike | None = None,
     resume: str | PathLike[str] | None = None,
+    start_from: str | PathLike[str] | None = None,
 ) -> TrainResult:
     """Trains a policy with PPO, from the start or from where a run was stopped.
 
@@ -61,7 +62,7 @@ def train(
         out: Run folder to make, as `myo train` makes it; without one nothing is written.
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
             training stops when it returns True. What it raises leaves `train`, after a checkpoint.
-        settings: Settings of PPO that differ from their defaults, such as `{"gamma": 0.98}`.
+        settings: Settings of PPO that differ from their defaults, such as `{"discount_per_s": 0.5}`.
         num_envs: Environments side by side.
         backend: `"cpu"`, `"gpu"` or `"auto"`, which is the default.
         device: A graphics card by its number or a part of its name.
@@ -70,8 +71,11 @@ def train(
         resume: A run folder, of `myo train` or of this function, to go on with from its newest checkpoint, to the bit
             as if it had never been stopped. `until`, `steps` and the backend are the run's unless others are given, and
             with another backend or device it is not to the bit; task, model, seed and settings are always the run's.
+        start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
+            its body other muscles: observations and actions are matched by name.
 
-    Ctrl-C, and the loss of a graphics card, stop with a checkpoint.
+    Ctrl-C, and the loss of a graphics card, stop with a checkpoint. Training that runs away goes back to its last good
+    state, and training that leads nowhere is noticed; both with a `RuntimeWarning`.
     """
     if callback is not None and not callable(callback):
         raise TypeError(f"callback is {callback!r}; it must be a function")
@@ -80,9 +84,10 @@ def train(
             raise ValueError("name a task, or a run to resume")
         task, body = task_and_model(task, model)
         description = _describe(task, None if model is None else body, seed, settings, num_envs)
+        description = replace(description, start_from=None if start_from is None else as_path("start_from", start_from))
         wish = _wish(backend, device)
     else:
-        _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out)
+        _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
         description = read_run(resume)
         task = load_task(description.task)
         body = load_model(task.model if description.model is None else description.model)
@@ -92,8 +97,11 @@ def train(
         description = replace(description, until=None if until is None else as_share("until", until))
     if steps is not None:
         description = replace(description, steps=as_count("steps", steps))
-    trainer = _trainer(task, body, description, wish, threads, resume)
-    session = Session(trainer, task, body, replace(description, backend=trainer.backend, device=trainer.device))
+    native = _open(task, body, description, wish, threads, resume)
+    found = {"backend": native.backend, "device": native.device}
+    if resume is None:
+        found["inherited_env_steps"] = native.inherited_env_steps
+    session = Session(native, replace(description, **found))
     if resume is not None:
         session.record_in(as_path("resume", resume), go_on=True)
     elif out is not None:
@@ -135,17 +143,17 @@ def _wish(backend: Any, device: Any) -> Wish:
     return as_text("backend", "auto" if backend is None else backend), as_device(device)
 
 
-def _trainer(
+def _open(
     task: Task,
     model: Model,
     description: RunDescription,
     wish: Wish,
     threads: int | None,
     resume: str | PathLike[str] | None,
-) -> _native.Trainer:
+) -> _native.Session:
     backend, device = wish
     try:
-        trainer = _native.Trainer(
+        session = _native.Session(
             task,
             model,
             config=_json(description.settings),
@@ -153,19 +161,23 @@ def _trainer(
             backend=backend,
             device=device,
             threads=as_threads(threads),
+            until=description.until,
+            steps=description.steps,
             resume=resume,
+            # A run that goes on has taken over what it began with.
+            start_from=description.start_from if resume is None else None,
         )
     except DeviceError as error:
         if resume is None or wish != (description.backend, description.device):
             raise
         elsewhere = "to go on elsewhere, name a backend or a device"
         raise DeviceError(f"the run began on {device}, which cannot be had now: {error}; {elsewhere}") from None
-    if resume is not None and trainer.env_steps >= description.steps:
-        done, limit = trainer.env_steps, description.steps
+    if resume is not None and session.env_steps >= description.steps:
+        done, limit = session.env_steps, description.steps
         raise ValueError(
             f"{fspath(resume)} has {done} control steps, and its limit is {limit}; raise it with steps=..."
         )
-    return trainer
+    return session
 
 
 def _json(settings: dict[str, Any]) -> str:

@@ -7,6 +7,7 @@ mod looks;
 mod record;
 mod recovery;
 
+use std::fmt;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -100,6 +101,26 @@ pub enum News {
         /// What the episodes are like.
         recent: Recent,
     },
+}
+
+impl fmt::Display for News {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let million = |steps: &u64| *steps as f64 / 1e6;
+        match self {
+            Self::WentBack { reason, env_steps, to_env_steps, learning_rate } => write!(
+                f,
+                "training ran away after {:.2} M control steps: {reason}; it goes on from {:.2} M with steps of {learning_rate:.1e}",
+                million(env_steps),
+                million(to_env_steps)
+            ),
+            Self::Flat { env_steps, recent } => write!(
+                f,
+                "nothing has improved for {:.1} M control steps, success stays at {:.0} %",
+                million(env_steps),
+                100.0 * recent.success
+            ),
+        }
+    }
 }
 
 /// What one [`Session::advance`] brought.

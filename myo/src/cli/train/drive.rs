@@ -7,7 +7,6 @@ use myo::{Envs, ModelReach, Place, likely_cause};
 use super::progress::Progress;
 use crate::cli::failure::Result;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::output::rounded;
 use crate::cli::stage::Stage;
 
 /// A training that is ready, and where.
@@ -72,16 +71,10 @@ impl<'a> Ready<'a> {
 /// News, for people.
 fn sentence(stage: &Stage, news: &News) -> Result<String> {
     Ok(match news {
-        News::WentBack { reason, env_steps, to_env_steps, learning_rate } => format!(
-            "warning: training ran away after {} control steps: {reason}; it goes on from {} with steps of {learning_rate:.1e}",
-            rounded(*env_steps as f64),
-            rounded(*to_env_steps as f64)
-        ),
-        News::Flat { env_steps, recent } => format!(
-            "warning: nothing has improved for {} control steps, success stays at {:.0} %\n{}",
-            rounded(*env_steps as f64),
-            100.0 * recent.success,
-            likely_cause(&stage.task, &ModelReach::new(&stage.model)?, recent)
-        ),
+        News::WentBack { .. } => format!("warning: {news}"),
+        News::Flat { recent, .. } => {
+            let cause = likely_cause(&stage.task, &ModelReach::new(&stage.model)?, recent);
+            format!("warning: {news}\n{cause}")
+        }
     })
 }

@@ -119,7 +119,10 @@ pub fn run(args: &Train) -> Result<()> {
 
 fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let heritage = args.from.as_deref().map(Heritage::open).transpose()?;
-    let config = settings(&base(heritage.as_ref()), args.envs, &args.set)?;
+    let base = heritage
+        .as_ref()
+        .map_or_else(PpoConfig::default, |heritage| heritage.checkpoint.config().with_default_learning());
+    let config = settings(&base, args.envs, &args.set)?;
     let stage = Stage::open(task)?;
     warn_of_goal(&stage, args.until.map_or(UNTIL, |goal| goal.0));
     let seed = args.seed.unwrap_or(1);
@@ -144,15 +147,6 @@ fn warn_of_goal(stage: &Stage, until: Option<f64>) {
             100.0 * until
         ));
     }
-}
-
-/// The defaults; with the networks of the training that a warm start begins from.
-fn base(heritage: Option<&Heritage>) -> PpoConfig {
-    let default = PpoConfig::default();
-    heritage.map_or(default.clone(), |heritage| {
-        let PpoConfig { policy_hidden, value_hidden, .. } = heritage.checkpoint.config().clone();
-        PpoConfig { policy_hidden, value_hidden, ..default }
-    })
 }
 
 /// What a warm start begins from.
