@@ -381,3 +381,18 @@ fn a_goal_beyond_what_the_task_allows_is_told_at_once() {
     );
     assert!(!train("off").contains("of the episodes can succeed"));
 }
+
+#[test]
+fn a_run_keeps_its_body_when_the_file_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &["model", "export", "mobl-arms", "--format", "yaml", "--out", "arm.yaml"]));
+    let task = stdout(&here(&["task", "show", "pointing-single"])).replace("model: mobl-arms-uitb", "model: arm.yaml");
+    std::fs::write(folder.path().join("mine.yaml"), task).unwrap();
+    let args = ["train", "mine.yaml", "--out", "run", "--envs", "8", "--steps", "64", "--until", "off"];
+    stdout(&myo(folder.path(), &args));
+    let evaluate = || json(&myo(folder.path(), &["eval", "run", "--episodes", "8", "--json"]));
+    let before = evaluate();
+    std::fs::write(folder.path().join("arm.yaml"), "no body any more").unwrap();
+    assert_eq!(evaluate(), before);
+    stdout(&myo(folder.path(), &["train", "--resume", "run", "--steps", "128"]));
+}

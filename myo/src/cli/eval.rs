@@ -73,7 +73,7 @@ struct Results<'a> {
 /// Runs `myo eval`.
 pub fn run(args: &Eval) -> Result<()> {
     let folder = RunFolder::open(&args.run)?;
-    let stage = Stage::of(Description::of(&folder)?.task)?;
+    let stage = Stage::of(&Description::of(&folder)?)?;
     let checkpoint = existing_checkpoint(&folder)?;
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));

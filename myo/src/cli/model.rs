@@ -77,6 +77,11 @@ pub fn describe(name_or_file: &str) -> Result<ModelDescription> {
     ModelDescription::from_yaml(&text, name_or_file).map_err(|error| model_failure(&error))
 }
 
+/// The description of a model that does not come with the program.
+pub fn own(name_or_file: &str) -> Result<Option<ModelDescription>> {
+    if builtin_names().contains(&name_or_file) { Ok(None) } else { describe(name_or_file).map(Some) }
+}
+
 /// The checked model of [`describe`].
 pub fn open(name_or_file: &str) -> Result<Model> {
     Model::new(&describe(name_or_file)?).map_err(|error| model_failure(&error))

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use myo::Wish;
 use myo::gpu::Want;
+use myo::model::ModelDescription;
 use myo::tasks::Task;
 use myo::train::session::Goal;
 use myo::train::{Checkpoint, RunError, RunFolder};
@@ -17,6 +18,9 @@ use super::output::grouped;
 pub struct Description {
     /// The whole task, with the keys of a task file.
     pub task: Task,
+    /// The body, with the keys of a model file, unless it is the one that comes with the program under the name in the task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelDescription>,
     /// What computed the physics when the run began: `cpu` or `gpu`.
     pub backend: String,
     /// Name of the graphics card, if it was one.

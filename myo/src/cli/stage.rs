@@ -1,13 +1,14 @@
 //! A task and the body that does it, ready to be simulated.
 
 use myo::env::EnvConfig;
-use myo::model::Model;
+use myo::model::{Model, ModelDescription};
 use myo::tasks::{Report, Source, Task, load};
 use myo::{Envs, ModelReach, Wish, most_success};
 
 use super::backend;
 use super::failure::{Failure, Mistake, Result, task_mistakes};
 use super::model;
+use super::run_config::Description;
 
 /// A task and its model.
 pub struct Stage {
@@ -15,6 +16,8 @@ pub struct Stage {
     pub task: Task,
     /// Who does it.
     pub model: Model,
+    /// How that was described, unless it comes with the program: the file may change.
+    pub own_model: Option<ModelDescription>,
     /// The greatest share of episodes that can succeed, as far as the check of the task knows.
     pub most_success: f64,
 }
@@ -29,13 +32,18 @@ impl Stage {
         if !errors.is_empty() {
             return Err(Failure::Mistakes(errors));
         }
-        Ok(Self { task: source.task, model, most_success: most_success(&report) })
+        let own_model = model::own(&source.task.model)?;
+        Ok(Self { task: source.task, model, own_model, most_success: most_success(&report) })
     }
 
-    /// A task that was checked before.
-    pub fn of(task: Task) -> Result<Self> {
-        let model = model::open(&task.model)?;
-        Ok(Self { task, model, most_success: 1.0 })
+    /// What a run was about.
+    pub fn of(run: &Description) -> Result<Self> {
+        let (task, own_model) = (run.task.clone(), run.model.clone());
+        let model = match &own_model {
+            Some(description) => Model::new(description)?,
+            None => model::open(&task.model)?,
+        };
+        Ok(Self { task, model, own_model, most_success: 1.0 })
     }
 
     /// Environments that do the task, at the place that is wished.

@@ -187,6 +187,7 @@ impl<'a> Training<'a> {
         let place = env.place();
         let description = Description {
             task: stage.task.clone(),
+            model: stage.own_model.clone(),
             backend: place.backend().into(),
             device: place.device().map(String::from),
             version: env!("CARGO_PKG_VERSION").into(),
@@ -278,7 +279,7 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     let mut description = Description::of(&run)?;
     description.until = args.until.map_or(description.until, |goal| goal.0);
     description.steps = args.steps.unwrap_or(description.steps);
-    let stage = Stage::of(description.task.clone())?;
+    let stage = Stage::of(&description)?;
     let (config, seed, goal) = (run.config().ppo.clone(), run.config().seed, description.goal());
     let env = env_again(args, &stage, &description, &config, seed)?;
     let ready = match newest_checkpoint(&run)? {
