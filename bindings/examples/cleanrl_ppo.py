@@ -22,7 +22,7 @@ parser.add_argument("--rollout", type=int, default=16, help="control steps of ea
 parser.add_argument("--epochs", type=int, default=4)
 parser.add_argument("--minibatches", type=int, default=4)
 parser.add_argument("--lr", type=float, default=1e-3)
-parser.add_argument("--gamma", type=float, default=0.95)
+parser.add_argument("--gamma", type=float, default=0.98)
 parser.add_argument("--gae-lambda", type=float, default=0.95)
 parser.add_argument("--clip", type=float, default=0.2)
 parser.add_argument("--entropy", type=float, default=0.002)

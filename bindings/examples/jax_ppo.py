@@ -23,7 +23,7 @@ parser.add_argument("--seed", type=int, default=1)
 parser.add_argument("--episodes", type=int, default=1000, help="fresh episodes to evaluate in at the end")
 args = parser.parse_args()
 ROLLOUT, EPOCHS, MINIBATCHES = 16, 4, 4
-GAMMA, GAE_LAMBDA, CLIP, ENTROPY, LEARNING_RATE = 0.95, 0.95, 0.2, 0.002, 1e-3
+GAMMA, GAE_LAMBDA, CLIP, ENTROPY, LEARNING_RATE = 0.98, 0.95, 0.2, 0.002, 1e-3
 
 env = BraxEnv(args.task, args.envs, seed=args.seed)
 Params = Any

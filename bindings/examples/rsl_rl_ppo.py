@@ -37,7 +37,7 @@ config = {
         "class_name": "PPO",
         "num_learning_epochs": 4,
         "num_mini_batches": 4,
-        "gamma": 0.95,
+        "gamma": 0.98,
         "lam": 0.95,
         "learning_rate": 1e-3,
         "desired_kl": 0.02,

@@ -64,14 +64,14 @@ class Look(BaseCallback):
 
 def main() -> None:
     args = parse()
-    env = VecNormalize(MyoVecEnv(args.task, args.envs, seed=args.seed), norm_reward=False, gamma=0.95)
+    env = VecNormalize(MyoVecEnv(args.task, args.envs, seed=args.seed), norm_reward=False, gamma=0.98)
     model = PPO(
         "MlpPolicy",
         env,
         n_steps=16,
         batch_size=args.envs * 16 // 4,
         n_epochs=4,
-        gamma=0.95,
+        gamma=0.98,
         gae_lambda=0.95,
         learning_rate=1e-3,
         ent_coef=0.002,

@@ -71,7 +71,7 @@ agent = PPO(
         "rollouts": ROLLOUT,
         "learning_epochs": 4,
         "mini_batches": 4,
-        "discount_factor": 0.95,
+        "discount_factor": 0.98,
         "learning_rate": 1e-3,
         "entropy_loss_scale": 0.002,
         "value_loss_scale": 0.5,
