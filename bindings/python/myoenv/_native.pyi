@@ -283,7 +283,7 @@ class Env:
         """Least and greatest value of every entry of the observation."""
 
 class Session:
-    """One training; `myoenv.train` is the loop around it. `resume` is a run folder, `start_from` one or a checkpoint."""
+    """A training; `myoenv.train` loops over it. `resume` is a run folder, `start_from` that or a checkpoint."""
 
     def __init__(
         self,
