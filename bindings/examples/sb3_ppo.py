@@ -52,14 +52,18 @@ class Look(BaseCallback):
     def _on_rollout_start(self) -> None:
         self.rollouts += 1
         if self.rollouts % self.every == 0:
-            share = success(self.model, self.normalize, self.args.task, 256, 10_000 + self.rollouts)
+            share = self.share(10_000 + self.rollouts)
             elapsed = time.perf_counter() - self.start
             rate = self.num_timesteps / elapsed
             print(
                 f"{self.num_timesteps:>10,} steps {elapsed:6.0f} s {rate:>9,.0f} steps/s  success {share:.1%}",
                 flush=True,
             )
-            self.reached = share >= self.args.until
+            # A goal looked at again and again is reached by luck at last: other episodes confirm it.
+            self.reached = share >= self.args.until and self.share(20_000 + self.rollouts) >= self.args.until
+
+    def share(self, seed: int) -> float:
+        return success(self.model, self.normalize, self.args.task, 1000, seed)
 
 
 def main() -> None:
