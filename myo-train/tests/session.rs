@@ -195,6 +195,7 @@ fn a_training_that_nothing_heals_ends_with_the_reason() {
     let mut session = session(Mishap::None, config, REACH);
     let error = (0..10).find_map(|_| session.advance(&|| true).err()).expect("four tries are enough");
     assert!(error.to_string().contains("diverged"), "{error}");
+    assert!(error.to_string().contains("5 times from the same state: the policy moved by"), "{error}");
 }
 
 #[test]

@@ -166,6 +166,15 @@ pub enum SessionError {
     /// It failed.
     #[error(transparent)]
     Train(#[from] TrainError),
+    /// Learning ran away from the same state again and again, with ever shorter steps.
+    #[error(
+        "training diverged {} times from the same state: {reason}. Start again with a lower learning_rate or kl_target",
+        recovery::TRIES + 1
+    )]
+    RanAway {
+        /// What was wrong the last time.
+        reason: String,
+    },
     /// It could not be recorded.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -223,7 +232,7 @@ impl Session {
     fn attempt(&mut self, go_on: &dyn Fn() -> bool) -> Result<Progress, SessionError> {
         let updated = self.trainer.update();
         if let Some(reason) = self.recovery.what_ran_away(&updated, self.trainer.config().kl_max) {
-            return self.go_back(reason, updated);
+            return self.go_back(reason);
         }
         let metrics = updated?;
         self.recovery.went_well(&self.trainer);
@@ -253,18 +262,10 @@ impl Session {
         self.curve.recent().map(|recent| recent.success)
     }
 
-    fn go_back(
-        &mut self,
-        reason: String,
-        updated: Result<UpdateMetrics, TrainError>,
-    ) -> Result<Progress, SessionError> {
+    fn go_back(&mut self, reason: String) -> Result<Progress, SessionError> {
         let env_steps = self.trainer.env_steps();
         if !self.recovery.go_back(&mut self.trainer)? {
-            let update = self.trainer.updates();
-            return Err(updated
-                .err()
-                .unwrap_or(TrainError::Diverged { what: "divergence of the policy", update })
-                .into());
+            return Err(SessionError::RanAway { reason });
         }
         let to_env_steps = self.trainer.env_steps();
         self.curve.cut(to_env_steps);

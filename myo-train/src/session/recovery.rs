@@ -9,7 +9,7 @@ const EVERY: u64 = 64;
 const FACTOR: f64 = 0.25;
 
 /// How often to go back to the same state before giving up.
-const TRIES: i32 = 4;
+pub const TRIES: i32 = 4;
 
 /// The last good state of a training.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ impl Recovery {
             Ok(metrics) if metrics.learn.kl > kl_max => {
                 Some(format!("the policy moved by {:.1} nats, more than kl_max {kl_max}", metrics.learn.kl))
             }
-            Err(TrainError::Diverged { what, .. }) => Some(format!("the {what} was not finite")),
+            Err(TrainError::Diverged { what, .. }) => Some(format!("{what} was not finite")),
             Err(TrainError::NonFiniteEnv { what, .. }) => {
                 Some(format!("the environment returned a NaN or infinite {what}"))
             }
