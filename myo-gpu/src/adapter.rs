@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use serde::Serialize;
 
+use crate::gpu::MATRIX_FEATURES;
+
 /// What kind of device does the work. The order is the order of preference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[cfg_attr(test, derive(Default))]
@@ -45,7 +47,7 @@ pub struct Adapter {
     pub subgroups: bool,
     /// Kernels can calculate in 16-bit floats.
     pub f16: bool,
-    /// There are matrix units that kernels can use.
+    /// Subgroups of 32 threads can multiply matrices of 16 x 16 numbers of 16 bits and sum them up in 32 bits.
     pub cooperative_matrix: bool,
     /// Compiled kernels can be kept on disk.
     pub pipeline_cache: bool,
@@ -135,10 +137,19 @@ fn describe(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> Adapter {
         max_workgroup_bytes: limits.max_compute_workgroup_storage_size,
         subgroups: features.contains(wgpu::Features::SUBGROUP),
         f16: features.contains(wgpu::Features::SHADER_F16),
-        cooperative_matrix: features.contains(wgpu::Features::EXPERIMENTAL_COOPERATIVE_MATRIX),
+        cooperative_matrix: multiplies_matrices(info, raw),
         pipeline_cache: features.contains(wgpu::Features::PIPELINE_CACHE),
         timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
     }
+}
+
+/// See [`Adapter::cooperative_matrix`].
+fn multiplies_matrices(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> bool {
+    use wgpu::CooperativeScalarType::{F16, F32};
+    let offered = raw.cooperative_matrix_properties();
+    raw.features().contains(MATRIX_FEATURES)
+        && (info.subgroup_min_size, info.subgroup_max_size) == (32, 32)
+        && offered.iter().any(|m| (m.m_size, m.n_size, m.k_size, m.ab_type, m.cr_type) == (16, 16, 16, F16, F32))
 }
 
 fn kind(device_type: wgpu::DeviceType) -> Kind {

@@ -77,8 +77,7 @@ impl Batch {
     /// # Errors
     /// What was wrong with any of the calls above, no memory left, or device lost.
     pub fn submit(self) -> Result<(), GpuError> {
-        let (gpu, encoder) = self.close()?;
-        gpu.guarded(|| gpu.queue().submit([encoder.finish()])).map(drop).map_err(|fault| fault.during("a batch"))
+        self.finish()?.submit().map(drop)
     }
 
     /// Hands the work to the device together with reading some buffers, and waits for both: one wait instead of two.
@@ -88,7 +87,7 @@ impl Batch {
     pub fn submit_and_read(self, reads: &mut [Read<'_>]) -> Result<(), GpuError> {
         let (gpu, encoder) = self.close()?;
         let mut staging = gpu.staging().lock().unwrap_or_else(PoisonError::into_inner);
-        staging.run(&gpu, encoder, reads).map_err(|fault| fault.during("a batch"))
+        staging.run(&gpu, None, encoder, reads, || ()).map_err(|fault| fault.during("a batch"))
     }
 
     /// The open pass, or a new one for each kernel that is timed.
@@ -116,7 +115,7 @@ impl Batch {
         self.wrong.get_or_insert(wrong);
     }
 
-    fn close(mut self) -> Result<(Gpu, wgpu::CommandEncoder), GpuError> {
+    pub(crate) fn close(mut self) -> Result<(Gpu, wgpu::CommandEncoder), GpuError> {
         self.end_pass();
         match self.wrong {
             Some(wrong) => Err(wrong),

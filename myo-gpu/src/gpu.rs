@@ -68,7 +68,12 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::DeviceLost`].
     pub fn wait(&self) -> Result<(), GpuError> {
-        self.guarded(|| self.device().poll(wgpu::PollType::wait_indefinitely()))
+        self.wait_for(None)
+    }
+
+    /// Waits until this submission is done, or all of them.
+    pub(crate) fn wait_for(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
+        self.guarded(|| self.device().poll(wgpu::PollType::Wait { submission_index, timeout: None }))
             .and_then(|waited| waited.map(|_| ()).map_err(|e| Fault::Refused(e.to_string())))
             .map_err(|fault| fault.during("waiting"))
     }
@@ -114,6 +119,12 @@ const FEATURES: wgpu::Features = wgpu::Features::SUBGROUP
     .union(wgpu::Features::TIMESTAMP_QUERY)
     .union(wgpu::Features::IMMEDIATES);
 
+/// What kernels with matrix units need.
+pub(crate) const MATRIX_FEATURES: wgpu::Features = wgpu::Features::EXPERIMENTAL_COOPERATIVE_MATRIX
+    .union(wgpu::Features::SHADER_F16)
+    .union(wgpu::Features::SUBGROUP)
+    .union(wgpu::Features::SUBGROUP_BARRIER);
+
 /// The open device of an adapter, told from its twins by its number in the list; a new one after a loss.
 fn find_or_open(number: usize, candidate: Candidate) -> Result<&'static Open, GpuError> {
     let info = candidate.raw.get_info();
@@ -129,11 +140,19 @@ fn find_or_open(number: usize, candidate: Candidate) -> Result<&'static Open, Gp
 
 fn open(candidate: Candidate) -> Result<Open, GpuError> {
     let Candidate { adapter, raw } = candidate;
-    let (limits, features) = (raw.limits(), raw.features().intersection(FEATURES));
+    let limits = raw.limits();
+    let mut features = raw.features().intersection(FEATURES);
+    let mut experimental_features = wgpu::ExperimentalFeatures::disabled();
+    if adapter.cooperative_matrix {
+        features |= MATRIX_FEATURES;
+        // SAFETY: what is experimental are the matrices alone, which only kernels use that are compiled as trusted.
+        experimental_features = unsafe { wgpu::ExperimentalFeatures::enabled() };
+    }
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("myo"),
         required_features: features,
         required_limits: limits.clone(),
+        experimental_features,
         ..wgpu::DeviceDescriptor::default()
     };
     let (device, queue) = pollster::block_on(raw.request_device(&descriptor))

@@ -69,13 +69,23 @@ const STAGING_KEPT: u64 = 1 << 26;
 pub(crate) struct Staging(Option<wgpu::Buffer>);
 
 impl Staging {
-    /// Adds the copies to the commands, submits them, waits for them and fills the parts.
-    pub fn run(&mut self, gpu: &Gpu, encoder: wgpu::CommandEncoder, reads: &mut [Read<'_>]) -> Result<(), Fault> {
+    /// Adds the copies to the commands, submits them after those that are ready, does something else meanwhile, waits, and
+    /// fills the parts.
+    pub fn run<T>(
+        &mut self,
+        gpu: &Gpu,
+        ready: Option<wgpu::CommandBuffer>,
+        commands: wgpu::CommandEncoder,
+        reads: &mut [Read<'_>],
+        meanwhile: impl FnOnce() -> T,
+    ) -> Result<T, Fault> {
         // On any error the buffer, which may be mapped still, is left behind.
         let buffer = self.take(gpu, reads.iter().map(Read::size).sum())?;
-        gpu.guarded(|| copy_out(gpu, &buffer, encoder, reads))??;
+        let index = gpu.guarded(|| submit(gpu, &buffer, ready, commands, reads))?;
+        let out = meanwhile();
+        gpu.guarded(|| fill(gpu, &buffer, index, reads))??;
         self.0 = Some(buffer).filter(|buffer| buffer.size() <= STAGING_KEPT);
-        Ok(())
+        Ok(out)
     }
 
     fn take(&mut self, gpu: &Gpu, size: u64) -> Result<wgpu::Buffer, Fault> {
@@ -110,35 +120,40 @@ impl<'a> Read<'a> {
     }
 }
 
-fn copy_out(
+fn submit(
     gpu: &Gpu,
     buffer: &wgpu::Buffer,
-    mut encoder: wgpu::CommandEncoder,
-    reads: &mut [Read<'_>],
-) -> Result<(), Fault> {
+    ready: Option<wgpu::CommandBuffer>,
+    mut commands: wgpu::CommandEncoder,
+    reads: &[Read<'_>],
+) -> wgpu::SubmissionIndex {
     let mut end = 0;
     for read in reads.iter().filter(|read| read.size() > 0) {
-        encoder.copy_buffer_to_buffer(read.raw, read.start, buffer, end, read.size());
+        commands.copy_buffer_to_buffer(read.raw, read.start, buffer, end, read.size());
         end += read.size();
     }
-    let submission_index = Some(gpu.queue().submit([encoder.finish()]));
+    let index = gpu.queue().submit(ready.into_iter().chain([commands.finish()]));
     if end > 0 {
         // Whether it worked shows when the range is asked for.
         buffer.map_async(wgpu::MapMode::Read, ..end, |_| ());
     }
-    let wait = wgpu::PollType::Wait { submission_index, timeout: None };
+    index
+}
+
+fn fill(gpu: &Gpu, buffer: &wgpu::Buffer, index: wgpu::SubmissionIndex, reads: &mut [Read<'_>]) -> Result<(), Fault> {
+    let wait = wgpu::PollType::Wait { submission_index: Some(index), timeout: None };
     gpu.device().poll(wait).map_err(|e| Fault::Refused(e.to_string()))?;
+    let end: u64 = reads.iter().map(Read::size).sum();
     if end > 0 {
-        fill(&buffer.get_mapped_range(..end).map_err(|e| Fault::Refused(e.to_string()))?, reads);
+        let mapped = buffer.get_mapped_range(..end).map_err(|e| Fault::Refused(e.to_string()))?;
+        let mut rest = &*mapped;
+        for read in reads {
+            let (this, others) = rest.split_at(read.out.len());
+            read.out.copy_from_slice(this);
+            rest = others;
+        }
+        drop(mapped);
         buffer.unmap();
     }
     Ok(())
-}
-
-fn fill(mut mapped: &[u8], reads: &mut [Read<'_>]) {
-    for read in reads {
-        let (this, rest) = mapped.split_at(read.out.len());
-        read.out.copy_from_slice(this);
-        mapped = rest;
-    }
 }

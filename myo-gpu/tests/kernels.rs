@@ -138,3 +138,58 @@ fn dispatches_are_timed_one_by_one() {
     assert!(times.iter().all(|time| time.seconds > 0.0 && time.seconds < 10.0), "{times:?}");
     assert_eq!(read(&gpu, &x)[..65], [[300.0; 64].as_slice(), &[100.0]].concat());
 }
+
+#[test]
+fn work_made_ready_runs_when_it_is_submitted() {
+    let Some(gpu) = gpu() else { return };
+    let add = kernel(&gpu, "x[i] = 2.0 * x[i] + 1.0;", UPDATE);
+    let set = kernel(&gpu, "x[i] = 5.0;", UPDATE);
+    let x = gpu.buffer::<f32>("x", 64).unwrap();
+    let ready = |kernel: &Kernel| {
+        let mut batch = gpu.batch();
+        batch.dispatch(kernel, &kernel.bind(&[x.binding()]).unwrap(), 64);
+        batch.finish().unwrap()
+    };
+    let (later, first) = (ready(&add), ready(&set));
+    first.submit().unwrap().wait().unwrap();
+    assert_eq!(read(&gpu, &x), [5.0; 64]);
+    gpu.write(&x, 0, &[3.0; 64]).unwrap();
+    let mut got = [0.0; 64];
+    let told = later.submit_and_read(&mut [x.part(0, &mut got).unwrap()], || "meanwhile").unwrap();
+    assert_eq!((told, got), ("meanwhile", [7.0; 64]));
+}
+
+const MATRICES: &str = "enable f16;
+enable wgpu_cooperative_matrix;
+
+@group(0) @binding(0) var<storage, read_write> x: array<f32>;
+var<workgroup> a: array<f16, 256>;
+var<workgroup> b: array<f16, 256>;
+
+@compute @workgroup_size(32)
+fn main(@builtin(local_invocation_index) local: u32) {
+    for (var i = local; i < 256u; i += 32u) {
+        a[i] = f16(i % 7u);
+        b[i] = f16(i % 5u) - 2.0h;
+    }
+    workgroupBarrier();
+    let rows = coopLoadT<coop_mat16x16<f16, A>>(&a[0], 16u);
+    let columns = coopLoadT<coop_mat16x16<f16, B>>(&b[0], 16u);
+    var product = coop_mat16x16<f32, C>();
+    product = coopMultiplyAdd(rows, columns, product);
+    coopStoreT(product, &x[0], 16u);
+}";
+
+#[test]
+fn matrix_units_multiply_matrices() {
+    let Some(gpu) = gpu() else { return };
+    if !gpu.adapter().cooperative_matrix {
+        println!("skipped: {} has no matrix units of 16 x 16", gpu.adapter().name);
+        return;
+    }
+    let multiply = gpu.compile("matrices", Source::Wgsl(MATRICES), "main", UPDATE).unwrap();
+    let got = run(&gpu, &multiply, 256, 32);
+    let (a, b) = (|i: usize| (i % 7) as f32, |i: usize| (i % 5) as f32 - 2.0);
+    let entry = |i: usize| (0..16).map(|k| a(i / 16 * 16 + k) * b(16 * k + i % 16)).sum::<f32>();
+    assert_eq!(got, (0..256).map(entry).collect::<Vec<_>>());
+}
