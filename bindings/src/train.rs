@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, TryLockError};
 use myo::env::EnvConfig;
 use myo::train::session::{End, Goal, News, Outcome, Progress};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics};
-use myo::{Envs, ModelReach, likely_cause};
+use myo::{Beginning, Envs, ModelReach, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -34,14 +34,6 @@ struct Live {
     pool: Arc<ThreadPool>,
     task: myo::tasks::Task,
     model: myo::model::Model,
-}
-
-/// Where a training begins.
-enum Beginning {
-    /// With nothing, or with what another training learned.
-    New(Option<Checkpoint>),
-    /// Where it was stopped.
-    Again(Checkpoint),
 }
 
 impl Session {
@@ -90,21 +82,11 @@ fn newest_checkpoint(py: Python<'_>, run: &Path) -> PyResult<Option<Checkpoint>>
 fn open(
     env: Envs,
     (model, task): (&myo::model::Model, &myo::tasks::Task),
-    (config, seed): (PpoConfig, u64),
-    beginning: Beginning,
+    beginning: Beginning<'_>,
     goal: Goal,
-) -> PyResult<(Inner, Option<Inherited>)> {
-    let looks = env.for_looks(model, task, seed).map_err(error::build)?;
-    let (trainer, inherited) = match beginning {
-        Beginning::Again(checkpoint) => (env.go_on(&checkpoint).map_err(error::train)?, None),
-        Beginning::New(other) => {
-            let mut trainer = env.train(config, seed).map_err(error::train)?;
-            let inherited = other.map(|other| trainer.warm_start(&other)).transpose().map_err(error::train)?;
-            (trainer, inherited)
-        }
-    };
-    let examiner = looks.examine(&trainer).map_err(error::train)?;
-    Ok((Inner::new(trainer, examiner, goal), inherited))
+) -> PyResult<Inner> {
+    let looks = env.for_looks(model, task, beginning.seed()).map_err(error::build)?;
+    env.session(looks, beginning, goal).map_err(error::train)
 }
 
 #[pymethods]
@@ -131,14 +113,15 @@ impl Session {
         let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
         let config = settings(config, &base)?;
         let again = resume.map_or(Ok(None), |run| newest_checkpoint(py, &run))?;
-        let beginning = again.map_or(Beginning::New(other), Beginning::Again);
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
         let (task, model) = (task.inner().clone(), model.inner().clone());
         let env = wish.build(py, &pool, (&model, &task), &envs)?;
         let (place, goal) = (env.place(), Goal { until, steps });
-        let (session, inherited) =
-            compute(py, || pool.install(|| open(env, (&model, &task), (config, seed), beginning, goal)))??;
+        let new = Beginning::New { config: &config, seed, from: other.as_ref() };
+        let beginning = again.as_ref().map_or(new, Beginning::Again);
+        let session = compute(py, || pool.install(|| open(env, (&model, &task), beginning, goal)))??;
+        let inherited = session.trainer().inherited();
         let live = Mutex::new(Some(Live { session, pool, task, model }));
         let device = place.device().map(String::from);
         Ok(Self { live, born: Birthplace::here(), backend: place.backend(), device, inherited })
@@ -157,15 +140,12 @@ impl Session {
             } else {
                 RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
             };
-            let mut writer = writer.map_err(|refusal| match refusal {
+            let writer = writer.map_err(|refusal| match refusal {
                 RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
                 other => error::run(other),
             })?;
-            if self.inherited.is_some() {
-                // A run that is stopped before its first checkpoint goes on without the other run's folder.
-                writer.write_checkpoint(&trainer.save()).map_err(error::run)?;
-            }
-            *live = Some(Live { session: session.recorded_in(writer), pool, task, model });
+            let session = session.recorded_in(writer).map_err(error::run)?;
+            *live = Some(Live { session, pool, task, model });
             Ok(())
         })
     }

@@ -32,6 +32,7 @@ pub struct Trainer {
     learning_rate: f64,
     updates: u64,
     wall_s: f64,
+    inherited: Option<Inherited>,
 }
 
 /// What acting takes besides the weights.
@@ -108,7 +109,7 @@ impl Trainer {
             card.set_weights(&known.parameters, &known.optimizer)?;
         }
         let brain = Brain { spec, config, seed, networks, normalizer, lender: Lender::new() };
-        Ok(Self { place, brain, known: Mutex::new(known), learning_rate, updates: 0, wall_s: 0.0 })
+        Ok(Self { place, brain, known: Mutex::new(known), learning_rate, updates: 0, wall_s: 0.0, inherited: None })
     }
 
     /// Collects `num_envs * steps_per_update` samples and learns from them.
@@ -179,6 +180,11 @@ impl Trainer {
     /// Updates since the start.
     pub fn updates(&self) -> u64 {
         self.updates
+    }
+
+    /// What a [warm start](Self::warm_start) took over.
+    pub fn inherited(&self) -> Option<Inherited> {
+        self.inherited
     }
 
     /// The environment's sizes and names.
@@ -311,6 +317,7 @@ impl Trainer {
         if let Place::Card(card) = &mut self.place {
             card.set_weights(&known.parameters, &known.optimizer)?;
         }
+        self.inherited = Some(inherited);
         Ok(inherited)
     }
 }

@@ -108,7 +108,7 @@ fn session(mishap: Mishap, config: PpoConfig, goal: Goal) -> Session {
 fn recorded(session: Session, folder: &Path) -> Session {
     let (trainer, names) = (session.trainer(), session.trainer().spec().episode_names.clone());
     let writer = RunWriter::create(folder, serde_json::Value::Null, trainer.config(), trainer.seed(), &names).unwrap();
-    session.recorded_in(writer)
+    session.recorded_in(writer).unwrap()
 }
 
 /// Runs to the end; everything that was told, and the outcome.
@@ -236,7 +236,7 @@ fn a_checkpoint_with_its_episodes_is_kept_when_the_device_is_lost() {
     let trainer = Trainer::restore(Box::new(Fragile::new(Mishap::LostAt(2))), &whole).unwrap();
     let names = trainer.spec().episode_names.clone();
     let writer = RunWriter::resume(&folder, trainer.env_steps(), &names).unwrap();
-    let (_, outcome) = run(session_of(trainer, steps(u64::MAX)).recorded_in(writer));
+    let (_, outcome) = run(session_of(trainer, steps(u64::MAX)).recorded_in(writer).unwrap());
     assert!(matches!(outcome.end, End::DeviceLost { .. }));
     assert!(written == std::fs::read(&path).unwrap());
 }
@@ -265,7 +265,12 @@ fn a_warm_start_needs_fewer_steps() {
     let mut trainer = Trainer::new(Box::new(Points::new(ENVS)), config(), 2).unwrap();
     let inherited = trainer.warm_start(&cold).unwrap();
     assert_eq!((inherited.observations, inherited.actions), (6, 2));
-    let (_, outcome) = run(session_of(trainer, REACH));
+    let place = tempfile::tempdir().unwrap();
+    let session = recorded(session_of(trainer, REACH), &place.path().join("run"));
+    // It could go on from here without the folder of the first.
+    let written = RunFolder::open(&place.path().join("run")).unwrap().latest_checkpoint().checkpoint.unwrap();
+    assert_eq!(written, session.trainer().save());
+    let (_, outcome) = run(session);
     assert_eq!(outcome.end, End::Until);
     // No look before every environment has ended an episode, which takes 16,384 steps.
     assert!(4 * outcome.env_steps <= cold.env_steps(), "{} after {}", outcome.env_steps, cold.env_steps());

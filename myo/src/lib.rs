@@ -32,7 +32,7 @@
 //! ```
 //!
 //! What this crate adds is small: [`ModelReach`], which lets the checks of a task ask a model; and [`Wish`], [`Place`]
-//! and [`Envs`], which choose between processor and graphics card; and [`likely_cause`] and
+//! and [`Envs`], which choose between processor and graphics card and train there; and [`likely_cause`] and
 //! [`most_success`], why a training leads nowhere or cannot reach its goal.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
@@ -48,7 +48,7 @@ mod place;
 mod reach;
 
 pub use advice::{likely_cause, most_success};
-pub use place::{AUTO_ENVS_PER_THREAD, Envs, Place, Wish, auto_envs};
+pub use place::{AUTO_ENVS_PER_THREAD, Beginning, Envs, Place, Wish, auto_envs};
 pub use reach::ModelReach;
 
 /// The example on the repository's front page compiles and runs.

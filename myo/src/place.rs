@@ -7,8 +7,8 @@ use myo_gpu::{Gpu, GpuError, Want};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::gpu::DeviceEvaluator;
-use myo_train::session::Examiner;
-use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer};
+use myo_train::session::{Examiner, Goal};
+use myo_train::{Checkpoint, PpoConfig, Session, TrainError, Trainer};
 
 /// Environments per thread of the processor from which on [`Wish::Auto`] takes a graphics card.
 ///
@@ -45,6 +45,31 @@ pub enum Envs {
     Cpu(Box<CpuEnv>),
     /// On a graphics card.
     Gpu(Box<GpuEnv>),
+}
+
+/// Where a training begins.
+pub enum Beginning<'a> {
+    /// With a new policy.
+    New {
+        /// Its settings.
+        config: &'a PpoConfig,
+        /// Seed of everything random.
+        seed: u64,
+        /// What it begins with instead of with nothing; see [`Trainer::warm_start`].
+        from: Option<&'a Checkpoint>,
+    },
+    /// Where it was stopped.
+    Again(&'a Checkpoint),
+}
+
+impl Beginning<'_> {
+    /// Seed of the training.
+    pub fn seed(&self) -> u64 {
+        match self {
+            Self::New { seed, .. } => *seed,
+            Self::Again(checkpoint) => checkpoint.seed(),
+        }
+    }
 }
 
 /// Environments from which on [`Wish::Auto`] takes a graphics card in this pool of threads.
@@ -172,6 +197,24 @@ impl Envs {
             }
             Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(card, seed)?)),
         })
+    }
+
+    /// A training that acts and learns where these environments are, and looks at its goal in `looks`, as from
+    /// [`Envs::for_looks`].
+    ///
+    /// # Errors
+    /// The settings or the checkpoint do not fit, or the card is lost.
+    pub fn session(self, looks: Self, beginning: Beginning<'_>, goal: Goal) -> Result<Session, TrainError> {
+        let trainer = match beginning {
+            Beginning::New { config, seed, from } => {
+                let mut trainer = self.train(config.clone(), seed)?;
+                from.map(|other| trainer.warm_start(other)).transpose()?;
+                trainer
+            }
+            Beginning::Again(checkpoint) => self.go_on(checkpoint)?,
+        };
+        let examiner = looks.examine(&trainer)?;
+        Ok(Session::new(trainer, examiner, goal))
     }
 
     /// A trainer with a new policy, which acts and learns where the environments are.

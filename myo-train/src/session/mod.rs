@@ -198,11 +198,19 @@ impl Session {
         }
     }
 
-    /// The same with metrics, checkpoints and evaluation in a run folder.
-    pub fn recorded_in(self, writer: RunWriter) -> Self {
+    /// The same with metrics, checkpoints and evaluation in a run folder. A warm start is written there at once: stopped
+    /// before its first update, it goes on without the other run's folder.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn recorded_in(self, writer: RunWriter) -> Result<Self, RunError> {
         // A training with updates behind it comes from a checkpoint.
         let saved = Some(self.trainer.env_steps()).filter(|_| self.trainer.updates() > 0);
-        Self { record: Some(Record::new(writer, saved)), ..self }
+        let mut record = Record::new(writer, saved);
+        if self.trainer.inherited().is_some() {
+            record.checkpoint(&self.trainer)?;
+        }
+        Ok(Self { record: Some(record), ..self })
     }
 
     /// The learner.

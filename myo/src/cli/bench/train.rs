@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use clap::Args;
+use myo::Beginning;
 use myo::train::PpoConfig;
 use myo::train::session::{End, Goal};
 use serde::Serialize;
@@ -122,7 +123,7 @@ fn measure(args: &Train, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Res
     let start = Instant::now();
     let env = stage.env(&args.physics.wish(Backend::Cpu)?, envs, seed)?;
     let goal = Goal { until: args.until.map_or(UNTIL, |goal| goal.0), steps: args.steps.unwrap_or(STEPS) };
-    let (ready, _) = Ready::new(stage, env, (config, seed), None, goal)?;
+    let ready = Ready::new(stage, env, Beginning::New { config: &config, seed, from: None }, goal)?;
     let (place, ready_s) = (ready.place.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;
     match outcome.end {

@@ -1,8 +1,8 @@
 //! Runs a session to its end and tells how it goes.
 
 use myo::train::session::{Goal, News, Outcome};
-use myo::train::{Checkpoint, Inherited, PpoConfig, RunWriter, Session, Trainer};
-use myo::{Envs, ModelReach, Place, likely_cause};
+use myo::train::{RunWriter, Session};
+use myo::{Beginning, Envs, ModelReach, Place, likely_cause};
 
 use super::progress::Progress;
 use crate::cli::failure::Result;
@@ -19,34 +19,15 @@ pub struct Ready<'a> {
 }
 
 impl<'a> Ready<'a> {
-    /// A new training in these environments, or one that inherits from another.
-    pub fn new(
-        stage: &'a Stage,
-        env: Envs,
-        (config, seed): (PpoConfig, u64),
-        from: Option<&Checkpoint>,
-        goal: Goal,
-    ) -> Result<(Self, Option<Inherited>)> {
-        let (place, looks) = (env.place(), env.for_looks(&stage.model, &stage.task, seed)?);
-        let mut trainer = env.train(config, seed)?;
-        let inherited = from.map(|other| trainer.warm_start(other)).transpose()?;
-        Ok((Self::of(stage, place, trainer, looks, goal)?, inherited))
-    }
-
-    /// A training that goes on from a checkpoint.
-    pub fn again(stage: &'a Stage, env: Envs, checkpoint: &Checkpoint, goal: Goal) -> Result<Self> {
-        let (place, looks) = (env.place(), env.for_looks(&stage.model, &stage.task, checkpoint.seed())?);
-        Self::of(stage, place, env.go_on(checkpoint)?, looks, goal)
-    }
-
-    fn of(stage: &'a Stage, place: Place, trainer: Trainer, looks: Envs, goal: Goal) -> Result<Self> {
-        let examiner = looks.examine(&trainer)?;
-        Ok(Self { stage, place, session: Session::new(trainer, examiner, goal) })
+    /// A training in these environments.
+    pub fn new(stage: &'a Stage, env: Envs, beginning: Beginning<'_>, goal: Goal) -> Result<Self> {
+        let (place, looks) = (env.place(), env.for_looks(&stage.model, &stage.task, beginning.seed())?);
+        Ok(Self { stage, place, session: env.session(looks, beginning, goal)? })
     }
 
     /// The same with metrics, checkpoints and evaluation in a run folder.
-    pub fn recorded_in(self, writer: RunWriter) -> Self {
-        Self { session: self.session.recorded_in(writer), ..self }
+    pub fn recorded_in(self, writer: RunWriter) -> Result<Self> {
+        Ok(Self { session: self.session.recorded_in(writer)?, ..self })
     }
 
     /// Trains to the end.

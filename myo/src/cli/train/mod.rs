@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use myo::train::session::{End, Outcome};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunFolder, RunWriter, Trainer};
-use myo::{Envs, Wish};
+use myo::{Beginning, Envs, Wish};
 use serde_json::json;
 
 use super::backend::{Backend, Options, place, sentence};
@@ -130,8 +130,8 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     match args.seeds {
         Some(seeds) => training.several(seed, seeds as u64),
         None => {
-            let (ready, writer) = training.ready(seed, |make| numbered(&stage.task.name, args.out.as_deref(), make))?;
-            conclude(args, &stage, ready, writer, interrupt)
+            let ready = training.ready(seed, |make| numbered(&stage.task.name, args.out.as_deref(), make))?;
+            conclude(args, &stage, ready, interrupt)
         }
     }
 }
@@ -181,7 +181,7 @@ impl<'a> Training<'a> {
         &self,
         seed: u64,
         make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder) -> Result<RunWriter>,
-    ) -> Result<(Ready<'a>, RunWriter)> {
+    ) -> Result<Ready<'a>> {
         let (args, stage) = (self.args, self.stage);
         let env = stage.env(&args.physics.wish(Backend::Auto)?, self.config.num_envs, seed)?;
         let place = env.place();
@@ -195,11 +195,12 @@ impl<'a> Training<'a> {
             steps: args.steps.unwrap_or(STEPS),
             from: self.heritage.as_ref().map(Heritage::description),
         };
-        let other = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
-        let (ready, inherited) = Ready::new(stage, env, (self.config.clone(), seed), other, description.goal())?;
+        let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
+        let beginning = Beginning::New { config: &self.config, seed, from };
+        let ready = Ready::new(stage, env, beginning, description.goal())?;
         let (run, trainer) = (serde_json::to_value(&description)?, ready.session.trainer());
         let names = &trainer.spec().episode_names;
-        let mut writer =
+        let writer =
             make_folder(&|path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), names))?;
         complain(&format!(
             "training {} in {}: {} environments on {}",
@@ -208,12 +209,10 @@ impl<'a> Training<'a> {
             grouped(trainer.spec().num_envs as u64),
             sentence(&place)
         ));
-        if let (Some(inherited), Some(heritage)) = (inherited, &self.heritage) {
+        if let (Some(inherited), Some(heritage)) = (trainer.inherited(), &self.heritage) {
             complain(&heir(heritage, inherited, trainer));
-            // A run that is stopped before its first checkpoint goes on without the other run's folder.
-            writer.write_checkpoint(&trainer.save())?;
         }
-        Ok((ready, writer))
+        ready.recorded_in(writer)
     }
 
     /// One training after the other.
@@ -223,8 +222,7 @@ impl<'a> Training<'a> {
         let mut several = Several::new(name, &folder)?;
         for seed in first..first + seeds {
             let path = several.run_folder(seed);
-            let (ready, writer) = self.ready(seed, |make| Ok(make(&path)?))?;
-            let outcome = ready.recorded_in(writer).run(self.interrupt)?;
+            let outcome = self.ready(seed, |make| Ok(make(&path)?))?.run(self.interrupt)?;
             let (end, lost) = (outcome.end.clone(), loss(&outcome, &path.display().to_string()));
             several.add(seed, outcome)?;
             match end {
@@ -282,11 +280,10 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     let stage = Stage::of(&description)?;
     let (config, seed, goal) = (run.config().ppo.clone(), run.config().seed, description.goal());
     let env = env_again(args, &stage, &description, &config, seed)?;
-    let ready = match newest_checkpoint(&run)? {
-        Some(checkpoint) => Ready::again(&stage, env, &checkpoint, goal)?,
-        // Stopped before its first checkpoint: the same seed begins the same run.
-        None => Ready::new(&stage, env, (config, seed), None, goal)?.0,
-    };
+    let checkpoint = newest_checkpoint(&run)?;
+    // Stopped before its first checkpoint: the same seed begins the same run.
+    let new = Beginning::New { config: &config, seed, from: None };
+    let ready = Ready::new(&stage, env, checkpoint.as_ref().map_or(new, Beginning::Again), goal)?;
     let trainer = ready.session.trainer();
     if trainer.env_steps() >= goal.steps {
         let (done, limit) = (grouped(trainer.env_steps()), grouped(goal.steps));
@@ -303,7 +300,7 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
         grouped(trainer.env_steps()),
         sentence(&ready.place)
     ));
-    conclude(args, &stage, ready, writer, interrupt)
+    conclude(args, &stage, ready.recorded_in(writer)?, interrupt)
 }
 
 /// The environments of a run that goes on: where it began, unless another place is asked for.
@@ -322,9 +319,9 @@ fn env_again(args: &Train, stage: &Stage, description: &Description, config: &Pp
 }
 
 /// Trains to the end and tells how it went.
-fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, writer: RunWriter, interrupt: &Interrupt) -> Result<()> {
+fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt) -> Result<()> {
     let (seed, until, place) = (ready.session.trainer().seed(), ready.session.goal().until, ready.place.clone());
-    let outcome = ready.recorded_in(writer).run(interrupt)?;
+    let outcome = ready.run(interrupt)?;
     let run = outcome.run.as_deref().unwrap_or(Path::new("")).display().to_string();
     if args.json {
         print_json(&json!({
