@@ -3,53 +3,15 @@
 //! Whole updates with two hidden layers of 128, and single gradient steps of a policy 4 x 128 and a value network 5 x 256, on
 //! records of made-up numbers; then what their kernels take. With `tiles`, instead: single gradient steps with every tile.
 
+mod measure;
+
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use myo_gpu::{Batch, Buffer, Gpu, Want};
+use measure::{Failure, breakdown, seconds};
+use myo_gpu::{Buffer, Gpu, Want};
 use myo_train::PpoConfig;
-use myo_train::gpu::{DeviceLearner, RolloutBuffers, Settings, Sizes, Tile, Tiles};
-
-type Failure = Box<dyn std::error::Error>;
-
-/// Seconds per repetition: the best of several batches, each long enough to hide its submission.
-fn seconds(gpu: &Gpu, add: impl Fn(&mut Batch)) -> Result<f64, Failure> {
-    let run = |count: u32| -> Result<f64, Failure> {
-        let start = Instant::now();
-        let mut batch = gpu.batch();
-        (0..count).for_each(|_| add(&mut batch));
-        batch.submit()?;
-        gpu.wait()?;
-        Ok(start.elapsed().as_secs_f64())
-    };
-    run(1)?;
-    let count = (0.1 / run(1)?).ceil().clamp(1.0, 100.0) as u32;
-    let mut best = f64::INFINITY;
-    for _ in 0..4 {
-        best = best.min(run(count)? / f64::from(count));
-    }
-    Ok(best)
-}
-
-/// Prints how much of the device's time each kernel takes.
-fn breakdown(gpu: &Gpu, add: impl Fn(&mut Batch)) -> Result<(), Failure> {
-    let Ok(mut batch) = gpu.batch().timed() else {
-        println!("    (this device has no clock)");
-        return Ok(());
-    };
-    add(&mut batch);
-    let mut kernels = BTreeMap::<String, (u32, f64)>::new();
-    for timing in batch.submit_and_time()? {
-        let (count, seconds) = kernels.entry(timing.kernel).or_default();
-        *count += 1;
-        *seconds += timing.seconds;
-    }
-    for (kernel, (count, seconds)) in kernels {
-        let each = seconds / f64::from(count) * 1e6;
-        println!("    {kernel:24} {count:4} x {each:9.1} us = {:8.3} ms", seconds * 1e3);
-    }
-    Ok(())
-}
+use myo_train::gpu::{DeviceLearner, MatrixTile, RolloutBuffers, Settings, Sizes, Tile, Tiles};
 
 /// Numbers between -1 and 1 without a pattern that matters.
 fn numbers(n: usize, seed: u32) -> Vec<f32> {
@@ -88,24 +50,33 @@ fn data(gpu: &Gpu, config: &PpoConfig) -> Result<Data, Failure> {
     Ok(Data { sizes, record, parameters })
 }
 
-fn measure(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
+fn measure_both(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
+    let data = data(gpu, config)?;
     let (envs, steps) = (config.num_envs, config.steps_per_update);
-    let Data { sizes, record, parameters } = data(gpu, config)?;
+    println!(
+        "{envs} x {steps} samples, {} x {} minibatches, policy {:?}, value {:?}",
+        config.epochs, config.minibatches, config.policy_hidden, config.value_hidden
+    );
+    measure_learner(gpu, &PpoConfig { matrix_units: false, ..config.clone() }, &data, "32 bits")?;
+    if gpu.adapter().cooperative_matrix {
+        measure_learner(gpu, config, &data, "matrix units")?;
+    }
+    Ok(())
+}
+
+fn measure_learner(gpu: &Gpu, config: &PpoConfig, data: &Data, what: &str) -> Result<(), Failure> {
+    let Data { sizes, record, parameters } = data;
     let start = Instant::now();
-    let mut learner = DeviceLearner::new(gpu, &sizes, config, &parameters, &record)?;
+    let mut learner = DeviceLearner::new(gpu, sizes, config, parameters, record)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    learner.prepare(&sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
+    learner.prepare(sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
     let uploaded = start.elapsed().as_secs_f64();
     let estimates = seconds(gpu, |batch| learner.record_estimates(batch))?;
     let step = seconds(gpu, |batch| learner.record_step(batch))?;
     let update = seconds(gpu, |batch| learner.record(batch))?;
     println!(
-        "{envs} x {steps} samples, {} x {} minibatches, policy {:?}, value {:?}: prepared in {prepared:.3} s",
-        config.epochs, config.minibatches, config.policy_hidden, config.value_hidden
-    );
-    println!(
-        "  order {:.3} ms, advantages {:.3} ms, gradient step {:.3} ms, update {:.3} ms",
+        "  {what}: prepared in {prepared:.3} s, order {:.3} ms, advantages {:.3} ms, gradient step {:.3} ms, update {:.3} ms",
         uploaded * 1e3,
         estimates * 1e3,
         step * 1e3,
@@ -127,40 +98,67 @@ const TILES: &[Tile] = &[
     Tile::new(128, 128, 8, (8, 8)),
 ];
 
+/// Tiles of gradients of weights for matrix units, and columns of a workgroup of the passes.
+const MATRIX_TILES: &[(u32, MatrixTile)] = &[
+    (32, MatrixTile::new((32, 32), (32, 32))),
+    (64, MatrixTile::new((64, 64), (32, 32))),
+    (32, MatrixTile::new((64, 32), (64, 32))),
+    (64, MatrixTile::new((64, 64), (64, 32))),
+    (32, MatrixTile::new((64, 64), (64, 64))),
+    (64, MatrixTile::new((128, 64), (64, 64))),
+    (32, MatrixTile::new((128, 64), (64, 32))),
+    (64, MatrixTile::new((128, 128), (64, 32))),
+    (64, MatrixTile::new((128, 128), (64, 64))),
+];
+
 /// What a gradient step's products take with every tile.
 fn tiles(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
-    let Data { sizes, record, parameters } = data(gpu, config)?;
-    println!("{} samples, value network {:?}", sizes.samples() / config.minibatches, config.value_hidden);
+    let data = data(gpu, config)?;
+    println!("{} samples, value network {:?}", data.sizes.samples() / config.minibatches, config.value_hidden);
     for &tile in TILES {
-        let tiles = Tiles { layers: Some(tile), weights: Some(tile) };
-        let mut learner = DeviceLearner::with_tiles(gpu, &sizes, config, &parameters, &record, tiles)?;
-        learner.prepare(&sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
-        let mut best = BTreeMap::<String, f64>::new();
-        for _ in 0..5 {
-            let mut batch = gpu.batch().timed()?;
-            learner.record_step(&mut batch);
-            let mut kernels = BTreeMap::<String, f64>::new();
-            for timing in batch.submit_and_time()? {
-                *kernels.entry(timing.kernel).or_default() += timing.seconds * 1e6;
-            }
-            for (kernel, us) in kernels {
-                let best = best.entry(kernel).or_insert(f64::INFINITY);
-                *best = best.min(us);
-            }
-        }
-        let products = ["forward", "backward", "weight"];
-        let all = best.iter().filter(|(kernel, _)| products.iter().any(|product| kernel.starts_with(product)));
-        let all: Vec<_> = all.map(|(kernel, us)| format!("{kernel} {us:.0} us")).collect();
-        println!("  {:?} {}: {}", tile.per_thread, tile.depth, all.join(", "));
+        let tiles = Tiles { layers: Some(tile), weights: Some(tile), ..Tiles::default() };
+        let config = PpoConfig { matrix_units: false, ..config.clone() };
+        println!("  {:?} {}: {}", tile.per_thread, tile.depth, products(gpu, &config, &data, tiles)?);
+    }
+    let units: &[_] = if gpu.adapter().cooperative_matrix { MATRIX_TILES } else { &[] };
+    for &(columns, tile) in units {
+        let tiles = Tiles { columns: Some(columns), matrix_weights: Some(tile), ..Tiles::default() };
+        println!("  {tile:?}: {}", products(gpu, config, &data, tiles)?);
     }
     Ok(())
+}
+
+/// What they take with these tiles.
+fn products(gpu: &Gpu, config: &PpoConfig, data: &Data, tiles: Tiles) -> Result<String, Failure> {
+    let Data { sizes, record, parameters } = data;
+    let mut learner = DeviceLearner::with_tiles(gpu, sizes, config, parameters, record, tiles)?;
+    learner.prepare(sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
+    // A card that has waited for a compiler is slow for a while.
+    seconds(gpu, |batch| learner.record_step(batch))?;
+    let mut best = BTreeMap::<String, f64>::new();
+    for _ in 0..5 {
+        let mut batch = gpu.batch().timed()?;
+        learner.record_step(&mut batch);
+        let mut kernels = BTreeMap::<String, f64>::new();
+        for timing in batch.submit_and_time()? {
+            *kernels.entry(timing.kernel).or_default() += timing.seconds * 1e6;
+        }
+        for (kernel, us) in kernels {
+            let best = best.entry(kernel).or_insert(f64::INFINITY);
+            *best = best.min(us);
+        }
+    }
+    let products = ["forward", "backward", "passes", "weight"];
+    let all = best.iter().filter(|(kernel, _)| products.iter().any(|product| kernel.starts_with(product)));
+    let all: Vec<_> = all.map(|(kernel, us)| format!("{kernel} {us:.0} us")).collect();
+    Ok(all.join(", "))
 }
 
 fn main() -> Result<(), Failure> {
     let gpu = Gpu::open(&Want::Any)?;
     println!("{}", gpu.adapter().name);
-    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure };
-    for num_envs in [1024, 16_384] {
+    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure_both };
+    for num_envs in [2048, 16_384] {
         measure(&gpu, &PpoConfig { num_envs, ..PpoConfig::default() })?;
     }
     for num_envs in [1280, 8192, 65_536] {

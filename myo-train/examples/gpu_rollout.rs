@@ -3,57 +3,16 @@
 //! For every number of environments: one pass of the policy, the values of a whole roll-out, a whole roll-out, and what its
 //! kernels take. With `tiles`, instead: the networks alone, with every tile.
 
-use std::collections::BTreeMap;
-use std::time::Instant;
+mod measure;
 
+use measure::{Failure, breakdown, seconds};
 use myo_env::{EnvConfig, GpuEnv, VectorEnv};
 use myo_gpu::{Batch, Gpu, Want};
 use myo_model::{Model, builtin};
 use myo_train::gpu::{DeviceRollout, Tile};
 use myo_train::{Normalizer, PpoConfig, Trainer};
 
-type Failure = Box<dyn std::error::Error>;
-
-/// Seconds per repetition: the best of several batches, each long enough to hide its submission.
-fn seconds(gpu: &Gpu, add: impl Fn(&mut Batch)) -> Result<f64, Failure> {
-    let run = |count: u32| -> Result<f64, Failure> {
-        let start = Instant::now();
-        let mut batch = gpu.batch();
-        (0..count).for_each(|_| add(&mut batch));
-        batch.submit()?;
-        gpu.wait()?;
-        Ok(start.elapsed().as_secs_f64())
-    };
-    run(2)?;
-    let count = (0.1 / (run(3)? / 3.0)).ceil().clamp(2.0, 400.0) as u32;
-    let mut best = f64::INFINITY;
-    for _ in 0..4 {
-        best = best.min(run(count)? / f64::from(count));
-    }
-    Ok(best)
-}
-
-/// Prints how much of the device's time each kernel takes in a roll-out.
-fn breakdown(card: &DeviceRollout) -> Result<(), Failure> {
-    let Ok(mut batch) = card.gpu().batch().timed() else {
-        println!("    (this device has no clock)");
-        return Ok(());
-    };
-    card.record(&mut batch);
-    let mut kernels = BTreeMap::<String, (u32, f64)>::new();
-    for timing in batch.submit_and_time()? {
-        let (count, seconds) = kernels.entry(timing.kernel).or_default();
-        *count += 1;
-        *seconds += timing.seconds;
-    }
-    for (kernel, (count, seconds)) in kernels {
-        let each = seconds / f64::from(count) * 1e6;
-        println!("    {kernel:24} {count:4} x {each:9.1} us = {:8.3} ms", seconds * 1e3);
-    }
-    Ok(())
-}
-
-fn measure(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
+fn measure_rollout(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
     let model = Model::new(&builtin(&task.model)?)?;
     let config = PpoConfig { num_envs, ..PpoConfig::default() };
     let make = || GpuEnv::new(gpu, &model, task, &EnvConfig { num_envs, ..EnvConfig::default() });
@@ -74,7 +33,7 @@ fn measure(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Fai
         rollout / steps as f64 * 1e6,
         (num_envs * steps) as f64 / rollout / 1e6
     );
-    breakdown(&card)?;
+    breakdown(gpu, |batch| card.record(batch))?;
 
     let mut trainer = Trainer::on_card(make()?, config, 1)?;
     trainer.update()?;
@@ -139,7 +98,7 @@ fn main() -> Result<(), Failure> {
     let task = myo_tasks::preset(&task).ok_or("there is no such task")?;
     let gpu = Gpu::open(&Want::Any)?;
     println!("{} on {}", task.name, gpu.adapter().name);
-    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure };
+    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure_rollout };
     for size in sizes.split(',') {
         measure(&gpu, &task, size.parse()?)?;
     }

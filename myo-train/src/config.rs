@@ -85,6 +85,11 @@ pub struct PpoConfig {
     /// Least standard deviation of an observation, relative to the larger of 1 and its mean's size (default 0.05); see
     /// [`Normalizer`](crate::Normalizer).
     pub observation_std_floor: f64,
+
+    /// Whether a graphics card that has matrix units learns with them (default true): activations and gradients have 16
+    /// bits, sums and parameters 32. Where a layer has more than 256 inputs or outputs, on other cards, and on the
+    /// processor, all have 32 bits.
+    pub matrix_units: bool,
 }
 
 impl Default for PpoConfig {
@@ -120,6 +125,7 @@ impl Default for PpoConfig {
             action_scale: 1.0,
             observation_clip: 5.0,
             observation_std_floor: 0.05,
+            matrix_units: true,
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use myo_env::{GpuEnv, VectorEnv};
+use myo_gpu::{Commands, GpuError};
 
 use super::buffers::ALL_FINITE;
 use super::{DeviceLearner, DeviceRollout, Settings};
@@ -18,6 +19,8 @@ pub(crate) struct Card {
     gradient_steps: u64,
     log_std: std::ops::Range<usize>,
     heard: Heard,
+    /// The next roll-out.
+    next: Option<Commands>,
 }
 
 /// What is read after an update.
@@ -61,7 +64,7 @@ impl Card {
             log_std: vec![0.0; log_std.len()],
             ..Heard::default()
         };
-        Ok(Self { rollout, learner, gradient_steps: 0, log_std, heard })
+        Ok(Self { rollout, learner, gradient_steps: 0, log_std, heard, next: None })
     }
 
     /// The environment.
@@ -114,7 +117,7 @@ impl Card {
         Ok(())
     }
 
-    /// Collects a roll-out and learns from it: two submissions, so that the first runs while the second is made.
+    /// Collects a roll-out and learns from it: two submissions, each made ready while the card is busy with the one before.
     pub fn update(
         &mut self,
         normalizer: &Normalizer,
@@ -122,27 +125,30 @@ impl Card {
         learning_rate: f64,
     ) -> Result<CardUpdate, TrainError> {
         let (start, sizes) = (Instant::now(), *self.rollout.sizes());
-        let gpu = self.rollout.gpu().clone();
         self.rollout.set_scaling(normalizer)?;
         self.rollout.set_clock(seed, update * sizes.steps as u64)?;
-        let mut batch = gpu.batch();
-        self.rollout.record(&mut batch);
-        batch.submit()?;
+        let collected = self.next.take().map_or_else(|| collecting(&self.rollout), Ok)?.submit()?;
 
         let settings = Settings { seed, update, learning_rate, gradient_steps: self.gradient_steps };
         self.learner.prepare(&sizes, settings)?;
-        let mut batch = gpu.batch();
+        let mut batch = self.rollout.gpu().batch();
         self.learner.record(&mut batch);
-        gpu.wait()?;
-        let collect_s = start.elapsed().as_secs_f64();
+        let learning = batch.finish()?;
         let (buffers, memory, heard) = (self.rollout.buffers(), self.learner.memory(), &mut self.heard);
-        batch.submit_and_read(&mut [
+        let mut reads = [
             buffers.sums.part(0, &mut heard.sums)?,
             buffers.wrong.part(0, &mut heard.wrong)?,
             memory.estimate_sums.part(0, &mut heard.estimates)?,
             memory.metrics.part(0, &mut heard.metrics)?,
             self.rollout.parameters().part(self.log_std.start, &mut heard.log_std)?,
-        ])?;
+        ];
+        let meanwhile = || {
+            let next = collecting(&self.rollout)?;
+            collected.wait()?;
+            Ok::<_, GpuError>((next, start.elapsed().as_secs_f64()))
+        };
+        let (next, collect_s) = learning.submit_and_read(&mut reads, meanwhile)??;
+        self.next = Some(next);
         self.gradient_steps += self.learner.layout().steps() as u64;
         self.told(normalizer, update, collect_s)
     }
@@ -166,6 +172,13 @@ impl Card {
             log_std: heard.log_std.clone(),
         })
     }
+}
+
+/// A roll-out, ready for the card: what changes from one to the next lies in buffers.
+fn collecting(rollout: &DeviceRollout) -> Result<Commands, GpuError> {
+    let mut batch = rollout.gpu().batch();
+    rollout.record(&mut batch);
+    batch.finish()
 }
 
 fn check(names: &[String], wrong: u32, reward_sum: f64, update: u64) -> Result<(), TrainError> {

@@ -1,6 +1,6 @@
 //! The small kernels around the networks: noise, observations, outcomes, sums.
 
-use myo_gpu::{Access, BufferRef, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, Buffer, BufferRef, Gpu, GpuError, Kernel, Source};
 
 use super::dense::Dispatch;
 
@@ -36,7 +36,7 @@ impl Kernels {
             noise: compile("noise", include_str!("noise.wgsl"), &[Read, Read, ReadWrite, ReadWrite, Uniform])?,
             observe: compile("observe", include_str!("observe.wgsl"), &observe)?,
             outcome: compile("outcome", include_str!("outcome.wgsl"), &outcome)?,
-            sums: compile("sums", include_str!("sums.wgsl"), &[Read, ReadWrite, Uniform])?,
+            sums: compile_sums(gpu)?,
         })
     }
 
@@ -55,6 +55,21 @@ impl Kernels {
     }
 }
 
+/// Compiles the sums of rows.
+///
+/// # Errors
+/// The card refuses them, or is lost.
+pub fn compile_sums(gpu: &Gpu) -> Result<Kernel, GpuError> {
+    use Access::{Read, ReadWrite, Uniform};
+    let text = with_workgroup_sum(include_str!("sums.wgsl"), "f32");
+    gpu.compile("sums", Source::Wgsl(&text), "main", &[Read, ReadWrite, Uniform])
+}
+
+/// A kernel's text with the sum over its workgroup, of this type, filled in.
+pub fn with_workgroup_sum(text: &str, kind: &str) -> String {
+    text.replace("$WORKGROUP_SUM", &include_str!("workgroup_sum.wgsl").replace("$KIND", kind))
+}
+
 /// Prepares a kernel for these buffers and the words of its uniform `Shape`, which is bound last.
 ///
 /// # Errors
@@ -71,4 +86,14 @@ pub fn prepare(
     gpu.write(&uniform, 0, shape)?;
     let buffers: Vec<_> = buffers.iter().copied().chain([uniform.binding()]).collect();
     Ok(Dispatch { kernel: kernel.clone(), bindings: kernel.bind(&buffers)?, threads: threads as u32 })
+}
+
+/// A table of eight words a row.
+///
+/// # Errors
+/// There is no memory left, or the card is lost.
+pub fn table(gpu: &Gpu, label: &str, rows: &[[u32; 8]]) -> Result<Buffer<u32>, GpuError> {
+    let table = gpu.buffer(label, 8 * rows.len())?;
+    gpu.write(&table, 0, rows.as_flattened())?;
+    Ok(table)
 }

@@ -21,11 +21,12 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod units;
 
 pub use buffers::{ALL_FINITE, RolloutBuffers};
 pub(crate) use card::{Card, CardUpdate};
 pub use evaluate::DeviceEvaluator;
-pub use learn::{DeviceLearner, Layout, LearnMemory, Settings, Tiles};
+pub use learn::{DeviceLearner, Layout, LearnMemory, MatrixTile, Precision, Settings, Tiles};
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;
 pub use tile::Tile;

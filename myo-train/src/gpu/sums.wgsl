@@ -13,9 +13,7 @@ struct Shape {
 @group(0) @binding(1) var<storage, read_write> sums: array<f32>;
 @group(0) @binding(2) var<uniform> shape: Shape;
 
-const WORKGROUP = 256u;
-
-var<workgroup> partial: array<f32, WORKGROUP>;
+$WORKGROUP_SUM
 
 @compute @workgroup_size(256)
 fn main(
@@ -30,14 +28,6 @@ fn main(
             mine += numbers[row * shape.stride + column];
         }
     }
-    partial[local] = mine;
-    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
-        workgroupBarrier();
-        if local < half {
-            partial[local] += partial[local + half];
-        }
-    }
-    if local == 0u && row < shape.rows {
-        sums[shape.first + row] = partial[0];
-    }
+    let sum = workgroup_sum(local, mine);
+    if local == 0u && row < shape.rows { sums[shape.first + row] = sum; }
 }

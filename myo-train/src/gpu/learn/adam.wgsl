@@ -28,9 +28,7 @@ struct Shape {
 @group(0) @binding(6) var<storage, read_write> metrics: array<f32>;
 @group(0) @binding(7) var<uniform> shape: Shape;
 
-const WORKGROUP = 256u;
-
-var<workgroup> sums: array<f32, WORKGROUP>;
+$WORKGROUP_SUM
 
 @compute @workgroup_size(256)
 fn main(
@@ -42,15 +40,7 @@ fn main(
     for (var part = local; part < shape.parts; part += WORKGROUP) {
         mine += squares[part];
     }
-    sums[local] = mine;
-    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
-        workgroupBarrier();
-        if local < half {
-            sums[local] += sums[local + half];
-        }
-    }
-    workgroupBarrier();
-    let norm = sqrt(sums[0]);
+    let norm = sqrt(workgroup_sum(local, mine));
     let i = (workgroup.y * workgroups.x + workgroup.x) * WORKGROUP + local;
     if i < 4u { metrics[6u * shape.step + i] = gradient[shape.parameters + i]; }
     if i == 4u { metrics[6u * shape.step + 4u] = norm; }

@@ -18,6 +18,8 @@ struct Shape {
     first: u32,
     // Gradient step.
     step: u32,
+    // Of activations.
+    rows: u32,
 }
 
 @group(0) @binding(0) var<storage, read> order: array<u32>;
@@ -27,7 +29,7 @@ struct Shape {
 // Advantages, then targets.
 @group(0) @binding(4) var<storage, read> estimate: array<f32>;
 @group(0) @binding(5) var<storage, read> scale: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> activation: array<f32>;
+@group(0) @binding(6) var<storage, read_write> activation: array<$REAL>;
 // Action, log-probability, advantage, target, weight: (actions + 4, chunk)
 @group(0) @binding(7) var<storage, read_write> sample: array<f32>;
 @group(0) @binding(8) var<uniform> shape: Shape;
@@ -52,7 +54,7 @@ fn main(
     if row < shape.observations {
         var x = 0.0;
         if used { x = observation[row * shape.record + source]; }
-        activation[thread] = x;
+        activation[$PLACE] = $REAL(x);
     } else {
         var x = 0.0;
         if used { x = scalar(row - shape.observations, source); }

@@ -25,7 +25,7 @@ struct Shape {
 @group(0) @binding(3) var<storage, read_write> gradient: array<f32>;
 @group(0) @binding(4) var<uniform> shape: Shape;
 
-const HALF_LN_TAU = 0.9189385;
+$OBJECTIVE
 
 fn z(column: u32, i: u32, inverse_std: f32) -> f32 {
     let mean = activation[(shape.observations + shape.mean_row + i) * shape.chunk + column];
@@ -41,11 +41,7 @@ fn main(
     let column = (workgroup.y * workgroups.x + workgroup.x) * 64u + local;
     if column >= shape.chunk { return; }
     let first = shape.actions * shape.chunk + column;
-    let old = sample[first];
-    let advantage = sample[first + shape.chunk];
-    let goal = sample[first + 2u * shape.chunk];
     let weight = sample[first + 3u * shape.chunk];
-    let used = weight > 0.0;
 
     var squares = 0.0;
     var log_stds = 0.0;
@@ -55,28 +51,23 @@ fn main(
         squares += z * z;
         log_stds += log_std;
     }
-    let log_ratio = -log_stds - f32(shape.actions) * HALF_LN_TAU - 0.5 * squares - old;
-    // Held where the exponential would overflow.
-    let ratio = exp(clamp(log_ratio, -87.0, 88.0));
-    let free = ratio * advantage;
-    let held = clamp(ratio, 1.0 - shape.clip, 1.0 + shape.clip) * advantage;
-    let cut = held < free;
-    let slope = select(-free * weight, 0.0, cut || !used);
+    let log_ratio = log_density(shape.actions, squares, log_stds) - sample[first];
     let sums = shape.sums_row * shape.chunk + column;
+    let objective = objective(log_ratio, sample[first + shape.chunk], weight, shape.clip);
     for (var i = 0u; i < shape.actions; i += 1u) {
         let inverse_std = exp(-parameters[shape.log_std + i]);
         let z = z(column, i, inverse_std);
-        gradient[(shape.mean_row + i) * shape.chunk + column] = slope * z * inverse_std;
-        gradient[sums + i * shape.chunk] = slope * (z * z - 1.0);
+        gradient[(shape.mean_row + i) * shape.chunk + column] = objective.slope * z * inverse_std;
+        gradient[sums + i * shape.chunk] = objective.slope * (z * z - 1.0);
     }
 
     let value = activation[(shape.observations + shape.value_row) * shape.chunk + column];
-    let error = select(0.0, value - goal, used);
+    let error = select(0.0, value - sample[first + 2u * shape.chunk], weight > 0.0);
     gradient[shape.value_row * shape.chunk + column] = 2.0 * shape.value_coefficient * weight * error;
 
     let metrics = sums + shape.actions * shape.chunk;
-    gradient[metrics] = select(0.0, -select(free, held, cut), used);
-    gradient[metrics + shape.chunk] = select(0.0, ratio - 1.0 - log_ratio, used);
-    gradient[metrics + 2u * shape.chunk] = select(0.0, 1.0, cut && used);
+    gradient[metrics] = objective.loss;
+    gradient[metrics + shape.chunk] = objective.divergence;
+    gradient[metrics + 2u * shape.chunk] = objective.cut;
     gradient[metrics + 3u * shape.chunk] = error * error;
 }

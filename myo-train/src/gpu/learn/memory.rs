@@ -3,7 +3,6 @@
 use myo_gpu::{Buffer, Gpu, GpuError};
 
 use super::layout::{Layout, METRICS, SCALARS};
-use super::products::Splits;
 use crate::gpu::Sizes;
 use crate::networks::Networks;
 
@@ -33,10 +32,11 @@ pub struct LearnMemory {
     pub estimate_sums: Buffer<f32>,
     /// Mean and scale of the advantages, weight of a sample, `(gradient steps, 4)`.
     pub scale: Buffer<f32>,
-    /// Observations and outputs of the layers; see [`Layout`].
-    pub activation: Buffer<f32>,
-    /// Derivatives of the activations, then gradients with respect to what went into them; see [`Layout`].
-    pub gradient: Buffer<f32>,
+    /// Observations and outputs of the layers, as words of one or two numbers; see [`Layout`].
+    pub activation: Buffer<u32>,
+    /// Derivatives of the activations, then gradients with respect to what went into them, as words of one or two numbers;
+    /// see [`Layout`].
+    pub gradient: Buffer<u32>,
     /// Actions and scalars of the samples of a chunk, `(actions + 4, chunk)`.
     pub sample: Buffer<f32>,
     /// Partial gradients with respect to the parameters, and partial sums of metrics.
@@ -50,7 +50,7 @@ pub struct LearnMemory {
 }
 
 impl LearnMemory {
-    /// Memory for one update, zero.
+    /// Memory for one update, zero, with so many partial gradients.
     ///
     /// # Errors
     /// There is no memory left, a buffer is larger than the card allows, or the card is lost.
@@ -59,7 +59,7 @@ impl LearnMemory {
         sizes: &Sizes,
         networks: &Networks,
         layout: &Layout,
-        splits: Splits,
+        parts: usize,
     ) -> Result<Self, GpuError> {
         let (parameters, steps) = (networks.len(), layout.steps());
         let length = parameters + METRICS;
@@ -72,10 +72,10 @@ impl LearnMemory {
             estimate_parts: gpu.buffer("estimate parts", 4 * sizes.envs)?,
             estimate_sums: gpu.buffer("estimate sums", 4)?,
             scale: gpu.buffer("advantage scale", 4 * steps)?,
-            activation: gpu.buffer("activations", layout.rows * layout.chunk)?,
-            gradient: gpu.buffer("gradients", layout.gradient_rows * layout.chunk)?,
+            activation: gpu.buffer("activations", layout.precision.words(layout.rows * layout.chunk))?,
+            gradient: gpu.buffer("gradients", layout.precision.words(layout.gradient_rows * layout.chunk))?,
             sample: gpu.buffer("samples", (sizes.actions + SCALARS) * layout.chunk)?,
-            partial: gpu.buffer("partial gradients", layout.chunks * splits.count * length)?,
+            partial: gpu.buffer("partial gradients", parts * length)?,
             total: gpu.buffer("gradient", length)?,
             squares: gpu.buffer("gradient squares", length.div_ceil(REDUCE_WORKGROUP))?,
             metrics: gpu.buffer("metrics", STEP_METRICS * steps)?,

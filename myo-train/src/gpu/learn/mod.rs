@@ -4,8 +4,12 @@
 //! there are many (see `Layout`), and sums are single precision. Nothing depends on timing, so one card and driver always
 //! give the same bits.
 
+mod context;
+mod half;
+mod layers;
 mod layout;
 mod memory;
+mod outer;
 mod products;
 mod schedule;
 mod small;
@@ -13,7 +17,7 @@ mod small;
 mod tests;
 mod update;
 
-pub use layout::Layout;
+pub use half::MatrixTile;
+pub use layout::{Layout, Precision};
 pub use memory::LearnMemory;
-pub use products::Tiles;
-pub use update::{DeviceLearner, Settings};
+pub use update::{DeviceLearner, Settings, Tiles};

@@ -16,9 +16,7 @@ struct Shape {
 @group(0) @binding(2) var<storage, read_write> squares: array<f32>;
 @group(0) @binding(3) var<uniform> shape: Shape;
 
-const WORKGROUP = 256u;
-
-var<workgroup> sums: array<f32, WORKGROUP>;
+$WORKGROUP_SUM
 
 @compute @workgroup_size(256)
 fn main(
@@ -37,12 +35,6 @@ fn main(
         if i >= shape.log_std && i < shape.log_std + shape.actions { sum -= shape.entropy_coefficient; }
         total[i] = sum;
     }
-    sums[local] = select(0.0, sum * sum, i < shape.parameters);
-    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
-        workgroupBarrier();
-        if local < half {
-            sums[local] += sums[local + half];
-        }
-    }
-    if local == 0u && group * WORKGROUP < shape.length { squares[group] = sums[0]; }
+    let square = workgroup_sum(local, select(0.0, sum * sum, i < shape.parameters));
+    if local == 0u && group * WORKGROUP < shape.length { squares[group] = square; }
 }

@@ -16,22 +16,7 @@ struct Shape {
 @group(0) @binding(2) var<storage, read_write> scale: array<vec4<f32>>;
 @group(0) @binding(3) var<uniform> shape: Shape;
 
-const WORKGROUP = 256u;
-
-var<workgroup> partial: array<vec2<f32>, WORKGROUP>;
-
-fn total(local: u32, mine: vec2<f32>) -> vec2<f32> {
-    workgroupBarrier();
-    partial[local] = mine;
-    for (var half = WORKGROUP / 2u; half > 0u; half /= 2u) {
-        workgroupBarrier();
-        if local < half {
-            partial[local] += partial[local + half];
-        }
-    }
-    workgroupBarrier();
-    return partial[0];
-}
+$WORKGROUP_SUM
 
 @compute @workgroup_size(256)
 fn main(
@@ -58,8 +43,8 @@ fn main(
             count += 1.0;
         }
     }
-    let sums = total(local, sum);
-    let n = max(total(local, vec2<f32>(count, 0.0)).x, 1.0);
+    let sums = workgroup_sum(local, sum);
+    let n = max(workgroup_sum(local, vec2<f32>(count, 0.0)).x, 1.0);
     if local == 0u {
         let mean = sums.x / n;
         let deviation = sqrt(max(sums.y / n - mean * mean, 0.0));

@@ -1,39 +1,16 @@
 //! The kernels of an update around the matrix products.
 
-use myo_gpu::{Access, Buffer, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, GpuError, Kernel, Source};
 
-use super::layout::{Layout, METRICS, SCALARS};
-use super::memory::LearnMemory;
-use crate::PpoConfig;
+use super::context::Context;
+use super::layout::{METRICS, Precision, SCALARS};
+use crate::gpu::Sizes;
 use crate::gpu::dense::Dispatch;
-use crate::gpu::kernels::prepare;
-use crate::gpu::{RolloutBuffers, Sizes};
-use crate::networks::Networks;
+use crate::gpu::kernels::{compile_sums, prepare, with_workgroup_sum};
 
 use Access::{Read, ReadWrite, Uniform};
 
-/// What the small kernels work on.
-#[derive(Clone, Copy)]
-pub struct Small<'a> {
-    /// The card.
-    pub gpu: &'a Gpu,
-    /// Sizes of the roll-out.
-    pub sizes: &'a Sizes,
-    /// Sizes of the update.
-    pub layout: &'a Layout,
-    /// The networks.
-    pub networks: &'a Networks,
-    /// Settings.
-    pub config: &'a PpoConfig,
-    /// Their parameters.
-    pub parameters: &'a Buffer<f32>,
-    /// The record.
-    pub record: &'a RolloutBuffers,
-    /// Memory of the update.
-    pub memory: &'a LearnMemory,
-}
-
-impl Small<'_> {
+impl Context<'_> {
     fn compile(&self, label: &str, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {
         self.gpu.compile(label, Source::Wgsl(text), "main", access)
     }
@@ -63,14 +40,18 @@ impl Small<'_> {
     }
 
     fn estimate_sums(&self) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("sums", include_str!("../sums.wgsl"), &[Read, ReadWrite, Uniform])?;
+        let kernel = compile_sums(self.gpu)?;
         let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0];
         let buffers = [self.memory.estimate_parts.binding(), self.memory.estimate_sums.binding()];
         prepare(self.gpu, &kernel, &buffers, &shape, 4 * kernel.workgroup_size() as usize)
     }
 
     fn scale(&self) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("advantage scale", include_str!("scale.wgsl"), &[Read, Read, ReadWrite, Uniform])?;
+        let kernel = self.compile(
+            "advantage scale",
+            &with_workgroup_sum(include_str!("scale.wgsl"), "vec2<f32>"),
+            &[Read, Read, ReadWrite, Uniform],
+        )?;
         let (sizes, layout) = (self.sizes, self.layout);
         let shape = [
             sizes.envs,
@@ -90,7 +71,15 @@ impl Small<'_> {
     /// The samples of every chunk of every gradient step.
     pub fn gather(&self) -> Result<Vec<Vec<Dispatch>>, GpuError> {
         let access = [Read, Read, Read, Read, Read, Read, ReadWrite, ReadWrite, Uniform];
-        let kernel = self.compile("gather", include_str!("gather.wgsl"), &access)?;
+        let text = include_str!("gather.wgsl");
+        let text = match self.layout.precision {
+            Precision::Single => text.replace("$REAL", "f32").replace("$PLACE", "thread"),
+            Precision::Half => {
+                let place = "(column / 16u * shape.rows + row) * 16u + column % 16u";
+                format!("enable f16;\n\n{}", text.replace("$REAL", "f16").replace("$PLACE", place))
+            }
+        };
+        let kernel = self.compile("gather", &text, &access)?;
         let (record, memory) = (self.record, self.memory);
         let buffers = [
             memory.order.binding(),
@@ -120,6 +109,7 @@ impl Small<'_> {
                 start,
                 blocks.start,
                 step,
+                layout.rows,
             ]
             .map(|x| x as u32);
             let rows = sizes.observations + sizes.actions + SCALARS;
@@ -131,7 +121,8 @@ impl Small<'_> {
 
     /// Gradients with respect to the outputs of both networks, whose first rows are given.
     pub fn loss(&self, [mean_row, value_row]: [usize; 2]) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("loss", include_str!("loss.wgsl"), &[Read, Read, Read, ReadWrite, Uniform])?;
+        let text = include_str!("loss.wgsl").replace("$OBJECTIVE", include_str!("objective.wgsl"));
+        let kernel = self.compile("loss", &text, &[Read, Read, Read, ReadWrite, Uniform])?;
         let (sizes, layout) = (self.sizes, self.layout);
         let log_std = self.networks.log_std_range().start;
         let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
@@ -145,7 +136,11 @@ impl Small<'_> {
 
     /// The sum of `slots` partial gradients.
     pub fn reduce(&self, slots: usize) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("reduce", include_str!("reduce.wgsl"), &[Read, ReadWrite, ReadWrite, Uniform])?;
+        let kernel = self.compile(
+            "reduce",
+            &with_workgroup_sum(include_str!("reduce.wgsl"), "f32"),
+            &[Read, ReadWrite, ReadWrite, Uniform],
+        )?;
         let parameters = self.networks.len();
         let length = parameters + METRICS;
         let log_std = self.networks.log_std_range();
@@ -160,7 +155,7 @@ impl Small<'_> {
     /// The Adam step of every gradient step.
     pub fn adam(&self) -> Result<Vec<Dispatch>, GpuError> {
         let access = [Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        let kernel = self.compile("adam", include_str!("adam.wgsl"), &access)?;
+        let kernel = self.compile("adam", &with_workgroup_sum(include_str!("adam.wgsl"), "f32"), &access)?;
         let (memory, config, log_std) = (self.memory, self.config, self.networks.log_std_range());
         let buffers = [
             memory.total.binding(),

@@ -3,12 +3,13 @@
 use myo_env::VectorEnv;
 use myo_gpu::Gpu;
 
-use super::{DeviceLearner, Settings, Tiles};
+use super::{DeviceLearner, MatrixTile, Precision, Settings, Tiles};
 use crate::PpoConfig;
 use crate::gpu::testing::{assert_close, gpu};
 use crate::gpu::tests::{Brain, FIRST_STEP, SEED, start};
 use crate::gpu::{DeviceRollout, Tile};
 use crate::learn::{LearnStats, Learner, Optimizer};
+use crate::networks::Networks;
 use crate::rollout::Rollout;
 
 const SETTINGS: Settings = Settings { seed: SEED, update: 5, learning_rate: 1e-3, gradient_steps: 40 };
@@ -16,6 +17,8 @@ const SETTINGS: Settings = Settings { seed: SEED, update: 5, learning_rate: 1e-3
 /// A record on the card and the same one in the host's memory.
 fn collected(gpu: &Gpu, num_envs: usize) -> (DeviceRollout, Brain, Rollout) {
     let (env, mut brain, mut observation) = start(gpu, num_envs);
+    // As on the processor.
+    brain.config.matrix_units = false;
     let mut rollout = Rollout::new(env.spec(), &brain.config);
     let mut card = DeviceRollout::new(env, &brain.config).unwrap();
     card.collect(&brain.actor(), FIRST_STEP, &mut rollout, &mut observation).unwrap();
@@ -189,10 +192,59 @@ fn every_tile_gives_the_same_gradient() {
         Tile::new(128, 64, 8, (8, 8)),
         Tile::new(128, 128, 8, (8, 8)),
     ] {
-        let tiles = Tiles { layers: Some(tile), weights: Some(tile) };
+        let tiles = Tiles { layers: Some(tile), weights: Some(tile), ..Tiles::default() };
         let (_, got) = on_card_within(&card, &brain, &config, false, (1 << 27, tiles));
         assert_close("gradient", &scaled(&got.optimizer.mean), &scaled(&expected), 1e-4);
     }
+}
+
+#[test]
+fn matrix_units_give_the_same_gradient_but_for_rounding_to_16_bits() {
+    let Some(gpu) = gpu() else { return };
+    if !gpu.adapter().cooperative_matrix {
+        println!("skipped: {} has no matrix units", gpu.adapter().name);
+        return;
+    }
+    // Idle columns.
+    let (card, brain, rollout) = collected(&gpu, 37);
+    for (hidden, limit, columns, tile) in [
+        (vec![33, 20], 1 << 27, 32, MatrixTile::new((32, 32), (16, 32))),
+        (vec![130], 1 << 27, 64, MatrixTile::new((64, 64), (32, 32))),
+        (vec![], 1 << 27, 32, MatrixTile::new((128, 64), (32, 64))),
+        // Several chunks.
+        (vec![256, 16], 1 << 18, 64, MatrixTile::new((128, 128), (64, 64))),
+    ] {
+        // Nothing is cut off: a ratio at the edge may fall on the other side when it is rounded.
+        let passes = PpoConfig { epochs: 1, minibatches: 1, clip: 100.0, ..brain.config.clone() };
+        let config = PpoConfig { value_hidden: hidden, matrix_units: true, ..passes };
+        let mut brain = Brain::new(card.env(), config.clone(), &rollout.observation[..37 * card.sizes().observations]);
+        brain.parameters.iter_mut().enumerate().for_each(|(i, w)| *w += 0.03 * (i as f32).sin());
+        let exact = on_host(&rollout, &brain, &config, false).optimizer.mean;
+        let tiles = Tiles { columns: Some(columns), matrix_weights: Some(tile), ..Tiles::default() };
+        let (learner, got) = on_card_within(&card, &brain, &config, false, (limit, tiles));
+        assert_eq!(learner.layout().precision, Precision::Half);
+        assert_eq!(learner.layout().chunks > 1, limit < 1 << 27, "{:?}", learner.layout());
+        // What it costs to round the weights alone, in 32 bits on the processor.
+        brain.parameters.iter_mut().for_each(|w| *w = to_16_bits(*w));
+        let rounded = on_host(&rollout, &brain, &config, false).optimizer.mean;
+        let networks = Networks::new(card.env().spec(), &config);
+        for part in [networks.policy_range(), networks.value_range()] {
+            let [error, cost] = [&got.optimizer.mean, &rounded]
+                .map(|other| greatest_difference(&other[part.clone()], &exact[part.clone()]));
+            // Activations and gradients are rounded, too.
+            assert!(error < 3.0 * cost, "{error:e} on the card, {cost:e} by rounding the weights");
+        }
+    }
+}
+
+/// The nearest number with a mantissa of 11 bits (Veltkamp's splitting).
+fn to_16_bits(x: f32) -> f32 {
+    let far = 8193.0 * x;
+    far - (far - x)
+}
+
+fn greatest_difference(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 #[test]

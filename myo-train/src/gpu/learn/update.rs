@@ -2,13 +2,15 @@
 
 use myo_gpu::{Batch, Buffer, Gpu, GpuError};
 
-use super::layout::Layout;
+use super::context::Context;
+use super::half::{self, MatrixTile};
+use super::layout::{Layout, Precision};
 use super::memory::{LearnMemory, STEP_METRICS};
-use super::products::{Products, Tiles};
+use super::outer::Outer;
+use super::products::Products;
 use super::schedule::{rates, stats};
-use super::small::Small;
 use crate::gpu::dense::Dispatch;
-use crate::gpu::{RolloutBuffers, Sizes};
+use crate::gpu::{RolloutBuffers, Sizes, Tile};
 use crate::learn::LearnStats;
 use crate::networks::Networks;
 use crate::random::shuffle;
@@ -25,6 +27,19 @@ pub struct Settings {
     pub learning_rate: f64,
     /// Gradient steps before this update.
     pub gradient_steps: u64,
+}
+
+/// What is taken rather than the best choice: for measurements.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tiles {
+    /// Tiles of layers made by threads, forward and backward.
+    pub layers: Option<Tile>,
+    /// Of gradients of weights made by threads: inputs, outputs, samples.
+    pub weights: Option<Tile>,
+    /// Samples of a workgroup that takes them through a network with matrix units.
+    pub columns: Option<u32>,
+    /// Tiles of gradients of weights made by matrix units.
+    pub matrix_weights: Option<MatrixTile>,
 }
 
 /// Learns from the record of a [`DeviceRollout`](super::super::DeviceRollout): advantages, gradients and Adam steps of all
@@ -93,21 +108,33 @@ impl DeviceLearner {
             policy: Mlp::new(sizes.observations, &config.policy_hidden, sizes.actions),
             value: Mlp::new(sizes.observations, &config.value_hidden, 1),
         };
-        let layout = Layout::new(sizes, &networks, config, max_bytes);
-        let mut products = Products::new(gpu, sizes, &layout, &networks, tiles);
-        let memory = LearnMemory::new(gpu, sizes, &networks, &layout, products.splits())?;
-        let small =
-            Small { gpu, sizes, layout: &layout, networks: &networks, config, parameters, record, memory: &memory };
-        let mut passes = products.forward(parameters, &memory)?;
-        passes.push(small.loss(products.output_rows())?);
-        passes.extend(products.backward(parameters, &memory)?);
+        let precision = precision(gpu, config, &networks);
+        let layout = Layout::new(sizes, &networks, config, max_bytes, precision);
+        let outer = Outer::new(gpu, sizes, &layout, &networks, tiles.weights);
+        let parts = match precision {
+            Precision::Single => outer.splits().count,
+            Precision::Half => half::parts(&layout, &networks, tiles),
+        };
+        let memory = LearnMemory::new(gpu, sizes, &networks, &layout, layout.chunks * parts)?;
+        let context =
+            Context { gpu, sizes, layout: &layout, networks: &networks, config, parameters, record, memory: &memory };
+        let (passes, outer) = match precision {
+            Precision::Single => {
+                let mut products = Products::new(gpu, sizes, &layout, &networks, tiles.layers);
+                let mut passes = products.forward(parameters, &memory)?;
+                passes.push(context.loss(products.output_rows())?);
+                passes.extend(products.backward(parameters, &memory)?);
+                (passes, outer.dispatches(&memory)?)
+            }
+            Precision::Half => half::dispatches(context, tiles)?,
+        };
         Ok(Self {
-            estimates: small.estimates()?,
-            gather: small.gather()?,
+            estimates: context.estimates()?,
+            gather: context.gather()?,
             passes,
-            outer: products.outer(&memory)?,
-            reduce: small.reduce(layout.chunks * products.splits().count)?,
-            adam: small.adam()?,
+            outer,
+            reduce: context.reduce(layout.chunks * parts)?,
+            adam: context.adam()?,
             order: vec![0; layout.blocks],
             words: vec![0; layout.blocks],
             samples_per_step: vec![0.0; layout.steps()],
@@ -191,6 +218,13 @@ impl DeviceLearner {
     pub fn stats(&self, metrics: &[f32], update: u64) -> Result<LearnStats, TrainError> {
         stats(metrics, &self.samples_per_step, self.layout.minibatches, update)
     }
+}
+
+/// 16 bits where the card has matrix units and the networks are narrow enough for the kernel that uses them.
+fn precision(gpu: &Gpu, config: &PpoConfig, networks: &Networks) -> Precision {
+    let adapter = gpu.adapter();
+    let units = config.matrix_units && adapter.cooperative_matrix && half::fits(networks, adapter);
+    if units { Precision::Half } else { Precision::Single }
 }
 
 /// Columns of a block that hold samples.

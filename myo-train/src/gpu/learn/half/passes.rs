@@ -1,0 +1,294 @@
+//! Both networks and the loss in one kernel, with the products on the matrix units of the card.
+
+use std::fmt::Write;
+
+use myo_gpu::{Access, Adapter, GpuError, Kernel, Source};
+
+use super::super::context::Context;
+use super::super::layers::{Layer, layers};
+use super::super::layout::Precision;
+use super::memory::HalfMemory;
+use crate::gpu::dense::Dispatch;
+use crate::gpu::kernels::{prepare, table};
+use crate::gpu::units::{Matrices, STAGE_BYTES, SUBGROUP, UNIT, with_units};
+use crate::networks::Networks;
+
+/// Columns that a workgroup may take: few give more workgroups and share their work among more threads, many use a weight more
+/// often.
+const COLUMNS: [u32; 2] = [32, 64];
+
+/// The better of them on an H200 (`examples/gpu_learner.rs`, `tiles`).
+fn columns_for(networks: &Networks, samples: usize) -> u32 {
+    let [few, many] = COLUMNS;
+    if widest(networks) > 128 && samples >= 4096 { many } else { few }
+}
+
+/// Inputs or outputs of the widest layer.
+fn widest(networks: &Networks) -> usize {
+    let layers = layers(networks, 0, Precision::Half).into_iter().flatten();
+    layers.map(|layer| layer.inputs.max(layer.outputs)).max().unwrap_or(1)
+}
+
+/// Sizes of the kernel.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    /// Columns of a workgroup.
+    columns: u32,
+    /// Matrices of 16 rows that the widest layer has.
+    rows16: u32,
+}
+
+impl Shape {
+    fn new(networks: &Networks, columns: u32) -> Self {
+        Self { columns, rows16: matrices(widest(networks)) as u32 }
+    }
+
+    /// A power of two: threads share the columns evenly.
+    fn subgroups(self) -> u32 {
+        let most = if self.columns > 32 { 8 } else { 16 };
+        self.rows16.next_power_of_two().clamp(self.columns / SUBGROUP, most)
+    }
+
+    fn threads(self) -> u32 {
+        SUBGROUP * self.subgroups()
+    }
+
+    fn shared_bytes(self) -> u32 {
+        UNIT * self.rows16 * (self.columns + 8) * 2 + self.subgroups() * STAGE_BYTES
+    }
+
+    /// What a subgroup makes.
+    fn matrices(self) -> Matrices {
+        Matrices { rows: self.rows16.div_ceil(self.subgroups()), columns: self.columns / UNIT }
+    }
+
+    fn text(self) -> String {
+        let matrices = self.matrices();
+        let kept = |call: &'static str| {
+            move |row, column, half| {
+                let call = call.replace("PLACE", &self.place(row, column, half)).replace("SUM", &format!("sum_{half}"));
+                let call = call.replace("BIAS", &format!("bias_{row}_{half}"));
+                let call = call.replace("DERIVATIVE", &format!("vec4<f32>(d_{row}_{column}_{half})"));
+                format!("if subgroup + {}u < rows16 {{ {call} }}", row * self.subgroups())
+            }
+        };
+        let forward = kept("keep_forward(layer, hidden, network * all.actions, PLACE, SUM + BIAS);");
+        let backward = kept("keep_backward(below, PLACE, SUM * DERIVATIVE);");
+        let parts = [
+            ("$OBJECTIVE", include_str!("../objective.wgsl").to_owned()),
+            ("$SIGMOID", include_str!("../sigmoid.wgsl").to_owned()),
+            ("$BIASES", self.biases()),
+            ("$PRODUCT", self.product()),
+            ("$DERIVATIVES", self.derivatives()),
+            ("$KEEP_FORWARD", matrices.staged(forward)),
+            ("$KEEP_BACKWARD", matrices.staged(backward)),
+            ("$COLUMNS", self.columns.to_string()),
+            ("$ROWS", (UNIT * self.rows16).to_string()),
+        ];
+        let text = with_units(include_str!("passes.wgsl"), self.subgroups());
+        parts.iter().fold(text, |text, (name, part)| text.replace(name, part))
+    }
+
+    /// Row of a thread's group of four within the layer.
+    fn line(self, row: u32, half: u32) -> String {
+        format!("16u * (subgroup + {}u) + {}u + line", row * self.subgroups(), 8 * half)
+    }
+
+    /// Row and group of columns of a thread's group of four.
+    fn place(self, row: u32, column: u32, half: u32) -> String {
+        format!("{}, {}u + quad", self.line(row, half), UNIT / 4 * column)
+    }
+
+    /// Biases of the rows that a thread will keep.
+    fn biases(self) -> String {
+        let rows = (0..self.matrices().rows).flat_map(|row| [(row, 0), (row, 1)]);
+        let bias = |(row, half)| format!("        let bias_{row}_{half} = bias_of(layer, {});\n", self.line(row, half));
+        rows.map(bias).collect()
+    }
+
+    /// Derivatives of all that a thread will keep, fetched at once.
+    fn derivatives(self) -> String {
+        self.matrices().each(|row, column| {
+            let one = |half| {
+                let place = self.place(row, column, half);
+                format!("        let d_{row}_{column}_{half} = derivative_of(below, {place});\n")
+            };
+            one(0) + &one(1)
+        })
+    }
+
+    /// The subgroup's matrices of the product of packed weights, from `weight` on, with what goes into the layer.
+    fn product(self) -> String {
+        let matrices = self.matrices();
+        let mut text = matrices.zero();
+        for row in 0..matrices.rows {
+            // Beyond the last row the last one again, which nobody keeps.
+            let matrix = format!("min(subgroup + {}u, rows16 - 1u)", row * self.subgroups());
+            _ = writeln!(text, "        let line_{row} = weight + {matrix} * depth16 * 64u;");
+        }
+        text.push_str("        for (var k = 0u; k < depth16; k += 1u) {\n");
+        for row in 0..matrices.rows {
+            let place = format!("line_{row} + 64u * k");
+            _ = writeln!(text, "            let w_{row} = coopLoadT<coop_mat16x16<f16, A>>(&packed[{place}], 4u);");
+        }
+        for column in 0..matrices.columns {
+            let place = format!("16u * k * STRIDE + {}u", UNIT / 4 * column);
+            _ = writeln!(
+                text,
+                "            let x_{column} = coopLoadT<coop_mat16x16<f16, B>>(&x_tile[{place}], STRIDE);"
+            );
+        }
+        text + &matrices.multiply() + "        }\n"
+    }
+}
+
+/// Whether the networks are narrow enough for a card: what goes into a layer has room in shared memory.
+pub fn fits(networks: &Networks, adapter: &Adapter) -> bool {
+    fits_within(networks, adapter.max_workgroup_bytes, adapter.max_workgroup_threads)
+}
+
+fn fits_within(networks: &Networks, bytes: u32, threads: u32) -> bool {
+    let mut shapes = COLUMNS.iter().map(|&columns| Shape::new(networks, columns));
+    shapes.all(|shape| shape.shared_bytes() <= bytes && shape.threads() <= threads)
+}
+
+fn pack_text() -> String {
+    format!("enable f16;\n\n{}", include_str!("pack.wgsl").replace("$JOB", include_str!("../job.wgsl")))
+}
+
+/// Words that the packed weights take: two for a group of four numbers, every layer twice.
+pub fn packed_words(networks: &Networks) -> usize {
+    layers(networks, 0, Precision::Half).iter().flatten().map(|layer| 4 * groups(layer.inputs, layer.outputs)).sum()
+}
+
+/// Groups of four numbers that one copy of a layer's packed weights takes.
+fn groups(inputs: usize, outputs: usize) -> usize {
+    matrices(inputs) * matrices(outputs) * (UNIT * UNIT / 4) as usize
+}
+
+/// Matrices of 16 that hold so many rows or columns.
+fn matrices(size: usize) -> usize {
+    size.div_ceil(UNIT as usize)
+}
+
+/// The kernels of the passes.
+pub struct Passes<'a> {
+    /// What they work on.
+    pub context: Context<'a>,
+    /// What they need besides.
+    pub memory: &'a HalfMemory,
+    /// Columns of a workgroup rather than the best number: for measurements.
+    pub columns: Option<u32>,
+}
+
+impl Passes<'_> {
+    /// From gathered samples to gradients with respect to what goes into every layer.
+    pub fn dispatches(&self) -> Result<Vec<Dispatch>, GpuError> {
+        Ok(vec![self.pack()?, self.pass()?])
+    }
+
+    /// Packs the weights, layer by layer.
+    fn pack(&self) -> Result<Dispatch, GpuError> {
+        use Access::{Read, ReadWrite, Uniform};
+        let Context { gpu, parameters, .. } = self.context;
+        let kernel = gpu.compile("pack", Source::Wgsl(&pack_text()), "main", &[Read, Read, ReadWrite, Uniform])?;
+        let mut end = 0;
+        let mut jobs = Vec::<[u32; 8]>::new();
+        for Layer { inputs, outputs, weight, .. } in self.layers().into_iter().flatten() {
+            for [lines, length, step, line_step] in [[outputs, inputs, outputs, 1], [inputs, outputs, 1, outputs]] {
+                end += groups(inputs, outputs);
+                let job = [end, lines, length, matrices(length), weight, step, line_step, 0];
+                jobs.push(job.map(|x| x as u32));
+            }
+        }
+        let table = table(gpu, "pack jobs", &jobs)?;
+        let buffers = [parameters.binding(), table.binding(), self.memory.packed.binding()];
+        prepare(gpu, &kernel, &buffers, &[jobs.len() as u32], end)
+    }
+
+    /// Takes all columns through both networks and back.
+    fn pass(&self) -> Result<Dispatch, GpuError> {
+        let Context { gpu, layout, networks, parameters, memory, .. } = self.context;
+        let shape = Shape::new(networks, self.columns.unwrap_or_else(|| columns_for(networks, layout.chunk)));
+        let kernel = self.compile(shape)?;
+        let blocks = layout.chunk.div_ceil(shape.columns as usize);
+        let table = table(gpu, "layers", &self.places())?;
+        let buffers = [
+            parameters.binding(),
+            self.memory.packed.binding(),
+            table.binding(),
+            memory.sample.binding(),
+            memory.activation.binding(),
+            memory.gradient.binding(),
+            self.memory.summand.binding(),
+            self.memory.output.binding(),
+        ];
+        prepare(gpu, &kernel, &buffers, &self.words(blocks), 2 * blocks * shape.threads() as usize)
+    }
+
+    /// The uniform of the kernel.
+    fn words(&self, blocks: usize) -> Vec<u32> {
+        let Context { sizes, layout, networks, config, .. } = self.context;
+        let [policy, value] = self.layers().map(|layers| layers.len());
+        let [rows, gradient_rows] = [layout.rows, layout.gradient_rows];
+        let log_std = networks.log_std_range().start;
+        let places = [layout.chunk / 4, blocks, policy, value, rows, gradient_rows, sizes.actions, log_std];
+        let numbers = [config.clip as f32, config.value_coefficient as f32, layout.gradient_scale()];
+        places.map(|x| x as u32).into_iter().chain(numbers.map(f32::to_bits)).collect()
+    }
+
+    fn compile(&self, shape: Shape) -> Result<Kernel, GpuError> {
+        use Access::{Read, ReadWrite, Uniform};
+        let access = [Read, Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
+        let label = format!("passes of {} columns", shape.columns);
+        // SAFETY: layers lie as the layout says that the buffers were made for, and workgroups take all its columns and no
+        // more. Shared memory is written before it is read: as many rows as the layer has, in matrices of 16, of which the
+        // shape has enough. Loops end after the layers and their matrices.
+        unsafe { self.context.gpu.compile_trusted(&label, Source::Wgsl(&shape.text()), "main", &access) }
+    }
+
+    fn layers(&self) -> [Vec<Layer>; 2] {
+        layers(self.context.networks, self.context.sizes.observations, Precision::Half)
+    }
+
+    /// The table of layers.
+    fn places(&self) -> Vec<[u32; 8]> {
+        let mut packed = 0;
+        let place = |Layer { inputs, outputs, bias, h_row, z_row, .. }: Layer| {
+            let (weight, groups) = (packed, groups(inputs, outputs));
+            packed += 2 * groups;
+            [inputs, outputs, weight, weight + groups, bias, h_row, z_row, 0].map(|x| x as u32)
+        };
+        self.layers().into_iter().flatten().map(place).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mlp;
+
+    fn networks(policy: &[usize], value: &[usize]) -> Networks {
+        Networks { policy: Mlp::new(55, policy, 26), value: Mlp::new(55, value, 1) }
+    }
+
+    #[test]
+    fn kernels_are_valid() {
+        for networks in [networks(&[128, 128], &[128, 128]), networks(&[33], &[]), networks(&[128; 4], &[256; 5])] {
+            for columns in COLUMNS {
+                crate::gpu::testing::assert_valid(&Shape::new(&networks, columns).text());
+            }
+        }
+        crate::gpu::testing::assert_valid(&pack_text());
+    }
+
+    #[test]
+    fn wide_networks_do_not_fit() {
+        let fits = |networks: &Networks| fits_within(networks, 48 << 10, 1024);
+        assert!(fits(&networks(&[256], &[256])));
+        assert!(!fits(&networks(&[128], &[257])));
+        assert!(!fits(&Networks { policy: Mlp::new(600, &[128], 26), value: Mlp::new(600, &[128], 1) }));
+        assert!(!fits_within(&networks(&[256], &[256]), 16 << 10, 1024));
+        assert!(!fits_within(&networks(&[256], &[256]), 48 << 10, 256));
+    }
+}
