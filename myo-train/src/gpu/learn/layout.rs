@@ -23,7 +23,7 @@ pub const METRICS: usize = 4;
 /// Rows of a gathered sample besides its action: old log-probability, advantage, target, weight.
 pub const SCALARS: usize = 4;
 
-/// Columns that workgroups take where they are kept in 16 bits are parts of it.
+/// Chunks in 16 bits are multiples of so many columns, which every workgroup's share divides.
 pub const HALF_BLOCK: usize = 64;
 
 /// What activations and their gradients are kept in.
