@@ -154,6 +154,28 @@ def test_without_copies_the_arrays_stay_the_same(make):
     assert all(np.array_equal(a, b) for a, b in zip(answer[:4], copied[:4], strict=True))
 
 
+def in_place(observation: np.ndarray, count: int) -> np.ndarray:
+    """Actions computed where an observation is: a contiguous view of its beginning, 26 for each environment."""
+    actions = observation.reshape(-1)[: count * 26].reshape(count, 26)
+    np.clip(actions, -1, 1, out=actions)
+    return actions
+
+
+@pytest.mark.parametrize("output", ["the first numbers", "the last numbers"])
+def test_without_copies_actions_may_be_computed_in_place_of_outputs(make, output):
+    env, copies = make(num_envs=40, seed=1, copy=False), make(num_envs=40, seed=1)
+    observation, _ = env.reset()
+    copies.reset()
+    for _ in range(5):
+        numbers = observation if output == "the first numbers" else observation[18:]
+        actions = in_place(numbers, 40)
+        assert np.shares_memory(actions, observation)
+        expected = copies.step(actions.copy())
+        observation, *others, _ = env.step(actions)
+        for got, right in zip((observation, *others), expected[:4], strict=True):
+            assert np.array_equal(got, right)
+
+
 def test_arrays_are_writable_and_go_through_dlpack(make):
     observation, _ = make().reset(seed=1)
     assert observation.flags.writeable and observation.flags.owndata
