@@ -18,7 +18,7 @@ SMALL = {
     "backend": "cpu",
 }
 
-# What every script below begins with: a training in the folder of its only argument, and a signal that comes a little later.
+# What every script below begins with; its only argument is the run folder. `later` sends a signal to itself.
 BEGINNING = """
 import os, signal, sys, threading, time
 import myoenv

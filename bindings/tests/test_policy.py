@@ -226,7 +226,7 @@ def test_what_lives_with_threads_says_why_it_cannot_be_copied(make):
             if way is copy.copy and env is not single._env:
                 # A second name for the same environment, as always in Python.
                 continue
-            with pytest.raises(TypeError, match="an environment cannot be pickled or copied.*save_state"):
+            with pytest.raises(TypeError, match=r"an environment cannot be pickled or copied.*save_state"):
                 way(env)
     single.close()
 

@@ -2,10 +2,35 @@
 
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, final
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "ActionError",
+    "BusyError",
+    "ClosedError",
+    "DeviceError",
+    "Env",
+    "ForkedError",
+    "Model",
+    "NeedsResetError",
+    "Policy",
+    "Session",
+    "Simulation",
+    "Task",
+    "TaskError",
+    "TrainingError",
+    "__version__",
+    "default_settings",
+    "devices",
+    "evaluation_seed",
+    "model_names",
+    "preset_names",
+    "run_config",
+    "xla_step_handler",
+]
 
 __version__: str
 
@@ -90,7 +115,7 @@ class Task:
 class Model:
     """A body: bodies, joints, sites, muscles."""
 
-    def __init__(self, name: str = "mobl-arms") -> None:
+    def __new__(cls, name: str = "mobl-arms") -> Self:
         """A model that comes with the library, by its name."""
     @staticmethod
     def from_yaml(text: str, name: str = "model") -> Model:
@@ -128,7 +153,7 @@ class Simulation:
     array to `qpos`, `qvel` or `activation` to set it. What follows from the state is computed when it is asked for.
     """
 
-    def __init__(self, model: Model, task: Task | None = None) -> None:
+    def __new__(cls, model: Model, task: Task | None = None) -> Self:
         """A body at rest in the zero pose; with a task, its buttons can be touched."""
     def step(self, ctrl: ArrayLike, steps: int = 1) -> None:
         """Advances `steps` physics steps under excitations `(nmuscle,)` in [0, 1]."""
@@ -223,8 +248,8 @@ class Policy:
 class Env:
     """Environments without Gymnasium: strict about types, `(num_envs, ...)` arrays in and out."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         task: Task,
         model: Model,
         num_envs: int,
@@ -235,7 +260,7 @@ class Env:
         device: str | None,
         threads: int | None,
         copy: bool,
-    ) -> None: ...
+    ) -> Self: ...
     def reset(self, seed: int | None, seeds: list[int] | None, mask: NDArray[np.bool_] | None) -> NDArray[np.float32]:
         """Starts episodes where `mask` says so, else everywhere; returns all observations.
 
@@ -301,8 +326,8 @@ class Env:
 class Session:
     """A training; `myoenv.train` loops over it. `resume` is a run folder, `start_from` that or a checkpoint."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         task: Task,
         model: Model,
         *,
@@ -315,7 +340,7 @@ class Session:
         steps: int,
         resume: str | PathLike[str] | None,
         start_from: str | PathLike[str] | None,
-    ) -> None: ...
+    ) -> Self: ...
     def record_in(self, path: str | PathLike[str], description: str, go_on: bool) -> None:
         """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
     def advance(self) -> dict[str, Any]:

@@ -14,7 +14,8 @@ figures.
 What it is not:
 
 - A pure function. The environments live on the host and have one present, so a state can be stepped once. Stepping an
-  older one, one from before a reset, or one of other environments raises an error; it never silently steps something else.
+  older one, one from before a reset, or one of other environments raises an error; it never silently steps something
+  else.
 - Ordered by itself within a program that steps and then resets: tell the compiler with `reset(key, after=state)`.
 - Something to `vmap`: the batch is made by `num_envs`. `pmap` and sharding across hosts are not supported either.
 - Differentiable: there is no gradient through a step.
@@ -121,8 +122,8 @@ class JaxEnv:
 
         Args:
             key: One key, or `(num_envs,)` keys, one for each environment. Equal keys give equal episodes.
-            after: The state that the reset follows. A compiled program that steps and then resets needs it: nothing else
-                tells the compiler which comes first, and steps that a reset overtakes raise an error.
+            after: The state that the reset follows. A compiled program that steps and then resets needs it: nothing
+                else tells the compiler which comes first, and steps that a reset overtakes raise an error.
         """
         if after is None and not isinstance(key, jax.core.Tracer):
             # The steps that were asked for come first. What failed among them is raised where it is used.
@@ -204,7 +205,7 @@ class _Host:
         self.no_summary = {name: zeros for name in self.envs.episode_names}
 
     def reset(self, words: Any, token: Any = None) -> tuple[EnvState, NDArray[np.float32]]:
-        """Of `(2,)` or `(num_envs, 2)` random words of 32 bits, which make the seeds; of the state of `token`, if any."""
+        """Of `(2,)` or `(num_envs, 2)` random words of 32 bits, which make the seeds; after the state of `token`."""
         if token is not None:
             self.envs._env.check_token(np.asarray(token).tolist())
         words = np.asarray(words).astype(np.uint64)

@@ -25,8 +25,8 @@ class Policy:
     >>> policy = Policy.load("runs/pointing-1")  # doctest: +SKIP
     >>> actions = policy(observations)  # doctest: +SKIP
 
-    It can be copied and pickled, and goes to other programs and back: `weights` and `from_weights` (NumPy), `to_torch` and
-    `from_torch` (PyTorch), `to_onnx` and `from_onnx` (ONNX).
+    It can be copied and pickled, and goes to other programs and back: `weights` and `from_weights` (NumPy), `to_torch`
+    and `from_torch` (PyTorch), `to_onnx` and `from_onnx` (ONNX).
     """
 
     def __init__(self, native: _native.Policy) -> None:
@@ -107,8 +107,8 @@ class Policy:
         `silu(z) = z / (1 + exp(-z))`, and the last one `x = weight @ x + bias`. The action is
         `clip(action_offset + action_scale * x, -1, 1)`.
 
-        Names and shapes: `observation_mean` and `observation_inverse_std` `(observation_size,)`, `observation_limit` `()`,
-        `layers.0.weight` `(outputs, inputs)` and `layers.0.bias` `(outputs,)`, `layers.1.weight` and so on,
+        Names and shapes: `observation_mean` and `observation_inverse_std` `(observation_size,)`, `observation_limit`
+        `()`, `layers.0.weight` `(outputs, inputs)` and `layers.0.bias` `(outputs,)`, `layers.1.weight` and so on,
         `action_offset` and `action_scale` `()`. They are those of the `state_dict` of `to_torch`.
         """
         return self._native.weights()

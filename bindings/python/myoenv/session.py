@@ -72,8 +72,8 @@ class Session:
             result = self._run(callback)
             return result
         finally:
-            # Whatever ended the training, a whole one leaves a checkpoint; and another may go on with the run, even while
-            # a traceback still holds this one.
+            # Whatever ended the training, a whole one leaves a checkpoint; and another may go on with the run, even
+            # while a traceback still holds this one.
             self.native.leave()
             if isinstance(callback, Callback):
                 callback.finish(result)
@@ -112,7 +112,7 @@ class Session:
                 warnings.warn(sentence, RuntimeWarning, stacklevel=5)
             metrics = progress["metrics"]
             stopped = callback is not None and metrics is not None and callback(metrics) is True
-            # What a signal handler raised, such as KeyboardInterrupt: only now, so that no update is kept from the callback.
+            # What a signal handler raised, such as KeyboardInterrupt; only now: the callback hears of every update.
             if progress["raised"] is not None:
                 raise progress["raised"]
             if progress["end"] is not None:

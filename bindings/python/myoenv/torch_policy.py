@@ -15,7 +15,7 @@ except ImportError:
 
 
 class PolicyModule(nn.Module):
-    """What `Policy.to_torch` returns: mean actions `(..., nmuscle)` in [-1, 1] of observations `(..., observation_size)`.
+    """What `Policy.to_torch` returns: observations `(..., observation_size)` to mean actions `(..., nmuscle)`.
 
     Made of nothing but PyTorch's own parts, so it can be trained, scripted and exported. `Policy.from_torch` is the way
     back.

@@ -76,9 +76,9 @@ def train(
         start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
             its body other muscles: observations and actions are matched by name.
 
-    Ctrl-C stops with a checkpoint and returns the result so far, even during the last evaluation; the loss of a graphics
-    card stops with a checkpoint, too. Training that runs away goes back to its last good state, and training that leads
-    nowhere is noticed; both with a `RuntimeWarning`.
+    Ctrl-C stops with a checkpoint and returns the result so far, even during the last evaluation; the loss of a
+    graphics card stops with a checkpoint, too. Training that runs away goes back to its last good state, and training
+    that leads nowhere is noticed; both with a `RuntimeWarning`.
     """
     follow = as_callback(callback)
     if resume is None:
