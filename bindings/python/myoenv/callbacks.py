@@ -43,7 +43,7 @@ class WandbCallback(Callback):
         if self._run is None:
             return
         if result is not None:
-            self._run.summary.update(_outcome(result))
+            self._run.summary.update({"stopped_by": result.stopped_by, **evaluation_columns(result)})
         self._run.finish(exit_code=1 if result is None else 0)
 
 
@@ -76,9 +76,8 @@ class MlflowCallback(Callback):
         if not self._open:
             return
         if result is not None:
-            outcome = _outcome(result)
-            self._mlflow.set_tag("stopped_by", outcome.pop("stopped_by"))
-            self._mlflow.log_metrics(outcome, step=result.env_steps)
+            self._mlflow.set_tag("stopped_by", result.stopped_by)
+            self._mlflow.log_metrics(evaluation_columns(result), step=result.env_steps)
         if self._own:
             self._mlflow.end_run("FAILED" if result is None else "FINISHED")
 
@@ -115,12 +114,11 @@ def _finite(metrics: Metrics) -> Metrics:
     return {name: value for name, value in metrics.items() if math.isfinite(value)}
 
 
-def _outcome(result: TrainResult) -> dict[str, Any]:
-    """Numbers of the evaluation and why the training ended, flat."""
-    out: dict[str, Any] = {"stopped_by": result.stopped_by}
+def evaluation_columns(result: TrainResult) -> Metrics:
+    """The evaluation as a flat table: `evaluation/success`, `evaluation/target_1_success`, ...; what there is of it."""
     evaluation = dict(result.evaluation or {})
     for k, target in enumerate(evaluation.pop("targets", ()), start=1):
         evaluation |= {f"target_{k}_{name}": value for name, value in target.items()}
     low, high = evaluation.pop("success_interval", None) or (None, None)
     evaluation |= {"success_low": low, "success_high": high}
-    return out | {f"evaluation/{name}": float(value) for name, value in evaluation.items() if value is not None}
+    return {f"evaluation/{name}": float(value) for name, value in evaluation.items() if value is not None}
