@@ -52,7 +52,9 @@ pub fn panicked(panic: &(dyn Any + Send)) -> PyErr {
 
 /// Something that lives with threads, locks and files of this process and cannot be written into a pickle.
 pub fn no_pickle(what: &str, instead: &str) -> PyErr {
-    PyTypeError::new_err(format!("{what} cannot be pickled or copied: it lives with threads of this process; {instead}"))
+    PyTypeError::new_err(format!(
+        "{what} cannot be pickled or copied: it lives with threads of this process; {instead}"
+    ))
 }
 
 /// A warning, at the line that called the package.

@@ -77,7 +77,8 @@ impl Given<'_> {
             let bias = self.list(&format!("{name}.bias"))?;
             if shape != [bias.len(), inputs] {
                 let expected = [bias.len(), inputs];
-                let sentence = format!("{name}.weight has the shape {shape:?}, expected {expected:?} (outputs, inputs)");
+                let sentence =
+                    format!("{name}.weight has the shape {shape:?}, expected {expected:?} (outputs, inputs)");
                 return Err(PyValueError::new_err(sentence));
             }
             inputs = bias.len();
