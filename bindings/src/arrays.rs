@@ -1,7 +1,9 @@
 //! Arrays of NumPy that a step writes.
 
+use std::borrow::Cow;
+
 use myo::env::EnvSpec;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::batch::Live;
@@ -54,6 +56,20 @@ impl<'py> Arrays<'py> {
             terminated: views.terminated.bind(py).clone(),
             truncated: views.truncated.bind(py).clone(),
         }
+    }
+
+    /// Actions that do not share memory with these arrays: copied if they do, as those that a caller computed in place of
+    /// the observations that were handed out.
+    pub fn apart<'a>(&self, actions: &'a [f32]) -> Cow<'a, [f32]> {
+        let read = actions.as_ptr_range();
+        let read = read.start as usize..read.end as usize;
+        let within = |start: usize, bytes: usize| start < read.end && read.start < start + bytes;
+        let n = self.reward.len();
+        let shared = within(self.observation.data() as usize, size_of::<f32>() * self.observation.len())
+            || within(self.reward.data() as usize, size_of::<f32>() * n)
+            || within(self.terminated.data() as usize, n)
+            || within(self.truncated.data() as usize, n);
+        if shared { Cow::Owned(actions.to_vec()) } else { Cow::Borrowed(actions) }
     }
 
     /// To hand them out again.

@@ -1,5 +1,6 @@
 //! Environments that Python's object and programs of XLA both step: locked, counted, and told when they are gone.
 
+use std::hash::{BuildHasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
@@ -18,12 +19,16 @@ pub struct Batch {
     pub spec: EnvSpec,
 }
 
+/// Names one state of one batch: a random number of the batch, so that states of others are refused, and the number of its
+/// resets and steps.
+pub type Token = [i32; 2];
+
 /// Environments that are open.
 pub struct Live {
     env: Box<dyn VectorEnv>,
     pool: Arc<ThreadPool>,
-    /// Number of the present state: every reset and step makes another one of it.
-    present: i32,
+    /// Of the present state.
+    token: Token,
     /// Last observations of episodes that ended in the last step, `(num_envs, observation_size)`.
     pub final_observation: Vec<f32>,
     /// Their summaries, `(num_envs, episode_size)`.
@@ -51,7 +56,7 @@ impl Batch {
             episode: vec![0.0; spec.num_envs * spec.episode_size()],
             env,
             pool,
-            present: 0,
+            token: [RandomState::new().hash_one(0) as i32, 0],
         };
         Self { live: Mutex::new(Some(live)), born: Birthplace::here(), spec }
     }
@@ -100,14 +105,29 @@ impl Drop for Batch {
 }
 
 impl Live {
-    /// Number of the present state.
-    pub fn present(&self) -> i32 {
-        self.present
+    /// Names the present state.
+    pub fn token(&self) -> Token {
+        self.token
+    }
+
+    /// Refuses any state but the present one.
+    pub fn check_token(&self, [batch, number]: Token) -> Result<(), String> {
+        let [own, present] = self.token;
+        if batch != own {
+            return Err("this state is of other environments than these".into());
+        }
+        if number != present {
+            return Err(format!(
+                "this state is number {number}, the environments are at {present}: a state can be stepped once, and not \
+                 after a reset"
+            ));
+        }
+        Ok(())
     }
 
     /// Makes older states old.
     fn change(&mut self) {
-        self.present = self.present.checked_add(1).unwrap_or(0);
+        self.token[1] = self.token[1].checked_add(1).unwrap_or(0);
     }
 
     /// One control step of actions `(num_envs, action_size)`.

@@ -10,11 +10,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::arrays::{Arrays, Stepped, Views, ended};
-use crate::batch::{Batch, Shown};
+use crate::backend::BackendChoice;
+use crate::batch::{Batch, Shown, Token};
 use crate::error::{self, compute};
 use crate::model::Model;
 use crate::picture::pixels;
-use crate::place::Wish;
 use crate::process::{own_pool, pool};
 use crate::space;
 use crate::task::Task;
@@ -62,11 +62,11 @@ impl Env {
         threads: Option<usize>,
         copy: bool,
     ) -> PyResult<Self> {
-        let wish = Wish::new(backend, device)?;
+        let choice = BackendChoice::new(backend, device)?;
         let config = EnvConfig { num_envs, seed, autoreset: autoreset_mode(autoreset)?, ..EnvConfig::default() };
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let (task, model) = (task.inner(), model.inner());
-        let built = wish.build(py, &pool, (model, task), &config)?;
+        let built = choice.build(py, &pool, (model, task), &config)?;
         let (place, env) = (built.place(), built.boxed());
         let views = (!copy).then(|| Arrays::new(py, env.spec()).into_views());
         let bounds = space::bounds(model, task, &env.spec().observation_names);
@@ -113,7 +113,7 @@ impl Env {
         let mut opened = self.batch.open()?;
         let live = opened.live();
         let arrays = self.arrays(py);
-        let actions = actions.as_slice()?;
+        let actions = arrays.apart(actions.as_slice()?);
         // SAFETY: new arrays, or those that the caller agreed to have overwritten.
         let (observation, reward, terminated, truncated) = unsafe {
             (
@@ -124,7 +124,7 @@ impl Env {
             )
         };
         let shown = Shown { observation, reward, terminated, truncated };
-        compute(py, || live.step(actions, shown))?.map_err(error::env)?;
+        compute(py, || live.step(&actions, shown))?.map_err(error::env)?;
         let ended = {
             // SAFETY: nobody writes while the environment is locked.
             let flags = unsafe { (arrays.terminated.as_slice()?, arrays.truncated.as_slice()?) };
@@ -199,10 +199,20 @@ impl Env {
         xla::id_of(&self.batch)
     }
 
-    /// Number of the present state: every reset and step makes another one of it.
+    /// Names the present state: a number of these environments, and one that every reset and step changes.
     #[getter]
-    fn present(&self) -> PyResult<i32> {
-        Ok(self.batch.open()?.live().present())
+    fn token(&self) -> PyResult<Token> {
+        Ok(self.batch.open()?.live().token())
+    }
+
+    /// Refuses the token of any state but the present one.
+    fn check_token(&self, token: Token) -> PyResult<()> {
+        self.batch.open()?.live().check_token(token).map_err(PyValueError::new_err)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        let instead = "make another one, with save_state and load_state for its state";
+        Err(error::no_pickle("an environment", instead))
     }
 
     #[getter]

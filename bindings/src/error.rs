@@ -1,5 +1,6 @@
 //! Exceptions, one sentence each.
 
+use std::any::Any;
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -8,7 +9,7 @@ use myo::gpu::GpuError;
 use myo::train::TrainError;
 use myo::train::session::SessionError;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyUserWarning, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 
 create_exception!(myoenv, TaskError, PyValueError, "A task or model that cannot be read, checked or simulated.");
@@ -40,10 +41,20 @@ pub fn register(m: &Bound<'_, PyModule>) -> PyResult<()> {
 
 /// Runs Rust code without the interpreter. A panic, which would be a mistake of this library, is an exception like others.
 pub fn compute<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-        PyRuntimeError::new_err(format!("internal error, please report it: {}", text.unwrap_or("no message")))
-    })
+    py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| panicked(&*panic))
+}
+
+/// What a panic left.
+pub fn panicked(panic: &(dyn Any + Send)) -> PyErr {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+    PyRuntimeError::new_err(format!("internal error, please report it: {}", text.unwrap_or("no message")))
+}
+
+/// Something that lives with threads, locks and files of this process and cannot be written into a pickle.
+pub fn no_pickle(what: &str, instead: &str) -> PyErr {
+    PyTypeError::new_err(format!(
+        "{what} cannot be pickled or copied: it lives with threads of this process; {instead}"
+    ))
 }
 
 /// A warning, at the line that called the package.

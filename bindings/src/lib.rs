@@ -3,6 +3,7 @@
 //! - [`env`]: environments stepped side by side, arrays in and arrays out; [`batch`]: what is behind it, [`arrays`]: NumPy's
 //! - [`train`]: PPO and run folders; [`policy`]: what they leave
 //! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
+//! - [`backend`]: processor or graphics card; [`process`]: threads and forks; [`signals`]: Ctrl-C
 //! - [`simulation`]: the body alone
 //! - [`xla`]: steps without Python, in programs of JAX
 //! - [`picture`]: one environment drawn
@@ -12,14 +13,15 @@
 //! started is refused ([`process`]).
 
 mod arrays;
+mod backend;
 mod batch;
 mod env;
 mod error;
 mod model;
 mod picture;
-mod place;
 mod policy;
 mod process;
+mod signals;
 mod simulation;
 mod space;
 mod task;
@@ -40,7 +42,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<simulation::Simulation>()?;
     m.add_function(wrap_pyfunction!(task::preset_names, m)?)?;
     m.add_function(wrap_pyfunction!(model::model_names, m)?)?;
-    m.add_function(wrap_pyfunction!(place::devices, m)?)?;
+    m.add_function(wrap_pyfunction!(backend::devices, m)?)?;
     m.add_function(wrap_pyfunction!(train::evaluation_seed, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
     m.add_function(wrap_pyfunction!(xla::xla_step_handler, m)?)?;

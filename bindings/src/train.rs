@@ -12,11 +12,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
 
+use crate::backend::BackendChoice;
 use crate::error::{self, BusyError, compute};
 use crate::model::Model;
-use crate::place::Wish;
 use crate::policy::{Policy, checkpoint};
 use crate::process::{Birthplace, own_pool, pool};
+use crate::signals::interruptible;
 use crate::task::Task;
 
 /// One training from start, or from a checkpoint, to its end.
@@ -47,8 +48,12 @@ impl Session {
     }
 
     fn live<T>(&self, work: impl FnOnce(&mut Live) -> PyResult<T>) -> PyResult<T> {
-        self.with(|live| work(live.as_mut().ok_or_else(|| error::run("the training is over"))?))
+        self.with(|live| work(live.as_mut().ok_or_else(over)?))
     }
+}
+
+fn over() -> PyErr {
+    error::run("the training is over")
 }
 
 /// Settings from JSON; what is not named is as in `base`.
@@ -108,7 +113,7 @@ impl Session {
         resume: Option<PathBuf>,
         start_from: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let wish = Wish::new(backend, device)?;
+        let choice = BackendChoice::new(backend, device)?;
         let other = start_from.map(|run| checkpoint(&run)).transpose()?;
         let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
         let config = settings(config, &base)?;
@@ -116,7 +121,7 @@ impl Session {
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
         let (task, model) = (task.inner().clone(), model.inner().clone());
-        let env = wish.build(py, &pool, (&model, &task), &envs)?;
+        let env = choice.build(py, &pool, (&model, &task), &envs)?;
         let (place, goal) = (env.place(), Goal { until, steps });
         let new = Beginning::New { config: &config, seed, from: other.as_ref() };
         let beginning = again.as_ref().map_or(new, Beginning::Again);
@@ -132,7 +137,7 @@ impl Session {
     fn record_in(&self, path: PathBuf, description: &str, go_on: bool) -> PyResult<()> {
         let description = serde_json::from_str(description).map_err(error::run)?;
         self.with(|live| {
-            let Live { session, pool, task, model } = live.take().ok_or_else(|| error::run("the training is over"))?;
+            let Live { session, pool, task, model } = live.take().ok_or_else(over)?;
             let trainer = session.trainer();
             let names = &trainer.spec().episode_names;
             let writer = if go_on {
@@ -153,15 +158,18 @@ impl Session {
     /// One update, its record, and a look at the goal when it is time to.
     ///
     /// Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state; `news`,
-    /// sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card.
+    /// sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card; `raised`, what a signal
+    /// handler raised meanwhile, which is left to the caller. After an error the training is over and writes nothing more.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.live(|live| {
-            let (progress, news) = compute(py, || {
-                let Live { session, pool, task, model } = &mut *live;
-                let progress = pool.install(|| session.advance(&|| true)).map_err(error::session)?;
-                let news =
-                    progress.news.iter().map(|news| sentence(news, task, model)).collect::<PyResult<Vec<_>>>()?;
-                Ok::<_, PyErr>((progress, news))
+        self.with(|place| {
+            // Put back only where all went well: weights that ran away must not become a checkpoint.
+            let mut live = place.take().ok_or_else(over)?;
+            let Live { session, pool, .. } = &mut live;
+            let (advanced, raised) = interruptible(py, pool, |go_on| session.advance(go_on))?;
+            let progress = advanced.map_err(error::session)?;
+            let live = place.insert(live);
+            let news = compute(py, || {
+                progress.news.iter().map(|news| sentence(news, &live.task, &live.model)).collect::<PyResult<Vec<_>>>()
             })??;
             let out = PyDict::new(py);
             let names = &live.session.trainer().spec().episode_names;
@@ -169,32 +177,46 @@ impl Session {
             out.set_item("news", news)?;
             out.set_item("end", progress.end.as_ref().map(End::name))?;
             out.set_item("reason", reason(&progress))?;
+            out.set_item("raised", raised)?;
             Ok(out)
         })
     }
 
     /// Closes the training after the `end` that `advance` told, or another: a last checkpoint, and, unless it was
-    /// interrupted or lost, the evaluation. JSON.
-    fn conclude(&self, py: Python<'_>, end: &str) -> PyResult<String> {
+    /// interrupted or lost, the evaluation. How it went as JSON, and what a signal handler raised meanwhile, which ends the
+    /// evaluation and is left to the caller.
+    fn conclude(&self, py: Python<'_>, end: &str) -> PyResult<(String, Option<PyErr>)> {
         let end = match end {
             "until" => End::Until,
             "interrupt" => End::Interrupted,
             "device_lost" => End::DeviceLost { reason: String::new() },
             _ => End::Steps,
         };
-        let outcome = self.with(|live| {
-            let Live { session, pool, .. } = live.take().ok_or_else(|| error::run("the training is over"))?;
-            compute(py, || pool.install(|| session.conclude(end, &|| true)))?.map_err(error::session)
+        let (outcome, raised) = self.with(|live| {
+            let Live { session, pool, .. } = live.take().ok_or_else(over)?;
+            let (outcome, raised) = interruptible(py, &pool, |go_on| session.conclude(end, go_on))?;
+            Ok((outcome.map_err(error::session)?, raised))
         })?;
-        serde_json::to_string(&table(&outcome)).map_err(error::run)
+        Ok((serde_json::to_string(&table(&outcome)).map_err(error::run)?, raised))
     }
 
-    /// Leaves the run folder to others, even after a failure.
-    fn abandon(&self) -> PyResult<()> {
-        self.with(|live| {
-            *live = None;
-            Ok(())
+    /// Leaves the run folder to others. A training that is whole and was not concluded leaves a checkpoint there.
+    fn leave(&self, py: Python<'_>) -> PyResult<()> {
+        // A forked child leaves that to its parent.
+        if !self.born.is_here() {
+            return Ok(());
+        }
+        self.with(|live| match live.take() {
+            None => Ok(()),
+            Some(Live { session, pool, .. }) => {
+                let concluded = compute(py, || pool.install(|| session.conclude(End::Interrupted, &|| true)))?;
+                concluded.map(drop).map_err(error::session)
+            }
         })
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(error::no_pickle("a training", "resume its run folder instead"))
     }
 
     /// A copy of the policy as it is now.

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use pyo3::prelude::*;
 
-use crate::batch::{Batch, Live, Shown};
+use crate::batch::{Batch, Live, Shown, Token};
 use api::{CallFrame, Handler};
 
 /// Environments by their numbers. A compiled program outlives them, so it has no pointer to them.
@@ -81,7 +81,7 @@ unsafe fn execute(frame: &CallFrame) -> Result<(), String> {
     let (n, width) = (spec.num_envs, spec.observation_size());
     let [next_token, observation, next_observation, reward, terminated, truncated, summary] = results;
     // SAFETY: arguments of an execution.
-    let (token, action) = unsafe { (token.read::<i32>(1)?[0], action.read::<f32>(n * spec.action_size())?) };
+    let (token, action) = unsafe { (token.read::<i32>(2)?, action.read::<f32>(n * spec.action_size())?) };
     // SAFETY: results of an execution, each asked for once.
     let (next_token, shown, next_observation, summary) = unsafe {
         let shown = Shown {
@@ -90,28 +90,23 @@ unsafe fn execute(frame: &CallFrame) -> Result<(), String> {
             terminated: terminated.write(n)?,
             truncated: truncated.write(n)?,
         };
-        (next_token.write(1)?, shown, next_observation.write(n * width)?, summary.write(spec.episode_size() * n)?)
+        (next_token.write(2)?, shown, next_observation.write(n * width)?, summary.write(spec.episode_size() * n)?)
     };
     let mut opened = batch.open().map_err(|error| error.to_string())?;
     let live = opened.live();
-    next_token[0] = step(live, token, action, shown, next_observation, summary)?;
+    next_token.copy_from_slice(&step(live, [token[0], token[1]], action, shown, next_observation, summary)?);
     Ok(())
 }
 
 fn step(
     live: &mut Live,
-    token: i32,
+    token: Token,
     action: &[f32],
     shown: Shown<'_>,
     next_observation: &mut [f32],
     summary: &mut [f32],
-) -> Result<i32, String> {
-    if token != live.present() {
-        return Err(format!(
-            "this state is number {token}, the environments are at {}: a state can be stepped once, and not after a reset",
-            live.present()
-        ));
-    }
+) -> Result<Token, String> {
+    live.check_token(token)?;
     let Shown { observation, reward, terminated, truncated } = shown;
     let again =
         Shown { observation: &mut *observation, reward, terminated: &mut *terminated, truncated: &mut *truncated };
@@ -125,5 +120,5 @@ fn step(
             summary[column * n + env] = *x;
         }
     }
-    Ok(live.present())
+    Ok(live.token())
 }

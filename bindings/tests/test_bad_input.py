@@ -27,6 +27,8 @@ def bad_actions(shape):
         "objects": good.astype(object),
         "not a number": nan,
         "infinite": infinite,
+        "another axis": good[..., np.newaxis],
+        "dates": good.astype("datetime64[s]"),
         "too large for float32": good.astype(np.float64) + 1e300,
     }
 
@@ -46,6 +48,19 @@ def test_the_sentence_tells_where_an_action_is_not_finite(make):
     env = make()
     with pytest.raises(ValueError, match="action 3 of environment 2 is NaN"):
         env.step(bad_actions(env.action_space.shape)["not a number"])
+
+
+def test_actions_out_of_range_are_clipped(make):
+    """Of any size that is finite."""
+    env = make(seed=1)
+    env.reset()
+    state, actions = env.save_state(), env.action_space.sample()
+    expected = env.step(np.sign(actions))[0]
+    for factor in (1e3, 1e30):
+        env.load_state(state)
+        assert np.array_equal(env.step(np.sign(actions) * np.float32(factor))[0], expected)
+    env.load_state(state)
+    assert not np.array_equal(env.step(actions)[0], expected)
 
 
 def test_other_floats_and_layouts_are_converted(make):
@@ -197,23 +212,19 @@ def test_a_finished_environment_is_not_stepped_without_autoreset(make, short_tas
 
 
 def test_two_threads_on_one_environment_are_told(make):
-    env = make(num_envs=2048)
+    env = make(num_envs=256)
     env.reset()
-    errors, actions = [], env.action_space.sample()
-
-    def work():
-        for _ in range(20):
-            try:
-                env.step(actions)
-            except myoenv.BusyError as error:
-                errors.append(str(error))
-
-    threads = [threading.Thread(target=work) for _ in range(2)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert all("another thread" in error for error in errors)
+    actions, errors = env.action_space.sample(), []
+    thread = threading.Thread(target=env._env.time_steps, args=(actions, 50))
+    thread.start()
+    while thread.is_alive():
+        try:
+            env.step(actions)
+        except myoenv.BusyError as error:
+            errors.append(str(error))
+    assert errors and all("another thread" in error for error in errors)
+    # The environment is free again.
+    assert env.step(actions)[0].shape == (256, len(env.observation_names))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")

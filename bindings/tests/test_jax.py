@@ -113,6 +113,72 @@ def test_a_step_past_jax_makes_its_states_old(env):
         jax.block_until_ready(env.step(state, jnp.zeros((8, env.num_actions))))
 
 
+def test_a_state_of_other_environments_is_refused(env, short_task):
+    """Although both have taken as many steps."""
+    other = JaxEnv(short_task, 8, "cpu")
+    (state, _), (foreign, _) = env.reset(jax.random.key(1)), other.reset(jax.random.key(1))
+    action = jnp.zeros((8, env.num_actions))
+    with pytest.raises(jax.errors.JaxRuntimeError, match="this state is of other environments"):
+        jax.block_until_ready(env.step(foreign, action))
+    with pytest.raises(jax.errors.JaxRuntimeError, match="this state is of other environments"):
+        jax.block_until_ready(env.reset(jax.random.key(1), after=foreign))
+    # Neither was stepped.
+    jax.block_until_ready((env.step(state, action), other.step(foreign, action)))
+    other.close()
+
+
+def many_steps(env, state, length: int = 30):
+    """A program's worth of steps, and the rewards of all of them."""
+    action = jnp.zeros((env.num_envs, env.num_actions))
+    state, steps = jax.lax.scan(lambda state, _: env.step(state, action), state, None, length=length)
+    return state, steps.reward
+
+
+def test_a_reset_comes_after_the_state_that_it_names(env):
+    """In one program, where nothing else says what comes first."""
+
+    @jax.jit
+    def twice(key):
+        state, _ = env.reset(key)
+        state, first = many_steps(env, state)
+        state, _ = env.reset(key, after=state)
+        return first, many_steps(env, state)[1]
+
+    for k in range(3):
+        first, second = jax.device_get(twice(jax.random.key(k)))
+        np.testing.assert_array_equal(first, second)
+
+
+def test_a_brax_reset_comes_after_the_state_that_it_names(brax_env):
+    @jax.jit
+    def twice(key):
+        action = jnp.zeros((8, brax_env.action_size))
+        state = brax_env.reset(key)
+        first = brax_env.step(state, action)
+        return first.reward, brax_env.step(brax_env.reset(key, after=first), action).reward
+
+    np.testing.assert_array_equal(*jax.device_get(twice(jax.random.key(1))))
+
+
+def test_a_reset_follows_an_old_state_no_more(env):
+    old, _ = env.reset(jax.random.key(1))
+    jax.block_until_ready(env.step(old, jnp.zeros((8, env.num_actions))))
+    with pytest.raises(jax.errors.JaxRuntimeError, match="a state can be stepped once, and not after a reset"):
+        jax.block_until_ready(env.reset(jax.random.key(1), after=old))
+
+
+def test_a_reset_waits_for_the_steps_that_were_asked_for(env):
+    action = jnp.zeros((8, env.num_actions))
+    for k in range(3):
+        (state, _), rewards = env.reset(jax.random.key(k)), []
+        for _ in range(20):
+            state, out = env.step(state, action)
+            rewards.append(out.reward)
+        following, _ = env.reset(jax.random.key(k))
+        assert np.isfinite(jnp.stack(rewards)).all()
+        jax.block_until_ready(env.step(following, action))
+
+
 def test_bad_actions_are_told_in_one_sentence(env):
     state, _ = env.reset(jax.random.key(1))
     with pytest.raises(myoenv.ActionError, match=r"actions have the shape \(7, 26\), expected \(8, 26\)"):

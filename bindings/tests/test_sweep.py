@@ -95,6 +95,44 @@ def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
         assert [row["layout"] for row in csv.DictReader(file)] == [row["layout"] for row in rows]
 
 
+def test_tune_varies_settings_and_layouts(cluster, tmp_path):
+    from ray import tune
+
+    from myoenv.tune import trainable
+
+    layouts = button_grid(columns=2, rows=1)
+    space = {"layout": tune.grid_search(list(layouts)), "learning_rate": tune.choice([5e-4]), "seed": 3}
+    run = trainable(layouts=layouts, **SHORT, until=None)
+    tuner = tune.Tuner(run, param_space=space, run_config=tune.RunConfig(storage_path=str(tmp_path), verbose=0))
+    results = tuner.fit()
+    assert results.num_terminated == 2 and results.num_errors == 0
+    assert {result.config["layout"] for result in results} == set(layouts)
+    for result in results:
+        # Two updates and the evaluation.
+        assert result.metrics["training_iteration"] == 3 and result.metrics["env_steps"] == 512
+        assert result.metrics_dataframe["learning_rate"][0] == 5e-4
+        assert 0 <= result.metrics["evaluation/success"] <= 1
+    # Other places of the button are other tasks.
+    assert len({result.metrics["reward_per_step"] for result in results}) == 2
+
+
+def test_tune_tells_bad_arguments(monkeypatch):
+    pytest.importorskip("ray.tune", reason="Ray Tune is not installed")
+    from myoenv.tune import trainable
+
+    for kwargs, sentence in (
+        ({}, "name a task or layouts"),
+        ({"task": "x", "cpus_per_trial": 0}, "cpus_per_trial is 0"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            trainable(**kwargs)
+    with pytest.raises(TaskError):
+        trainable(layouts=button_grid(columns=1, rows=1, x=5.0))
+    monkeypatch.setitem(sys.modules, "ray", None)
+    with pytest.raises(ImportError, match=r"pip install 'myoenv\[tune\]'"):
+        trainable("pointing")
+
+
 def test_a_failed_trial_has_its_error_in_the_table_and_no_file(cluster, tmp_path):
     grid = button_grid(columns=1, rows=1)
     [row] = sweep(grid, [1], tmp_path, **SHORT | {"settings": {"discount_per_s": 2.0}})

@@ -73,9 +73,13 @@ def test_a_mask_resets_some(make):
 
 
 def test_actions_with_a_gradient_are_taken(make):
-    envs = TorchVectorEnv(make())
-    envs.reset()
-    envs.step(torch.zeros(envs.num_envs, envs.num_actions, requires_grad=True))
+    envs, alone = TorchVectorEnv(make(seed=1)), TorchVectorEnv(make(seed=1))
+    envs.reset(), alone.reset()
+    actions = torch.full((envs.num_envs, envs.num_actions), 0.5, requires_grad=True)
+    obs, reward, *_ = envs.step(actions)
+    expected = alone.step(actions.detach())
+    assert torch.equal(obs, expected[0]) and torch.equal(reward, expected[1])
+    assert not obs.requires_grad and actions.requires_grad
 
 
 def test_bad_tensors_are_told(make):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import myoenv
+from myoenv import _native
 from myoenv.runs import RunDescription
 from myoenv.session import Session
 
@@ -16,6 +17,11 @@ SMALL = {
     "num_envs": 32,
     "backend": "cpu",
 }
+
+
+#: A task of which a user is told less.
+OTHER_OBSERVATIONS = myoenv.to_dict(myoenv.load_task("pointing-single"))
+OTHER_OBSERVATIONS["observation"]["touch"] = False
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +72,46 @@ def test_the_table_has_one_entry_per_episode(run):
     assert np.array_equal(table["success"], myoenv.evaluate(run.run, 70, num_envs=32)["success"])
     assert np.isnan(table["target_1_time"][table["target_1_success"] == 0]).all()
     assert len(myoenv.evaluate(run.policy, 5, task="pointing-single")["return"]) == 5
+
+
+def test_other_checkpoints_and_tasks_are_evaluated(run, tmp_path):
+    folder = tmp_path / "longer"
+    shutil.copytree(run.run, folder)
+    later = myoenv.train(resume=folder, steps=2048)
+    newest = myoenv.evaluate(folder, 40, num_envs=40)
+    assert np.array_equal(newest["return"], myoenv.evaluate(folder, 40, num_envs=40, checkpoint=2048)["return"])
+    first = myoenv.evaluate(folder, 40, num_envs=40, checkpoint=1024)
+    assert np.array_equal(first["return"], myoenv.evaluate(run.run, 40, num_envs=40)["return"])
+    assert not np.array_equal(first["return"], newest["return"])
+    file = folder / "checkpoints" / "step_000000001024.ckpt"
+    assert np.array_equal(first["return"], myoenv.evaluate(folder, 40, num_envs=40, checkpoint=file)["return"])
+    observation = np.ones(len(run.policy.observation_names))
+    assert np.array_equal(myoenv.Policy.load(folder, checkpoint=1024)(observation), run.policy(observation))
+    assert np.array_equal(myoenv.Policy.load(folder, checkpoint=2048)(observation), later.policy(observation))
+
+    easy = myoenv.to_dict(myoenv.load_task("pointing-single"))
+    easy["targets"][0]["radius"] = 1.5
+    assert myoenv.evaluate(folder, 40, num_envs=40, task=easy)["success"].mean() > newest["success"].mean()
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "error", "sentence"),
+    [
+        ({"checkpoint": 77}, myoenv.TrainingError, "has no checkpoint after 77 control steps; there are 1024"),
+        ({"checkpoint": "no/such.ckpt"}, myoenv.TrainingError, "no/such.ckpt"),
+        ({"checkpoint": 1.5}, TypeError, "checkpoint is 1.5; it must be a whole number"),
+        ({"task": OTHER_OBSERVATIONS}, ValueError, "the policy was trained on other observations"),
+        ({"episodes": 0}, ValueError, "episodes is 0"),
+    ],
+)
+def test_bad_evaluations_are_told(run, kwargs, error, sentence):
+    with pytest.raises(error, match=sentence):
+        myoenv.evaluate(run.run, **kwargs)
+
+
+def test_a_policy_has_no_checkpoints(run):
+    with pytest.raises(ValueError, match="a policy alone has no checkpoints"):
+        myoenv.evaluate(run.policy, task="pointing-single", checkpoint=1024)
 
 
 def test_a_seed_gives_the_same_weights(run, tmp_path):
@@ -167,18 +213,21 @@ def test_ctrl_c_stops_with_a_checkpoint(tmp_path):
     assert myoenv.train(resume=tmp_path / "run").updates == 2
 
 
-def test_a_lost_card_leaves_a_checkpoint(tmp_path):
+def test_a_lost_card_leaves_a_checkpoint(run):
     """The native half is a stand-in: no driver can be made to fail."""
 
     class Lost:
         def advance(self):
-            return {"metrics": None, "news": [], "end": "device_lost", "reason": "unplugged"}
+            return {"metrics": None, "news": [], "end": "device_lost", "reason": "unplugged", "raised": None}
+
+        def policy(self):
+            return _native.Policy.load(run.run)
 
         def conclude(self, end):
             assert end == "device_lost"
-            return json.dumps({"checkpoint": "run/checkpoints/step_1.ckpt"})
+            return json.dumps({"checkpoint": "run/checkpoints/step_1.ckpt"}), None
 
-        def abandon(self):
+        def leave(self):
             self.left = True
 
     description = RunDescription({}, None, 1, {}, "gpu", "card", None, 100)

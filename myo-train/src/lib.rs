@@ -61,6 +61,7 @@ pub mod session;
 mod simd;
 mod tensorboard;
 mod trainer;
+mod weights;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use config::{ConfigError, PpoConfig};
@@ -77,3 +78,4 @@ pub use run::{LatestCheckpoint, RunConfig, RunError, RunFolder, RunWriter};
 pub use session::Session;
 pub use tensorboard::EventFile;
 pub use trainer::Trainer;
+pub use weights::{LayerWeights, PolicyWeights, WeightsError};

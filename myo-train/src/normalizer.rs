@@ -76,6 +76,12 @@ impl Normalizer {
         normalizer
     }
 
+    /// A normaliser that scales by these numbers and knows of no rows behind them.
+    pub(crate) fn from_scaling(limit: f32, mean: Vec<f32>, inverse_std: Vec<f32>) -> Self {
+        let fresh = Self::new(mean.len(), limit.into(), 0.0);
+        Self { mean: mean.iter().map(|&x| x.into()).collect(), mean_f32: mean, inverse_std, ..fresh }
+    }
+
     /// Limit, floor, number of rows, means, and sums of squared deviations.
     pub fn parts(&self) -> (f32, f64, f64, &[f64], &[f64]) {
         (self.limit, self.std_floor, self.count, &self.mean, &self.m2)

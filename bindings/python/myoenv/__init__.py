@@ -7,7 +7,9 @@
 - `make_vec`, `make`: environments for Gymnasium; importing this package registers `myo/Pointing-v0` and the like
 - `myoenv.sb3.MyoVecEnv`: environments for Stable-Baselines3
 - `check_vec_env`: does a vector environment, of anybody, keep its promises
-- `train`, `Policy`, `evaluate`: the library's own PPO
+- `train`, `Policy`, `evaluate`: the library's own PPO; `Policy` goes to NumPy, PyTorch and ONNX and back
+- `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
+- `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
 - `Task`, `Model`, `Simulation`: what to do, who does it, and the body alone
 """
 
@@ -39,7 +41,7 @@ from myoenv.check import CheckError, check_vec_env
 from myoenv.evaluation import evaluate
 from myoenv.policy import Policy
 from myoenv.registration import env_id, register_envs
-from myoenv.session import TrainResult
+from myoenv.session import Callback, TrainResult
 from myoenv.single import MyoEnv, make
 from myoenv.tasks import load_model, load_task, to_dict
 from myoenv.training import train
@@ -48,6 +50,7 @@ from myoenv.vector import MyoVectorEnv, make_vec
 __all__ = [
     "ActionError",
     "BusyError",
+    "Callback",
     "CheckError",
     "ClosedError",
     "DeviceError",

@@ -1,10 +1,36 @@
 """The compiled half of `myoenv`. Arrays are NumPy's; lengths m, times s, forces N, angles rad."""
 
+from collections.abc import Sequence
 from os import PathLike
-from typing import Any
+from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "ActionError",
+    "BusyError",
+    "ClosedError",
+    "DeviceError",
+    "Env",
+    "ForkedError",
+    "Model",
+    "NeedsResetError",
+    "Policy",
+    "Session",
+    "Simulation",
+    "Task",
+    "TaskError",
+    "TrainingError",
+    "__version__",
+    "default_settings",
+    "devices",
+    "evaluation_seed",
+    "model_names",
+    "preset_names",
+    "run_config",
+    "xla_step_handler",
+]
 
 __version__: str
 
@@ -53,6 +79,7 @@ def xla_step_handler() -> int:
 def evaluation_seed(training_seed: int, number: int) -> int:
     """A seed for the `number`-th evaluation of a training that is not the training's own; 0 is that of `evaluate`."""
 
+@final
 class Task:
     """A task: targets to point at or to press within a time limit.
 
@@ -84,10 +111,11 @@ class Task:
     def is_preset(self) -> bool:
         """Whether it is a preset as it comes with the library: these need no check."""
 
+@final
 class Model:
     """A body: bodies, joints, sites, muscles."""
 
-    def __init__(self, name: str = "mobl-arms") -> None:
+    def __new__(cls, name: str = "mobl-arms") -> Self:
         """A model that comes with the library, by its name."""
     @staticmethod
     def from_yaml(text: str, name: str = "model") -> Model:
@@ -117,6 +145,7 @@ class Model:
         `muscle_tau_act` (s), `muscle_tau_deact` (s), `muscle_ctrl_range` (2).
         """
 
+@final
 class Simulation:
     """One body, stepped directly: the double-precision reference. Coupled joints follow the independent ones.
 
@@ -124,7 +153,7 @@ class Simulation:
     array to `qpos`, `qvel` or `activation` to set it. What follows from the state is computed when it is asked for.
     """
 
-    def __init__(self, model: Model, task: Task | None = None) -> None:
+    def __new__(cls, model: Model, task: Task | None = None) -> Self:
         """A body at rest in the zero pose; with a task, its buttons can be touched."""
     def step(self, ctrl: ArrayLike, steps: int = 1) -> None:
         """Advances `steps` physics steps under excitations `(nmuscle,)` in [0, 1]."""
@@ -192,12 +221,20 @@ class Simulation:
     def body_names(self) -> list[str]:
         """Names of the bodies."""
 
+@final
 class Policy:
     """A trained policy, as `myoenv.Policy` wraps it."""
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Policy:
         """The newest whole checkpoint of a run folder, or a checkpoint file."""
+    @staticmethod
+    def from_weights(
+        weights: dict[str, NDArray[np.float32]], observation_names: list[str], action_names: list[str]
+    ) -> Policy:
+        """A policy of arrays as `weights` returns them."""
+    def weights(self) -> dict[str, NDArray[np.float32]]:
+        """Everything that an action is computed from, by name; see `myoenv.Policy.weights`."""
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
         """Mean actions `(rows, actions)` for observations `(rows, observations)`."""
     @property
@@ -207,11 +244,12 @@ class Policy:
     def action_names(self) -> list[str]:
         """Names of the actions, in order: muscles."""
 
+@final
 class Env:
     """Environments without Gymnasium: strict about types, `(num_envs, ...)` arrays in and out."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         task: Task,
         model: Model,
         num_envs: int,
@@ -222,7 +260,7 @@ class Env:
         device: str | None,
         threads: int | None,
         copy: bool,
-    ) -> None: ...
+    ) -> Self: ...
     def reset(self, seed: int | None, seeds: list[int] | None, mask: NDArray[np.bool_] | None) -> NDArray[np.float32]:
         """Starts episodes where `mask` says so, else everywhere; returns all observations.
 
@@ -252,8 +290,10 @@ class Env:
     def xla_id(self) -> int:
         """A number by which programs of XLA know these environments."""
     @property
-    def present(self) -> int:
-        """Number of the present state: every reset and step makes another one of it."""
+    def token(self) -> list[int]:
+        """Names the present state: a number of these environments, and one that every reset and step changes."""
+    def check_token(self, token: Sequence[int]) -> None:
+        """Refuses the token of any state but the present one."""
     @property
     def num_envs(self) -> int:
         """How many environments."""
@@ -282,11 +322,12 @@ class Env:
     def observation_bounds(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Least and greatest value of every entry of the observation."""
 
+@final
 class Session:
     """A training; `myoenv.train` loops over it. `resume` is a run folder, `start_from` that or a checkpoint."""
 
-    def __init__(
-        self,
+    def __new__(
+        cls,
         task: Task,
         model: Model,
         *,
@@ -299,20 +340,23 @@ class Session:
         steps: int,
         resume: str | PathLike[str] | None,
         start_from: str | PathLike[str] | None,
-    ) -> None: ...
+    ) -> Self: ...
     def record_in(self, path: str | PathLike[str], description: str, go_on: bool) -> None:
         """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
     def advance(self) -> dict[str, Any]:
         """One update, its record, and a look at the goal when it is time to.
 
         Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state;
-        `news`, sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card.
+        `news`, sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card; `raised`,
+        what a signal handler raised meanwhile, which is left to the caller. After an error the training is over and
+        writes nothing more.
         """
-    def conclude(self, end: str) -> str:
+    def conclude(self, end: str) -> tuple[str, BaseException | None]:
         """Closes the training after the `end` that `advance` told, or another: a last checkpoint, and, unless it was
-        interrupted or lost, the evaluation. JSON."""
-    def abandon(self) -> None:
-        """Leaves the run folder to others, even after a failure."""
+        interrupted or lost, the evaluation. How it went as JSON, and what a signal handler raised meanwhile, which ends
+        the evaluation and is left to the caller."""
+    def leave(self) -> None:
+        """Leaves the run folder to others. A training that is whole and was not concluded leaves a checkpoint there."""
     def policy(self) -> Policy:
         """A copy of the policy as it is now."""
     @property

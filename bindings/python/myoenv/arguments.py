@@ -92,6 +92,23 @@ def as_pair(name: str, value: Any) -> tuple[float, float]:
     return as_number(name, value[0]), as_number(name, value[1])
 
 
+def as_weights(value: Any) -> dict[str, NDArray[np.float32]]:
+    """Arrays of finite numbers by their names, float32 and contiguous."""
+    weights = {}
+    for name, array in as_mapping("weights", value).items():
+        try:
+            array = np.asarray(array)
+        except Exception as error:
+            raise ValueError(f"{name} cannot be made an array: {error}") from None
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"{name} is of type {array.dtype}; it must be numbers")
+        with np.errstate(over="ignore"):
+            weights[name] = np.array(array, np.float32, order="C")
+        if not np.isfinite(weights[name]).all():
+            raise ValueError(f"{name} has an entry that is not finite in float32")
+    return weights
+
+
 def as_text(name: str, value: Any) -> str:
     """A string."""
     if not isinstance(value, str):
@@ -158,7 +175,7 @@ def fresh_seed() -> int:
 
 def spread_seeds(seed: int | Sequence[int | None], num_envs: int) -> list[int | None]:
     """One seed for each environment: `seed + i` for a number, as Gymnasium does."""
-    if isinstance(seed, (Sequence, np.ndarray)) and not isinstance(seed, str):
+    if not isinstance(seed, str) and isinstance(seed, (Sequence, np.ndarray)):
         if len(seed) != num_envs:
             raise ValueError(f"there are {len(seed)} seeds for {num_envs} environments")
         return [None if one is None else as_seed(one) for one in seed]

@@ -52,9 +52,12 @@ class BraxEnv:
         self.num_envs = num_envs
         self.envs = self._env.envs
 
-    def reset(self, rng: Array) -> State:
-        """Starts new episodes; `rng` is one key or `(num_envs,)` keys."""
-        pipeline_state, obs = self._env.reset(rng)
+    def reset(self, rng: Array, after: State | None = None) -> State:
+        """Starts new episodes; `rng` is one key or `(num_envs,)` keys, `after` the state that the reset follows.
+
+        A compiled program that steps and then resets needs `after`; see `myoenv.jax.JaxEnv.reset`.
+        """
+        pipeline_state, obs = self._env.reset(rng, None if after is None else after.pipeline_state)
         # Arrays of their own, so that a state can be donated.
         reward, done, truncation = (jnp.zeros(self.num_envs) for _ in range(3))
         metrics = {name: jnp.zeros(self.num_envs) for name in self.envs.episode_names}

@@ -117,7 +117,8 @@ class _Checker:
 
     def _spaces(self) -> None:
         for kind in ("observation", "action"):
-            single, batch = getattr(self.env, f"single_{kind}_space", None), getattr(self.env, f"{kind}_space", None)
+            single: Any = getattr(self.env, f"single_{kind}_space", None)
+            batch = getattr(self.env, f"{kind}_space", None)
             _require(isinstance(single, gymnasium.Space), f"single_{kind}_space is no space but {single!r}")
             _require(
                 batch == batch_space(single, self.env.num_envs), f"{kind}_space is not single_{kind}_space batched"

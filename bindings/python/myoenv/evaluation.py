@@ -25,6 +25,7 @@ def evaluate(
     episodes: int = 1000,
     *,
     task: TaskLike | None = None,
+    checkpoint: int | str | PathLike[str] | None = None,
     seed: int | None = None,
     num_envs: int = 1024,
     backend: Backend = "auto",
@@ -41,7 +42,9 @@ def evaluate(
         run: A run folder or a `Policy`, of which the mean actions are taken, or any function that makes actions
             `(num_envs, nmuscle)` of observations `(num_envs, observation_size)`.
         episodes: How many.
-        task: The task; that of the run by default.
+        task: The task, that of the run by default; another one must have the same observations and actions.
+        checkpoint: Another checkpoint of the run than the newest: the control steps after which it was written, or the
+            path of its file.
         seed: Seed of the episodes; by default one made from that of the training, never the same.
         num_envs: Most environments side by side.
         backend: `"cpu"`, `"gpu"` or `"auto"`.
@@ -49,11 +52,14 @@ def evaluate(
         model: Another body than that of the run, or of the task if one is named.
     """
     episodes = as_count("episodes", episodes)
+    policy: Actor
     if callable(run):
+        if checkpoint is not None:
+            raise ValueError("a policy alone has no checkpoints; name a run folder, or leave out checkpoint")
         policy, trained_with = run, 0
     else:
         description = read_run(run)
-        policy, trained_with = Policy.load(run), description.seed
+        policy, trained_with = Policy.load(run, checkpoint=checkpoint), description.seed
         if task is None:
             task, model = description.task, description.model if model is None else model
     if task is None:
@@ -72,6 +78,8 @@ def _episodes(policy: Actor, env: _native.Env, episodes: int, seed: int) -> dict
     counted, short episodes, mostly the successful ones, would be over-represented."""
     if isinstance(policy, Policy) and policy.observation_names != env.observation_names:
         raise ValueError("the policy was trained on other observations than those of this task")
+    if isinstance(policy, Policy) and policy.action_names != env.action_names:
+        raise ValueError("the policy was trained with other actions than those of this body")
     count = env.num_envs
     shape = (count, len(env.action_names))
     quota = np.array([episodes // count + (i < episodes % count) for i in range(count)])

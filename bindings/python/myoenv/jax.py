@@ -14,7 +14,9 @@ figures.
 What it is not:
 
 - A pure function. The environments live on the host and have one present, so a state can be stepped once. Stepping an
-  older one, or one from before a reset, raises an error; it never silently steps something else.
+  older one, one from before a reset, or one of other environments raises an error; it never silently steps something
+  else.
+- Ordered by itself within a program that steps and then resets: tell the compiler with `reset(key, after=state)`.
 - Something to `vmap`: the batch is made by `num_envs`. `pmap` and sharding across hosts are not supported either.
 - Differentiable: there is no gradient through a step.
 
@@ -33,6 +35,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.experimental import io_callback
+from numpy.typing import NDArray
 
 from myoenv._native import ActionError, xla_step_handler
 from myoenv.tasks import TaskLike
@@ -68,7 +71,7 @@ class Pytree:
 class EnvState(Pytree):
     """Which present of the host's environments is meant: the data dependency that puts steps in their order."""
 
-    #: Number of resets and steps so far, `()` int32.
+    #: A number of the environments, and that of their resets and steps so far, `(2,)` int32.
     token: Array
 
 
@@ -103,8 +106,7 @@ class JaxEnv:
         self._host = _Host(task, num_envs, backend, options)
         self.envs = self._host.envs
         self.num_envs = num_envs
-        self.num_obs: int = self.envs.single_observation_space.shape[0]
-        self.num_actions: int = self.envs.single_action_space.shape[0]
+        self.num_obs, self.num_actions = len(self.envs.observation_names), len(self.envs.action_names)
         f32, flag = jnp.float32, jnp.bool_
         obs, rows = self._like(f32, self.num_obs), self._like(f32)
         summary = {name: rows for name in self.envs.episode_names}
@@ -115,16 +117,25 @@ class JaxEnv:
         # Compiled even when called alone: without a compiler between, arrays of the host could be shared.
         self._reset, self._step = jax.jit(self._call_reset), jax.jit(self._call_step)
 
-    def reset(self, key: Array) -> tuple[EnvState, Array]:
+    def reset(self, key: Array, after: EnvState | None = None) -> tuple[EnvState, Array]:
         """Starts new episodes everywhere: a state and the observations, `(num_envs, num_obs)`.
 
-        `key` is one key, or `(num_envs,)` keys, one for each environment. Equal keys give equal episodes.
+        Args:
+            key: One key, or `(num_envs,)` keys, one for each environment. Equal keys give equal episodes.
+            after: The state that the reset follows. A compiled program that steps and then resets needs it: nothing
+                else tells the compiler which comes first, and steps that a reset overtakes raise an error.
         """
-        return self._reset(key)
+        if after is None and not isinstance(key, jax.core.Tracer):
+            # The steps that were asked for come first. What failed among them is raised where it is used.
+            with suppress(jax.errors.JaxRuntimeError):
+                jax.effects_barrier()
+        state, obs = self._reset(key, after)
+        return state, obs
 
     def step(self, state: EnvState, action: Array) -> tuple[EnvState, Step]:
         """One control step of `action`, `(num_envs, num_actions)` in [-1, 1]; values beyond are clipped."""
-        return self._step(state, action)
+        following, step = self._step(state, action)
+        return following, step
 
     def close(self) -> None:
         """Frees the environments, after the steps that were asked for."""
@@ -133,7 +144,7 @@ class JaxEnv:
             jax.effects_barrier()
         self.envs.close()
 
-    def _call_reset(self, key: Array) -> tuple[EnvState, Array]:
+    def _call_reset(self, key: Array, after: EnvState | None) -> tuple[EnvState, Array]:
         typed = jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
         # Keys of the old kind are a few words each.
         shape = key.shape if typed else key.shape[:-1]
@@ -141,7 +152,9 @@ class JaxEnv:
             raise ValueError(f"reset takes one key, or one for each of {self.num_envs} environments, not {key.aval}")
         batched = shape != ()
         words = jax.vmap(_words)(key) if batched else _words(key)
-        return io_callback(self._host.reset, self._reset_like, words)
+        token = () if after is None else (after.token,)
+        state, obs = io_callback(self._host.reset, self._reset_like, words, *token, ordered=True)
+        return state, obs
 
     def _call_step(self, state: EnvState, action: Array) -> tuple[EnvState, Step]:
         shape = (self.num_envs, self.num_actions)
@@ -162,14 +175,17 @@ class JaxEnv:
             "myoenv_step", (self._token, obs, obs, rows, flags, flags, summary), has_side_effect=True
         )
         token, *out, summary = call(token, action, env=np.int64(self.envs._env.xla_id()))
-        return EnvState(token), Step(*out, dict(zip(names, summary, strict=True)))
+        obs, next_obs, reward, terminated, truncated = out
+        by_name = dict(zip(names, summary, strict=True))
+        return EnvState(token), Step(obs, next_obs, reward, terminated, truncated, by_name)
 
     def _host_step(self, token: Array, action: Array) -> tuple[EnvState, Step]:
-        return io_callback(self._host.step, self._step_like, token, action)
+        state, step = io_callback(self._host.step, self._step_like, token, action, ordered=True)
+        return state, step
 
     @property
     def _token(self) -> jax.ShapeDtypeStruct:
-        return jax.ShapeDtypeStruct((), jnp.int32)
+        return jax.ShapeDtypeStruct((2,), jnp.int32)
 
     def _like(self, dtype: Any, *width: int) -> jax.ShapeDtypeStruct:
         return jax.ShapeDtypeStruct((self.num_envs, *width), dtype)
@@ -188,8 +204,10 @@ class _Host:
         zeros = np.zeros(num_envs, np.float32)
         self.no_summary = {name: zeros for name in self.envs.episode_names}
 
-    def reset(self, words: Any) -> tuple[EnvState, np.ndarray]:
-        """Of `(2,)` or `(num_envs, 2)` random words of 32 bits, which make the seeds."""
+    def reset(self, words: Any, token: Any = None) -> tuple[EnvState, NDArray[np.float32]]:
+        """Of `(2,)` or `(num_envs, 2)` random words of 32 bits, which make the seeds; after the state of `token`."""
+        if token is not None:
+            self.envs._env.check_token(np.asarray(token).tolist())
         words = np.asarray(words).astype(np.uint64)
         seeds = words[..., 0] << np.uint64(32) | words[..., 1]
         obs, _ = self.envs.reset(seed=seeds.tolist())
@@ -197,11 +215,7 @@ class _Host:
 
     def step(self, token: Any, action: Any) -> tuple[EnvState, Step]:
         """What the handler in XLA does, too."""
-        if int(token) != self.envs._env.present:
-            raise ValueError(
-                f"this state is number {int(token)}, the environments are at {self.envs._env.present}: "
-                "a state can be stepped once, and not after a reset"
-            )
+        self.envs._env.check_token(np.asarray(token).tolist())
         obs, reward, terminated, truncated, infos = self.envs.step(np.asarray(action))
         next_obs, summary = obs, self.no_summary
         if infos:
@@ -212,4 +226,4 @@ class _Host:
         return self._next(), Step(obs, next_obs, reward, terminated, truncated, summary)
 
     def _next(self) -> EnvState:
-        return EnvState(np.int32(self.envs._env.present))
+        return EnvState(np.array(self.envs._env.token, np.int32))

@@ -61,12 +61,13 @@ class MyoVecEnv(VecEnv):
         self._reset_options()
         observation, _ = self.envs.reset(seed=seeds, options=options)
         self._reset_seeds()
-        self.reset_infos = [{} for _ in range(self.num_envs)]
+        self.reset_infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         return observation
 
     def seed(self, seed: int | None = None) -> list[int | None]:
         """Seeds of the next `reset`: `seed + i` for environment `i`."""
-        return super().seed(None if seed is None else as_seed(seed))
+        seeds: list[int | None] = super().seed(None if seed is None else as_seed(seed))
+        return seeds
 
     def step_async(self, actions: NDArray[np.float32]) -> None:
         """Takes the actions, `(num_envs, nmuscle)`, of the next `step_wait`."""

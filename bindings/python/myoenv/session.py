@@ -38,6 +38,19 @@ class TrainResult:
     run: Path | None
 
 
+class Callback:
+    """Follows a training from its start to its end; `myoenv.train` takes one in place of a function."""
+
+    def start(self, description: RunDescription, folder: Path | None) -> None:
+        """Called once before the first update; `folder` is the run folder, if there is one."""
+
+    def __call__(self, metrics: Metrics) -> Any:
+        """Called after every update with the columns of `metrics.csv`; training stops when it returns True."""
+
+    def finish(self, result: TrainResult | None) -> None:
+        """Called once at the end, however the training ended; without a result after an error."""
+
+
 class Session:
     """One training that is about to run."""
 
@@ -52,28 +65,36 @@ class Session:
 
     def run(self, callback: Callable[[Metrics], Any] | None) -> TrainResult:
         """Trains to the end."""
+        result: TrainResult | None = None
         try:
-            return self._run(callback)
+            if isinstance(callback, Callback):
+                callback.start(self.description, self.folder)
+            result = self._run(callback)
+            return result
         finally:
-            # Another training may go on with the run, even while a traceback still holds this one.
-            self.native.abandon()
+            # Whatever ended the training, a whole one leaves a checkpoint; and another may go on with the run, even
+            # while a traceback still holds this one.
+            self.native.leave()
+            if isinstance(callback, Callback):
+                callback.finish(result)
 
     def _run(self, callback: Callable[[Metrics], Any] | None) -> TrainResult:
         try:
-            end = self._train(callback)
+            end, reason = self._train(callback)
         except KeyboardInterrupt:
-            end = "interrupt"
-        except DeviceError as error:
-            path = json.loads(self.native.conclude("device_lost"))["checkpoint"]
-            kept = "" if path is None else f"; the run goes on from its checkpoint {path}, with new episodes"
-            raise DeviceError(f"{error}{kept}") from None
-        except Exception:
-            self.native.conclude("interrupt")
-            raise
+            end, reason = "interrupt", None
         policy = Policy(self.native.policy())
-        outcome = json.loads(self.native.conclude(end))
+        concluded, raised = self.native.conclude(end)
+        outcome = json.loads(concluded)
+        if end == "device_lost":
+            path = outcome["checkpoint"]
+            kept = "" if path is None else f"; the run goes on from its checkpoint {path}, with new episodes"
+            raise DeviceError(f"the GPU was lost: {reason}{kept}")
+        # Ctrl-C during the last evaluation: the training is whole, its evaluation is not.
+        if raised is not None and not isinstance(raised, KeyboardInterrupt):
+            raise raised
         return TrainResult(
-            # What ended the last evaluation is no matter of the callback.
+            # What ended the last evaluation does not concern the callback.
             stopped_by=end if outcome["stopped_by"] == "steps" else outcome["stopped_by"],
             env_steps=outcome["env_steps"],
             updates=outcome["updates"],
@@ -83,17 +104,18 @@ class Session:
             run=self.folder,
         )
 
-    def _train(self, callback: Callable[[Metrics], Any] | None) -> str:
-        """Updates until there is a reason to stop; the reason."""
+    def _train(self, callback: Callable[[Metrics], Any] | None) -> tuple[str, str | None]:
+        """Updates until there is a reason to stop; which it is, and what the driver said if the card was lost."""
         while True:
             progress = self.native.advance()
             for sentence in progress["news"]:
                 warnings.warn(sentence, RuntimeWarning, stacklevel=5)
-            if progress["end"] == "device_lost":
-                raise DeviceError(f"the GPU was lost: {progress['reason']}")
             metrics = progress["metrics"]
             stopped = callback is not None and metrics is not None and callback(metrics) is True
+            # What a signal handler raised, such as KeyboardInterrupt; only now: the callback hears of every update.
+            if progress["raised"] is not None:
+                raise progress["raised"]
             if progress["end"] is not None:
-                return progress["end"]
+                return progress["end"], progress["reason"]
             if stopped:
-                return "callback"
+                return "callback", None

@@ -66,8 +66,8 @@ class MyoEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Starts a new episode and returns its first observation. A seed restarts the random stream."""
-        if as_mapping("options", options):
-            raise ValueError(f"unknown option {next(iter(options))!r}; there is none")
+        for option in as_mapping("options", options):
+            raise ValueError(f"unknown option {option!r}; there is none")
         if seed is not None:
             seed = as_seed(seed)
             super().reset(seed=seed)

@@ -12,6 +12,18 @@ from typing import Any
 
 from myoenv._native import Model, Task, TaskError
 
+__all__ = [
+    "Model",
+    "ModelLike",
+    "Task",
+    "TaskError",
+    "TaskLike",
+    "load_model",
+    "load_task",
+    "task_and_model",
+    "to_dict",
+]
+
 TaskLike = Task | str | PathLike[str] | Mapping[str, Any]
 ModelLike = Model | str | PathLike[str] | Mapping[str, Any]
 
@@ -63,7 +75,8 @@ def task_and_model(task: TaskLike, model: ModelLike | None = None) -> tuple[Task
 
 def to_dict(thing: Task | Model) -> dict[str, Any]:
     """A task or model as a dictionary, with the keys of its file."""
-    return json.loads(thing.to_json())
+    described: dict[str, Any] = json.loads(thing.to_json())
+    return described
 
 
 def _text(source: object, what: str) -> str:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
 from torch import Tensor
 
 from myoenv._native import ActionError
@@ -40,8 +41,7 @@ class TorchVectorEnv:
         self.envs = envs
         self.device = torch.device(device)
         self.num_envs: int = envs.num_envs
-        self.num_obs = int(np.prod(envs.single_observation_space.shape))
-        self.num_actions = int(np.prod(envs.single_action_space.shape))
+        self.num_obs, self.num_actions = len(envs.observation_names), len(envs.action_names)
         self._same_step = envs.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
 
     def reset(self, *, seed: int | list[int] | None = None, mask: Tensor | None = None) -> tuple[Tensor, Infos]:
@@ -69,7 +69,7 @@ class TorchVectorEnv:
         """Frees the environments."""
         self.envs.close()
 
-    def _tensor(self, array: np.ndarray) -> Tensor:
+    def _tensor(self, array: NDArray[Any]) -> Tensor:
         return torch.from_numpy(array).to(self.device)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from os import PathLike, fspath
 from types import EllipsisType
-from typing import Any
+from typing import Any, Literal
 
 from myoenv import _native
 from myoenv._native import DeviceError
@@ -22,13 +22,14 @@ from myoenv.arguments import (
     as_text,
     as_threads,
 )
+from myoenv.callbacks import as_callback
 from myoenv.runs import RunDescription, read_run
-from myoenv.session import Metrics, Session, TrainResult
+from myoenv.session import Callback, Metrics, Session, TrainResult
 from myoenv.tasks import Model, ModelLike, Task, TaskLike, load_model, load_task, task_and_model, to_dict
 from myoenv.vector import Backend
 
 # Backend and device, as asked for.
-Wish = tuple[str, str | None]
+BackendChoice = tuple[str, str | None]
 
 _UNTIL = 0.95
 _STEPS = 60_000_000
@@ -41,7 +42,7 @@ def train(
     until: float | EllipsisType | None = ...,
     steps: int | None = None,
     out: str | PathLike[str] | None = None,
-    callback: Callable[[Metrics], Any] | None = None,
+    callback: Callable[[Metrics], Any] | Callback | Literal["wandb", "mlflow"] | None = None,
     settings: Mapping[str, Any] | None = None,
     num_envs: int | None = None,
     backend: Backend | None = None,
@@ -61,7 +62,8 @@ def train(
         steps: Control steps of all environments after which to stop in any case; 60 million by default.
         out: Run folder to make, as `myo train` makes it; without one nothing is written.
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
-            training stops when it returns True. What it raises leaves `train`, after a checkpoint.
+            training stops when it returns True. What it raises leaves `train`, after a checkpoint. A `myoenv.Callback`
+            also hears of the start and of the end; `"wandb"` and `"mlflow"` are two of them, see `myoenv.callbacks`.
         settings: Settings of PPO that differ from their defaults, such as `{"discount_per_s": 0.5}`.
         num_envs: Environments side by side.
         backend: `"cpu"`, `"gpu"` or `"auto"`, which is the default.
@@ -74,39 +76,39 @@ def train(
         start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
             its body other muscles: observations and actions are matched by name.
 
-    Ctrl-C, and the loss of a graphics card, stop with a checkpoint. Training that runs away goes back to its last good
-    state, and training that leads nowhere is noticed; both with a `RuntimeWarning`.
+    Ctrl-C stops with a checkpoint and returns the result so far, even during the last evaluation; the loss of a
+    graphics card stops with a checkpoint, too. Training that runs away goes back to its last good state, and training
+    that leads nowhere is noticed; both with a `RuntimeWarning`.
     """
-    if callback is not None and not callable(callback):
-        raise TypeError(f"callback is {callback!r}; it must be a function")
+    follow = as_callback(callback)
     if resume is None:
         if task is None:
             raise ValueError("name a task, or a run to resume")
         task, body = task_and_model(task, model)
         description = _describe(task, None if model is None else body, seed, settings, num_envs)
         description = replace(description, start_from=None if start_from is None else as_path("start_from", start_from))
-        wish = _wish(backend, device)
+        choice = _choice(backend, device)
     else:
         _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
         description = read_run(resume)
         task = load_task(description.task)
         body = load_model(task.model if description.model is None else description.model)
         began = (description.backend, description.device)
-        wish = began if backend is None and device is None else _wish(backend, device)
+        choice = began if backend is None and device is None else _choice(backend, device)
     if until is not ...:
         description = replace(description, until=None if until is None else as_share("until", until))
     if steps is not None:
         description = replace(description, steps=as_count("steps", steps))
-    native = _open(task, body, description, wish, threads, resume)
-    found = {"backend": native.backend, "device": native.device}
+    native = _open(task, body, description, choice, threads, resume)
+    description = replace(description, backend=native.backend, device=native.device)
     if resume is None:
-        found["inherited_env_steps"] = native.inherited_env_steps
-    session = Session(native, replace(description, **found))
+        description = replace(description, inherited_env_steps=native.inherited_env_steps)
+    session = Session(native, description)
     if resume is not None:
         session.record_in(as_path("resume", resume), go_on=True)
     elif out is not None:
         session.record_in(as_path("out", out), go_on=False)
-    return session.run(callback)
+    return session.run(follow)
 
 
 def _describe(
@@ -139,7 +141,7 @@ def _refuse(**given: Any) -> None:
             raise ValueError(f"resume goes on with a run as it is; leave out {name}")
 
 
-def _wish(backend: Any, device: Any) -> Wish:
+def _choice(backend: Any, device: Any) -> BackendChoice:
     return as_text("backend", "auto" if backend is None else backend), as_device(device)
 
 
@@ -147,11 +149,11 @@ def _open(
     task: Task,
     model: Model,
     description: RunDescription,
-    wish: Wish,
+    choice: BackendChoice,
     threads: int | None,
     resume: str | PathLike[str] | None,
 ) -> _native.Session:
-    backend, device = wish
+    backend, device = choice
     try:
         session = _native.Session(
             task,
@@ -168,7 +170,7 @@ def _open(
             start_from=description.start_from if resume is None else None,
         )
     except DeviceError as error:
-        if resume is None or wish != (description.backend, description.device):
+        if resume is None or choice != (description.backend, description.device):
             raise
         elsewhere = "to go on elsewhere, name a backend or a device"
         raise DeviceError(f"the run began on {device}, which cannot be had now: {error}; {elsewhere}") from None
@@ -189,4 +191,5 @@ def _json(settings: dict[str, Any]) -> str:
 
 def default_settings() -> dict[str, Any]:
     """The settings of PPO with their defaults."""
-    return json.loads(_native.default_settings())
+    settings: dict[str, Any] = json.loads(_native.default_settings())
+    return settings

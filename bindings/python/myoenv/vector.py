@@ -65,7 +65,8 @@ def make_vec(
         autoreset: What happens when an episode ends. `"next_step"`: the step after it ignores the action and returns
             the first observation of the next episode, reward 0. `"same_step"`: the step that ends it returns that
             observation, and the last one in `infos["final_obs"]`. `"disabled"`: reset with `options["reset_mask"]`.
-        copy: Without copies, every call returns the same arrays with new contents.
+        copy: Without copies, every call returns the same arrays with new contents. Actions may be computed in place of
+            them.
         device: A graphics card by its number or a part of its name, see `myoenv.devices()`.
         threads: Threads of the processor; all of them by default, in one pool for all environments.
         model: Another body than the task's.

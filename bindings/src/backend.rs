@@ -1,4 +1,4 @@
-//! Where environments run: the processor or a graphics card.
+//! Choosing the backend that environments run on: the processor or a graphics card.
 
 use std::error::Error;
 
@@ -14,11 +14,11 @@ use rayon::ThreadPool;
 use crate::error;
 use crate::process::check_gpu_process;
 
-/// What a caller asked for.
+/// The backend that a caller asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wish(myo::Wish);
+pub struct BackendChoice(myo::Wish);
 
-impl Wish {
+impl BackendChoice {
     /// From the arguments `backend` and `device`.
     pub fn new(backend: &str, device: Option<String>) -> PyResult<Self> {
         match (backend, device) {
@@ -56,7 +56,7 @@ impl Wish {
         })
     }
 
-    /// The same wish without graphics cards where this process cannot have one.
+    /// The same choice without graphics cards where this process cannot have one.
     fn in_this_process(&self, num_envs: usize) -> PyResult<&myo::Wish> {
         match &self.0 {
             myo::Wish::Cpu => Ok(&self.0),
