@@ -65,4 +65,4 @@ pub use batch::Batch;
 pub use obstacles::{Obstacles, StaticBox, Surface};
 pub use plan::{Coupling, Plan, PlanError};
 pub use reach::ReachableSpace;
-pub use workspace::{State, Workspace};
+pub use workspace::{SolverCount, SolverTally, State, Workspace};

@@ -39,6 +39,7 @@ impl Plan<f64> {
             mass_terms: vec![],
             projections: vec![],
             curved_joints: curved_joints(model, &drives),
+            profiled: vec![],
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
@@ -72,9 +73,9 @@ impl Plan<f64> {
     }
 
     fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) {
-        let joints = model.joints.iter().enumerate().filter(|(_, joint)| joint.range.is_some());
-        for (limit, (index, _)) in self.limits.iter_mut().zip(joints) {
-            limit.diagonal = reference.joint_inverse_inertia[index];
+        let joints = (0..model.joints.len()).filter(|&joint| is_limited(&model.joints[joint], &self.joints[joint]));
+        for (limit, joint) in self.limits.iter_mut().zip(joints) {
+            limit.diagonal = reference.joint_inverse_inertia[joint];
         }
         for (equality, coupling) in self.equalities.iter_mut().zip(&model.couplings) {
             let of = |joint: usize| reference.joint_inverse_inertia[joint];
@@ -167,14 +168,21 @@ fn curved_joints(model: &Model, drives: &[Drive<f64>]) -> Vec<CurvedJoint<f64>> 
         .collect()
 }
 
+/// Whether a joint can come to a limit: one that is held at a position cannot.
+fn is_limited(joint: &myo_model::model::Joint, drive: &Drive<f64>) -> bool {
+    joint.range.is_some() && drive.dof.is_some()
+}
+
 fn limits(model: &Model, drives: &[Drive<f64>]) -> Vec<Limit<f64>> {
-    let limited = model.joints.iter().zip(drives).filter_map(|(joint, &drive)| Some((joint, drive, joint.range?)));
+    let limited = model.joints.iter().zip(drives).filter(|(joint, drive)| is_limited(joint, drive));
     limited
-        .map(|(joint, drive, range)| Limit {
-            drive,
-            range,
-            impedance: Impedance::new(&joint.softness, model.options.timestep),
-            diagonal: 0.0,
+        .filter_map(|(joint, &drive)| {
+            Some(Limit {
+                drive,
+                range: joint.range?,
+                impedance: Impedance::new(&joint.softness, model.options.timestep),
+                diagonal: 0.0,
+            })
         })
         .collect()
 }
