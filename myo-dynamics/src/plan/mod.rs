@@ -54,6 +54,8 @@ pub struct Plan<C> {
     pub projections: Vec<Projection>,
     /// Joints whose coupling is not linear: their passive forces do not fold into [`Dof`].
     pub curved_joints: Vec<CurvedJoint<C>>,
+    /// Coordinates that profiles are functions of.
+    pub profiled: Vec<ProfiledCoordinate<C>>,
     /// Kinetic and potential energy of links that move with one coordinate.
     pub energy_profiles: Vec<EnergyProfile<C>>,
     /// Muscles and their paths.
@@ -160,11 +162,22 @@ pub struct Placement<C> {
     pub axes: Option<[[C; 3]; 3]>,
 }
 
+/// A coordinate that drives whole links through polynomials (profiles). They are fitted a little past the coordinate's
+/// limits and followed far past them; farther out everything that they describe stands still: poses and lengths keep their
+/// values and have no rate, inertia stays, and neither gravity nor muscle forces act through them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfiledCoordinate<C> {
+    /// The coordinate.
+    pub dof: usize,
+    /// Its interval.
+    pub domain: Domain<C>,
+}
+
 /// Pose, screw and rate of the screw as polynomials in one coordinate.
 #[derive(Clone, Debug)]
 pub struct PoseProfile<C> {
-    /// Interval of the coordinate.
-    pub domain: Domain<C>,
+    /// The coordinate, as an index of [`Plan::profiled`].
+    pub coordinate: usize,
     /// The first two axes as columns, the third being their vector product; none if they never turn.
     pub axes: Option<[[Polynomial<C>; 3]; 2]>,
     /// Origin.
@@ -250,10 +263,8 @@ pub struct CurvedJoint<C> {
 /// Links that move with one coordinate only, seen through their energy.
 #[derive(Clone, Debug)]
 pub struct EnergyProfile<C> {
-    /// The coordinate.
-    pub dof: usize,
-    /// Interval of the coordinate.
-    pub domain: Domain<C>,
+    /// The coordinate, as an index of [`Plan::profiled`].
+    pub coordinate: usize,
     /// Inertia felt by the coordinate.
     pub inertia: Polynomial<C>,
     /// Torque per squared speed: half the derivative of the inertia.
@@ -339,10 +350,8 @@ pub struct DoubleHingeSegment<C> {
 pub struct ProfileSegment<C> {
     /// The muscle.
     pub muscle: usize,
-    /// The coordinate.
-    pub dof: usize,
-    /// Interval of the coordinate.
-    pub domain: Domain<C>,
+    /// The coordinate, as an index of [`Plan::profiled`].
+    pub coordinate: usize,
     /// Squared length (m^2).
     pub square: Polynomial<C>,
     /// Half its derivative with respect to the coordinate.
