@@ -49,7 +49,7 @@
 //!
 //! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
 //! hinges and slides, straight paths through points, and one sphere that collides with boxes; what it cannot simulate
-//! faithfully it refuses ([`PlanError`]).
+//! faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
 mod impedance;
@@ -59,6 +59,7 @@ mod polynomial;
 mod reach;
 pub mod spatial;
 pub mod step;
+mod trial;
 mod workspace;
 
 pub use batch::Batch;

@@ -56,8 +56,8 @@ pub struct Row<S: Scalar> {
     pub exists: S::Mask,
     /// Where it pushes in the current round.
     pub active: S::Mask,
-    /// Where it should push, judging by the current round's acceleration.
-    pub wanted: S::Mask,
+    /// Where it pushed in the round before.
+    pub before: S::Mask,
     /// `D`, the reciprocal regularisation.
     pub weight: S,
     /// Reference acceleration.
@@ -69,7 +69,7 @@ pub struct Row<S: Scalar> {
 impl<S: Scalar> Row<S> {
     fn none() -> Self {
         let no = S::Mask::splat(false);
-        Self { exists: no, active: no, wanted: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
+        Self { exists: no, active: no, before: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
     }
 }
 

@@ -18,7 +18,13 @@ impl Plan<f64> {
     /// Compiles a model without any shortcut: the reference that everything else is compared with.
     pub fn exact(model: &Model, coupling: Coupling) -> Result<Self, PlanError> {
         check_geoms(model)?;
+        if model.muscles.is_empty() {
+            return Err(PlanError::NoMuscles);
+        }
         let drives = drives(model, coupling);
+        if drives.iter().all(|drive| drive.dof.is_none()) {
+            return Err(PlanError::NothingMoves);
+        }
         let tree = Tree::new(model, &drives);
         let tendons = tendons(model, &tree)?;
         let bodies = tree.bodies(model);
@@ -60,6 +66,9 @@ impl Plan<f64> {
         plan.muscles =
             model.muscles.iter().zip(&reference.acc0).map(|(m, &acc0)| Muscle::new(&m.parameters, acc0)).collect();
         plan.weigh_constraints(model, &reference);
+        if coupling == Coupling::Reduced {
+            plan.check_stability()?;
+        }
         Ok(plan)
     }
 
@@ -70,6 +79,25 @@ impl Plan<f64> {
         used.extend(self.contact_sphere.iter().map(|sphere| sphere.centre.link));
         used.remove(&0);
         sets::connect(self, &used);
+    }
+
+    /// Springs and dampers must be slower than time steps. Both bounds are those of a single joint in the reference pose:
+    /// `h d / I < 2` for a damper taken explicitly, `h^2 k / I < 4` for a spring with semi-implicit Euler steps; half of
+    /// each leaves room for other poses.
+    fn check_stability(&self) -> Result<(), PlanError> {
+        let (h, inertias) = (self.timestep, reference_pose::inertias(self)?);
+        for (k, dof) in self.dofs.iter().enumerate() {
+            let (joint, inertia, timestep_s) = (dof.name.clone(), inertias[k], h);
+            let (most, damping) = (inertia / h, dof.damping);
+            if !self.implicit_damping && damping > most {
+                return Err(PlanError::Overdamped { joint, damping, inertia, timestep_s, most });
+            }
+            let (most, stiffness) = (2.0 * inertia / (h * h), dof.stiffness);
+            if stiffness > most {
+                return Err(PlanError::TooStiff { joint, stiffness, inertia, timestep_s, most });
+            }
+        }
+        Ok(())
     }
 
     fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) {

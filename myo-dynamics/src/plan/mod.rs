@@ -448,4 +448,57 @@ pub enum PlanError {
         /// The joint.
         joint: String,
     },
+    /// All joints are held.
+    #[error("no joint can move: every one is coupled to a constant; free at least one")]
+    NothingMoves,
+    /// There is nothing to control.
+    #[error("the model has no muscles; give it at least one")]
+    NoMuscles,
+    /// Explicit damping that a time step overshoots.
+    #[error(
+        "joint '{joint}': a damping of {damping} at an inertia of {inertia} swings ever wider in time steps of {timestep_s} s; \
+         set `options.implicit_joint_damping` to true, or the damping to at most {most}"
+    )]
+    Overdamped {
+        /// The joint.
+        joint: String,
+        /// Its damping, with that of joints that follow it (N m s/rad or N s/m).
+        damping: f64,
+        /// Its inertia in the reference pose (kg m^2 or kg).
+        inertia: f64,
+        /// Time step (s).
+        timestep_s: f64,
+        /// The greatest damping that is safe.
+        most: f64,
+    },
+    /// A spring that swings faster than time steps follow.
+    #[error(
+        "joint '{joint}': a stiffness of {stiffness} at an inertia of {inertia} swings too fast for time steps of \
+         {timestep_s} s; set it to at most {most}, or take a smaller `options.timestep`"
+    )]
+    TooStiff {
+        /// The joint.
+        joint: String,
+        /// Stiffness of its spring, with those of joints that follow it (N m/rad or N/m).
+        stiffness: f64,
+        /// Its inertia in the reference pose (kg m^2 or kg).
+        inertia: f64,
+        /// Time step (s).
+        timestep_s: f64,
+        /// The greatest stiffness that is safe.
+        most: f64,
+    },
+    /// The simulation ran away, see [`Plan::try_out`].
+    #[error(
+        "joint '{joint}' runs away after {time_s} s of random controls: its forces are too strong for its inertia and time steps \
+         of {timestep_s} s; look at the masses, springs, limits and muscles that act on it"
+    )]
+    Unstable {
+        /// The joint.
+        joint: String,
+        /// After how many seconds of simulated time.
+        time_s: f64,
+        /// Time step (s).
+        timestep_s: f64,
+    },
 }

@@ -45,6 +45,11 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass: sphere_inverse_mass(plan, &ws, solve), acc0 })
 }
 
+/// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).
+pub(super) fn inertias(plan: &Plan<f64>) -> Result<Vec<f64>, PlanError> {
+    Ok(measure(plan)?.joint_inverse_inertia.into_iter().map(f64::recip).collect())
+}
+
 /// Generalised force of one newton along a muscle: its moment arms (m).
 fn moment_arms(plan: &Plan<f64>, muscle: usize, ws: &mut Workspace<f64>) -> Vec<f64> {
     ws.muscle_force.fill(0.0);

@@ -40,7 +40,7 @@ pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Works
             reference -= sign * joint.drift;
         }
         let exists = distance.lt(S::zero());
-        ws.limit[k] = Row { exists, active: exists, wanted: exists, weight, reference, slope: sign * joint.slope };
+        ws.limit[k] = Row { exists, active: exists, before: exists, weight, reference, slope: sign * joint.slope };
     }
 }
 
@@ -61,7 +61,7 @@ pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut W
         let (weight, reference) = equality.impedance.row(violation, velocity, S::splat(equality.diagonal));
         let always = S::Mask::splat(true);
         ws.equality[k] =
-            Row { exists: always, active: always, wanted: always, weight, reference, slope: S::lit(1.0) };
+            Row { exists: always, active: always, before: always, weight, reference, slope: S::lit(1.0) };
     }
 }
 
@@ -161,19 +161,17 @@ fn exchange<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: b
     }
     ws.unsettled = changed;
     let late = changed & S::lit(BLOCK_ROUNDS as f64).lt(ws.round);
-    S::when(late, &mut Wishes(ws), |Wishes(ws)| keep_first(plan, late, ws, touching));
-    for row in ws.limit.iter_mut().chain(&mut ws.contact.rows) {
-        row.active = row.wanted;
-    }
+    S::when(late, &mut Changes(ws), |Changes(ws)| keep_first(plan, late, ws, touching));
     let (none, one) = (S::Word::splat(0), S::Word::splat(1));
     ws.tally.rounds = ws.tally.rounds + S::select_word(ws.unsettled, one, none);
 }
 
-/// Decides whether a row should push; returns where that is news.
+/// Decides whether a row pushes; returns where that is news.
 #[inline(always)]
 fn judge<S: Scalar>(row: &mut Row<S>, acceleration: S) -> S::Mask {
-    row.wanted = row.exists & acceleration.lt(row.reference);
-    differ(row.wanted, row.active)
+    row.before = row.active;
+    row.active = row.exists & acceleration.lt(row.reference);
+    differ(row.active, row.before)
 }
 
 #[inline(always)]
@@ -182,13 +180,13 @@ fn differ<M: Mask>(a: M, b: M) -> M {
 }
 
 /// What [`keep_first`] changes.
-struct Wishes<'a, S: Scalar>(&'a mut Workspace<S>);
+struct Changes<'a, S: Scalar>(&'a mut Workspace<S>);
 
-impl<S: Scalar> Carried<S> for Wishes<'_, S> {
+impl<S: Scalar> Carried<S> for Changes<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Wishes(ws) = self;
+        let Changes(ws) = self;
         for row in ws.limit.iter_mut().chain(&mut ws.contact.rows) {
-            visitor.mask(&mut row.wanted);
+            visitor.mask(&mut row.active);
         }
         visitor.mask(&mut ws.unsettled);
     }
@@ -222,10 +220,10 @@ fn keep_first<S: Scalar>(plan: &Plan<S::Const>, late: S::Mask, ws: &mut Workspac
 #[inline(always)]
 fn keep_if_first<S: Scalar>(row: &mut Row<S>, acceleration: S, size: S, late: S::Mask, waiting: &mut S::Mask) {
     let rounding = (size + row.reference.abs()) * S::lit(ROUNDING * S::EPSILON);
-    let wrong = differ(row.wanted, row.active) & rounding.lt((acceleration - row.reference).abs());
+    let wrong = differ(row.active, row.before) & rounding.lt((acceleration - row.reference).abs());
     let first = wrong & *waiting;
     *waiting = *waiting & !first;
-    row.wanted = (row.wanted & (first | !late)) | (row.active & late & !first);
+    row.active = (row.active & (first | !late)) | (row.before & late & !first);
 }
 
 #[inline(always)]

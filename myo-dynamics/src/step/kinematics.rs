@@ -155,15 +155,21 @@ fn follow<S: Scalar>(
         ws.rotation[index] = Rotation { x, y, z: x.cross(y) };
     }
     ws.position[index] = vector(&profile.position, t);
-    let moving = |p: &[[Polynomial<S::Const>; 3]; 2]| Motion {
-        ang: Vec3::select(is_free, vector(&p[0], t), Vec3::zero()),
-        lin: Vec3::select(is_free, vector(&p[1], t), Vec3::zero()),
-    };
-    let (screw, rate) = (moving(&profile.screw), moving(&profile.screw_rate));
+    let screw = motion(&profile.screw, t, is_free);
+    let rate = motion(&profile.screw_rate, t, is_free);
     ws.joint[index] = joint;
     ws.screw[index] = screw;
     ws.velocity[index] = screw.scale(joint.rate);
     ws.acceleration[index] = rate.mul_add(joint.rate * joint.rate, ws.acceleration[0]);
+}
+
+/// A screw or its rate; zero where the link is held.
+#[inline(always)]
+fn motion<S: Scalar>(p: &[[Polynomial<S::Const>; 3]; 2], t: S, is_free: S::Mask) -> Motion<S> {
+    Motion {
+        ang: Vec3::select(is_free, vector(&p[0], t), Vec3::zero()),
+        lin: Vec3::select(is_free, vector(&p[1], t), Vec3::zero()),
+    }
 }
 
 #[inline(always)]
