@@ -3,7 +3,7 @@
 use crate::obstacles::Obstacles;
 use crate::plan::Plan;
 use crate::step::step;
-use crate::workspace::{State, Workspace};
+use crate::workspace::{SolverCount, State, Workspace};
 use myo_scalar::{Kernel, Level, Scalar, dispatch};
 use rayon::prelude::*;
 
@@ -18,11 +18,12 @@ pub struct Batch {
     level: Level,
     size: usize,
     blocks: Vec<f32>,
+    solver: Vec<SolverCount>,
 }
 
-/// Where an array starts in a block, in entries.
-#[derive(Clone, Copy)]
-enum Part {
+/// An array of a block.
+#[derive(Clone, Copy, Debug)]
+enum Field {
     Qpos,
     Qvel,
     Act,
@@ -36,7 +37,7 @@ impl Batch {
         let obstacles = Obstacles::none(&plan);
         let nblock = size.div_ceil(level.lanes());
         let blocks = vec![0.0; nblock * entries(&plan) * level.lanes()];
-        Self { plan, obstacles, level, size, blocks }
+        Self { plan, obstacles, level, size, blocks, solver: vec![SolverCount::default(); size] }
     }
 
     /// Number of bodies.
@@ -46,61 +47,84 @@ impl Batch {
 
     /// Generalised coordinates of one body.
     pub fn qpos(&self, body: usize) -> Vec<f32> {
-        self.get(body, Part::Qpos, self.plan.ndof())
+        self.get(body, Field::Qpos)
     }
     /// Their rates.
     pub fn qvel(&self, body: usize) -> Vec<f32> {
-        self.get(body, Part::Qvel, self.plan.ndof())
+        self.get(body, Field::Qvel)
     }
     /// Activations of one body.
     pub fn act(&self, body: usize) -> Vec<f32> {
-        self.get(body, Part::Act, self.plan.nmuscle())
+        self.get(body, Field::Act)
     }
-    /// Sets the state of one body. Panics if a slice has the wrong length or `body` is out of range.
+    /// What the constraint solver did for each body since the beginning.
+    pub fn solver_counts(&self) -> &[SolverCount] {
+        &self.solver
+    }
+
+    /// Sets the state of one body.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length or `body` is out of range.
     pub fn set_state(&mut self, body: usize, qpos: &[f64], qvel: &[f64], act: &[f64]) {
-        for (part, values) in [(Part::Qpos, qpos), (Part::Qvel, qvel), (Part::Act, act)] {
-            self.set(body, part, values.iter().map(|&x| x as f32));
+        for (field, values) in [(Field::Qpos, qpos), (Field::Qvel, qvel), (Field::Act, act)] {
+            self.set(body, field, values.iter().map(|&x| x as f32));
         }
     }
+
     /// Sets the excitations of one body, held until set again.
+    ///
+    /// # Panics
+    /// As [`Batch::set_state`].
     pub fn set_ctrl(&mut self, body: usize, ctrl: &[f32]) {
-        self.set(body, Part::Ctrl, ctrl.iter().copied());
+        self.set(body, Field::Ctrl, ctrl.iter().copied());
     }
 
     /// Advances every body by `steps` physics steps, on the current rayon threads.
     pub fn step(&mut self, steps: usize) {
-        let Self { plan, obstacles, level, blocks, .. } = self;
+        let Self { plan, obstacles, level, blocks, solver, .. } = self;
         let block = entries(plan) * level.lanes();
         // Several blocks to a task, so that scratch memory is allocated rarely.
         let per_task = (blocks.len() / block).div_ceil(4 * rayon::current_num_threads()).max(1);
-        blocks.par_chunks_mut(block * per_task).for_each(|blocks| {
-            dispatch(*level, Steps { plan, obstacles, blocks, steps });
+        let solver = solver.par_chunks_mut(level.lanes() * per_task);
+        blocks.par_chunks_mut(block * per_task).zip(solver).for_each(|(blocks, solver)| {
+            dispatch(*level, Steps { plan, obstacles, blocks, solver, steps });
         });
     }
 
-    fn index(&self, body: usize, part: Part, entry: usize) -> usize {
+    fn index(&self, body: usize, field: Field, entry: usize) -> usize {
         assert!(body < self.size, "body {body} of {}", self.size);
-        let (lanes, offset) = (self.level.lanes(), offset(&self.plan, part));
+        let (lanes, offset) = (self.level.lanes(), offset(&self.plan, field));
         (body / lanes * entries(&self.plan) + offset + entry) * lanes + body % lanes
     }
-    fn get(&self, body: usize, part: Part, count: usize) -> Vec<f32> {
-        (0..count).map(|entry| self.blocks[self.index(body, part, entry)]).collect()
+    fn get(&self, body: usize, field: Field) -> Vec<f32> {
+        (0..length(&self.plan, field)).map(|entry| self.blocks[self.index(body, field, entry)]).collect()
     }
-    fn set(&mut self, body: usize, part: Part, values: impl Iterator<Item = f32>) {
+    fn set(&mut self, body: usize, field: Field, values: impl ExactSizeIterator<Item = f32>) {
+        let count = length(&self.plan, field);
+        assert_eq!(values.len(), count, "{field:?} of a body are {count} numbers");
         for (entry, value) in values.enumerate() {
-            let index = self.index(body, part, entry);
+            let index = self.index(body, field, entry);
             self.blocks[index] = value;
         }
     }
 }
 
-fn offset<C>(plan: &Plan<C>, part: Part) -> usize {
+fn length<C>(plan: &Plan<C>, field: Field) -> usize {
+    match field {
+        Field::Qpos | Field::Qvel => plan.ndof(),
+        Field::Act | Field::Ctrl => plan.nmuscle(),
+    }
+}
+
+/// Where an array starts in a block, in entries.
+fn offset<C>(plan: &Plan<C>, field: Field) -> usize {
     let (n, m) = (plan.ndof(), plan.nmuscle());
-    match part {
-        Part::Qpos => 0,
-        Part::Qvel => n,
-        Part::Act => 2 * n,
-        Part::Ctrl => 2 * n + m,
+    match field {
+        Field::Qpos => 0,
+        Field::Qvel => n,
+        Field::Act => 2 * n,
+        Field::Ctrl => 2 * n + m,
     }
 }
 
@@ -113,6 +137,8 @@ struct Steps<'a> {
     plan: &'a Plan<f32>,
     obstacles: &'a Obstacles<f32>,
     blocks: &'a mut [f32],
+    /// Of the bodies that somebody looks at.
+    solver: &'a mut [SolverCount],
     steps: usize,
 }
 
@@ -121,10 +147,11 @@ impl Kernel for Steps<'_> {
 
     #[inline(always)]
     fn run<S: Scalar<Const = f32>>(self) {
-        let Self { plan, obstacles, blocks, steps } = self;
+        let Self { plan, obstacles, blocks, solver, steps } = self;
         let (mut state, mut ws) = (State::<S>::new(plan), Workspace::<S>::new(plan));
         let mut ctrl = vec![S::zero(); plan.nmuscle()];
-        for block in blocks.chunks_exact_mut(entries(plan) * S::LANES) {
+        let blocks = blocks.chunks_exact_mut(entries(plan) * S::LANES);
+        for (block, solver) in blocks.zip(solver.chunks_mut(S::LANES)) {
             let mut entry = block.chunks_exact(S::LANES);
             let arrays = [&mut state.qpos, &mut state.qvel, &mut state.act, &mut ctrl];
             for x in arrays.into_iter().flatten() {
@@ -133,6 +160,7 @@ impl Kernel for Steps<'_> {
             for _ in 0..steps {
                 step(plan, obstacles, &ctrl, &mut state, &mut ws);
             }
+            ws.tally.take(steps, solver);
             let mut entry = block.chunks_exact_mut(S::LANES);
             for x in [&state.qpos, &state.qvel, &state.act].into_iter().flatten() {
                 x.store(entry.next().expect("a block holds every entry"));

@@ -49,7 +49,7 @@
 //!
 //! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
 //! hinges and slides, straight paths through points, and one sphere that collides with boxes; what it cannot simulate
-//! faithfully it refuses ([`PlanError`]).
+//! faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
 mod impedance;
@@ -59,10 +59,11 @@ mod polynomial;
 mod reach;
 pub mod spatial;
 pub mod step;
+mod trial;
 mod workspace;
 
 pub use batch::Batch;
 pub use obstacles::{Obstacles, StaticBox, Surface};
 pub use plan::{Coupling, Plan, PlanError};
 pub use reach::ReachableSpace;
-pub use workspace::{State, Workspace};
+pub use workspace::{SolverCount, SolverTally, State, Workspace};

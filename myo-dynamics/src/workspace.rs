@@ -2,7 +2,7 @@
 
 use crate::plan::Plan;
 use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
-use myo_scalar::{Mask, Real, Scalar};
+use myo_scalar::{Mask, Real, Scalar, Word};
 
 /// What changes from step to step: the body's full state.
 #[derive(Clone, Debug)]
@@ -40,6 +40,15 @@ pub struct JointState<S> {
     pub cos: S,
 }
 
+/// Where profiles are evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct ProfiledState<S: Scalar> {
+    /// Argument of the polynomials.
+    pub argument: S,
+    /// Where the coordinate is not so far past its limits that they are held.
+    pub is_free: S::Mask,
+}
+
 /// A soft constraint row on one coordinate or on all of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<S: Scalar> {
@@ -47,6 +56,8 @@ pub struct Row<S: Scalar> {
     pub exists: S::Mask,
     /// Where it pushes in the current round.
     pub active: S::Mask,
+    /// Where it pushed in the round before.
+    pub before: S::Mask,
     /// `D`, the reciprocal regularisation.
     pub weight: S,
     /// Reference acceleration.
@@ -58,7 +69,7 @@ pub struct Row<S: Scalar> {
 impl<S: Scalar> Row<S> {
     fn none() -> Self {
         let no = S::Mask::splat(false);
-        Self { exists: no, active: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
+        Self { exists: no, active: no, before: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
     }
 }
 
@@ -78,9 +89,78 @@ pub struct Contact<S: Scalar> {
 /// Number of edges of the friction pyramid.
 pub const PYRAMID: usize = 4;
 
+/// What the constraint solver did, per lane. A lane holds at most 2^32 rounds; [`SolverTally::take`] empties it in time.
+#[derive(Clone, Copy, Debug)]
+pub struct SolverTally<S: Scalar> {
+    /// Rounds of all steps.
+    pub rounds: S::Word,
+    /// Steps that ended with rows still wrong.
+    pub unsolved: S::Word,
+}
+
+impl<S: Scalar> SolverTally<S> {
+    /// Nothing yet.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { rounds: S::Word::splat(0), unsolved: S::Word::splat(0) }
+    }
+
+    /// Adds what `steps` steps did to the counts of this block's bodies, the first one in lane 0, and starts anew.
+    #[inline(always)]
+    pub fn take(&mut self, steps: usize, counts: &mut [SolverCount]) {
+        let (mut rounds, mut unsolved) = ([0; MAX_LANES], [0; MAX_LANES]);
+        self.rounds.store(&mut rounds);
+        self.unsolved.store(&mut unsolved);
+        for ((count, rounds), unsolved) in counts.iter_mut().zip(rounds).zip(unsolved) {
+            *count +=
+                SolverCount { steps: steps as u64, rounds: u64::from(rounds), unsolved: u64::from(unsolved) };
+        }
+        *self = Self::new();
+    }
+}
+
+impl<S: Scalar> Default for SolverTally<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Most lanes of any level.
+const MAX_LANES: usize = 16;
+
+/// What the constraint solver did for one body, or for several together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolverCount {
+    /// Physics steps.
+    pub steps: u64,
+    /// Rounds that they took; one each without limits and contact.
+    pub rounds: u64,
+    /// Steps that ended after the greatest number of rounds with rows still wrong: their forces are not to be trusted.
+    pub unsolved: u64,
+}
+
+impl std::ops::AddAssign for SolverCount {
+    fn add_assign(&mut self, other: Self) {
+        self.steps += other.steps;
+        self.rounds += other.rounds;
+        self.unsolved += other.unsolved;
+    }
+}
+
+impl std::iter::Sum for SolverCount {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        counts.fold(Self::default(), |mut sum, count| {
+            sum += count;
+            sum
+        })
+    }
+}
+
 /// Results and scratch memory of one step; allocated once, overwritten by every step.
 #[derive(Clone, Debug)]
 pub struct Workspace<S: Scalar> {
+    /// Per profiled coordinate of the plan.
+    pub profiled: Vec<ProfiledState<S>>,
     /// Per link.
     pub joint: Vec<JointState<S>>,
     /// Axes of each link in the world.
@@ -139,8 +219,12 @@ pub struct Workspace<S: Scalar> {
     pub qacc: Vec<S>,
     /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`.
     pub step_qacc: Vec<S>,
-    /// Rounds that the constraint solver took in the last step.
-    pub rounds: usize,
+    /// Round that the constraint solver is in, from 1.
+    pub round: S,
+    /// Where rows were still wrong in the solver's last round.
+    pub unsettled: S::Mask,
+    /// What the solver did since this was last taken.
+    pub tally: SolverTally<S>,
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -153,6 +237,7 @@ impl<S: Scalar> Workspace<S> {
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
         let massless = Inertia::zero();
         Self {
+            profiled: vec![ProfiledState { argument: o, is_free: S::Mask::splat(true) }; plan.profiled.len()],
             joint: vec![joint; nlink],
             rotation: vec![Rotation::identity(); nlink],
             position: vec![Vec3::zero(); nlink],
@@ -182,7 +267,9 @@ impl<S: Scalar> Workspace<S> {
             pivot: vec![o; ndof],
             qacc: vec![o; ndof],
             step_qacc: vec![o; ndof],
-            rounds: 0,
+            round: o,
+            unsettled: S::Mask::splat(false),
+            tally: SolverTally::new(),
         }
     }
 

@@ -142,6 +142,54 @@ fn limits_push_back() {
     }
 }
 
+/// The limit of a joint that follows another one by a curve acts on that joint's acceleration, which is more than the slope
+/// times the coordinate's: the curve itself accelerates it.
+#[test]
+fn limits_of_curved_joints_feel_the_curvature() {
+    const H: f64 = 1e-4;
+    let text = include_str!("../examples/gadget.yaml");
+    let model = Model::new(&ModelDescription::from_yaml(text, "gadget.yaml").unwrap()).unwrap();
+    let [reduced, soft] = [Coupling::Reduced, Coupling::Soft].map(|c| Plan::exact(&model, c).unwrap());
+    let (bend, row) = (model.joints.iter().position(|joint| joint.name == "bend").unwrap(), 2);
+    let (mut r, mut f) = (Workspace::<f64>::new(&reduced), Workspace::<f64>::new(&soft));
+    let (mut active, mut n) = (0, 0);
+    for number in 0..400 {
+        // Rail and swing within their limits.
+        let state = State {
+            qpos: vec![0.3 * draw(number, 0) - 0.15, 0.2 * draw(number, 1) - 1.0, draw(number, 2) - 0.5],
+            qvel: (0..3).map(|k| 12.0 * draw(number, 3 + k) - 6.0).collect(),
+            act: vec![draw(number, 6)],
+        };
+        step::forward(&reduced, &Obstacles::none(&reduced), &state, &mut r);
+        // The same limit where the joint is a coordinate, and its row nothing but the joint.
+        let everything = State {
+            qpos: reduced.joint_positions(&state.qpos),
+            qvel: reduced.joint_rates(&state.qpos, &state.qvel),
+            act: state.act.clone(),
+        };
+        step::forward(&soft, &Obstacles::none(&soft), &everything, &mut f);
+        let limit = &f.limit[row];
+        assert_eq!(limit.exists, r.limit[row].exists);
+        if !limit.exists {
+            continue;
+        }
+        // The joint's acceleration, from its position along the way.
+        let at = |t: f64| {
+            let q = |k: usize| state.qpos[k] + state.qvel[k] * t + 0.5 * r.qacc[k] * t * t;
+            reduced.joint_positions(&[q(0), q(1), q(2)])[bend]
+        };
+        let acceleration = limit.slope * (at(H) - 2.0 * at(0.0) + at(-H)) / (H * H);
+        let push = limit.weight * (limit.reference - acceleration).max(0.0);
+        let swing = reduced.limits[row].drive.dof.unwrap();
+        let force: f64 = (0..3).map(|k| r.mass[swing.max(k) * 3 + swing.min(k)] * r.qacc[k]).sum::<f64>() - r.torque[swing];
+        let wanted = r.limit[row].slope * push;
+        assert!((force - wanted).abs() < 1e-3 * wanted.abs().max(1.0), "state {number}: {force} N m for {wanted} N m");
+        active += u32::from(push > 0.0);
+        n += 1;
+    }
+    assert!(n > 50 && active > 20, "the limit is passed in {n} states and pushes in {active}");
+}
+
 #[test]
 fn limits_hold_under_full_activation() {
     let plan = exact(Coupling::Reduced);

@@ -8,6 +8,7 @@ use crate::observe;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_dynamics::SolverCount;
 use myo_model::Model;
 use myo_scalar::{Level, Real};
 use myo_tasks::Task;
@@ -37,7 +38,7 @@ impl<C: Backend> BatchEnv<C> {
             return Err(BuildError::NoEnvironments);
         }
         let tables = Tables::<C>::new(model, task)?;
-        let level = config.level.unwrap_or_else(Level::detect).min(Level::available().pop().unwrap_or(Level::Portable));
+        let level = config.level.unwrap_or_else(Level::detect);
         let spec = spec(model, task, &tables, config);
         let count = EnvState::<C>::new(&tables).numbers().count();
         let storage = Storage::new(C::lanes(level), config.num_envs, count);
@@ -57,6 +58,11 @@ impl<C: Backend> BatchEnv<C> {
     /// The instruction-set level in use.
     pub fn level(&self) -> Level {
         self.level
+    }
+
+    /// What the constraint solver did in each environment since it was built; resets and loaded states do not change it.
+    pub fn solver_counts(&self) -> &[SolverCount] {
+        &self.storage.solver
     }
 
     /// Blocks per task: enough tasks to balance the threads, few enough to allocate scratch memory rarely.

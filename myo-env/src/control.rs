@@ -233,6 +233,8 @@ impl<S: Scalar> Carried<S> for Substep<'_, S> {
         visitor.numbers(body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act));
         visitor.numbers([&mut self.env.touch, &mut self.env.touched]);
         visitor.numbers(&mut self.physics.qacc);
+        visitor.word(&mut self.physics.tally.rounds);
+        visitor.word(&mut self.physics.tally.unsolved);
     }
 }
 

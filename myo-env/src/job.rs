@@ -5,6 +5,7 @@ use crate::saved::Shape;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::{Autoreset, StepBuffers};
+use myo_dynamics::SolverCount;
 use myo_scalar::{Kernel, Level, Mask, Real, Scalar, Word, dispatch};
 
 /// Most lanes that any level has.
@@ -61,6 +62,8 @@ pub struct Storage<C> {
     count: usize,
     numbers: Vec<C>,
     words: Vec<u32>,
+    /// Per environment; not part of its state.
+    pub solver: Vec<SolverCount>,
 }
 
 /// Some consecutive blocks.
@@ -70,6 +73,7 @@ pub struct Blocks<'a, C> {
     count: usize,
     numbers: &'a mut [C],
     words: &'a mut [u32],
+    solver: &'a mut [SolverCount],
 }
 
 /// Integers per environment.
@@ -85,7 +89,8 @@ impl<C: Real> Storage<C> {
                 words[2 * lanes + lane] = (block * lanes + lane) as u32;
             }
         }
-        Self { lanes, num_envs, count, numbers: vec![C::default(); nblock * count * lanes], words }
+        let numbers = vec![C::default(); nblock * count * lanes];
+        Self { lanes, num_envs, count, numbers, words, solver: vec![SolverCount::default(); num_envs] }
     }
 
     /// Number of blocks.
@@ -97,7 +102,13 @@ impl<C: Real> Storage<C> {
     pub fn split(&mut self, per_task: usize) -> impl Iterator<Item = Blocks<'_, C>> {
         let (count, numbers, words) = (self.count, &mut self.numbers, &mut self.words);
         let chunks = numbers.chunks_mut(per_task * count).zip(words.chunks_mut(per_task * WORDS));
-        chunks.enumerate().map(move |(k, (numbers, words))| Blocks { first: k * per_task, count, numbers, words })
+        chunks.zip(self.solver.chunks_mut(per_task)).enumerate().map(move |(k, ((numbers, words), solver))| Blocks {
+            first: k * per_task,
+            count,
+            numbers,
+            words,
+            solver,
+        })
     }
 
     /// Index of entry `k` of an environment, in arrays with `count` entries per environment.
@@ -224,13 +235,14 @@ impl<C: Real> Job<C> for StepJob<'_, C> {
         let tables = self.tables;
         let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
         let nact = ws.ctrl.len();
-        let Blocks { count, numbers, words, .. } = self.storage;
+        let Blocks { count, numbers, words, solver, .. } = self.storage;
         let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
-        for (block, (numbers, words)) in blocks.enumerate() {
+        for (block, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(S::LANES)).enumerate() {
             load(&mut env, numbers, words);
             let start = (block * S::LANES * nact).min(self.actions.len());
             read_rows(&self.actions[start..], &mut ws.ctrl);
             step_block(tables, self.autoreset, &mut env, &mut ws, block, &mut self.out);
+            ws.physics.tally.take(tables.substeps as usize, solver);
             store(&mut env, numbers, words);
         }
     }

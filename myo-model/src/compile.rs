@@ -1,6 +1,6 @@
 //! From description to model: names become indices, and what elements say about each other is checked.
 
-use crate::check::Check;
+use crate::check::{Bound, Check};
 use crate::description::{self as source, ModelDescription, Shape};
 use crate::error::{Element, ElementKind, ModelError, Nearest};
 use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Site, WORLD};
@@ -9,6 +9,9 @@ use std::collections::HashMap;
 
 /// Version of the model format that this crate reads.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// Time steps (s) that models may ask for.
+const TIMESTEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.02;
 
 /// Mass (kg) and inertia (kg m^2) below which a moving body makes the mass matrix singular; MuJoCo's bound.
 const SMALLEST_MOVING: f64 = 1e-15;
@@ -84,8 +87,9 @@ impl<'a> Index<'a> {
 
 fn check_options(description: &ModelDescription) -> Result<(), ModelError> {
     let check = Check::new(ElementKind::Options, "");
-    check.finite("gravity", &description.options.gravity)?;
-    check.at_least("timestep", description.options.timestep, f64::MIN_POSITIVE, " s", "above 0 s")
+    check.within("gravity", &description.options.gravity, &Bound::ACCELERATION)?;
+    let timestep = description.options.timestep;
+    check.require(TIMESTEPS.contains(&timestep), "timestep", timestep, " s", "from 0.00001 to 0.02 s")
 }
 
 /// The bodies in depth-first order, and the index over their names (the world included).
@@ -140,12 +144,14 @@ fn world() -> Body {
 
 fn body(body: &source::Body, index: &Index) -> Result<Body, ModelError> {
     let check = Check::new(ElementKind::Body, &body.name);
-    check.finite("pos", &body.pos)?;
-    check.finite("com", &body.com)?;
+    check.within("pos", &body.pos, &Bound::LENGTH)?;
+    check.within("com", &body.com, &Bound::LENGTH)?;
     check.not_negative("mass", body.mass, " kg")?;
+    check.within("mass", &[body.mass], &Bound::MASS)?;
     for moment in body.inertia {
         check.not_negative("inertia", moment, " kg m^2")?;
     }
+    check.within("inertia", &body.inertia, &Bound::INERTIA)?;
     let total: f64 = body.inertia.iter().sum();
     if body.inertia.iter().any(|&moment| moment > (total - moment) * (1.0 + INERTIA_ROUNDING)) {
         return Err(ModelError::ImpossibleInertia { element: check.element, moments: body.inertia });
@@ -182,14 +188,17 @@ fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {
     if body == WORLD {
         return Err(ModelError::JointOnWorld { element: check.element });
     }
-    check.finite("axis", &joint.axis)?;
-    check.finite("pos", &joint.pos)?;
-    check.finite("spring_ref", &[joint.spring_ref])?;
+    check.within("pos", &joint.pos, &Bound::LENGTH)?;
+    check.within("spring_ref", &[joint.spring_ref], &Bound::JOINT_POSITION)?;
     check.softness(&joint.softness)?;
     check.not_negative("stiffness", joint.stiffness, "")?;
     check.not_negative("damping", joint.damping, "")?;
     check.not_negative("armature", joint.armature, "")?;
+    check.within("stiffness", &[joint.stiffness], &Bound::STIFFNESS)?;
+    check.within("damping", &[joint.damping], &Bound::DAMPING)?;
+    check.within("armature", &[joint.armature], &Bound::ARMATURE)?;
     if let Some(range) = joint.range {
+        check.within("range", &range, &Bound::JOINT_POSITION)?;
         check.ascending("range", range, "")?;
     }
     Ok(Joint {
@@ -237,7 +246,7 @@ fn couplings(description: &ModelDescription, joints: &[Joint]) -> Result<Vec<Cou
     let mut couplings: Vec<Coupling> = Vec::with_capacity(description.couplings.len());
     for coupling in &description.couplings {
         let check = Check::new(ElementKind::Coupling, &coupling.dependent);
-        check.finite("polycoef", &coupling.polycoef)?;
+        check.within("polycoef", &coupling.polycoef, &Bound::COEFFICIENT)?;
         check.softness(&coupling.softness)?;
         let dependent = index.find(&coupling.dependent, &check.element)?;
         if couplings.iter().any(|other| other.dependent == dependent) {
@@ -268,7 +277,7 @@ fn sites(description: &ModelDescription, bodies: &Index) -> Result<Vec<Site>, Mo
     let mut sites = Vec::with_capacity(description.sites.len());
     for site in &description.sites {
         let check = Check::new(ElementKind::Site, &site.name);
-        check.finite("pos", &site.pos)?;
+        check.within("pos", &site.pos, &Bound::LENGTH)?;
         let body = bodies.find(&site.body, &check.element)?;
         sites.push(Site { name: site.name.clone(), body, pos: site.pos.into() });
     }
@@ -288,17 +297,23 @@ fn geoms(description: &ModelDescription, bodies: &Index) -> Result<Vec<Geom>, Mo
 
 fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
     let check = Check::new(ElementKind::Geom, &geom.name);
-    check.finite("pos", &geom.pos)?;
+    check.within("pos", &geom.pos, &Bound::LENGTH)?;
     check.softness(&geom.softness)?;
     check.not_negative("margin", geom.margin, " m")?;
+    check.within("margin", &[geom.margin], &Bound::LENGTH)?;
     for coefficient in geom.friction {
         check.not_negative("friction", coefficient, "")?;
+        check.within("friction", &[coefficient], &Bound::RATIO)?;
     }
     match geom.shape {
-        Shape::Sphere { radius } => check.above("radius", radius, 0.0, " m", "above 0 m")?,
+        Shape::Sphere { radius } => {
+            check.above("radius", radius, 0.0, " m", "above 0 m")?;
+            check.within("radius", &[radius], &Bound::LENGTH)?;
+        }
         Shape::Box { half_size } => {
             for size in half_size {
                 check.above("half_size", size, 0.0, " m", "above 0 m")?;
+                check.within("half_size", &[size], &Bound::LENGTH)?;
             }
         }
     }
@@ -322,7 +337,7 @@ fn muscles(description: &ModelDescription, sites: &Index) -> Result<Vec<Muscle>,
         if muscle.path.len() < 2 {
             return Err(ModelError::ShortPath { element: check.element, sites: muscle.path.len() });
         }
-        check.muscle(&muscle.parameters)?;
+        check.muscle(&muscle.parameters, description.options.timestep)?;
         let path: Result<Vec<_>, _> = muscle.path.iter().map(|site| sites.find(site, &check.element)).collect();
         muscles.push(Muscle { name: muscle.name.clone(), path: path?, parameters: muscle.parameters.clone() });
     }

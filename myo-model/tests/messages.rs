@@ -121,7 +121,7 @@ fn names_must_be_unique_and_free() {
 #[test]
 fn numbers_must_make_sense() {
     check(|arm| arm.version = 7, "the model has format version 7, but this program reads version 1");
-    check(|arm| arm.options.timestep = 0.0, "options: `timestep` is 0 s; it must be above 0 s");
+    check(|arm| arm.options.timestep = 0.0, "options: `timestep` is 0 s; it must be from 0.00001 to 0.02 s");
     check(|arm| arm.options.gravity[2] = f64::NAN, "options: `gravity` is NaN; a finite number is needed");
     check(|arm| arm.bodies[8].mass = -1.0, "body `humerus`: `mass` is -1 kg; it must be 0 or more");
     check(|arm| arm.bodies[8].pos[0] = f64::INFINITY, "body `humerus`: `pos` is inf; a finite number is needed");
@@ -151,6 +151,22 @@ fn numbers_must_make_sense() {
     check(
         |arm| arm.muscles[3].parameters.gain.lmax = 0.9,
         "muscle `SUPSP`: `lmax` is 0.9; it must be above the optimal length of 1",
+    );
+    check(
+        |arm| arm.sites[7].pos[1] = 136.0,
+        "site `LAT1-P4`: `pos` is 136 m; it must be within 10 m; is it in millimetres?",
+    );
+    check(
+        |arm| arm.joints[15].range = Some([0.0, 130.0]),
+        "joint `elbow_flexion`: `range` is 130; it must be within 100 rad (or m); is it in degrees?",
+    );
+    check(
+        |arm| arm.joints[15].softness.solimp[4] = 30.0,
+        "joint `elbow_flexion`: `softness.solimp` is 30; it must be a power between 1 and 8",
+    );
+    check(
+        |arm| arm.muscles[3].parameters.tau_act = 0.001,
+        "muscle `SUPSP`: `tau_act` is 0.001 s; it must be at least the time step, `options.timestep`",
     );
     check(|arm| arm.geoms[0].margin = -0.1, "geom `fingertip`: `margin` is -0.1 m; it must be 0 or more");
 }

@@ -2,10 +2,13 @@
 
 use crate::scalar::Scalar;
 
-/// An instruction-set level.
+/// An instruction-set level that this processor has: there is no way to make another one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Level {
+pub struct Level(Instructions);
+
+/// Instruction sets that lanes are written for, narrowest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Instructions {
     /// Eight lanes in plain arrays; on aarch64 the compiler makes NEON of them.
     Portable,
     /// Eight lanes, AVX2 and FMA.
@@ -14,56 +17,61 @@ pub enum Level {
     Avx512,
 }
 
-impl Level {
-    /// The widest level of this processor. The environment variable `MYO_LEVEL` (`portable`, `avx2`, `avx512`) asks for a
-    /// narrower one; a level that the processor lacks is never chosen.
-    pub fn detect() -> Self {
-        let best = Self::widest();
-        match std::env::var("MYO_LEVEL").ok().as_deref() {
-            Some("portable") => Self::Portable,
-            Some("avx2") => best.min(Self::Avx2),
-            _ => best,
-        }
-    }
+impl Instructions {
+    const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
     #[cfg(target_arch = "x86_64")]
-    fn widest() -> Self {
-        if is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl")
-        {
-            Self::Avx512
-        } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            Self::Avx2
-        } else {
-            Self::Portable
+    fn are_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            Self::Avx512 => {
+                Self::Avx2.are_available()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
         }
     }
 
     #[cfg(not(target_arch = "x86_64"))]
-    fn widest() -> Self {
-        Self::Portable
+    fn are_available(self) -> bool {
+        self == Self::Portable
+    }
+}
+
+impl Level {
+    /// The widest level of this processor. The environment variable `MYO_LEVEL` (`portable`, `avx2`, `avx512`) asks for a
+    /// narrower one; a level that the processor lacks is never chosen.
+    pub fn detect() -> Self {
+        let asked = std::env::var("MYO_LEVEL").ok().and_then(|name| Self::named(&name));
+        asked.unwrap_or_else(|| Self::available().pop().expect("the portable level is always there"))
+    }
+
+    /// The level of a name that [`Level::name`] gives; none if the processor lacks it or there is no such name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::available().into_iter().find(|level| level.name() == name)
     }
 
     /// All levels that this processor can run, narrowest first.
     pub fn available() -> Vec<Self> {
-        [Self::Portable, Self::Avx2, Self::Avx512].into_iter().filter(|&level| level <= Self::widest()).collect()
+        Instructions::ALL.into_iter().filter(|set| set.are_available()).map(Self).collect()
     }
 
     /// Environments per value at this level.
     pub fn lanes(self) -> usize {
-        match self {
-            Self::Portable | Self::Avx2 => 8,
-            Self::Avx512 => 16,
+        match self.0 {
+            Instructions::Portable | Instructions::Avx2 => 8,
+            Instructions::Avx512 => 16,
         }
     }
 
     /// Short lower-case name.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Portable => "portable",
-            Self::Avx2 => "avx2",
-            Self::Avx512 => "avx512",
+        match self.0 {
+            Instructions::Portable => "portable",
+            Instructions::Avx2 => "avx2",
+            Instructions::Avx512 => "avx512",
         }
     }
 }
@@ -77,17 +85,17 @@ pub trait Kernel {
     fn run<S: Scalar<Const = f32>>(self) -> Self::Output;
 }
 
-/// Runs a kernel on the lanes of a level, or of the widest level below it that the processor has.
+/// Runs a kernel on the lanes of a level.
 #[inline]
 pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
-    match level.min(Level::widest()) {
-        Level::Portable => kernel.run::<crate::portable::F32x8>(),
-        // SAFETY: the level is at most the widest one, whose features were detected.
+    match level.0 {
+        Instructions::Portable => kernel.run::<crate::portable::F32x8>(),
+        // SAFETY: a `Level` exists only where its features were detected.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { run_avx2(kernel) },
+        Instructions::Avx2 => unsafe { run_avx2(kernel) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { run_avx512(kernel) },
+        Instructions::Avx512 => unsafe { run_avx512(kernel) },
         #[cfg(not(target_arch = "x86_64"))]
         _ => kernel.run::<crate::portable::F32x8>(),
     }

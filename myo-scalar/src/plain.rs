@@ -74,6 +74,7 @@ macro_rules! plain_scalar {
             type Mask = bool;
             type Word = U32;
             const LANES: usize = 1;
+            const EPSILON: f64 = <$t>::EPSILON as f64;
 
             #[inline(always)]
             fn splat(c: $t) -> Self {

@@ -156,6 +156,7 @@ impl Scalar for F32x8 {
     type Mask = Mask8;
     type Word = U32x8;
     const LANES: usize = N;
+    const EPSILON: f64 = f32::EPSILON as f64;
 
     #[inline(always)]
     fn splat(c: f32) -> Self {

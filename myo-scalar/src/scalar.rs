@@ -24,6 +24,7 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
 /// One unsigned 32-bit integer per lane; arithmetic wraps.
 pub trait Word:
     Copy
+    + Debug
     + Add<Output = Self>
     + BitXor<Output = Self>
     + BitAnd<Output = Self>
@@ -73,6 +74,8 @@ pub trait Scalar:
     type Word: Word;
     /// How many environments one value carries.
     const LANES: usize;
+    /// Distance from one to the next number; of a symbolic number, where it will run: in single precision.
+    const EPSILON: f64;
 
     /// The same constant everywhere.
     fn splat(c: Self::Const) -> Self;

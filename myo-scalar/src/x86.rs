@@ -180,6 +180,7 @@ macro_rules! x86_lanes {
             type Mask = $mask;
             type Word = $word;
             const LANES: usize = N;
+            const EPSILON: f64 = f32::EPSILON as f64;
 
             #[inline(always)]
             fn splat(c: f32) -> Self {

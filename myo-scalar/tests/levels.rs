@@ -194,3 +194,24 @@ fn masks_answer_any() {
     assert!(<bool as Mask>::splat(true).any());
     assert!(!<bool as Mask>::splat(false).any());
 }
+
+/// Whatever a caller gets hold of can run, with the lanes that it names.
+#[test]
+fn a_level_is_one_that_this_processor_runs() {
+    struct Lanes;
+    impl Kernel for Lanes {
+        type Output = usize;
+        #[inline(always)]
+        fn run<S: Scalar<Const = f32>>(self) -> usize {
+            S::LANES
+        }
+    }
+    let names = ["portable", "avx2", "avx512", "sse", ""];
+    let named: Vec<Level> = names.into_iter().filter_map(Level::named).collect();
+    assert_eq!(named, Level::available());
+    assert_eq!(named[0].name(), "portable");
+    assert!(Level::available().contains(&Level::detect()));
+    for level in named {
+        assert_eq!(dispatch(level, Lanes), level.lanes(), "{}", level.name());
+    }
+}

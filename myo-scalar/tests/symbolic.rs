@@ -197,6 +197,30 @@ fn a_number_from_inside_a_loop_is_refused_outside() {
 }
 
 #[test]
+fn a_panic_ends_the_trace_it_happened_in() {
+    let inside_a_stage = || {
+        struct Fails;
+        impl Stage<Sym> for Fails {
+            const NAME: &'static str = "fails";
+            type Output = ();
+            fn run(self) {
+                panic!("on purpose");
+            }
+        }
+        trace(|| Sym::outline(Fails));
+    };
+    let nested = || {
+        trace(|| {
+            trace(|| {});
+        });
+    };
+    for fails in [inside_a_stage as fn(), nested] {
+        assert!(std::panic::catch_unwind(fails).is_err());
+        assert_eq!(run(&record(1, |x| vec![x[0] + x[0]]), &[2.0], 1), [4.0]);
+    }
+}
+
+#[test]
 fn reads_see_what_was_there_before_writes() {
     let program = trace(|| {
         let (a, b) = (IN.number(0), IN.number(1));

@@ -18,7 +18,13 @@ impl Plan<f64> {
     /// Compiles a model without any shortcut: the reference that everything else is compared with.
     pub fn exact(model: &Model, coupling: Coupling) -> Result<Self, PlanError> {
         check_geoms(model)?;
+        if model.muscles.is_empty() {
+            return Err(PlanError::NoMuscles);
+        }
         let drives = drives(model, coupling);
+        if drives.iter().all(|drive| drive.dof.is_none()) {
+            return Err(PlanError::NothingMoves);
+        }
         let tree = Tree::new(model, &drives);
         let tendons = tendons(model, &tree)?;
         let bodies = tree.bodies(model);
@@ -39,6 +45,7 @@ impl Plan<f64> {
             mass_terms: vec![],
             projections: vec![],
             curved_joints: curved_joints(model, &drives),
+            profiled: vec![],
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
@@ -59,6 +66,9 @@ impl Plan<f64> {
         plan.muscles =
             model.muscles.iter().zip(&reference.acc0).map(|(m, &acc0)| Muscle::new(&m.parameters, acc0)).collect();
         plan.weigh_constraints(model, &reference);
+        if coupling == Coupling::Reduced {
+            plan.check_stability()?;
+        }
         Ok(plan)
     }
 
@@ -71,10 +81,29 @@ impl Plan<f64> {
         sets::connect(self, &used);
     }
 
+    /// Springs and dampers must be slower than time steps. Both bounds are those of a single joint in the reference pose:
+    /// `h d / I < 2` for a damper taken explicitly, `h^2 k / I < 4` for a spring with semi-implicit Euler steps; half of
+    /// each leaves room for other poses.
+    fn check_stability(&self) -> Result<(), PlanError> {
+        let (h, inertias) = (self.timestep, reference_pose::inertias(self)?);
+        for (k, dof) in self.dofs.iter().enumerate() {
+            let (joint, inertia, timestep_s) = (dof.name.clone(), inertias[k], h);
+            let (most, damping) = (inertia / h, dof.damping);
+            if !self.implicit_damping && damping > most {
+                return Err(PlanError::Overdamped { joint, damping, inertia, timestep_s, most });
+            }
+            let (most, stiffness) = (2.0 * inertia / (h * h), dof.stiffness);
+            if stiffness > most {
+                return Err(PlanError::TooStiff { joint, stiffness, inertia, timestep_s, most });
+            }
+        }
+        Ok(())
+    }
+
     fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) {
-        let joints = model.joints.iter().enumerate().filter(|(_, joint)| joint.range.is_some());
-        for (limit, (index, _)) in self.limits.iter_mut().zip(joints) {
-            limit.diagonal = reference.joint_inverse_inertia[index];
+        let joints = (0..model.joints.len()).filter(|&joint| is_limited(&model.joints[joint], &self.joints[joint]));
+        for (limit, joint) in self.limits.iter_mut().zip(joints) {
+            limit.diagonal = reference.joint_inverse_inertia[joint];
         }
         for (equality, coupling) in self.equalities.iter_mut().zip(&model.couplings) {
             let of = |joint: usize| reference.joint_inverse_inertia[joint];
@@ -167,14 +196,21 @@ fn curved_joints(model: &Model, drives: &[Drive<f64>]) -> Vec<CurvedJoint<f64>> 
         .collect()
 }
 
+/// Whether a joint can come to a limit: one that is held at a position cannot.
+fn is_limited(joint: &myo_model::model::Joint, drive: &Drive<f64>) -> bool {
+    joint.range.is_some() && drive.dof.is_some()
+}
+
 fn limits(model: &Model, drives: &[Drive<f64>]) -> Vec<Limit<f64>> {
-    let limited = model.joints.iter().zip(drives).filter_map(|(joint, &drive)| Some((joint, drive, joint.range?)));
+    let limited = model.joints.iter().zip(drives).filter(|(joint, drive)| is_limited(joint, drive));
     limited
-        .map(|(joint, drive, range)| Limit {
-            drive,
-            range,
-            impedance: Impedance::new(&joint.softness, model.options.timestep),
-            diagonal: 0.0,
+        .filter_map(|(joint, &drive)| {
+            Some(Limit {
+                drive,
+                range: joint.range?,
+                impedance: Impedance::new(&joint.softness, model.options.timestep),
+                diagonal: 0.0,
+            })
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Body, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality, HingeSegment,
-    Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment, Tendons,
+    Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate, Tendons,
 };
 use crate::polynomial::Polynomial;
 use myo_scalar::Real;
@@ -36,6 +36,7 @@ impl Plan<f64> {
             mass_terms: self.mass_terms.clone(),
             projections: self.projections.clone(),
             curved_joints: self.curved_joints.iter().map(CurvedJoint::cast).collect(),
+            profiled: self.profiled.iter().map(ProfiledCoordinate::cast).collect(),
             energy_profiles: self.energy_profiles.iter().map(EnergyProfile::cast).collect(),
             tendons: self.tendons.cast(),
             muscles: self.muscles.iter().map(myo_muscle::Muscle::cast).collect(),
@@ -96,10 +97,16 @@ impl Placement<f64> {
     }
 }
 
+impl ProfiledCoordinate<f64> {
+    fn cast<D: Real>(&self) -> ProfiledCoordinate<D> {
+        ProfiledCoordinate { dof: self.dof, domain: self.domain.cast() }
+    }
+}
+
 impl PoseProfile<f64> {
     fn cast<D: Real>(&self) -> PoseProfile<D> {
         PoseProfile {
-            domain: self.domain.cast(),
+            coordinate: self.coordinate,
             axes: self.axes.as_ref().map(|axes| axes.each_ref().map(polynomials)),
             position: polynomials(&self.position),
             screw: self.screw.each_ref().map(polynomials),
@@ -135,8 +142,7 @@ impl CurvedJoint<f64> {
 impl EnergyProfile<f64> {
     fn cast<D: Real>(&self) -> EnergyProfile<D> {
         EnergyProfile {
-            dof: self.dof,
-            domain: self.domain.cast(),
+            coordinate: self.coordinate,
             inertia: self.inertia.cast(),
             centrifugal: self.centrifugal.cast(),
             weight: self.weight.cast(),
@@ -179,8 +185,7 @@ impl ProfileSegment<f64> {
     fn cast<D: Real>(&self) -> ProfileSegment<D> {
         ProfileSegment {
             muscle: self.muscle,
-            dof: self.dof,
-            domain: self.domain.cast(),
+            coordinate: self.coordinate,
             square: self.square.cast(),
             half_slope: self.half_slope.cast(),
         }

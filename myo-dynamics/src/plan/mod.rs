@@ -54,6 +54,8 @@ pub struct Plan<C> {
     pub projections: Vec<Projection>,
     /// Joints whose coupling is not linear: their passive forces do not fold into [`Dof`].
     pub curved_joints: Vec<CurvedJoint<C>>,
+    /// Coordinates that profiles are functions of.
+    pub profiled: Vec<ProfiledCoordinate<C>>,
     /// Kinetic and potential energy of links that move with one coordinate.
     pub energy_profiles: Vec<EnergyProfile<C>>,
     /// Muscles and their paths.
@@ -160,11 +162,22 @@ pub struct Placement<C> {
     pub axes: Option<[[C; 3]; 3]>,
 }
 
+/// A coordinate that drives whole links through polynomials (profiles). They are fitted a little past the coordinate's
+/// limits and followed far past them; farther out everything that they describe stands still: poses and lengths keep their
+/// values and have no rate, inertia stays, and neither gravity nor muscle forces act through them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfiledCoordinate<C> {
+    /// The coordinate.
+    pub dof: usize,
+    /// Its interval.
+    pub domain: Domain<C>,
+}
+
 /// Pose, screw and rate of the screw as polynomials in one coordinate.
 #[derive(Clone, Debug)]
 pub struct PoseProfile<C> {
-    /// Interval of the coordinate.
-    pub domain: Domain<C>,
+    /// The coordinate, as an index of [`Plan::profiled`].
+    pub coordinate: usize,
     /// The first two axes as columns, the third being their vector product; none if they never turn.
     pub axes: Option<[[Polynomial<C>; 3]; 2]>,
     /// Origin.
@@ -250,10 +263,8 @@ pub struct CurvedJoint<C> {
 /// Links that move with one coordinate only, seen through their energy.
 #[derive(Clone, Debug)]
 pub struct EnergyProfile<C> {
-    /// The coordinate.
-    pub dof: usize,
-    /// Interval of the coordinate.
-    pub domain: Domain<C>,
+    /// The coordinate, as an index of [`Plan::profiled`].
+    pub coordinate: usize,
     /// Inertia felt by the coordinate.
     pub inertia: Polynomial<C>,
     /// Torque per squared speed: half the derivative of the inertia.
@@ -339,10 +350,8 @@ pub struct DoubleHingeSegment<C> {
 pub struct ProfileSegment<C> {
     /// The muscle.
     pub muscle: usize,
-    /// The coordinate.
-    pub dof: usize,
-    /// Interval of the coordinate.
-    pub domain: Domain<C>,
+    /// The coordinate, as an index of [`Plan::profiled`].
+    pub coordinate: usize,
     /// Squared length (m^2).
     pub square: Polynomial<C>,
     /// Half its derivative with respect to the coordinate.
@@ -438,5 +447,58 @@ pub enum PlanError {
     Singular {
         /// The joint.
         joint: String,
+    },
+    /// All joints are held.
+    #[error("no joint can move: every one is coupled to a constant; free at least one")]
+    NothingMoves,
+    /// There is nothing to control.
+    #[error("the model has no muscles; give it at least one")]
+    NoMuscles,
+    /// Explicit damping that a time step overshoots.
+    #[error(
+        "joint '{joint}': a damping of {damping} at an inertia of {inertia} swings ever wider in time steps of {timestep_s} s; \
+         set `options.implicit_joint_damping` to true, or the damping to at most {most}"
+    )]
+    Overdamped {
+        /// The joint.
+        joint: String,
+        /// Its damping, with that of joints that follow it (N m s/rad or N s/m).
+        damping: f64,
+        /// Its inertia in the reference pose (kg m^2 or kg).
+        inertia: f64,
+        /// Time step (s).
+        timestep_s: f64,
+        /// The greatest damping that is safe.
+        most: f64,
+    },
+    /// A spring that swings faster than time steps follow.
+    #[error(
+        "joint '{joint}': a stiffness of {stiffness} at an inertia of {inertia} swings too fast for time steps of \
+         {timestep_s} s; set it to at most {most}, or take a smaller `options.timestep`"
+    )]
+    TooStiff {
+        /// The joint.
+        joint: String,
+        /// Stiffness of its spring, with those of joints that follow it (N m/rad or N/m).
+        stiffness: f64,
+        /// Its inertia in the reference pose (kg m^2 or kg).
+        inertia: f64,
+        /// Time step (s).
+        timestep_s: f64,
+        /// The greatest stiffness that is safe.
+        most: f64,
+    },
+    /// The simulation ran away, see [`Plan::try_out`].
+    #[error(
+        "joint '{joint}' runs away after {time_s} s of random controls: its forces are too strong for its inertia and time steps \
+         of {timestep_s} s; look at the masses, springs, limits and muscles that act on it"
+    )]
+    Unstable {
+        /// The joint.
+        joint: String,
+        /// After how many seconds of simulated time.
+        time_s: f64,
+        /// Time step (s).
+        timestep_s: f64,
     },
 }

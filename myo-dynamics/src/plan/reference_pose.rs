@@ -22,7 +22,7 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     let n = plan.ndof();
     let (state, mut ws) = (State::<f64>::new(plan), Workspace::<f64>::new(plan));
     kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
-    tendon::lengths(plan, &state.qpos, &state.qvel, &mut ws);
+    tendon::lengths(plan, &state.qvel, &mut ws);
     inertia::resist(plan, &mut ws);
     inertia::mass_matrix(plan, &state, &mut ws);
     if let Some(bad) = (0..n).find(|&k| ws.mass[k * n + k] <= 0.0) {
@@ -43,6 +43,11 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
         .map(|muscle| solve(&ws, moment_arms(plan, muscle, &mut ws.clone())).iter().map(|a| a * a).sum::<f64>().sqrt())
         .collect();
     Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass: sphere_inverse_mass(plan, &ws, solve), acc0 })
+}
+
+/// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).
+pub(super) fn inertias(plan: &Plan<f64>) -> Result<Vec<f64>, PlanError> {
+    Ok(measure(plan)?.joint_inverse_inertia.into_iter().map(f64::recip).collect())
 }
 
 /// Generalised force of one newton along a muscle: its moment arms (m).

@@ -4,14 +4,14 @@
 //!   (1, cos, sin) of both: exact.
 //! - Links that move with one coordinate through several joints (a shoulder girdle) become polynomials in that coordinate:
 //!   their pose where something hangs on it, their energy, and the lengths of segments between them. Fits are refused
-//!   unless they are as good as single precision; the coordinate is held at the ends of the fitted interval.
+//!   unless they are as good as single precision, and followed past the coordinate's limits as [`ProfiledCoordinate`] says.
 
 use super::build::assign_screws;
 use super::{
     DoubleHingeSegment, Drive, Elements, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Placement, Plan, Point,
-    PoseProfile, ProfileSegment, Segment, SegmentPair, Tendons,
+    PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Tendons,
 };
-use crate::polynomial::{Domain, Polynomial, fit, nodes};
+use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
 use crate::spatial::{Motion, Rotation, Vec3};
 use crate::step::{inertia, kinematics};
 use crate::workspace::{State, Workspace};
@@ -22,8 +22,10 @@ use std::collections::{BTreeMap, BTreeSet};
 const TOLERANCE: f64 = 3e-9;
 /// Segments that can become shorter (m) keep the general form, which guards against division by zero.
 const SHORTEST: f64 = 1e-4;
-/// How far past its limits a coordinate is followed (rad): soft limits give way under strong muscles.
+/// How far past its limits a coordinate is fitted (rad): soft limits give way under strong muscles.
 const BEYOND_LIMITS: f64 = 0.1;
+/// How much farther the fits are followed (rad); the arm comes 0.15 rad past its limits at worst.
+const FOLLOWED: f64 = 0.4;
 
 impl Plan<f64> {
     /// A plan that computes the same from cheaper tables.
@@ -50,6 +52,7 @@ impl Plan<f64> {
         let samples = Samples::take(self, dof)?;
         let fixed_or_girdle = |link: usize| link == 0 || girdle.contains(&link);
         let mut plan = self.clone();
+        plan.profiled.push(ProfiledCoordinate { dof, domain: samples.domain });
         plan.fold_length_profiles(&samples, fixed_or_girdle)?;
         plan.energy_profiles.push(samples.energy(self, &girdle)?);
         plan.bodies.retain(|body| !girdle.contains(&body.link));
@@ -112,16 +115,18 @@ impl Plan<f64> {
                 let between = ws.place(&b) - ws.place(&a);
                 between.dot(between)
             };
-            let shortest = samples.poses.iter().map(squared).fold(f64::INFINITY, f64::min).sqrt();
-            if !(together(pair.a) && together(pair.b)) || shortest < SHORTEST {
+            let shortest_of = |poses: &[Workspace<f64>]| poses.iter().map(squared).fold(f64::INFINITY, f64::min).sqrt();
+            let (within, beyond) = samples.poses.split_at(NODES);
+            let shortest = shortest_of(within);
+            if !(together(pair.a) && together(pair.b)) || shortest.min(shortest_of(beyond)) < SHORTEST {
                 self.tendons.add_segment(muscle, a, b);
                 continue;
             }
             // dl = d(l^2) / (2 l)
             let square = samples.fit_to(TOLERANCE * 2.0 * shortest, squared)?;
-            let (dof, domain) = (samples.dof, samples.domain);
-            let half_slope = square.derivative().scaled(0.5 * domain.scale());
-            self.tendons.profiles.push(ProfileSegment { muscle, dof, domain, square, half_slope });
+            let half_slope = square.derivative().scaled(0.5 * samples.domain.scale());
+            let coordinate = samples.coordinate;
+            self.tendons.profiles.push(ProfileSegment { muscle, coordinate, square, half_slope });
         }
         Some(())
     }
@@ -216,9 +221,11 @@ fn squared_length(placement: &Placement<f64>, a: Vector3<f64>, b: Vector3<f64>) 
     [constant, -2.0 * (a.x * b.x + a.y * b.y), -2.0 * (a.y * b.x - a.x * b.y)]
 }
 
-/// The exact plan at the nodes of a fit: one coordinate swept at unit speed, the others at zero.
+/// The exact plan at the nodes of a fit and past its ends: one coordinate swept at unit speed, the others at zero.
 struct Samples {
     dof: usize,
+    /// Index in [`Plan::profiled`].
+    coordinate: usize,
     domain: Domain<f64>,
     links: Vec<Link<f64>>,
     /// Without gravity, at unit speed: accelerations are derivatives of screws.
@@ -230,7 +237,7 @@ struct Samples {
 impl Samples {
     fn take(plan: &Plan<f64>, dof: usize) -> Option<Self> {
         let [lo, hi] = plan.dofs[dof].range?;
-        let domain = Domain::new(lo - BEYOND_LIMITS, hi + BEYOND_LIMITS);
+        let domain = Domain::new(lo - BEYOND_LIMITS, hi + BEYOND_LIMITS, FOLLOWED);
         let weightless = Plan { gravity: [0.0; 3], ..plan.clone() };
         let sample = |plan: &Plan<f64>, speed: f64| -> Vec<Workspace<f64>> {
             let at = |t: f64| {
@@ -240,10 +247,10 @@ impl Samples {
                 inertia::resist(plan, &mut ws);
                 ws
             };
-            nodes().map(at).collect()
+            nodes().chain(domain.beyond()).map(at).collect()
         };
         let (poses, resting) = (sample(&weightless, 1.0), sample(plan, 0.0));
-        Some(Self { dof, domain, links: plan.links.clone(), poses, resting })
+        Some(Self { dof, coordinate: plan.profiled.len(), domain, links: plan.links.clone(), poses, resting })
     }
 
     fn screw(&self, ws: &Workspace<f64>, link: usize) -> Motion<f64> {
@@ -251,7 +258,7 @@ impl Samples {
     }
 
     fn fit_to(&self, tolerance: f64, of: impl Fn(&Workspace<f64>) -> f64) -> Option<Polynomial<f64>> {
-        fit(&self.poses.iter().map(of).collect::<Vec<_>>(), tolerance)
+        fit(&self.domain, &self.poses.iter().map(of).collect::<Vec<_>>(), tolerance)
     }
 
     fn fit(&self, of: impl Fn(&Workspace<f64>) -> f64) -> Option<Polynomial<f64>> {
@@ -270,7 +277,7 @@ impl Samples {
             None
         };
         Some(PoseProfile {
-            domain: self.domain,
+            coordinate: self.coordinate,
             axes,
             position: self.fit_vector(|ws| ws.position[link])?,
             screw: [self.fit_vector(|ws| self.screw(ws, link).ang)?, self.fit_vector(|ws| self.screw(ws, link).lin)?],
@@ -289,10 +296,9 @@ impl Samples {
             |ws: &Workspace<f64>| sum(&|link| self.screw(ws, link).dot(ws.inertia[link].apply(self.screw(ws, link))));
         // `wrench` holds what inertia subtracts.
         let resistance = |ws: &Workspace<f64>| sum(&|link| -self.screw(ws, link).dot(ws.wrench[link]));
-        let weight = fit(&self.resting.iter().map(resistance).collect::<Vec<_>>(), TOLERANCE)?;
+        let weight = fit(&self.domain, &self.resting.iter().map(resistance).collect::<Vec<_>>(), TOLERANCE)?;
         Some(EnergyProfile {
-            dof: self.dof,
-            domain: self.domain,
+            coordinate: self.coordinate,
             inertia: self.fit(inertia)?,
             centrifugal: self.fit(resistance)?,
             weight,

@@ -2,16 +2,26 @@
 //!
 //! MuJoCo's convex problem `min 1/2 |a - a_0|_M^2 + sum_i D_i/2 min(0, J_i a - aref_i)^2` (equality rows without the
 //! minimum) is quadratic for a given set of pushing rows, so a primal active-set method solves it: assume the rows, solve
-//! `(M + J^T D J) a = tau + J^T D aref`, look which rows push, repeat. It settles in one or two rounds; the number of
-//! rounds is fixed in advance and skipped only where no lane would change.
+//! `(M + J^T D J) a = tau + J^T D aref`, look which rows are wrong (they push and should not, or the other way round),
+//! change them, repeat.
+//!
+//! Changing all wrong rows at once settles in one or two rounds nearly always, but may go round in circles. From round
+//! [`BLOCK_ROUNDS`] on only the first wrong row changes, which cannot (Murty 1974, doi 10.1007/BF01580241: the forces solve
+//! a linear complementarity problem with the positive definite matrix `J M^-1 J^T + D^-1`, and for such matrices the
+//! least-index rule never meets a set twice). Both rules stop at the same set, since there is only one.
 
-use crate::plan::Plan;
+use crate::plan::{Form, Plan};
 use crate::step::{cholesky, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
-use myo_scalar::{Carried, Mask, Scalar, Visitor};
+use myo_scalar::{Carried, Mask, Scalar, Visitor, Word};
 
-/// Rounds after which the set of pushing rows is taken as it is.
-pub const MAX_ROUNDS: usize = 8;
+/// Rounds that may change several rows.
+pub const BLOCK_ROUNDS: usize = 4;
+/// Rounds after which the set of pushing rows is taken as it is, and the step counted as unsolved.
+pub const MAX_ROUNDS: usize = 100;
+/// Where rows change one by one, those that are wrong by less than this many units of rounding (of the numbers that their
+/// acceleration is the sum of) are right: both answers then give the same acceleration, and could take turns for ever.
+const ROUNDING: f64 = 64.0;
 
 /// Fills the limit rows.
 #[inline(always)]
@@ -24,9 +34,13 @@ pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Works
         let lower = above.lt(below);
         let distance = above.min(below);
         let sign = S::select(lower, S::lit(1.0), S::lit(-1.0));
-        let (weight, reference) = limit.impedance.row(distance, sign * joint.rate, S::splat(limit.diagonal));
+        let (weight, mut reference) = limit.impedance.row(distance, sign * joint.rate, S::splat(limit.diagonal));
+        // The row's acceleration is `J a + Jdot v`, and the solver compares `J a`.
+        if limit.drive.form == Form::Curved {
+            reference -= sign * joint.drift;
+        }
         let exists = distance.lt(S::zero());
-        ws.limit[k] = Row { exists, active: exists, weight, reference, slope: sign * joint.slope };
+        ws.limit[k] = Row { exists, active: exists, before: exists, weight, reference, slope: sign * joint.slope };
     }
 }
 
@@ -46,11 +60,12 @@ pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut W
         let velocity = state.qvel[equality.dependent] - leader.rate;
         let (weight, reference) = equality.impedance.row(violation, velocity, S::splat(equality.diagonal));
         let always = S::Mask::splat(true);
-        ws.equality[k] = Row { exists: always, active: always, weight, reference, slope: S::lit(1.0) };
+        ws.equality[k] =
+            Row { exists: always, active: always, before: always, weight, reference, slope: S::lit(1.0) };
     }
 }
 
-/// Solves for `qacc`; fills the contact's force.
+/// Solves for `qacc`; fills the contact's force and counts the rounds.
 #[inline(always)]
 pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let mut violated = S::Mask::splat(false);
@@ -59,27 +74,37 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     }
     let limited = violated.any();
     let touching = ws.contact.exists.any();
-    ws.rounds = 0;
+    (ws.round, ws.unsettled) = (S::zero(), S::Mask::splat(false));
     S::repeat_while(MAX_ROUNDS, &mut Round(ws), |Round(ws)| {
         assemble(plan, ws, limited, touching);
         cholesky::factor_and_solve(plan.ndof(), &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
-        ws.rounds += 1;
-        if limited || touching { update(plan, ws, touching) } else { S::Mask::splat(false) }
+        if limited || touching {
+            ws.round += S::lit(1.0);
+            exchange(plan, ws, touching);
+        }
+        ws.unsettled
     });
+    let (none, one) = (S::Word::splat(0), S::Word::splat(1));
+    ws.tally.rounds = ws.tally.rounds + one;
+    ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
     if touching {
         contact_force(plan, ws);
     }
 }
 
-/// What a round hands on: which rows push, and the acceleration.
+/// What a round hands on: which rows push, the acceleration, and how it went.
 struct Round<'a, S: Scalar>(&'a mut Workspace<S>);
 
 impl<S: Scalar> Carried<S> for Round<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        for row in self.0.limit.iter_mut().chain(&mut self.0.contact.rows) {
+        let Round(ws) = self;
+        for row in ws.limit.iter_mut().chain(&mut ws.contact.rows) {
             visitor.mask(&mut row.active);
         }
-        visitor.numbers(&mut self.0.qacc);
+        visitor.numbers(&mut ws.qacc);
+        visitor.number(&mut ws.round);
+        visitor.mask(&mut ws.unsettled);
+        visitor.word(&mut ws.tally.rounds);
     }
 }
 
@@ -119,9 +144,10 @@ fn add_row<S: Scalar>(n: usize, row: &Row<S>, jacobian: &[S], matrix: &mut [S], 
     }
 }
 
-/// Looks which rows push at the new acceleration; returns where the set changed.
+/// Changes rows that are wrong at the new acceleration; `unsettled` is where there were any.
 #[inline(always)]
-fn update<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: bool) -> S::Mask {
+fn exchange<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: bool) {
+    let n = plan.ndof();
     let mut changed = S::Mask::splat(false);
     for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
         if let Some(dof) = limit.drive.dof {
@@ -129,21 +155,75 @@ fn update<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: boo
         }
     }
     if touching {
-        let n = plan.ndof();
         for (row, jacobian) in ws.contact.rows.iter_mut().zip(ws.contact_jacobian.chunks_exact(n)) {
             changed = changed | judge(row, product(jacobian, &ws.qacc));
         }
     }
-    changed
+    ws.unsettled = changed;
+    let late = changed & S::lit(BLOCK_ROUNDS as f64).lt(ws.round);
+    S::when(late, &mut Changes(ws), |Changes(ws)| keep_first(plan, late, ws, touching));
+    let (none, one) = (S::Word::splat(0), S::Word::splat(1));
+    ws.tally.rounds = ws.tally.rounds + S::select_word(ws.unsettled, one, none);
 }
 
 /// Decides whether a row pushes; returns where that is news.
 #[inline(always)]
 fn judge<S: Scalar>(row: &mut Row<S>, acceleration: S) -> S::Mask {
-    let active = row.exists & acceleration.lt(row.reference);
-    let changed = (active & !row.active) | (row.active & !active);
-    row.active = active;
-    changed
+    row.before = row.active;
+    row.active = row.exists & acceleration.lt(row.reference);
+    differ(row.active, row.before)
+}
+
+#[inline(always)]
+fn differ<M: Mask>(a: M, b: M) -> M {
+    (a & !b) | (b & !a)
+}
+
+/// What [`keep_first`] changes.
+struct Changes<'a, S: Scalar>(&'a mut Workspace<S>);
+
+impl<S: Scalar> Carried<S> for Changes<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Changes(ws) = self;
+        for row in ws.limit.iter_mut().chain(&mut ws.contact.rows) {
+            visitor.mask(&mut row.active);
+        }
+        visitor.mask(&mut ws.unsettled);
+    }
+}
+
+/// Takes all changes but the first back where `late` is true, and those that are within rounding.
+#[inline(always)]
+fn keep_first<S: Scalar>(plan: &Plan<S::Const>, late: S::Mask, ws: &mut Workspace<S>, touching: bool) {
+    let n = plan.ndof();
+    let mut waiting = late;
+    for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
+        if let Some(dof) = limit.drive.dof {
+            let acceleration = ws.qacc[dof] * row.slope;
+            keep_if_first(row, acceleration, acceleration.abs(), late, &mut waiting);
+        }
+    }
+    if touching {
+        for (row, jacobian) in ws.contact.rows.iter_mut().zip(ws.contact_jacobian.chunks_exact(n)) {
+            let mut size = S::zero();
+            for (&x, &y) in jacobian.iter().zip(&ws.qacc) {
+                size += (x * y).abs();
+            }
+            keep_if_first(row, product(jacobian, &ws.qacc), size, late, &mut waiting);
+        }
+    }
+    ws.unsettled = ws.unsettled & !waiting;
+}
+
+/// Keeps a row's change where `waiting` is true and the row clearly wrong, which ends the waiting there. `size` is what
+/// rounding of the acceleration is relative to.
+#[inline(always)]
+fn keep_if_first<S: Scalar>(row: &mut Row<S>, acceleration: S, size: S, late: S::Mask, waiting: &mut S::Mask) {
+    let rounding = (size + row.reference.abs()) * S::lit(ROUNDING * S::EPSILON);
+    let wrong = differ(row.active, row.before) & rounding.lt((acceleration - row.reference).abs());
+    let first = wrong & *waiting;
+    *waiting = *waiting & !first;
+    row.active = (row.active & (first | !late)) | (row.before & late & !first);
 }
 
 #[inline(always)]

@@ -23,10 +23,10 @@ pub fn passive<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Work
         ws.torque[dof] -= force * j.slope;
     }
     for profile in &plan.energy_profiles {
-        let t = profile.domain.map(state.qpos[profile.dof]);
-        let speed = state.qvel[profile.dof];
+        let (dof, at) = (plan.profiled[profile.coordinate].dof, &ws.profiled[profile.coordinate]);
+        let (t, speed) = (at.argument, state.qvel[dof]);
         let bias = profile.centrifugal.value(t).mul_add(speed * speed, profile.weight.value(t));
-        ws.torque[profile.dof] -= bias;
+        ws.torque[dof] -= bias.only(at.is_free);
     }
 }
 

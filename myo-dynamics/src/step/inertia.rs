@@ -69,8 +69,8 @@ pub fn mass_matrix<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
         ws.mass[k * n + k] += S::splat(dof.armature);
     }
     for profile in &plan.energy_profiles {
-        let t = profile.domain.map(state.qpos[profile.dof]);
-        ws.mass[profile.dof * n + profile.dof] += profile.inertia.value(t);
+        let dof = plan.profiled[profile.coordinate].dof;
+        ws.mass[dof * n + dof] += profile.inertia.value(ws.profiled[profile.coordinate].argument);
     }
     for joint in &plan.curved_joints {
         let j = joint_state(&joint.drive, &state.qpos, &state.qvel);

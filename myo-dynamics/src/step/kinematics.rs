@@ -3,12 +3,15 @@
 use crate::plan::{Drive, Form, Link, LinkMotion, Placement, Plan, PoseProfile};
 use crate::polynomial::Polynomial;
 use crate::spatial::{Motion, Rotation, Vec3};
-use crate::workspace::{JointState, Workspace};
+use crate::workspace::{JointState, ProfiledState, Workspace};
 use myo_scalar::Scalar;
 
-/// Fills `joint`, `rotation`, `position`, `screw`, `velocity` and `acceleration`.
+/// Fills `profiled`, `joint`, `rotation`, `position`, `screw`, `velocity` and `acceleration`.
 #[inline(always)]
 pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) {
+    for (at, coordinate) in ws.profiled.iter_mut().zip(&plan.profiled) {
+        (at.argument, at.is_free) = coordinate.domain.map(qpos[coordinate.dof]);
+    }
     // Gravity acts like an upward acceleration of the world.
     let gravity = Vec3::splat(plan.gravity);
     ws.acceleration[0] = Motion { ang: Vec3::zero(), lin: -gravity };
@@ -146,18 +149,27 @@ fn follow<S: Scalar>(
     ws: &mut Workspace<S>,
 ) {
     let joint = joint_state(&link.drive, qpos, qvel);
-    let t = profile.domain.map(joint.position);
+    let ProfiledState { argument: t, is_free } = ws.profiled[profile.coordinate];
     if let Some(axes) = &profile.axes {
         let (x, y) = (vector(&axes[0], t), vector(&axes[1], t));
         ws.rotation[index] = Rotation { x, y, z: x.cross(y) };
     }
     ws.position[index] = vector(&profile.position, t);
-    let screw = Motion { ang: vector(&profile.screw[0], t), lin: vector(&profile.screw[1], t) };
-    let rate = Motion { ang: vector(&profile.screw_rate[0], t), lin: vector(&profile.screw_rate[1], t) };
+    let screw = motion(&profile.screw, t, is_free);
+    let rate = motion(&profile.screw_rate, t, is_free);
     ws.joint[index] = joint;
     ws.screw[index] = screw;
     ws.velocity[index] = screw.scale(joint.rate);
     ws.acceleration[index] = rate.mul_add(joint.rate * joint.rate, ws.acceleration[0]);
+}
+
+/// A screw or its rate; zero where the link is held.
+#[inline(always)]
+fn motion<S: Scalar>(p: &[[Polynomial<S::Const>; 3]; 2], t: S, is_free: S::Mask) -> Motion<S> {
+    Motion {
+        ang: Vec3::select(is_free, vector(&p[0], t), Vec3::zero()),
+        lin: Vec3::select(is_free, vector(&p[1], t), Vec3::zero()),
+    }
 }
 
 #[inline(always)]

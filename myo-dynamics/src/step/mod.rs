@@ -45,8 +45,8 @@ pub fn forward<S: Scalar>(
     outlined::<S, Constraints>(plan, obstacles, state, ws);
 }
 
-/// A part of a step that is a function of its own; see [`Scalar::outline`].
-trait Part {
+/// Part of a step that is a function of its own; see [`Scalar::outline`].
+trait StepStage {
     const NAME: &'static str;
     fn apply<S: Scalar>(
         plan: &Plan<S::Const>,
@@ -59,7 +59,7 @@ trait Part {
 /// Where everything is and how fast it moves.
 struct Positions;
 
-impl Part for Positions {
+impl StepStage for Positions {
     const NAME: &'static str = "positions";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
@@ -70,11 +70,11 @@ impl Part for Positions {
 /// Muscle paths and forces.
 struct Paths;
 
-impl Part for Paths {
+impl StepStage for Paths {
     const NAME: &'static str = "muscle paths and forces";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
-        tendon::lengths(plan, &state.qpos, &state.qvel, ws);
+        tendon::lengths(plan, &state.qvel, ws);
         muscle_forces(plan, state, ws);
     }
 }
@@ -82,7 +82,7 @@ impl Part for Paths {
 /// Generalised forces and the mass matrix.
 struct Forces;
 
-impl Part for Forces {
+impl StepStage for Forces {
     const NAME: &'static str = "generalised forces and mass matrix";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
@@ -97,7 +97,7 @@ impl Part for Forces {
 /// Limits, couplings, contact, and the acceleration.
 struct Constraints;
 
-impl Part for Constraints {
+impl StepStage for Constraints {
     const NAME: &'static str = "constraints and acceleration";
     #[inline(always)]
     fn apply<S: Scalar>(
@@ -115,7 +115,7 @@ impl Part for Constraints {
 
 /// Runs a part in a function of its own.
 #[inline(always)]
-fn outlined<S: Scalar, P: Part>(
+fn outlined<S: Scalar, P: StepStage>(
     plan: &Plan<S::Const>,
     obstacles: &Obstacles<S::Const>,
     state: &State<S>,
@@ -128,7 +128,7 @@ fn outlined<S: Scalar, P: Part>(
         ws: &'a mut Workspace<S>,
         part: PhantomData<P>,
     }
-    impl<S: Scalar, P: Part> Stage<S> for Call<'_, S, P> {
+    impl<S: Scalar, P: StepStage> Stage<S> for Call<'_, S, P> {
         const NAME: &'static str = P::NAME;
         type Output = ();
         #[inline(always)]

@@ -5,7 +5,7 @@
 
 use crate::plan::{DoubleHingeSegment, HingeSegment, Plan, ProfileSegment};
 use crate::spatial::{Frame, Vec3, Wrench};
-use crate::workspace::{JointState, Workspace};
+use crate::workspace::{JointState, ProfiledState, Workspace};
 use myo_scalar::Scalar;
 
 /// Shorter segments have no direction to speak of (m^2); keeps the reciprocal root finite.
@@ -13,11 +13,11 @@ const SHORTEST_SQUARED: f64 = 1e-20;
 
 /// Fills `tendon_length` and `tendon_velocity`, and the slopes and lines that `pull` needs.
 #[inline(always)]
-pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) {
+pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qvel: &[S], ws: &mut Workspace<S>) {
     let tendons = &plan.tendons;
     // Slices of their own here and below: after a store through `ws` the compiler would fetch all addresses anew.
     let (length, rate) = (&mut ws.tendon_length[..], &mut ws.tendon_velocity[..]);
-    let (joints, velocities) = (&ws.joint[..], &ws.velocity[..]);
+    let (joints, velocities, profiled) = (&ws.joint[..], &ws.velocity[..], &ws.profiled[..]);
     let (rotations, positions) = (&ws.rotation[..], &ws.position[..]);
     for (muscle, &constant) in tendons.constant.iter().enumerate() {
         length[muscle] = S::splat(constant);
@@ -25,9 +25,10 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mu
     }
     for (profile, slope) in tendons.profiles.iter().zip(&mut ws.profile_slope) {
         let added;
-        (added, *slope) = profile_length(profile, qpos[profile.dof]);
+        let at = &profiled[profile.coordinate];
+        (added, *slope) = profile_length(profile, at);
         length[profile.muscle] += added;
-        add_product(&mut rate[profile.muscle], *slope, qvel[profile.dof]);
+        add_product(&mut rate[profile.muscle], *slope, qvel[plan.profiled[profile.coordinate].dof]);
     }
     for (segment, slope) in tendons.hinge.iter().zip(&mut ws.hinge_slope) {
         let joint = &joints[segment.link];
@@ -70,7 +71,7 @@ pub fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let (force, wrenches) = (&ws.muscle_force[..], &mut ws.wrench[..]);
     let (torque, joint_torque) = (&mut ws.torque[..], &mut ws.joint_torque[..]);
     for (profile, &slope) in tendons.profiles.iter().zip(&ws.profile_slope) {
-        add_product(&mut torque[profile.dof], slope, force[profile.muscle]);
+        add_product(&mut torque[plan.profiled[profile.coordinate].dof], slope, force[profile.muscle]);
     }
     for (segment, &slope) in tendons.hinge.iter().zip(&ws.hinge_slope) {
         add_product(&mut joint_torque[segment.link], slope, force[segment.muscle]);
@@ -99,11 +100,10 @@ fn add_product<S: Scalar>(sum: &mut S, a: S, b: S) {
 
 /// Length and its derivative with respect to the coordinate, `l' = (l^2)' / (2 l)`. It never vanishes, see the plan.
 #[inline(always)]
-fn profile_length<S: Scalar>(segment: &ProfileSegment<S::Const>, q: S) -> (S, S) {
-    let t = segment.domain.map(q);
-    let square = segment.square.value(t);
+fn profile_length<S: Scalar>(segment: &ProfileSegment<S::Const>, at: &ProfiledState<S>) -> (S, S) {
+    let square = segment.square.value(at.argument);
     let inverse = square.rsqrt();
-    (square * inverse, segment.half_slope.value(t) * inverse)
+    (square * inverse, (segment.half_slope.value(at.argument) * inverse).only(at.is_free))
 }
 
 /// Length and its derivative with respect to the hinge angle. It never vanishes, see the plan.

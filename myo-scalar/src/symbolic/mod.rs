@@ -60,13 +60,32 @@ pub fn trace(record: impl FnOnce()) -> Program {
 /// # Panics
 /// As [`trace`].
 pub fn trace_as(form: Form, record: impl FnOnce()) -> Program {
-    GRAPH.with_borrow_mut(|graph| {
-        assert!(graph.is_none(), "a trace is running on this thread already");
-        *graph = Some(Graph::new(form));
-    });
+    let recording = Recording::begin(form);
     record();
-    let graph = GRAPH.with_borrow_mut(Option::take).expect("the graph put in above");
-    Program::new(graph)
+    Program::new(recording.finish())
+}
+
+/// That a trace is running on this thread. Dropping it ends the trace, also when a panic unwinds through `record`.
+struct Recording;
+
+impl Recording {
+    fn begin(form: Form) -> Self {
+        GRAPH.with_borrow_mut(|graph| {
+            assert!(graph.is_none(), "a trace is running on this thread already");
+            *graph = Some(Graph::new(form));
+        });
+        Self
+    }
+
+    fn finish(self) -> Graph {
+        GRAPH.with_borrow_mut(Option::take).expect("the graph put in by `begin`")
+    }
+}
+
+impl Drop for Recording {
+    fn drop(&mut self) {
+        GRAPH.with_borrow_mut(|graph| *graph = None);
+    }
 }
 
 /// Works on the graph of the running trace.

@@ -165,6 +165,7 @@ impl Scalar for Sym {
     type Mask = SymMask;
     type Word = SymWord;
     const LANES: usize = 1;
+    const EPSILON: f64 = f32::EPSILON as f64;
 
     fn splat(c: f64) -> Self {
         Self(with_graph(|graph| graph.number(c)))

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
+use myo::dynamics::{Coupling, Plan};
 use myo::model::mjcf::{MjcfOptions, to_mjcf};
 use myo::model::{Model, ModelDescription, builtin, builtin_names};
 
-use super::failure::{Failure, Result, model_failure};
+use super::failure::{Failure, Mistake, Result, model_failure};
 use super::output::{print, print_json, row, table, write_file};
+use super::task::as_json;
 
 /// What to do with models.
 #[derive(Subcommand)]
@@ -25,6 +27,23 @@ pub enum Command {
         /// Name of a model, or a model file
         model: String,
         /// Print the whole description as JSON, with the keys of the model file
+        #[arg(long)]
+        json: bool,
+    },
+    /// Whether a model can be simulated, and what is wrong if not
+    #[command(after_help = "\
+Example:
+  myo model check arm.yaml
+
+A model passes that keeps finite for a thousand control steps of random controls, tried here. The exit status is 0 if it
+does and 1 if not.
+
+JSON: `ok`; `errors` with `file`, `line`, `column` and `message`; and, if it is ok, `bodies`, `joints`, `coordinates`,
+`muscles`.")]
+    Check {
+        /// Model file, or name of a model
+        model: String,
+        /// Print the findings as JSON
         #[arg(long)]
         json: bool,
     },
@@ -61,6 +80,7 @@ pub fn run(command: Command) -> Result<()> {
     match command {
         Command::List { json } => list(json),
         Command::Show { model, json } => show(&model, json),
+        Command::Check { model, json } => check(&model, json),
         Command::Export(export) => write(&export),
     }
 }
@@ -112,6 +132,43 @@ fn show(name_or_file: &str, json: bool) -> Result<()> {
     }
     let model = Model::new(&description).map_err(|error| model_failure(&error))?;
     print(&format!("{}\n\nJoints\n{}\nMuscles\n{}", heading(&model, &description), joints(&model), muscles(&model)))
+}
+
+fn check(name_or_file: &str, json: bool) -> Result<()> {
+    let errors = match simulate(name_or_file) {
+        Ok((model, plan)) => return tell_sizes(name_or_file, &model, &plan, json),
+        Err(Failure::Mistakes(errors)) => errors,
+        Err(Failure::Sentence(message)) => vec![Mistake { message, place: None, text: None, warning: false }],
+        Err(failure) => return Err(failure),
+    };
+    if json {
+        print_json(&serde_json::json!({"ok": false, "errors": errors.iter().map(as_json).collect::<Vec<_>>()}))?;
+        return Err(Failure::Mistakes(Vec::new()));
+    }
+    Err(Failure::Mistakes(errors))
+}
+
+/// The model and its plan, tried out.
+fn simulate(name_or_file: &str) -> Result<(Model, Plan<f64>)> {
+    let in_file = |error: &dyn std::error::Error| Failure::sentence(format!("{name_or_file}: {error}"));
+    let model = Model::new(&describe(name_or_file)?).map_err(|error| in_file(&error))?;
+    let plan = Plan::exact(&model, Coupling::Reduced).map_err(|error| in_file(&error))?;
+    plan.try_out().map_err(|error| in_file(&error))?;
+    Ok((model, plan))
+}
+
+fn tell_sizes(name_or_file: &str, model: &Model, plan: &Plan<f64>, json: bool) -> Result<()> {
+    let (bodies, joints, coordinates) = (model.bodies.len() - 1, model.joints.len(), plan.ndof());
+    let muscles = model.muscles.len();
+    if json {
+        return print_json(&serde_json::json!({
+            "ok": true, "errors": [], "bodies": bodies, "joints": joints, "coordinates": coordinates, "muscles": muscles,
+        }));
+    }
+    print(&format!(
+        "{name_or_file} can be simulated: {bodies} bodies, {joints} joints that move with {coordinates} coordinates, \
+         {muscles} muscles\n"
+    ))
 }
 
 fn heading(model: &Model, description: &ModelDescription) -> String {

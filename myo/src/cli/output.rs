@@ -1,11 +1,15 @@
 //! Output: text, tables, JSON, files.
 
+use std::fs::Permissions;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::failure::{Failure, Result};
+
+/// Links in a row that are followed, as many as Linux follows.
+const MOST_LINKS: usize = 40;
 
 /// Writes text to standard output as it is.
 pub fn print(text: &str) -> Result<()> {
@@ -22,14 +26,58 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
-/// Writes a file that is whole or not there.
+/// Writes a file that is whole or not there. A link stays and the file that it leads to is written; a device or pipe is
+/// written into; a file that is read-only is refused.
 pub fn write_file(path: &Path, text: &str) -> Result<()> {
+    write_to(path, text).map_err(|error| Failure::sentence(format!("cannot write {}: {error}", path.display())))
+}
+
+fn write_to(path: &Path, text: &str) -> std::io::Result<()> {
+    let path = behind_links(path)?;
+    let before = match std::fs::metadata(&path) {
+        Ok(before) => Some(before),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    if before.as_ref().is_some_and(|before| !before.is_file()) {
+        return std::fs::OpenOptions::new().write(true).open(&path)?.write_all(text.as_bytes());
+    }
+    let permissions = before.map(|before| before.permissions());
+    if permissions.as_ref().is_some_and(Permissions::readonly) {
+        return Err(std::io::Error::new(ErrorKind::PermissionDenied, "the file is read-only"));
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut file| {
-        file.write_all(text.as_bytes())?;
-        Ok(file.persist(path)?)
-    });
-    written.map(drop).map_err(|error| Failure::sentence(format!("cannot write {}: {error}", path.display())))
+    let mut file = new_file_in(folder)?;
+    file.write_all(text.as_bytes())?;
+    if let Some(permissions) = permissions {
+        file.as_file().set_permissions(permissions)?;
+    }
+    file.persist(path)?;
+    Ok(())
+}
+
+/// A file under another name for now, that others may read as far as this user's files are for them.
+fn new_file_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        tempfile::Builder::new().permissions(Permissions::from_mode(0o666)).tempfile_in(folder)
+    }
+    #[cfg(not(unix))]
+    tempfile::NamedTempFile::new_in(folder)
+}
+
+/// What a path leads to, which need not be there.
+fn behind_links(path: &Path) -> std::io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if !std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink()) {
+            return Ok(path);
+        }
+        let to = std::fs::read_link(&path)?;
+        path = path.parent().unwrap_or(Path::new("")).join(to);
+    }
+    Err(std::io::Error::other("links lead round in circles"))
 }
 
 /// Columns as wide as their widest cell, two spaces apart; the first row is the heading. Cells that begin with a digit

@@ -120,7 +120,7 @@ fn findings(name_or_file: &str) -> Result<(Vec<Mistake>, Vec<Mistake>)> {
     Ok(stage::mistakes(&source, &report))
 }
 
-fn as_json(mistake: &Mistake) -> serde_json::Value {
+pub fn as_json(mistake: &Mistake) -> serde_json::Value {
     let place = mistake.place.as_ref();
     json!({
         "file": place.map(|place| &place.file),

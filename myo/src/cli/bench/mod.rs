@@ -56,12 +56,12 @@ enum LevelName {
 impl LevelName {
     /// The level, if this processor has it.
     fn level(self) -> Result<Level> {
-        let (level, name) = match self {
-            Self::Portable => (Level::Portable, "portable"),
-            Self::Avx2 => (Level::Avx2, "avx2"),
-            Self::Avx512 => (Level::Avx512, "avx512"),
+        let name = match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
         };
-        if Level::available().contains(&level) {
+        if let Some(level) = Level::named(name) {
             return Ok(level);
         }
         let names: Vec<_> = Level::available().into_iter().map(Level::name).collect();

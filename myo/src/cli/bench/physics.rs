@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use myo::dynamics::{Batch, Coupling, Plan};
+use myo::dynamics::{Batch, Coupling, Plan, SolverCount};
 use myo::scalar::Level;
 use serde::Serialize;
 use serde_json::json;
@@ -61,12 +61,14 @@ Examples:
   myo bench physics --threads 8 --json
 
 Every body gets new random excitations in [0, 1] every 25 physics steps of 2 ms. Rates are those of the best of 11
-measurements; `median` is the middle one. With `--against-mujoco` the two take turns, on one core if `--threads` is 1,
+measurements; `median` is the middle one; `rounds` are those of the constraint solver per physics step, `unsolved` the
+physics steps that it gave up on, which should be none. With `--against-mujoco` the two take turns, on one core if `--threads` is 1,
 and `ratio` is the quotient of the physics steps per second.
 
 JSON: `rows` of objects with `backend`, `level`, `model`, `envs`, `threads`, `physics_steps_per_s`,
 `control_steps_per_s`, `physics_steps_per_s_median`, `limited` (share of control steps that end with a joint beyond its
-limit), `ratio`, `ratio_median`, `machine`, `date`, `version`; and `ratio` of the first row.";
+limit), `solver_rounds` (of the constraint solver per physics step), `solver_unsolved` (physics steps that it gave up on; 0
+is right), `ratio`, `ratio_median`, `machine`, `date`, `version`; and `ratio` of the first row.";
 
 /// One measured backend.
 #[derive(Clone, Debug, Serialize)]
@@ -80,6 +82,8 @@ struct Row {
     control_steps_per_s: f64,
     physics_steps_per_s_median: f64,
     limited: f64,
+    solver_rounds: Option<f64>,
+    solver_unsolved: Option<u64>,
     ratio: Option<f64>,
     ratio_median: Option<f64>,
     #[serde(flatten)]
@@ -131,6 +135,9 @@ impl Scene<'_> {
         let threads = self.pool.current_num_threads();
         let mut own = self.row("cpu", (self.envs, threads), STEPS, &ours);
         own.level = Some(level.name());
+        let solver: SolverCount = runner.batch.solver_counts().iter().copied().sum();
+        own.solver_rounds = Some(solver.rounds as f64 / solver.steps as f64);
+        own.solver_unsolved = Some(solver.unsolved);
         let Some(opponent) = &self.opponent else { return Ok(vec![own]) };
         let other = self.row(&format!("mujoco {}", opponent.version), (1, 1), MUJOCO_STEPS, &theirs);
         own.ratio = Some(own.physics_steps_per_s / other.physics_steps_per_s);
@@ -153,6 +160,8 @@ impl Scene<'_> {
             control_steps_per_s: control_steps / best,
             physics_steps_per_s_median: physics_steps / median,
             limited: measured.iter().map(|(_, limited)| limited).sum::<f64>() / measured.len() as f64,
+            solver_rounds: None,
+            solver_unsolved: None,
             ratio: None,
             ratio_median: None,
             machine: self.machine.clone(),
@@ -202,8 +211,19 @@ fn show(json: bool, rows: &[Row], machine: &Machine) -> Result<()> {
     if json {
         return print_json(&json!({"rows": rows, "ratio": rows.first().and_then(|row| row.ratio)}));
     }
-    let heading =
-        ["backend", "level", "envs", "threads", "physics steps/s", "median", "control steps/s", "limited", "ratio"];
+    let heading = [
+        "backend",
+        "level",
+        "envs",
+        "threads",
+        "physics steps/s",
+        "median",
+        "control steps/s",
+        "limited",
+        "rounds",
+        "unsolved",
+        "ratio",
+    ];
     let mut cells = vec![row(heading)];
     cells.extend(rows.iter().map(|r| {
         row([
@@ -215,6 +235,8 @@ fn show(json: bool, rows: &[Row], machine: &Machine) -> Result<()> {
             &rounded(r.physics_steps_per_s_median),
             &rounded(r.control_steps_per_s),
             &percent(r.limited),
+            &r.solver_rounds.map_or(String::new(), |rounds| format!("{rounds:.2}")),
+            &r.solver_unsolved.map_or(String::new(), |steps| steps.to_string()),
             &r.ratio.map_or(String::new(), |ratio| format!("{ratio:.0}")),
         ])
     }));

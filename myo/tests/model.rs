@@ -1,0 +1,129 @@
+#![cfg(unix)]
+//! `myo model check` and `myo model export`, run as a user runs them.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn myo(folder: &Path, args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
+    command.args(args).current_dir(folder).output().expect("the program starts")
+}
+
+fn stdout(output: &Output) -> String {
+    assert!(output.status.success(), "{}", stderr(output));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_refused(output: &Output, sentence: &str) {
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(output));
+    assert!(stderr(output).contains(sentence), "{}", stderr(output));
+}
+
+/// A folder with the arm's model file.
+fn with_arm() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let text = stdout(&myo(folder.path(), &["model", "export", "mobl-arms", "--format", "yaml"]));
+    std::fs::write(folder.path().join("arm.yaml"), &text).unwrap();
+    (folder, text)
+}
+
+#[test]
+fn a_model_that_can_be_simulated_is_told_with_its_size() {
+    let (folder, _) = with_arm();
+    for name in ["mobl-arms", "arm.yaml"] {
+        let said = stdout(&myo(folder.path(), &["model", "check", name]));
+        let sizes = "17 bodies, 17 joints that move with 5 coordinates, 26 muscles";
+        assert_eq!(said, format!("{name} can be simulated: {sizes}\n"));
+        let found: Value =
+            serde_json::from_str(&stdout(&myo(folder.path(), &["model", "check", name, "--json"]))).unwrap();
+        assert_eq!((&found["ok"], &found["coordinates"]), (&Value::Bool(true), &Value::from(5)));
+    }
+    let help = stdout(&myo(folder.path(), &["model", "check", "--help"]));
+    assert!(help.contains("myo model check arm.yaml"), "{help}");
+}
+
+#[test]
+fn what_is_wrong_with_a_model_is_told_with_its_file() {
+    let (folder, text) = with_arm();
+    let line = 1 + text.lines().position(|line| line.contains("mass: 8.01418")).unwrap();
+    let cases = [
+        ("mass: 8.01418", "mass: -8.01418", format!("wrong.yaml:{line}:")),
+        ("mass: 8.01418", "mass: 8.1e6", "wrong.yaml: body `thorax`: `mass` is 8100000 kg".into()),
+        ("version: 1", "version: 9", "wrong.yaml: the model has format version 9".into()),
+        ("damping: 0.5", "damping: 5.0e5", "wrong.yaml: joint '".into()),
+    ];
+    for (piece, replacement, expected) in cases {
+        assert!(text.contains(piece), "{piece}");
+        std::fs::write(folder.path().join("wrong.yaml"), text.replacen(piece, replacement, 1)).unwrap();
+        assert_refused(&myo(folder.path(), &["model", "check", "wrong.yaml"]), &expected);
+        let output = myo(folder.path(), &["model", "check", "wrong.yaml", "--json"]);
+        assert_eq!(output.status.code(), Some(1));
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!((&found["ok"], found["errors"].as_array().unwrap().len()), (&Value::Bool(false), 1));
+    }
+    assert_refused(&myo(folder.path(), &["model", "check", "absent.yaml"]), "cannot read absent.yaml");
+}
+
+fn export(folder: &Path, to: &str) -> Output {
+    myo(folder, &["model", "export", "mobl-arms", "--format", "yaml", "-o", to])
+}
+
+#[test]
+fn an_export_follows_links() {
+    use std::os::unix::fs::PermissionsExt;
+    let (folder, text) = with_arm();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("old.yaml"), "old").unwrap();
+    std::fs::set_permissions(at("old.yaml"), std::fs::Permissions::from_mode(0o640)).unwrap();
+    std::os::unix::fs::symlink("old.yaml", at("first")).unwrap();
+    std::os::unix::fs::symlink("first", at("second")).unwrap();
+    std::os::unix::fs::symlink("new.yaml", at("dangling")).unwrap();
+    std::os::unix::fs::symlink("circle", at("circle")).unwrap();
+    stdout(&export(folder.path(), "second"));
+    stdout(&export(folder.path(), "dangling"));
+    for (link, file) in [("second", "old.yaml"), ("dangling", "new.yaml")] {
+        assert!(at(link).symlink_metadata().unwrap().is_symlink(), "{link}");
+        assert!(!at(file).symlink_metadata().unwrap().is_symlink(), "{file}");
+        assert_eq!(std::fs::read_to_string(at(file)).unwrap(), text, "{file}");
+    }
+    assert_eq!(at("old.yaml").metadata().unwrap().permissions().mode() & 0o777, 0o640);
+    assert_refused(&export(folder.path(), "circle"), "cannot write circle");
+}
+
+#[test]
+fn an_export_goes_into_devices_and_pipes() {
+    use std::os::unix::fs::FileTypeExt;
+    let (folder, text) = with_arm();
+    stdout(&export(folder.path(), "/dev/null"));
+    assert!(std::fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || std::fs::read_to_string(pipe).unwrap()
+    });
+    stdout(&export(folder.path(), "pipe"));
+    assert!(std::fs::metadata(&pipe).unwrap().file_type().is_fifo());
+    assert_eq!(reader.join().unwrap(), text);
+}
+
+#[test]
+fn an_export_refuses_read_only_files_and_folders() {
+    let (folder, _) = with_arm();
+    let kept = folder.path().join("kept.yaml");
+    std::fs::write(&kept, "precious").unwrap();
+    let mut permissions = kept.metadata().unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&kept, permissions).unwrap();
+    assert_refused(&export(folder.path(), "kept.yaml"), "cannot write kept.yaml: the file is read-only");
+    assert_eq!(std::fs::read_to_string(&kept).unwrap(), "precious");
+    assert_refused(&export(folder.path(), "."), "cannot write .");
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+}
