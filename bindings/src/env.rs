@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use myo::env::{Autoreset, EnvConfig, EnvError, Snapshot, Tables};
+use myo::picture::Painter;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -12,7 +13,7 @@ use crate::arrays::{Arrays, Stepped, Views, ended};
 use crate::batch::{Batch, Shown};
 use crate::error::{self, compute};
 use crate::model::Model;
-use crate::picture::Painter;
+use crate::picture::pixels;
 use crate::place::Wish;
 use crate::process::{own_pool, pool};
 use crate::space;
@@ -178,8 +179,10 @@ impl Env {
         }
         let pictures = compute(py, move || {
             let state = live.save_state()?;
-            let paint =
-                |&env: &usize| Ok(self.painter.paint(&Snapshot::read(&self.tables, &state, env)?, width, height));
+            let paint = |&env: &usize| {
+                let moment = Snapshot::read(&self.tables, &state, env)?;
+                Ok(pixels(&self.painter.moment(&moment), width, height))
+            };
             envs.iter().map(paint).collect::<Result<Vec<_>, EnvError>>()
         })?
         .map_err(error::env)?;

@@ -31,7 +31,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What this crate adds is small: [`ModelReach`], which lets the checks of a task ask a model; and [`Wish`], [`Place`]
+//! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a task ask a model; and [`Wish`], [`Place`]
 //! and [`Envs`], which choose between processor and graphics card and train there; and [`likely_cause`] and
 //! [`most_success`], why a training leads nowhere or cannot reach its goal.
 pub use myo_dynamics as dynamics;
@@ -44,6 +44,7 @@ pub use myo_tasks as tasks;
 pub use myo_train as train;
 
 mod advice;
+pub mod picture;
 mod place;
 mod reach;
 

@@ -1,0 +1,10 @@
+//! Pictures of a simulated user: the arm with its muscles, targets and the fingertip's path, as shapes on a page.
+//!
+//! The view is from behind and to the left: nearer things are lower left, the plane of the targets upper right. A
+//! [`Painter`] makes a [`Drawing`], which writes itself as SVG; whoever wants pixels draws its shapes.
+
+mod drawing;
+mod painter;
+
+pub use drawing::{Colour, Drawing, Shape};
+pub use painter::Painter;
