@@ -9,7 +9,7 @@ use myo::gpu::GpuError;
 use myo::train::TrainError;
 use myo::train::session::SessionError;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyUserWarning, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 
 create_exception!(myoenv, TaskError, PyValueError, "A task or model that cannot be read, checked or simulated.");
@@ -81,9 +81,12 @@ pub fn env(error: EnvError) -> PyErr {
 /// An environment that cannot be built.
 pub fn build(error: BuildError) -> PyErr {
     match error {
-        BuildError::NoEnvironments => PyValueError::new_err(error.to_string()),
+        BuildError::NoEnvironments | BuildError::TooManyEnvironments { .. } => PyValueError::new_err(error.to_string()),
+        BuildError::OutOfMemory { .. } => PyMemoryError::new_err(error.to_string()),
         BuildError::Gpu(error) => gpu(&error),
-        BuildError::TooLargeForGpu { .. } => DeviceError::new_err(error.to_string()),
+        BuildError::TooLargeForGpu { .. } | BuildError::OutOfGpuMemory { .. } => {
+            DeviceError::new_err(error.to_string())
+        }
         error => task(error),
     }
 }

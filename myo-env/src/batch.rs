@@ -3,9 +3,13 @@
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig, MOST_THREADS};
 use crate::control::episode_names;
-use crate::job::{Backend, ResetJob, StepJob, Storage};
+use crate::job::{ResetJob, StepJob};
+use crate::memory;
 use crate::observe;
-use crate::state::EnvState;
+use crate::precision::Precision;
+use crate::saved::Header;
+use crate::state::StateRows;
+use crate::storage::{Storage, WORDS};
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_dynamics::SolverCount;
@@ -18,34 +22,39 @@ use rayon::prelude::*;
 /// Environments in single precision, one per SIMD lane: the fast backend.
 pub type CpuEnv = BatchEnv<f32>;
 
-/// Environments in double precision, one at a time: the reference that other backends are compared with.
+/// Environments in double precision, one at a time, with the exact plan: the reference that other backends are compared with.
 pub type ReferenceEnv = BatchEnv<f64>;
 
 /// Many copies of one task.
-pub struct BatchEnv<C: Backend> {
+pub struct BatchEnv<C: Precision> {
     tables: Tables<C>,
     spec: EnvSpec,
     level: Level,
     storage: Storage<C>,
+    rows: StateRows,
     finished: Finished,
     pool: Option<ThreadPool>,
 }
 
-impl<C: Backend> BatchEnv<C> {
+impl<C: Precision> BatchEnv<C> {
     /// Builds the environments and resets them all.
+    ///
+    /// # Errors
+    /// The task or model cannot be simulated, there is no memory for so many environments, or no such number of threads.
     pub fn new(model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
         if config.num_envs == 0 {
             return Err(BuildError::NoEnvironments);
         }
-        let tables = Tables::<C>::new(model, task)?;
+        let tables = C::tables(model, task)?;
         let level = config.level.unwrap_or_else(Level::detect);
         let spec = spec(model, task, &tables, config);
-        let count = EnvState::<C>::new(&tables).numbers().count();
-        let storage = Storage::new(C::lanes(level), config.num_envs, count);
+        let rows = StateRows::of(&tables);
+        memory::check(config.num_envs, rows.count * size_of::<C>() + 4 * WORDS + spec.bytes_per_env())?;
+        let storage = Storage::new(C::lanes(level), config.num_envs, rows.count)?;
         let finished = Finished::new(&spec);
         let pool = config.threads.map(thread_pool).transpose()?;
-        let mut env = Self { tables, spec, level, storage, finished, pool };
-        let mut observation = vec![0.0; config.num_envs * env.spec.observation_size()];
+        let mut env = Self { tables, spec, level, storage, rows, finished, pool };
+        let mut observation = memory::zeros(config.num_envs, config.num_envs * env.spec.observation_size())?;
         env.reset(Some(config.seed), None, &mut observation).expect("the buffers were made to fit");
         Ok(env)
     }
@@ -63,6 +72,11 @@ impl<C: Backend> BatchEnv<C> {
     /// What the constraint solver did in each environment since it was built; resets and loaded states do not change it.
     pub fn solver_counts(&self) -> &[SolverCount] {
         &self.storage.solver
+    }
+
+    /// Header of its states.
+    fn header(&self) -> Header {
+        Header::of::<C>(self.spec.num_envs, self.rows.count, &self.tables.identity)
     }
 
     /// Blocks per task: enough tasks to balance the threads, few enough to allocate scratch memory rarely.
@@ -102,7 +116,7 @@ fn run_all<J: Send>(pool: Option<&ThreadPool>, jobs: Vec<J>, run: impl Fn(J) + S
     }
 }
 
-impl<C: Backend> VectorEnv for BatchEnv<C> {
+impl<C: Precision> VectorEnv for BatchEnv<C> {
     fn spec(&self) -> &EnvSpec {
         &self.spec
     }
@@ -163,10 +177,14 @@ impl<C: Backend> VectorEnv for BatchEnv<C> {
     }
 
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {
-        Ok(self.storage.save())
+        let storage = &self.storage;
+        Ok(self.header().save(|env, k| storage.number(env, k), |env, k| storage.word(env, k)))
     }
 
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
-        self.storage.load(state).map_err(|reason| EnvError::BadState { reason })
+        let saved = check::state(state, &self.header())?;
+        self.finished = self.finished.of(&saved, self.rows.pending, &self.spec)?;
+        self.storage.take(&saved);
+        Ok(())
     }
 }

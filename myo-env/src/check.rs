@@ -1,5 +1,6 @@
 //! Whether a call is right, the same for every backend.
 
+use crate::saved::{Header, Saved};
 use crate::vector::{Autoreset, EnvError, EnvSpec, StepBuffers};
 
 fn length(what: &'static str, got: usize, expected: usize) -> Result<(), EnvError> {
@@ -28,7 +29,14 @@ pub fn step(spec: &EnvSpec, actions: &[f32], out: &StepBuffers<'_>) -> Result<()
     }
 }
 
-/// With [`Autoreset::Disabled`]: environments that must be reset before the next step.
+/// A saved state that can go on in an environment whose own states have this header.
+pub fn state<'a>(bytes: &'a [u8], own: &Header) -> Result<Saved<'a>, EnvError> {
+    let fitting = Saved::read(bytes).and_then(|saved| own.check(&saved.header).map(|()| saved));
+    fitting.map_err(|reason| EnvError::BadState { reason })
+}
+
+/// With [`Autoreset::Disabled`]: environments that must be reset before the next step. What the states themselves say
+/// ([`EnvState::pending`](crate::state::EnvState::pending)), kept where a step can ask without looking into them.
 #[derive(Clone, Debug)]
 pub struct Finished(Vec<bool>);
 
@@ -37,6 +45,23 @@ impl Finished {
     pub fn new(spec: &EnvSpec) -> Self {
         let watched = if spec.autoreset == Autoreset::Disabled { spec.num_envs } else { 0 };
         Self(vec![false; watched])
+    }
+
+    /// What a saved state says, whose number `pending` tells finished environments.
+    ///
+    /// # Errors
+    /// There are such environments, and an environment that resets itself at once has no step for them.
+    pub fn of(&self, saved: &Saved<'_>, pending: usize, spec: &EnvSpec) -> Result<Self, EnvError> {
+        let is_finished = |env: usize| saved.number(env, pending) > 0.5;
+        match (spec.autoreset, (0..spec.num_envs).find(|&env| is_finished(env))) {
+            (Autoreset::SameStep, Some(env)) => Err(EnvError::BadState {
+                reason: format!(
+                    "its environment {env} has finished its episode, and this environment starts the next one in the same \
+                     step; reset it before the state is saved"
+                ),
+            }),
+            _ => Ok(Self((0..self.0.len()).map(is_finished).collect())),
+        }
     }
 
     /// Refuses a step while there is one.

@@ -1,8 +1,10 @@
 //! What a caller chooses about a batch of environments, and why one cannot be built.
 
+use crate::memory::MOST_ENVS;
 use crate::vector::Autoreset;
 use myo_dynamics::PlanError;
 use myo_scalar::Level;
+use myo_tasks::InvalidTask;
 use thiserror::Error;
 
 /// Most threads of one pool.
@@ -39,21 +41,44 @@ pub enum BuildError {
     /// The model cannot be simulated.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Control and physics step do not fit.
-    #[error(
-        "control_dt_s is {control_dt_s} s, which is no whole number of the model's physics steps of {timestep_s} s; \
-         take a multiple"
-    )]
-    UnevenControlStep {
-        /// Control step.
-        control_dt_s: f64,
-        /// Physics step.
-        timestep_s: f64,
+    /// The task has values out of bounds.
+    #[error(transparent)]
+    Task(#[from] InvalidTask),
+    /// More environments than are numbered.
+    #[error("{num_envs} environments are asked for; one batch has at most {MOST_ENVS}")]
+    TooManyEnvironments {
+        /// How many were asked for.
+        num_envs: usize,
+    },
+    /// Not enough memory.
+    #[error("{num_envs} environments need {bytes} bytes{}; take fewer", known(*.available))]
+    OutOfMemory {
+        /// How many were asked for.
+        num_envs: usize,
+        /// What they need.
+        bytes: u64,
+        /// What the machine has left, as far as it says so.
+        available: Option<u64>,
+    },
+    /// Not enough memory on the graphics card.
+    #[cfg(feature = "gpu")]
+    #[error("{num_envs} environments need {bytes} bytes on {device}: {refusal}; take fewer")]
+    OutOfGpuMemory {
+        /// How many were asked for.
+        num_envs: usize,
+        /// What they need.
+        bytes: u64,
+        /// Name of the card.
+        device: String,
+        /// Where it ended.
+        refusal: myo_gpu::GpuError,
     },
     /// The graphics card cannot run it.
+    #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] myo_gpu::GpuError),
     /// The kernel would not fit a graphics card.
+    #[cfg(feature = "gpu")]
     #[error(
         "model and task take {operations} operations in one kernel, more than the {most} that graphics drivers compile in \
          reasonable time; take the cpu backend, or simplify the model"
@@ -78,4 +103,9 @@ pub enum BuildError {
         /// What the system said.
         reason: String,
     },
+}
+
+fn known(available: Option<u64>) -> String {
+    available
+        .map_or_else(|| ", which the system refused".into(), |bytes| format!(", and this machine has {bytes} left"))
 }

@@ -1,8 +1,9 @@
 //! Vectorised environment: observation, action, noise, reset.
 //!
 //! [`VectorEnv`] is what a trainer sees; [`CpuEnv`] runs it on SIMD lanes and threads, [`ReferenceEnv`] in double precision,
-//! one environment at a time. Both evaluate the same generic code: one control step is noise, activation, physics, task,
-//! reward, observation and autoreset of the whole environment.
+//! one environment at a time, with the plan that is compiled in the obvious way. Both evaluate the same generic code: one
+//! control step is noise, activation, physics, task, reward, observation and autoreset of the whole environment. With the
+//! feature `gpu` a `GpuEnv` runs it on a graphics card.
 //!
 //! ```
 //! use myo_env::{CpuEnv, EnvConfig, StepStorage, VectorEnv};
@@ -26,21 +27,29 @@ mod batch;
 mod check;
 mod config;
 mod control;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 mod job;
+mod memory;
 mod observe;
+mod precision;
+mod rows;
 mod saved;
 mod single;
+mod snapshot;
 mod state;
+mod storage;
 mod tables;
 mod vector;
 
 pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
 pub use config::{BuildError, EnvConfig, MOST_THREADS};
+#[cfg(feature = "gpu")]
 pub use gpu::GpuEnv;
-pub use job::Backend;
-pub use observe::Part;
-pub use saved::{Snapshot, reseed};
+pub use memory::MOST_ENVS;
+pub use observe::ObservationPart;
+pub use precision::{Job, Precision};
 pub use single::{Env, Step};
+pub use snapshot::{Snapshot, reseed};
 pub use tables::{Start, Tables};
 pub use vector::{Autoreset, EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv};

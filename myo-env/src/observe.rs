@@ -9,7 +9,7 @@ use myo_tasks::{Observation, Task};
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum ObservationPart {
     /// Joint positions, the joint's range mapped to [-1, 1].
     JointPosition,
     /// Joint velocities (rad/s).
@@ -41,22 +41,22 @@ pub enum Part {
 }
 
 /// The parts that a task asks for, in order.
-pub fn parts(o: &Observation) -> Vec<Part> {
+pub fn parts(o: &Observation) -> Vec<ObservationPart> {
     let all = [
-        (o.joint_position, Part::JointPosition),
-        (o.joint_velocity, Part::JointVelocity),
-        (o.joint_acceleration, Part::JointAcceleration),
-        (o.fingertip_position, Part::FingertipPosition),
-        (o.activation, Part::Activation),
-        (o.target_position, Part::TargetPosition),
-        (o.target_size, Part::TargetSize),
-        (o.target_vector, Part::TargetVector),
-        (o.next_target_vector, Part::NextTargetVector),
-        (o.phase, Part::Phase),
-        (o.dwell_fraction, Part::DwellFraction),
-        (o.time_left, Part::TimeLeft),
-        (o.inside, Part::Inside),
-        (o.touch, Part::Touch),
+        (o.joint_position, ObservationPart::JointPosition),
+        (o.joint_velocity, ObservationPart::JointVelocity),
+        (o.joint_acceleration, ObservationPart::JointAcceleration),
+        (o.fingertip_position, ObservationPart::FingertipPosition),
+        (o.activation, ObservationPart::Activation),
+        (o.target_position, ObservationPart::TargetPosition),
+        (o.target_size, ObservationPart::TargetSize),
+        (o.target_vector, ObservationPart::TargetVector),
+        (o.next_target_vector, ObservationPart::NextTargetVector),
+        (o.phase, ObservationPart::Phase),
+        (o.dwell_fraction, ObservationPart::DwellFraction),
+        (o.time_left, ObservationPart::TimeLeft),
+        (o.inside, ObservationPart::Inside),
+        (o.touch, ObservationPart::Touch),
     ];
     all.into_iter().filter_map(|(wanted, part)| wanted.then_some(part)).collect()
 }
@@ -66,22 +66,22 @@ pub fn names(model: &Model, task: &Task, dofs: &[String]) -> Vec<String> {
     let muscles: Vec<String> = model.muscles.iter().map(|m| m.name.clone()).collect();
     let axes = ["x", "y", "z"].map(String::from).to_vec();
     let of = |name: &str, entries: &[String]| entries.iter().map(|e| format!("{name}.{e}")).collect();
-    let entries = |part: Part| -> Vec<String> {
+    let entries = |part: ObservationPart| -> Vec<String> {
         match part {
-            Part::JointPosition => of("joint_position", dofs),
-            Part::JointVelocity => of("joint_velocity", dofs),
-            Part::JointAcceleration => of("joint_acceleration", dofs),
-            Part::FingertipPosition => of("fingertip_position", &axes),
-            Part::Activation => of("activation", &muscles),
-            Part::TargetPosition => of("target_position", &axes),
-            Part::TargetSize => vec!["target_size".into()],
-            Part::TargetVector => of("target_vector", &axes),
-            Part::NextTargetVector => of("next_target_vector", &axes),
-            Part::Phase => vec!["phase".into()],
-            Part::DwellFraction => vec!["dwell_fraction".into()],
-            Part::TimeLeft => vec!["time_left".into()],
-            Part::Inside => vec!["inside".into()],
-            Part::Touch => vec!["touch".into()],
+            ObservationPart::JointPosition => of("joint_position", dofs),
+            ObservationPart::JointVelocity => of("joint_velocity", dofs),
+            ObservationPart::JointAcceleration => of("joint_acceleration", dofs),
+            ObservationPart::FingertipPosition => of("fingertip_position", &axes),
+            ObservationPart::Activation => of("activation", &muscles),
+            ObservationPart::TargetPosition => of("target_position", &axes),
+            ObservationPart::TargetSize => vec!["target_size".into()],
+            ObservationPart::TargetVector => of("target_vector", &axes),
+            ObservationPart::NextTargetVector => of("next_target_vector", &axes),
+            ObservationPart::Phase => vec!["phase".into()],
+            ObservationPart::DwellFraction => vec!["dwell_fraction".into()],
+            ObservationPart::TimeLeft => vec!["time_left".into()],
+            ObservationPart::Inside => vec!["inside".into()],
+            ObservationPart::Touch => vec!["touch".into()],
         }
     };
     parts(&task.observation).into_iter().flat_map(entries).collect()
@@ -94,23 +94,23 @@ pub fn observe<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: 
     let centre = task.centre(0);
     for part in &tables.observation {
         match part {
-            Part::JointPosition => joint_positions(tables, env, out),
-            Part::JointVelocity => out.extend_from_slice(&env.body.qvel),
-            Part::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
-            Part::FingertipPosition => out.extend_from_slice(&sensed.fingertip),
-            Part::Activation => scaled(&env.body.act, 2.0, -1.0, out),
-            Part::TargetPosition => out.extend_from_slice(&centre),
-            Part::TargetSize => out.push(task.current_size()),
-            Part::TargetVector => out.extend_from_slice(&difference(centre, sensed.fingertip)),
-            Part::NextTargetVector => out.extend_from_slice(&difference(task.centre(1), centre)),
-            Part::Phase => out.push(task.phase * S::lit(1.0 / tables.task.targets.len() as f64)),
-            Part::DwellFraction => out.push(dwell_fraction(tables, env)),
-            Part::TimeLeft => {
+            ObservationPart::JointPosition => joint_positions(tables, env, out),
+            ObservationPart::JointVelocity => out.extend_from_slice(&env.body.qvel),
+            ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
+            ObservationPart::FingertipPosition => out.extend_from_slice(&sensed.fingertip),
+            ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
+            ObservationPart::TargetPosition => out.extend_from_slice(&centre),
+            ObservationPart::TargetSize => out.push(task.current_size()),
+            ObservationPart::TargetVector => out.extend_from_slice(&difference(centre, sensed.fingertip)),
+            ObservationPart::NextTargetVector => out.extend_from_slice(&difference(task.centre(1), centre)),
+            ObservationPart::Phase => out.push(task.phase * S::lit(1.0 / tables.task.targets.len() as f64)),
+            ObservationPart::DwellFraction => out.push(dwell_fraction(tables, env)),
+            ObservationPart::TimeLeft => {
                 let limit = tables.task.time_limit.to_f64();
                 out.push(task.step.mul_add(S::lit(-1.0 / limit), S::lit(1.0)));
             }
-            Part::Inside => out.push(S::indicator(inside(sensed, task))),
-            Part::Touch => out.push(touch(tables, env)),
+            ObservationPart::Inside => out.push(S::indicator(inside(sensed, task))),
+            ObservationPart::Touch => out.push(touch(tables, env)),
         }
     }
 }

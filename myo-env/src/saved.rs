@@ -1,135 +1,211 @@
-//! States of environments as bytes, the same for every backend of one precision.
+//! States of environments as bytes, the same for every backend.
+//!
+//! Little endian: the word `MYOSTATE`; the format's version, u32; CRC-32C of all that follows, u32; the [`Header`]; then one
+//! row per environment, its numbers as f64 and its integers as u32.
 
 use crate::state::EnvState;
-use crate::tables::Tables;
-use crate::vector::EnvError;
-use myo_dynamics::State;
+use crc32c::crc32c;
+use myo_model::Model;
 use myo_scalar::Real;
-use myo_tasks::logic::TaskState;
+use myo_tasks::Task;
 
-/// Bytes before the first environment.
-const HEADER: usize = 24;
-
+/// How every state begins.
+const MAGIC: &[u8; 8] = b"MYOSTATE";
+/// The version of the format that this library reads and writes.
+const VERSION: u32 = 2;
+/// Where the checksum stands, and where what it covers begins.
+const CHECKSUM: std::ops::Range<usize> = 12..16;
 /// Integers per environment.
 const WORDS: usize = EnvState::<f64>::WORDS;
 
-/// Sizes that a saved state must have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
-    /// Environments.
-    pub num_envs: usize,
-    /// Numbers per environment.
-    pub count: usize,
-    /// Bytes of a number while it is simulated; it is saved as `f64`.
-    pub bytes: usize,
+/// Which model and task a state is of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Identity {
+    model: Named,
+    task: Named,
 }
 
-impl Shape {
-    /// The shape for numbers of type `C`.
-    pub fn of<C: Real>(num_envs: usize, count: usize) -> Self {
-        Self { num_envs, count, bytes: size_of::<C>() }
+/// A name, and a checksum of all that it stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Named {
+    name: String,
+    fingerprint: u32,
+}
+
+impl Identity {
+    /// The identity of a model and a task whose repeated targets are written out.
+    pub fn new(model: &Model, task: &Task) -> Self {
+        let named =
+            |name: &str, contents: String| Named { name: name.into(), fingerprint: crc32c(contents.as_bytes()) };
+        Self { model: named(&model.name, format!("{model:?}")), task: named(&task.name, format!("{task:?}")) }
     }
 
-    fn header(self) -> [u64; 3] {
-        [self.num_envs as u64, self.count as u64, self.bytes as u64]
-    }
-
-    /// Writes a state; `number` and `word` give entry `k` of an environment.
-    pub fn save(self, number: impl Fn(usize, usize) -> f64, word: impl Fn(usize, usize) -> u32) -> Vec<u8> {
-        let mut out: Vec<u8> = self.header().iter().flat_map(|x| x.to_le_bytes()).collect();
-        for env in 0..self.num_envs {
-            out.extend((0..self.count).flat_map(|k| number(env, k).to_le_bytes()));
-            out.extend((0..WORDS).flat_map(|k| word(env, k).to_le_bytes()));
+    /// Says what differs from the identity that an environment has.
+    fn check(&self, own: &Self) -> Result<(), String> {
+        let (model, task) = ((&self.model, &own.model), (&self.task, &own.task));
+        if model.0.name != model.1.name {
+            return Err(format!("it is of the model `{}`, this environment has `{}`", model.0.name, model.1.name));
         }
-        out
-    }
-
-    /// Hands a saved state's entries to `number` and `word`; says why it cannot, before it changes anything.
-    pub fn load(
-        self,
-        bytes: &[u8],
-        mut number: impl FnMut(usize, usize, f64),
-        mut word: impl FnMut(usize, usize, u32),
-    ) -> Result<(), String> {
-        let (header, rest) = bytes.split_at_checked(HEADER).ok_or("it is shorter than its header")?;
-        let names = ["environments", "numbers per environment", "bytes per number"];
-        for ((name, want), got) in names.iter().zip(self.header()).zip(header.chunks_exact(8)) {
-            let got = u64::from_le_bytes(got.try_into().expect("chunks of eight"));
-            if got != want {
-                return Err(format!("it has {got} {name}, this environment {want}"));
-            }
+        if task.0.name != task.1.name {
+            return Err(format!("it is of the task `{}`, this environment does `{}`", task.0.name, task.1.name));
         }
-        let size = 8 * self.count + 4 * WORDS;
-        if rest.len() != self.num_envs * size {
-            return Err(format!("it has {} bytes, expected {}", bytes.len(), HEADER + self.num_envs * size));
+        if model.0 != model.1 {
+            return Err(format!(
+                "it is of another version of the model `{}`: what the model says has changed",
+                model.0.name
+            ));
         }
-        for (env, entries) in rest.chunks_exact(size).enumerate() {
-            let (numbers, words) = entries.split_at(8 * self.count);
-            for (k, x) in numbers.chunks_exact(8).enumerate() {
-                number(env, k, f64::from_le_bytes(x.try_into().expect("chunks of eight")));
-            }
-            for (k, x) in words.chunks_exact(4).enumerate() {
-                word(env, k, u32::from_le_bytes(x.try_into().expect("chunks of four")));
-            }
+        if task.0 != task.1 {
+            return Err(format!(
+                "it is of another version of the task `{}`: what the task says has changed",
+                task.0.name
+            ));
         }
         Ok(())
     }
 }
 
-/// Body and task of one environment, read from a saved state: for pictures and for looking inside.
+/// What a state holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Environments.
+    pub num_envs: usize,
+    /// Numbers per environment.
+    pub count: usize,
+    /// Bytes of a number while it is simulated.
+    pub precision: usize,
+    /// Of what model and task.
+    pub identity: Identity,
+}
+
+impl Header {
+    /// The header of states whose numbers are of type `C`.
+    pub fn of<C: Real>(num_envs: usize, count: usize, identity: &Identity) -> Self {
+        Self { num_envs, count, precision: size_of::<C>(), identity: identity.clone() }
+    }
+
+    /// Writes a state; `number` and `word` give entry `k` of an environment.
+    pub fn save(&self, number: impl Fn(usize, usize) -> f64, word: impl Fn(usize, usize) -> u32) -> Vec<u8> {
+        let mut out = Vec::with_capacity(256 + self.num_envs * self.row_size());
+        out.extend(MAGIC);
+        out.extend(VERSION.to_le_bytes());
+        out.extend([0; 4]);
+        out.extend([self.num_envs, self.count, self.precision].iter().flat_map(|&x| (x as u64).to_le_bytes()));
+        for Named { name, fingerprint } in [&self.identity.model, &self.identity.task] {
+            out.extend(fingerprint.to_le_bytes());
+            out.extend((name.len() as u32).to_le_bytes());
+            out.extend(name.as_bytes());
+        }
+        for env in 0..self.num_envs {
+            out.extend((0..self.count).flat_map(|k| number(env, k).to_le_bytes()));
+            out.extend((0..WORDS).flat_map(|k| word(env, k).to_le_bytes()));
+        }
+        sign(&mut out);
+        out
+    }
+
+    /// Says why a state cannot go on in an environment whose own states have this header.
+    pub fn check(&self, saved: &Self) -> Result<(), String> {
+        saved.identity.check(&self.identity)?;
+        for (name, got, want) in
+            [("environments", saved.num_envs, self.num_envs), ("numbers per environment", saved.count, self.count)]
+        {
+            if got != want {
+                return Err(format!("it has {got} {name}, this environment {want}"));
+            }
+        }
+        // Numbers of lower precision are kept as they are; those of higher precision would be rounded.
+        if saved.precision > self.precision {
+            let (got, want) = (saved.precision, self.precision);
+            return Err(format!("its numbers were computed in {got} bytes each, this environment has {want}"));
+        }
+        Ok(())
+    }
+
+    /// Bytes of one environment.
+    fn row_size(&self) -> usize {
+        self.count.saturating_mul(8).saturating_add(4 * WORDS)
+    }
+}
+
+/// Writes the checksum of a state.
+pub fn sign(state: &mut [u8]) {
+    let checksum = crc32c(&state[CHECKSUM.end..]);
+    state[CHECKSUM].copy_from_slice(&checksum.to_le_bytes());
+}
+
+/// A state whose bytes are whole.
 #[derive(Clone, Debug)]
-pub struct Snapshot {
-    /// The body.
-    pub body: State<f64>,
-    /// Targets and counters.
-    pub task: TaskState<f64>,
+pub struct Saved<'a> {
+    /// What it holds.
+    pub header: Header,
+    rows: &'a [u8],
 }
 
-impl Snapshot {
-    /// Environment `env` of a state that [`VectorEnv::save_state`](crate::VectorEnv::save_state) returned.
-    ///
-    /// # Errors
-    /// The state is not one of this model and task, or has no such environment.
-    pub fn read(tables: &Tables<f64>, state: &[u8], env: usize) -> Result<Self, EnvError> {
-        let mut read = EnvState::<f64>::new(tables);
-        let count = read.numbers().count();
-        let bytes = row(state, env)?;
-        if bytes.len() != 8 * count + 4 * WORDS {
-            return Err(EnvError::BadState { reason: "it is of another model or task".into() });
+impl<'a> Saved<'a> {
+    /// Reads what [`Header::save`] wrote; says what is wrong with it.
+    pub fn read(bytes: &'a [u8]) -> Result<Self, String> {
+        let mut rest = bytes;
+        if take(&mut rest, MAGIC.len()) != Some(MAGIC) {
+            return Err("it does not begin as the saved states of this version do".into());
         }
-        for (x, from) in read.numbers().zip(bytes.chunks_exact(8)) {
-            *x = f64::from_le_bytes(from.try_into().expect("chunks of eight"));
+        let version = take_u32(&mut rest)?;
+        if version != VERSION {
+            return Err(format!(
+                "it was saved in format {version}, this version of the library reads format {VERSION}"
+            ));
         }
-        Ok(Self { body: read.body, task: read.task })
+        if take_u32(&mut rest)? != crc32c(rest) {
+            return Err("its checksum is wrong: some of its bytes were lost or changed".into());
+        }
+        let [num_envs, count, precision] = [(); 3].map(|()| take_usize(&mut rest));
+        let identity = Identity { model: take_named(&mut rest)?, task: take_named(&mut rest)? };
+        let header = Header { num_envs: num_envs?, count: count?, precision: precision?, identity };
+        match header.num_envs.checked_mul(header.row_size()) {
+            Some(size) if size == rest.len() => Ok(Self { header, rows: rest }),
+            _ => Err(format!("{} bytes of environments do not fit its header", rest.len())),
+        }
+    }
+
+    /// Number `k` of an environment.
+    pub fn number(&self, env: usize, k: usize) -> f64 {
+        let at = env * self.header.row_size() + 8 * k;
+        f64::from_le_bytes(self.rows[at..at + 8].try_into().expect("eight bytes"))
+    }
+
+    /// Integer `k` of an environment.
+    pub fn word(&self, env: usize, k: usize) -> u32 {
+        let at = env * self.header.row_size() + 8 * self.header.count + 4 * k;
+        u32::from_le_bytes(self.rows[at..at + 4].try_into().expect("four bytes"))
+    }
+
+    /// Where the integers of an environment stand among the bytes of the whole state.
+    pub fn words_in(&self, state_len: usize, env: usize) -> std::ops::Range<usize> {
+        let end = state_len - self.rows.len() + (env + 1) * self.header.row_size();
+        end - 4 * WORDS..end
     }
 }
 
-/// Gives environments of a saved state seeds of their own, so that the next reset draws what the first environment of a
-/// batch with that seed draws.
-///
-/// # Errors
-/// The state has no such environment.
-pub fn reseed(state: &mut [u8], seeds: impl IntoIterator<Item = (usize, u64)>) -> Result<(), EnvError> {
-    for (env, seed) in seeds {
-        let range = row_range(state, env)?;
-        let words = &mut state[range.end - 4 * WORDS..range.end];
-        // Low and high half of the seed; environment, episode and step are zero.
-        words.fill(0);
-        words[..8].copy_from_slice(&seed.to_le_bytes());
-    }
-    Ok(())
+fn take<'a>(rest: &mut &'a [u8], count: usize) -> Option<&'a [u8]> {
+    rest.split_off(..count)
 }
 
-fn row(state: &[u8], env: usize) -> Result<&[u8], EnvError> {
-    Ok(&state[row_range(state, env)?])
+const SHORT: &str = "it ends before its header does";
+
+fn take_u32(rest: &mut &[u8]) -> Result<u32, String> {
+    let bytes = take(rest, 4).ok_or(SHORT)?;
+    Ok(u32::from_le_bytes(bytes.try_into().expect("four bytes")))
 }
 
-/// Where an environment stands in a saved state.
-fn row_range(state: &[u8], env: usize) -> Result<std::ops::Range<usize>, EnvError> {
-    let bad = |reason: &str| EnvError::BadState { reason: reason.to_owned() };
-    let count = state.get(8..16).ok_or_else(|| bad("it is shorter than its header"))?;
-    let size = 8 * u64::from_le_bytes(count.try_into().expect("eight bytes")) as usize + 4 * WORDS;
-    let start = HEADER + env * size;
-    let range = start..start + size;
-    if range.end > state.len() { Err(bad("it has no such environment")) } else { Ok(range) }
+fn take_usize(rest: &mut &[u8]) -> Result<usize, String> {
+    let bytes = take(rest, 8).ok_or(SHORT)?;
+    let value = u64::from_le_bytes(bytes.try_into().expect("eight bytes"));
+    usize::try_from(value).map_err(|_| format!("a size of {value} is more than this machine can count"))
+}
+
+fn take_named(rest: &mut &[u8]) -> Result<Named, String> {
+    let fingerprint = take_u32(rest)?;
+    let length = take_u32(rest)? as usize;
+    let name = take(rest, length).ok_or(SHORT)?;
+    Ok(Named { name: String::from_utf8_lossy(name).into_owned(), fingerprint })
 }

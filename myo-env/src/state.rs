@@ -2,7 +2,7 @@
 
 use crate::tables::Tables;
 use myo_dynamics::State;
-use myo_scalar::{Counter, Scalar, Word};
+use myo_scalar::{Counter, Real, Scalar, Word};
 use myo_tasks::logic::TaskState;
 
 /// Number of weighted reward terms that are summed up over an episode.
@@ -21,7 +21,7 @@ pub struct EnvState<S: Scalar> {
     pub touch: S,
     /// The button that it acted on; meaningless where there was no force.
     pub touched: S,
-    /// One where the next step resets instead of stepping.
+    /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
     /// Sums over the episode: reward terms, then mean squared controls.
     pub sums: [S; REWARD_TERMS + 1],
@@ -82,5 +82,25 @@ impl<S: Scalar> EnvState<S> {
     #[inline(always)]
     pub fn counter(&self) -> Counter<S::Word> {
         Counter { seed: self.seed, env: self.env, episode: self.episode, step: self.step, stream: S::Word::splat(0) }
+    }
+}
+
+/// Where numbers stand among those of a state.
+#[derive(Clone, Copy, Debug)]
+pub struct StateRows {
+    /// How many there are.
+    pub count: usize,
+    /// Which of them is [`EnvState::pending`].
+    pub pending: usize,
+}
+
+impl StateRows {
+    /// The rows of a model's and task's states.
+    pub fn of<C: Real + Scalar<Const = C>>(tables: &Tables<C>) -> Self {
+        let mut state = EnvState::<C>::new(tables);
+        state.pending = C::lit(1.0);
+        let count = state.numbers().count();
+        let pending = state.numbers().position(|x| x.to_f64() > 0.0).expect("one number was set");
+        Self { count, pending }
     }
 }

@@ -1,12 +1,13 @@
 //! Everything about a model and a task that stays fixed, in the precision of the backend.
 
 use crate::config::BuildError;
-use crate::observe::{self, Part};
+use crate::observe::{self, ObservationPart};
+use crate::saved::Identity;
 use myo_dynamics::{Coupling, Obstacles, Plan, StaticBox, Surface};
 use myo_model::Model;
 use myo_scalar::Real;
 use myo_tasks::logic::CompiledTask;
-use myo_tasks::{Pose, Target, Task};
+use myo_tasks::{InvalidTask, Pose, Target, Task};
 
 /// Constants of one environment.
 #[derive(Clone, Debug)]
@@ -20,11 +21,13 @@ pub struct Tables<C> {
     /// Physics steps per control step.
     pub substeps: u32,
     /// Parts of the observation, in order.
-    pub observation: Vec<Part>,
+    pub observation: Vec<ObservationPart>,
     /// Standard deviations of motor noise: signal-dependent, constant.
     pub noise: Option<[C; 2]>,
     /// How episodes begin.
     pub start: Start<C>,
+    /// Which model and task these are.
+    pub(crate) identity: Identity,
 }
 
 /// Distribution of the body's state at the start of an episode: uniform in these intervals.
@@ -41,12 +44,28 @@ pub struct Start<C> {
 }
 
 impl<C: Real> Tables<C> {
-    /// Compiles a model and a task.
+    /// Compiles a model and a task, with the specialised plan.
+    ///
+    /// # Errors
+    /// The task has values out of bounds, or the model cannot be simulated.
     pub fn new(model: &Model, task: &Task) -> Result<Self, BuildError> {
+        Self::with_plan(model, task, |exact| exact.specialised().cast())
+    }
+
+    /// The same with the exact plan, which the specialised one is compared with.
+    ///
+    /// # Errors
+    /// As for [`Tables::new`].
+    pub fn exact(model: &Model, task: &Task) -> Result<Self, BuildError> {
+        Self::with_plan(model, task, |exact| exact.cast())
+    }
+
+    fn with_plan(model: &Model, task: &Task, plan: impl Fn(&Plan<f64>) -> Plan<C>) -> Result<Self, BuildError> {
+        task.check_values()?;
         let task = task.clone().expanded();
         let exact = Plan::exact(model, Coupling::Reduced)?;
-        check_control_step(&task, exact.timestep)?;
-        let plan: Plan<C> = exact.specialised().cast();
+        task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
+        let plan = plan(&exact);
         let noise = &task.noise;
         let noisy = noise.signal_dependent > 0.0 || noise.constant > 0.0;
         let buttons: Vec<StaticBox> = task.targets.iter().filter_map(button).collect();
@@ -56,19 +75,11 @@ impl<C: Real> Tables<C> {
             observation: observe::parts(&task.observation),
             noise: noisy.then(|| [noise.signal_dependent, noise.constant].map(C::from_f64)),
             start: start(&task, &exact),
+            identity: Identity::new(model, &task),
             task: CompiledTask::new(&task),
             plan,
         })
     }
-}
-
-/// The control step must be a whole number of physics steps.
-fn check_control_step(task: &Task, timestep: f64) -> Result<(), BuildError> {
-    let ratio = task.control_dt_s / timestep;
-    if (ratio - ratio.round()).abs() > 1e-6 || ratio < 0.5 {
-        return Err(BuildError::UnevenControlStep { control_dt_s: task.control_dt_s, timestep_s: timestep });
-    }
-    Ok(())
 }
 
 fn button(target: &Target) -> Option<StaticBox> {

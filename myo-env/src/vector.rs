@@ -46,6 +46,10 @@ impl EnvSpec {
     pub fn episode_size(&self) -> usize {
         self.episode_names.len()
     }
+    /// Bytes of actions and [`StepBuffers`] per environment.
+    pub(crate) fn bytes_per_env(&self) -> usize {
+        4 * (self.action_size() + 2 * self.observation_size() + self.episode_size() + 1) + 2
+    }
 }
 
 /// Memory that the caller owns and one step writes; row-major, first axis `num_envs`.
@@ -147,6 +151,7 @@ pub enum EnvError {
         reason: String,
     },
     /// The graphics card failed. After a loss of the device the environment is gone.
+    #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] myo_gpu::GpuError),
 }
@@ -167,9 +172,13 @@ pub trait VectorEnv: Send {
     /// One control step of every environment. `actions` is `(num_envs, action_size)`, clipped to [-1, 1].
     fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError>;
 
-    /// Everything that the next steps depend on, as bytes; [`VectorEnv::load_state`] continues bit for bit.
+    /// Everything that the next steps depend on, as bytes with a checksum; [`VectorEnv::load_state`] continues bit for bit.
+    /// Which episodes are over is part of it.
     fn save_state(&self) -> Result<Vec<u8>, EnvError>;
 
-    /// Restores what [`VectorEnv::save_state`] returned for an environment of the same kind and size.
+    /// Restores what [`VectorEnv::save_state`] returned for an environment of the same model, task and size.
+    ///
+    /// # Errors
+    /// [`EnvError::BadState`] where the bytes are damaged or of something else; the environment is unchanged then.
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError>;
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{actions, arm, entry, gpu, rollout, short};
+use common::{actions, arm, assert_follows, column, entry, gpu, rollout, short};
 use myo_env::{Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
 use myo_scalar::Level;
 use myo_tasks::{Task, preset};
@@ -41,10 +41,6 @@ fn assert_same_bits(a: &[StepStorage], b: &[StepStorage]) {
         assert_eq!(a.terminated, b.terminated, "terminated in step {step}");
         assert_eq!(a.truncated, b.truncated, "truncated in step {step}");
     }
-}
-
-fn column(env: &dyn VectorEnv, name: &str) -> usize {
-    env.spec().episode_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no column {name}"))
 }
 
 fn same_seed_gives_the_same_bits_and_another_seed_does_not<E: Subject>() {
@@ -152,6 +148,73 @@ fn a_saved_state_continues_bit_for_bit<E: Subject>() {
     assert!(refused.contains("it has 21 environments, this environment 20"), "{refused}");
 }
 
+/// Which episodes have ended is part of the state, whatever the mode makes of it.
+fn a_saved_state_knows_which_episodes_are_finished<E: Subject>() {
+    let mut task = short("pointing");
+    task.time_limit_s = 0.1;
+    let make_one = |autoreset| E::make(&task, EnvConfig { num_envs: 3, autoreset, ..Default::default() });
+    let mut env = make_one(Autoreset::Disabled);
+    let fresh = env.save_state().unwrap();
+    rollout(&mut env, 2);
+    let mut observation = vec![0.0; 3 * env.spec().observation_size()];
+    env.reset(None, Some(&[true, false, true]), &mut observation).unwrap();
+    let ended = env.save_state().unwrap();
+    let (zeros, mut out) = (vec![0.0; 3 * env.spec().action_size()], StepStorage::new(env.spec()));
+
+    let mut copy = make_one(Autoreset::Disabled);
+    copy.load_state(&ended).unwrap();
+    assert_eq!(copy.step(&zeros, out.buffers()), Err(EnvError::NeedsReset { env: 1 }));
+    copy.load_state(&fresh).unwrap();
+    copy.step(&zeros, out.buffers()).unwrap();
+
+    let mut next = make_one(Autoreset::NextStep);
+    next.load_state(&ended).unwrap();
+    next.step(&zeros, out.buffers()).unwrap();
+    assert!(out.reward[1] == 0.0 && out.reward[0] != 0.0 && out.reward[2] != 0.0, "{:?}", out.reward);
+
+    let refused = make_one(Autoreset::SameStep).load_state(&ended).unwrap_err().to_string();
+    assert!(refused.contains("environment 1 has finished its episode"), "{refused}");
+}
+
+fn damaged_states_are_refused_and_change_nothing<E: Subject>() {
+    let task = short("pointing");
+    let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
+    rollout(&mut env, 2);
+    let saved = env.save_state().unwrap();
+    rollout(&mut env, 2);
+    let before = env.save_state().unwrap();
+    // Every part of a state: its head, numbers, integers, the end.
+    for at in (0..saved.len()).step_by(37).chain([4, 8, saved.len() - 5, saved.len() - 1]) {
+        let mut damaged = saved.clone();
+        damaged[at] ^= 0x10;
+        let refused = env.load_state(&damaged).expect_err("a byte was changed").to_string();
+        assert!(refused.starts_with("the saved environment state does not fit: "), "byte {at}: {refused}");
+    }
+    for length in [0, 3, 20, saved.len() / 2, saved.len() - 1] {
+        assert!(env.load_state(&saved[..length]).is_err(), "cut to {length} bytes");
+    }
+    assert!(env.load_state(&[&saved[..], &[0]].concat()).is_err(), "a byte too many");
+    assert_eq!(env.save_state().unwrap(), before);
+}
+
+fn states_of_another_task_or_body_are_refused_by_name<E: Subject>() {
+    let task = short("pointing");
+    let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
+    let refusal = |env: &mut E, other: &Task| {
+        let state = E::make(other, EnvConfig { num_envs: 2, ..Default::default() }).save_state().unwrap();
+        env.load_state(&state).expect_err("another task").to_string()
+    };
+    let other = refusal(&mut env, &Task { name: "ten-spheres".into(), ..task.clone() });
+    assert!(other.ends_with("it is of the task `ten-spheres`, this environment does `pointing`"), "{other}");
+    let other = refusal(&mut env, &Task { time_limit_s: 0.6, ..task.clone() });
+    assert!(
+        other.ends_with("it is of another version of the task `pointing`: what the task says has changed"),
+        "{other}"
+    );
+    let other = refusal(&mut env, &Task { model: "mobl-arms".into(), ..task });
+    assert!(other.ends_with("it is of the model `mobl-arms`, this environment has `mobl-arms-uitb`"), "{other}");
+}
+
 fn bad_calls_are_refused_and_change_nothing<E: Subject>() {
     let task = short("pointing");
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
@@ -246,6 +309,9 @@ macro_rules! conformance {
             next_step_ignores_one_action_and_gives_no_reward,
             disabled_asks_for_a_reset_by_mask,
             a_saved_state_continues_bit_for_bit,
+            a_saved_state_knows_which_episodes_are_finished,
+            damaged_states_are_refused_and_change_nothing,
+            states_of_another_task_or_body_are_refused_by_name,
             bad_calls_are_refused_and_change_nothing,
             dwell_counts_rounded_steps,
             motor_noise_differs_between_muscles,
@@ -259,31 +325,35 @@ conformance!(
     gpu: myo_env::GpuEnv, skip if super::common::without_gpu();
 );
 
-/// The backends draw the same integers and agree in floats as far as single precision goes, at every level.
+/// The backends draw the same integers and agree in floats as far as single precision goes, at every level, in all that a
+/// step returns.
 #[test]
 fn lanes_follow_the_reference() {
     for name in ["pointing", "public-display"] {
         let task = short(name);
         let config = EnvConfig { num_envs: 20, ..Default::default() };
         let mut reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
-        let nobs = reference.spec().observation_size();
-        let target = entry(&reference, "target_position.x");
         let wanted = rollout(&mut reference, 20);
         for level in Level::available() {
             let config = EnvConfig { level: Some(level), ..config };
             let mut lanes = CpuEnv::new(&arm(&task), &task, &config).unwrap();
             for (step, (a, b)) in rollout(&mut lanes, 20).iter().zip(&wanted).enumerate() {
-                assert_eq!(a.truncated, b.truncated, "{level:?}");
-                for (k, (x, y)) in a.observation.iter().zip(&b.observation).enumerate() {
-                    // Targets are a draw, no integration; the rest has run through up to 250 physics steps.
-                    let tolerance = if (target..target + 3).contains(&(k % nobs)) { 1e-6 } else { 2e-2 };
-                    let name = &lanes.spec().observation_names[k % nobs];
-                    let error = (x - y).abs();
-                    assert!(error <= tolerance * (1.0 + y.abs()), "{level:?} step {step} {name}: {x} for {y}");
-                }
+                assert_follows(&reference, a, b, &format!("{name}, {level:?}, step {step}"));
             }
         }
     }
+}
+
+/// The reference runs a plan of its own, so that faults of the specialised one show.
+#[test]
+fn the_reference_runs_the_exact_plan() {
+    let task = short("pointing");
+    let config = EnvConfig::default();
+    let reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
+    let lanes = CpuEnv::new(&arm(&task), &task, &config).unwrap();
+    let (exact, specialised) = (&reference.tables().plan, &lanes.tables().plan);
+    assert!(exact.energy_profiles.is_empty() && exact.elements.bodies.len() == arm(&task).bodies.len());
+    assert!(!specialised.energy_profiles.is_empty() && specialised.links.len() < exact.links.len());
 }
 
 #[test]
@@ -291,7 +361,12 @@ fn a_control_step_that_does_not_fit_the_physics_is_refused() {
     let mut task = preset("pointing").unwrap();
     task.control_dt_s = 0.0333;
     let refused = CpuEnv::new(&arm(&task), &task, &EnvConfig::default()).err().expect("0.0333 / 0.002 is not whole");
-    assert!(refused.to_string().contains("0.0333 s, which is no whole number"), "{refused}");
+    assert!(
+        refused.to_string().contains(
+            "0.0333 s, which is not a whole multiple of the model's physics step of 0.002 s; take 0.032 or 0.034 s"
+        ),
+        "{refused}"
+    );
     let none = CpuEnv::new(&arm(&task), &task, &EnvConfig { num_envs: 0, ..Default::default() }).err();
     assert!(none.expect("zero environments").to_string().contains("at least one"));
     for threads in [0, 1_000_000] {

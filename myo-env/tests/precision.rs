@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{actions, arm, entry, gpu, rollout, short, without_gpu};
-use myo_env::gpu::GpuOptions;
-use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use common::{actions, arm, assert_follows, assert_same_summary, entry, gpu, rollout, short, without_gpu};
+use myo_env::gpu::{GpuOptions, PhysicsBench};
+use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv};
 use myo_scalar::symbolic::Form;
 use myo_tasks::{Range, Region, Target, Task, preset};
 
@@ -13,24 +13,11 @@ fn both(task: &Task, config: EnvConfig) -> (GpuEnv, ReferenceEnv) {
     (GpuEnv::new(&gpu(), &model, task, &config).unwrap(), ReferenceEnv::new(&model, task, &config).unwrap())
 }
 
-/// Bytes of a saved state before the first environment: environments, numbers per environment, bytes per number.
-const HEADER: usize = 24;
-/// Bytes of the integers per environment.
-const WORDS: usize = 20;
-
-/// The first `count` numbers of every environment in a saved state.
-fn numbers(saved: &[u8], count: usize) -> Vec<f64> {
-    let stride = 8 * u64::from_le_bytes(saved[8..16].try_into().unwrap()) as usize + WORDS;
-    let of = |env: &[u8]| -> Vec<f64> {
-        env[..8 * count].chunks_exact(8).map(|x| f64::from_le_bytes(x.try_into().unwrap())).collect()
-    };
-    saved[HEADER..].chunks_exact(stride).flat_map(of).collect()
-}
-
-/// A state of the card as the reference saves it: numbers are saved in double precision by both.
-fn as_reference(mut saved: Vec<u8>) -> Vec<u8> {
-    saved[16..24].copy_from_slice(&8u64.to_le_bytes());
-    saved
+/// Joint positions of every environment.
+fn joint_positions(env: &dyn VectorEnv, reference: &ReferenceEnv) -> Vec<f64> {
+    let saved = env.save_state().unwrap();
+    let of = |env: usize| Snapshot::read(reference.tables(), &saved, env).unwrap().body.qpos;
+    (0..env.spec().num_envs).flat_map(of).collect()
 }
 
 #[test]
@@ -45,8 +32,7 @@ fn joint_angles_agree_to_single_precision_after_a_second() {
         let second = (1.0 / task.control_dt_s).round() as usize;
         rollout(&mut card, second);
         rollout(&mut reference, second);
-        let ndof = reference.tables().plan.ndof();
-        let [got, want] = [card.save_state(), reference.save_state()].map(|saved| numbers(&saved.unwrap(), ndof));
+        let (got, want) = (joint_positions(&card, &reference), joint_positions(&reference, &reference));
         let square: f64 = got.iter().zip(&want).map(|(a, b)| (a - b) * (a - b)).sum();
         let rms = (square / got.len() as f64).sqrt();
         println!("{name}: rms {rms:.2e} rad after a second");
@@ -55,24 +41,16 @@ fn joint_angles_agree_to_single_precision_after_a_second() {
 }
 
 #[test]
-fn episodes_have_the_same_targets_and_ends() {
+fn episodes_have_the_same_targets_rewards_and_ends() {
     if without_gpu() {
         return;
     }
     for name in ["pointing", "public-display"] {
         let task = short(name);
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, ..Default::default() });
-        let nobs = reference.spec().observation_size();
-        let first = entry(&reference, "target_position.x");
         let runs = rollout(&mut card, 25).into_iter().zip(rollout(&mut reference, 25));
         for (step, (got, want)) in runs.enumerate() {
-            assert_eq!(got.truncated, want.truncated, "{name} step {step}");
-            assert_eq!(got.terminated, want.terminated, "{name} step {step}");
-            let rows = got.observation.chunks_exact(nobs).zip(want.observation.chunks_exact(nobs));
-            for (k, (a, b)) in rows.flat_map(|(a, b)| a[first..first + 3].iter().zip(&b[first..first + 3])).enumerate()
-            {
-                assert!((a - b).abs() <= 1e-6, "{name} step {step} target coordinate {k}: {a} for {b}");
-            }
+            assert_follows(&reference, &got, &want, &format!("{name} step {step}"));
         }
     }
 }
@@ -101,7 +79,7 @@ fn ends_of_a_hundred_thousand_steps_agree_up_to_rounding_at_the_edge() {
     let (mut ends, mut differences) = (0, 0);
     for step in 0..steps {
         // Both begin every step with the card's state, so that one difference is not counted again and again.
-        reference.load_state(&as_reference(card.save_state().unwrap())).unwrap();
+        reference.load_state(&card.save_state().unwrap()).unwrap();
         let actions = actions(&card, step);
         card.step(&actions, got.buffers()).unwrap();
         reference.step(&actions, want.buffers()).unwrap();
@@ -109,6 +87,11 @@ fn ends_of_a_hundred_thousand_steps_agree_up_to_rounding_at_the_edge() {
         for env in 0..num_envs {
             ends += usize::from(want.terminated[env]);
             if (got.terminated[env], got.truncated[env]) == (want.terminated[env], want.truncated[env]) {
+                let (x, y) = (got.reward[env], want.reward[env]);
+                assert!((x - y).abs() <= 1e-4 * (1.0 + y.abs()), "step {step}, environment {env}: reward {x} for {y}");
+                if want.terminated[env] || want.truncated[env] {
+                    assert_same_summary(&reference, &got, &want, env, &format!("step {step}"));
+                }
                 continue;
             }
             differences += 1;
@@ -175,6 +158,19 @@ fn loops_over_tables_compute_what_straight_code_computes() {
             assert!((x - y).abs() <= 1e-3 * (1.0 + y.abs()), "step {step}: {x} and {y}");
         }
     }
+}
+
+/// The kernels run unchecked, so nothing that a caller may mix up may reach them.
+#[test]
+fn a_program_does_not_run_on_the_buffers_of_a_smaller_model_or_task() {
+    if without_gpu() {
+        return;
+    }
+    let small = GpuEnv::new(&gpu(), &arm(&easy()), &easy(), &EnvConfig::default()).unwrap();
+    let large = preset("pointing").unwrap();
+    let tables = Tables::<f64>::new(&arm(&large), &large).unwrap();
+    let refused = PhysicsBench::new(&small, &tables).err().expect("ten targets need more room than one").to_string();
+    assert!(refused.starts_with("kernel physics cannot be bound: buffer numbers has "), "{refused}");
 }
 
 #[test]

@@ -30,6 +30,19 @@ impl<T> Clone for Buffer<T> {
 #[derive(Clone, Copy, Debug)]
 pub struct BufferRef<'a> {
     pub(crate) raw: &'a wgpu::Buffer,
+    label: &'a str,
+}
+
+impl<'a> BufferRef<'a> {
+    /// Its name in messages.
+    pub fn label(self) -> &'a str {
+        self.label
+    }
+
+    /// Its size in bytes.
+    pub fn bytes(self) -> u64 {
+        self.raw.size()
+    }
 }
 
 impl<T: Pod> Buffer<T> {
@@ -52,7 +65,7 @@ impl<T: Pod> Buffer<T> {
 
     /// All of it, to be bound to a kernel.
     pub fn binding(&self) -> BufferRef<'_> {
-        BufferRef { raw: &self.raw }
+        BufferRef { raw: &self.raw, label: &self.label }
     }
 
     pub(crate) fn raw(&self) -> &wgpu::Buffer {

@@ -22,7 +22,25 @@ pub enum GpuError {
         /// Names of what there is.
         found: Vec<String>,
     },
-    /// No adapter has this name or number.
+    /// No adapter has this number.
+    #[error("there is no GPU {wanted}; there is {}", found.join(", "))]
+    NoSuchNumber {
+        /// What was asked for.
+        wanted: String,
+        /// Number and name of what there is.
+        found: Vec<String>,
+    },
+    /// Several adapters have this in their names.
+    #[error(
+        "\"{wanted}\" is part of the name of several GPUs, {}; take a number or more of the name", found.join(", ")
+    )]
+    SeveralAdapters {
+        /// What was asked for.
+        wanted: String,
+        /// Number and name of those.
+        found: Vec<String>,
+    },
+    /// No adapter has this name.
     #[error("no GPU is called \"{wanted}\"; there is {}", found.join(", "))]
     NoSuchAdapter {
         /// What was asked for.

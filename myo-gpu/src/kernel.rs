@@ -102,9 +102,11 @@ impl Gpu {
     /// As [`compile`](Self::compile), but without these checks and without clearing the workgroup's memory at the start.
     ///
     /// # Safety
-    /// Whatever is in the buffers, the kernel must not access anything outside them or outside its own arrays, divide
-    /// an integer by zero, or loop forever. Kernels generated as straight-line code, or with constant loop bounds, that
-    /// first return on all threads beyond the number of elements, fulfil this.
+    /// Whenever this kernel runs, and whatever is in its buffers, it must not access anything outside them or outside its
+    /// own arrays, divide an integer by zero, or loop forever. Kernels generated as straight-line code, or with constant
+    /// loop bounds, that first return on all threads beyond the number of elements, fulfil this for buffers that have as
+    /// many. [`Kernel::bind`] and [`Batch::dispatch`](crate::Batch::dispatch) do not know that number: whoever compiles the
+    /// kernel must keep it, and all [`Bindings`] that it is run with, where no other code can bind other buffers.
     pub unsafe fn compile_trusted(
         &self,
         label: &str,

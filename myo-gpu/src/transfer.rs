@@ -7,7 +7,7 @@ use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::health::Fault;
 
-/// Elements of a buffer, and where in the program they shall go. Made by [`Buffer::part`].
+/// Elements of a buffer, and the memory of the program that they are copied to. Made by [`Buffer::part`].
 #[derive(Debug)]
 pub struct Read<'a> {
     raw: &'a wgpu::Buffer,

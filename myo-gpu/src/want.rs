@@ -11,7 +11,8 @@ pub enum Want {
     Hardware,
     /// The best one, software if there is nothing else.
     Any,
-    /// By its number in [`adapters`](crate::adapters), or the first whose name contains this, in upper or lower case.
+    /// By its number in [`adapters`](crate::adapters), or, if this is no number, by its name or a part of it that no other
+    /// adapter's name has, in upper or lower case.
     Named(String),
 }
 
@@ -33,14 +34,26 @@ impl Want {
 }
 
 fn named(name: &str, adapters: &[&Adapter]) -> Result<usize, GpuError> {
-    let number = name.trim().parse().ok().filter(|&i: &usize| i < adapters.len());
-    let lower = name.trim().to_lowercase();
-    number
-        .or_else(|| adapters.iter().position(|a| !lower.is_empty() && a.name.to_lowercase().contains(&lower)))
-        .ok_or_else(|| {
-            let found = adapters.iter().enumerate().map(|(i, a)| format!("{i}: {}", a.name)).collect();
-            GpuError::NoSuchAdapter { wanted: name.to_owned(), found }
-        })
+    let wanted = name.trim().to_lowercase();
+    let numbered = |i: &usize| format!("{i}: {}", adapters[*i].name);
+    let all = || (0..adapters.len()).map(|i| numbered(&i)).collect();
+    // A number is never looked for in names: cards are called `RTX 2080`.
+    if !wanted.is_empty() && wanted.bytes().all(|byte| byte.is_ascii_digit()) {
+        let number = wanted.parse().ok().filter(|&i: &usize| i < adapters.len());
+        return number.ok_or_else(|| GpuError::NoSuchNumber { wanted, found: all() });
+    }
+    let fitting = |fits: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..adapters.len()).filter(|&i| fits(&adapters[i].name.to_lowercase())).collect()
+    };
+    let whole = fitting(&|name| name == wanted);
+    let part = if wanted.is_empty() { Vec::new() } else { fitting(&|name| name.contains(&wanted)) };
+    match if whole.len() == 1 { &whole[..] } else { &part[..] } {
+        [only] => Ok(*only),
+        [] => Err(GpuError::NoSuchAdapter { wanted: name.to_owned(), found: all() }),
+        several => {
+            Err(GpuError::SeveralAdapters { wanted: name.to_owned(), found: several.iter().map(numbered).collect() })
+        }
+    }
 }
 
 #[cfg(test)]
@@ -59,15 +72,35 @@ mod tests {
         let named = |name: &str| Want::Named(name.to_owned()).choose(&all);
         assert_eq!(Want::Hardware.choose(&all), Ok(0));
         assert_eq!([named("LLVM"), named(" 1 "), named("2")], [Ok(2), Ok(1), Ok(2)]);
-        assert_eq!(
-            named("7").unwrap_err().to_string(),
-            "no GPU is called \"7\"; there is 0: Card, 1: Chip 2, 2: llvmpipe"
-        );
+        assert_eq!(named("7").unwrap_err().to_string(), "there is no GPU 7; there is 0: Card, 1: Chip 2, 2: llvmpipe");
         assert_eq!(Want::Any.choose(&[&soft]), Ok(0));
         let message = Want::Hardware.choose(&[&soft]).unwrap_err().to_string();
         assert!(message.contains("only software that imitates one: llvmpipe"), "{message}");
         let message = Want::Any.choose(&[]).unwrap_err().to_string();
         assert!(message.contains("mesa-vulkan-drivers"), "{message}");
+    }
+
+    #[test]
+    fn a_number_is_never_part_of_a_name() {
+        let [card, chip] = [adapter("Card", Kind::Discrete), adapter("Chip 2", Kind::Integrated)];
+        let named =
+            |name: &str| Want::Named(name.to_owned()).choose(&[&card, &chip]).map_err(|error| error.to_string());
+        assert_eq!(named("2"), Err("there is no GPU 2; there is 0: Card, 1: Chip 2".into()));
+        assert_eq!(named("chip 2"), Ok(1));
+    }
+
+    #[test]
+    fn a_name_that_fits_several_is_refused_with_all_of_them() {
+        let [first, second, other] = ["Card A", "card B", "Chip"].map(|name| adapter(name, Kind::Discrete));
+        let named =
+            |name: &str| Want::Named(name.to_owned()).choose(&[&first, &second, &other]).map_err(|e| e.to_string());
+        let both =
+            "\"card\" is part of the name of several GPUs, 0: Card A, 1: card B; take a number or more of the name";
+        assert_eq!(named("card"), Err(both.into()));
+        assert_eq!(named("card b"), Ok(1));
+        // A whole name is meant, even where it is part of another one.
+        let longer = adapter("Chip Pro", Kind::Discrete);
+        assert_eq!(Want::Named("chip".into()).choose(&[&longer, &other]), Ok(1));
     }
 
     #[test]

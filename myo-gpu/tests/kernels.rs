@@ -5,7 +5,7 @@ mod common;
 use std::io::Write;
 
 use common::{gpu, kernel, shader};
-use myo_gpu::{Access, Gpu, Kernel, Source};
+use myo_gpu::{Access, Gpu, GpuError, Kernel, Source};
 
 const UPDATE: &[Access] = &[Access::ReadWrite];
 
@@ -103,8 +103,19 @@ fn a_module_needs_no_text() {
 #[test]
 fn checked_kernels_cannot_leave_their_buffers() {
     let Some(gpu) = gpu() else { return };
-    let wild = kernel(&gpu, "x[i * 100000000u + 64u] = 1.0; x[i] += x[i + 100000000u] * 0.0 + 1.0;", UPDATE);
-    assert_eq!(run(&gpu, &wild, 64, 64).len(), 64);
+    let wild =
+        kernel(&gpu, "x[i] += x[i + 100000000u] * 0.0 + 1.0; x[i * 100000000u + 64u] = 7.0; x[i + 64u] = 7.0;", UPDATE);
+    // Buffers made one after the other often lie side by side.
+    let buffers = [(); 16].map(|()| gpu.buffer::<f32>("x", 64).unwrap());
+    let mut batch = gpu.batch();
+    batch.dispatch(&wild, &wild.bind(&[buffers[7].binding()]).unwrap(), 64);
+    batch.submit().unwrap();
+    for (k, buffer) in buffers.iter().enumerate() {
+        let (got, want) = (read(&gpu, buffer), if k == 7 { 1.0 } else { 0.0 });
+        // The last element of its own buffer is where a driver may let stray writes end.
+        assert_eq!(got[..63], [want; 63], "buffer {k}");
+        assert!(k == 7 || got[63] == 0.0, "buffer {k}: {}", got[63]);
+    }
 }
 
 #[test]
@@ -133,7 +144,14 @@ fn dispatches_are_timed_one_by_one() {
     let mut first = gpu.batch();
     first.dispatch(&add, &bindings, 64);
     first.submit().unwrap();
-    let Ok(mut batch) = gpu.batch().timed() else { return };
+    let mut batch = match gpu.batch().timed() {
+        Ok(batch) => batch,
+        Err(error) => {
+            assert!(!gpu.adapter().timestamps && matches!(error, GpuError::NoClock { .. }), "{error}");
+            _ = writeln!(std::io::stderr(), "skipped: {error}");
+            return;
+        }
+    };
     batch.dispatch(&add, &bindings, 64).dispatch(&add, &bindings, 1 << 16);
     let times = batch.submit_and_time().unwrap();
     assert_eq!(times.iter().map(|time| time.kernel.as_str()).collect::<Vec<_>>(), ["test", "test"]);

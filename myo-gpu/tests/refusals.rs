@@ -107,4 +107,7 @@ fn a_batch_can_be_dropped() {
     let bindings = one.bind(&[x.binding()]).unwrap();
     gpu.batch().dispatch(&one, &bindings, 64);
     gpu.wait().unwrap();
+    let mut out = [9.0; 64];
+    gpu.read(&x, 0, &mut out).unwrap();
+    assert_eq!(out, [0.0; 64], "what was not submitted has not run");
 }

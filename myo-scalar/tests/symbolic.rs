@@ -1,6 +1,6 @@
 //! Recorded programs: what is simplified away, and that the rest computes what the code computes.
 
-use myo_scalar::symbolic::{Access, Buffer, Column, Program, Sym, trace};
+use myo_scalar::symbolic::{Access, Buffer, Column, Entries, Program, Sym, trace};
 use myo_scalar::{Carried, Counter, Mask, Scalar, Stage, Visitor, Word, normal_pair, philox, seed_words};
 use proptest::prelude::*;
 
@@ -28,6 +28,27 @@ fn run(program: &Program, inputs: &[f64], outputs: usize) -> Vec<f64> {
 
 fn operations(f: impl FnOnce(Sym, Sym) -> Sym) -> usize {
     record(2, |x| vec![f(x[0], x[1])]).operations()
+}
+
+#[test]
+fn a_program_says_which_entries_of_a_buffer_it_touches() {
+    let shared = Buffer { binding: 2, access: Access::Shared };
+    let program = trace(|| {
+        let unused = IN.number(9);
+        OUT.set_number(3, IN.number(4) + Sym::from_word(shared.word(1)));
+        Sym::when(Sym::zero().lt(IN.number(0)), &mut Nothing, |_| OUT.set_number(6, IN.number(5)));
+        let _ = unused + unused;
+    });
+    let entries = |per_env, shared| Entries { per_env, shared };
+    assert_eq!([0, 1, 2, 3].map(|k| program.entries(k)), [entries(6, 0), entries(7, 0), entries(0, 2), entries(0, 0)]);
+    assert_eq!((entries(7, 0).needed(10), entries(0, 2).needed(10), entries(3, 40).needed(10)), (70, 2, 40));
+}
+
+/// A branch without variables: it only writes.
+struct Nothing;
+
+impl Carried<Sym> for Nothing {
+    fn visit(&mut self, _: &mut impl Visitor<Sym>) {}
 }
 
 #[test]

@@ -19,13 +19,19 @@ const SAMPLES: u32 = 2048;
 /// Positions tried against the model's reach, which may be slow to tell.
 const REACH_SAMPLES: u32 = 504;
 
-/// What the model can reach with its fingertip.
+/// What the check of a task asks the model.
 pub trait Reach {
     /// How far a point, in m relative to the shoulder centre, is from the nearest point in reach; 0 when it is in reach.
     fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64;
+
+    /// Seconds of one physics step, which control steps must be whole multiples of. `None`, the default, where no model is
+    /// known: then control steps are not checked.
+    fn physics_dt_s(&self) -> Option<f64> {
+        None
+    }
 }
 
-/// A reach without end, for callers that know no model.
+/// A reach without end, for callers that know no model; what depends on one is not checked.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Anywhere;
 
@@ -42,6 +48,7 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
     let mut report = Report { errors: value_errors(task), ..Report::default() };
     if report.is_ok() {
         let task = task.clone().expanded();
+        report.errors.extend(reach.physics_dt_s().and_then(|dt| task.check_control_step(dt).err()));
         times(&task, &mut report);
         distances(&task, &mut report);
         buttons(&task, &mut report);

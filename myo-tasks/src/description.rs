@@ -4,11 +4,13 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::check::value_errors;
 use crate::quantity::Quantity;
+use crate::report::{InvalidTask, TaskError};
 use crate::target::{Pointing, TARGETS_MAX, Target};
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
-const TIME_LIMIT: Quantity = Quantity::positive("s", 600.0);
+const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
 const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
@@ -32,14 +34,17 @@ pub struct Task {
     #[schemars(length(min = 1, max = 64))]
     pub name: String,
 
-    /// What the task stands for, for people. Default: empty.
+    /// What the task stands for, for people. Default: empty; at most 10,000 characters.
     #[serde(default)]
-    #[garde(skip)]
+    #[garde(custom(description_rule))]
+    #[schemars(length(max = 10000))]
     pub description: String,
 
-    /// The body that does it: the name of a built-in model. Default `mobl-arms`.
+    /// The body that does it: the name of a built-in model, or a model file, looked for in the folder of the task file.
+    /// Default `mobl-arms`.
     #[serde(default = "default_model")]
-    #[garde(custom(name_rule))]
+    #[garde(custom(model_rule))]
+    #[schemars(length(min = 1, max = 4096))]
     pub model: String,
 
     /// The targets in the order in which they must be done: 1 to 10, repetitions counted.
@@ -72,7 +77,7 @@ pub struct Task {
 
     /// What the simulated user perceives.
     #[serde(default)]
-    #[garde(skip)]
+    #[garde(custom(observation_rule))]
     pub observation: Observation,
 
     /// Motor noise, off by default.
@@ -167,7 +172,7 @@ pub struct Reward {
     pub acceleration_effort: f64,
 }
 
-/// Which parts the observation has, in this order. All of them by default, accelerations aside.
+/// Which parts the observation has, in this order; at least one. All of them by default, accelerations aside.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[expect(clippy::struct_excessive_bools, reason = "each part is its own switch in the file")]
@@ -234,6 +239,30 @@ impl Task {
         self.steps(self.time_limit_s)
     }
 
+    /// Refuses values out of bounds. Tasks read from a text have been checked; those made or changed by code have not.
+    ///
+    /// # Errors
+    /// All such values.
+    pub fn check_values(&self) -> Result<(), InvalidTask> {
+        let errors = value_errors(self);
+        if errors.is_empty() { Ok(()) } else { Err(InvalidTask { errors }) }
+    }
+
+    /// Refuses a control step that is not a whole number of physics steps of `physics_dt_s` seconds.
+    ///
+    /// # Errors
+    /// [`TaskError::UnevenControlStep`], with the nearest control steps that fit.
+    pub fn check_control_step(&self, physics_dt_s: f64) -> Result<(), TaskError> {
+        let ratio = self.control_dt_s / physics_dt_s;
+        if ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6 {
+            return Ok(());
+        }
+        // Printed without what binary fractions leave at the end.
+        let whole = |steps: f64| (steps * physics_dt_s * 1e9).round() / 1e9;
+        let nearest = [ratio.floor(), ratio.ceil().max(1.0)].map(whole);
+        Err(TaskError::UnevenControlStep { control_dt_s: self.control_dt_s, physics_dt_s, nearest })
+    }
+
     /// Physics steps of `physics_dt_s` seconds in one control step.
     pub fn substeps(&self, physics_dt_s: f64) -> u32 {
         rounded_steps(self.control_dt_s, physics_dt_s)
@@ -280,6 +309,28 @@ fn copies(target: Target) -> impl Iterator<Item = Target> {
         sphere.repeat = 1;
     }
     std::iter::repeat_n(single, n)
+}
+
+impl Observation {
+    /// Name of every part and whether it is wanted, in order.
+    pub fn parts(&self) -> [(&'static str, bool); 14] {
+        [
+            ("joint_position", self.joint_position),
+            ("joint_velocity", self.joint_velocity),
+            ("joint_acceleration", self.joint_acceleration),
+            ("fingertip_position", self.fingertip_position),
+            ("activation", self.activation),
+            ("target_position", self.target_position),
+            ("target_size", self.target_size),
+            ("target_vector", self.target_vector),
+            ("next_target_vector", self.next_target_vector),
+            ("phase", self.phase),
+            ("dwell_fraction", self.dwell_fraction),
+            ("time_left", self.time_left),
+            ("inside", self.inside),
+            ("touch", self.touch),
+        ]
+    }
 }
 
 impl Noise {
@@ -351,9 +402,36 @@ fn version_rule(version: &u32, (): &()) -> garde::Result {
 }
 
 fn name_rule(name: &str, (): &()) -> garde::Result {
-    match name.chars().count() {
-        1..=64 => Ok(()),
-        n => Err(garde::Error::new(format!("has {n} characters; it must have from 1 to 64"))),
+    text_rule(name, 1, 64, "")
+}
+
+fn model_rule(model: &str, (): &()) -> garde::Result {
+    text_rule(model, 1, 4096, "")
+}
+
+fn description_rule(description: &str, (): &()) -> garde::Result {
+    text_rule(description, 0, 10_000, "\n\t")
+}
+
+/// A text of so many characters that does nothing but stand there when it is printed.
+fn text_rule(text: &str, least: usize, most: usize, allowed: &str) -> garde::Result {
+    let n = text.chars().count();
+    if n < least || n > most {
+        return Err(garde::Error::new(format!("has {n} characters; it must have from {least} to {most}")));
+    }
+    match text.chars().find(|c| c.is_control() && !allowed.contains(*c)) {
+        Some(c) => Err(garde::Error::new(format!(
+            "has the control character U+{:04X}, which a terminal would obey; leave it out",
+            u32::from(c)
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn observation_rule(observation: &Observation, (): &()) -> garde::Result {
+    match observation.parts().iter().any(|(_, wanted)| *wanted) {
+        true => Ok(()),
+        false => Err(garde::Error::new("has no part; at least one must be true")),
     }
 }
 

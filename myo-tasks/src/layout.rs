@@ -8,7 +8,7 @@ use serde_saphyr::Spanned;
 
 /// A position in a file, counted from one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct SourceLocation {
     /// File name as it was given, or the name of a preset.
     pub file: String,
     /// Line, from 1.
@@ -17,7 +17,7 @@ pub struct Place {
     pub column: u64,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}", self.file, self.line, self.column)
     }

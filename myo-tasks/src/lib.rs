@@ -42,10 +42,10 @@ mod target;
 
 pub use check::{Anywhere, CONTACT_MARGIN, RARE_ACCEPTANCE, Reach, check};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
-pub use layout::Place;
+pub use layout::SourceLocation;
 pub use load::{BadValue, LoadError, SCHEMA_HINT, Source, load};
 pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;
-pub use report::{Element, Report, TaskError, TaskWarning};
+pub use report::{Element, InvalidTask, Report, TaskError, TaskWarning};
 pub use schema::task_schema;
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use myo_model::builtin_names;
 use serde_saphyr::options::NonFiniteFloatPolicy;
 use serde_saphyr::{Error as YamlError, MessageFormatter, UserMessageFormatter};
 
 use crate::check::{Reach, check, value_errors};
 use crate::description::Task;
-use crate::layout::{Layout, Place, Position};
+use crate::layout::{Layout, Position, SourceLocation};
 use crate::presets::{preset_names, preset_text};
 use crate::report::{Report, TaskError};
 use crate::suggest::hint;
@@ -38,7 +39,7 @@ pub enum LoadError {
     #[error("{place}: unknown key `{key}`{}; {}", in_part(path), hint(key, valid))]
     UnknownKey {
         /// Where the key stands.
-        place: Place,
+        place: SourceLocation,
         /// The key.
         key: String,
         /// The part of the task it stands in, such as `targets[1]`; empty at the top.
@@ -50,7 +51,7 @@ pub enum LoadError {
     #[error("{place}: unknown value `{value}`{}; {}", in_part(path), hint(value, valid))]
     UnknownValue {
         /// Where the value stands.
-        place: Place,
+        place: SourceLocation,
         /// The value.
         value: String,
         /// The part of the task it stands in.
@@ -62,7 +63,7 @@ pub enum LoadError {
     #[error("{place}: the key `{key}`{} is missing", in_part(path))]
     MissingKey {
         /// Where the part that lacks it begins.
-        place: Place,
+        place: SourceLocation,
         /// The key.
         key: &'static str,
         /// The part of the task that lacks it.
@@ -72,7 +73,7 @@ pub enum LoadError {
     #[error("{place}: {} is {found}; it must be {expected}", spoken(path))]
     WrongType {
         /// Where the value stands.
-        place: Place,
+        place: SourceLocation,
         /// Its path, such as `targets[1].radius`.
         path: String,
         /// What stands there.
@@ -84,7 +85,7 @@ pub enum LoadError {
     #[error("{place}: {message}")]
     Syntax {
         /// Where reading stopped.
-        place: Place,
+        place: SourceLocation,
         /// What was found and what was expected.
         message: String,
     },
@@ -101,7 +102,7 @@ pub enum LoadError {
 #[error("{place}: {error}")]
 pub struct BadValue {
     /// Where it stands.
-    pub place: Place,
+    pub place: SourceLocation,
     /// What is wrong with it, such as `the radius of target 1 (pointing) is 0 m; it must be ...`.
     pub error: TaskError,
 }
@@ -120,7 +121,8 @@ pub struct Source {
     origin: Vec<usize>,
 }
 
-/// Reads a preset or a file. A preset's name goes first; write `./ar` for a file called `ar`.
+/// Reads a preset or a file. A preset's name goes first; write `./ar` for a file called `ar`. A model file that the task
+/// names is looked for in the folder of the task.
 pub fn load(name_or_path: &str) -> Result<Source, LoadError> {
     if let Some(text) = preset_text(name_or_path) {
         return Source::parse(text, name_or_path);
@@ -131,7 +133,17 @@ pub fn load(name_or_path: &str) -> Result<Source, LoadError> {
         return Err(LoadError::UnknownPreset { name: name_or_path.to_owned() });
     }
     let text = std::fs::read_to_string(path).map_err(|cause| LoadError::Io { path: path.to_owned(), cause })?;
-    Source::parse(&text, name_or_path)
+    let mut source = Source::parse(&text, name_or_path)?;
+    source.task.model = model_from(&source.task.model, path);
+    Ok(source)
+}
+
+/// The model of a task file as seen from the working directory: paths in a file start at its folder.
+fn model_from(model: &str, task_file: &Path) -> String {
+    let looks_like_path = Path::new(model).components().count() > 1 || Path::new(model).extension().is_some();
+    let beside = task_file.parent().unwrap_or(Path::new("")).join(model);
+    let is_file = !builtin_names().contains(&model) && (looks_like_path || beside.is_file());
+    if is_file { beside.to_string_lossy().into_owned() } else { model.to_owned() }
 }
 
 impl Task {
@@ -176,7 +188,7 @@ impl Source {
     }
 
     /// Where the value at `path` of [`Source::task`] stands in the text, as the paths of errors and warnings say it.
-    pub fn place(&self, path: &str) -> Place {
+    pub fn place(&self, path: &str) -> SourceLocation {
         place(&self.name, self.layout.value(&self.path_in_text(path)))
     }
 
@@ -292,8 +304,8 @@ fn expected_type(error: &YamlError) -> Option<String> {
     })
 }
 
-fn place(file: &str, (line, column): Position) -> Place {
-    Place { file: file.to_owned(), line, column }
+fn place(file: &str, (line, column): Position) -> SourceLocation {
+    SourceLocation { file: file.to_owned(), line, column }
 }
 
 fn in_part(path: &str) -> String {

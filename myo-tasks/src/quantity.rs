@@ -10,20 +10,13 @@ use crate::range::Range;
 pub(crate) struct Quantity {
     unit: &'static str,
     min: f64,
-    /// Whether `min` itself is allowed.
-    min_allowed: bool,
     max: f64,
 }
 
 impl Quantity {
-    /// Greater than zero and at most `max`.
-    pub(crate) const fn positive(unit: &'static str, max: f64) -> Self {
-        Self { unit, min: 0.0, min_allowed: false, max }
-    }
-
     /// From `min` to `max`, both allowed.
     pub(crate) const fn between(min: f64, max: f64, unit: &'static str) -> Self {
-        Self { unit, min, min_allowed: true, max }
+        Self { unit, min, max }
     }
 
     /// The garde rule of a plain number. NaN and infinities fail it.
@@ -48,26 +41,26 @@ impl Quantity {
     }
 
     fn check(self, value: f64) -> garde::Result {
-        let above = if self.min_allowed { value >= self.min } else { value > self.min };
         // NaN compares false with everything and so ends in the error.
-        if above && value <= self.max {
+        if value >= self.min && value <= self.max {
             return Ok(());
         }
         Err(garde::Error::new(format!("is {}; it must be {}", self.with_unit(value), self.bounds())))
     }
 
     fn bounds(self) -> String {
-        if self.min_allowed {
-            format!("from {} to {}", self.min, self.with_unit(self.max))
-        } else {
-            format!("greater than {} and at most {}", self.min, self.with_unit(self.max))
-        }
+        format!("from {} to {}", self.min, self.with_unit(self.max))
     }
 
     fn with_unit(self, value: f64) -> String {
+        let digits = match value.abs() {
+            1e-6..1e16 | 0.0 => format!("{value}"),
+            // Not hundreds of zeros.
+            _ => format!("{value:e}"),
+        };
         match self.unit {
-            unit if !unit.is_empty() && value.is_finite() => format!("{value} {unit}"),
-            _ => format!("{value}"),
+            unit if !unit.is_empty() && value.is_finite() => format!("{digits} {unit}"),
+            _ => digits,
         }
     }
 
@@ -82,8 +75,7 @@ impl Quantity {
 
     fn mark(self, object: &mut serde_json::Map<String, Value>) {
         if is_number(object.get("type")) {
-            let lower = if self.min_allowed { "minimum" } else { "exclusiveMinimum" };
-            object.insert(lower.into(), json!(self.min));
+            object.insert("minimum".into(), json!(self.min));
             object.insert("maximum".into(), json!(self.max));
             if !self.unit.is_empty() {
                 object.insert("x-unit".into(), json!(self.unit));

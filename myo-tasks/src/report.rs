@@ -50,6 +50,20 @@ impl fmt::Display for Element {
     }
 }
 
+/// A task that cannot be run; one sentence and line for each value that is wrong.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+pub struct InvalidTask {
+    /// What is wrong, in the order of the fields.
+    pub errors: Vec<TaskError>,
+}
+
+impl From<TaskError> for InvalidTask {
+    fn from(error: TaskError) -> Self {
+        Self { errors: vec![error] }
+    }
+}
+
 /// Why a task cannot be trained; each is one sentence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -63,6 +77,20 @@ pub enum TaskError {
         subject: String,
         /// The value and what would be right.
         problem: String,
+    },
+    /// The control step is not a whole number of the model's physics steps.
+    #[error(
+        "`control_dt_s` is {control_dt_s} s, which is not a whole multiple of the model's physics step of {physics_dt_s} s; \
+         take {}",
+        nearest_steps(nearest)
+    )]
+    UnevenControlStep {
+        /// The task's control step.
+        control_dt_s: f64,
+        /// The model's physics step.
+        physics_dt_s: f64,
+        /// The nearest shorter control step that fits, 0 if there is none, and the nearest longer one.
+        nearest: [f64; 2],
     },
     /// One dwell alone is longer than the episode.
     #[error(
@@ -196,6 +224,7 @@ impl TaskError {
     pub fn path(&self) -> String {
         match self {
             Self::Value { path, .. } => path.clone(),
+            Self::UnevenControlStep { .. } => "control_dt_s".into(),
             Self::DwellBeyondLimit { target, .. } => target.path("dwell_s"),
             Self::DwellsBeyondLimit { .. } => "time_limit_s".into(),
             Self::DistanceImpossible { target, .. } => target.path("min_distance_from_previous"),
@@ -216,6 +245,10 @@ impl TaskWarning {
             Self::Rounded { path, .. } => path.clone(),
         }
     }
+}
+
+fn nearest_steps([shorter, longer]: &[f64; 2]) -> String {
+    if *shorter > 0.0 { format!("{shorter} or {longer} s") } else { format!("{longer} s") }
 }
 
 fn gap_in_words(gap_m: f64) -> String {

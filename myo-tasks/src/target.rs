@@ -10,10 +10,11 @@ use crate::quantity::Quantity;
 use crate::range::Range;
 
 const COORDINATE: Quantity = Quantity::between(-2.0, 2.0, "m");
-const LENGTH: Quantity = Quantity::positive("m", 2.0);
+/// Nothing smaller than a millimetre can be hit.
+const LENGTH: Quantity = Quantity::between(0.001, 2.0, "m");
 const DISTANCE: Quantity = Quantity::between(0.0, 4.0, "m");
 const DWELL: Quantity = Quantity::between(0.0, 600.0, "s");
-const FORCE: Quantity = Quantity::positive("N", 1000.0);
+const FORCE: Quantity = Quantity::between(0.01, 1000.0, "N");
 const TILT: Quantity = Quantity::between(0.0, 180.0, "deg");
 
 /// Most targets that one task may have, repetitions counted.
@@ -39,7 +40,7 @@ pub struct Pointing {
     #[garde(dive)]
     pub position: Region,
 
-    /// Radius in m, a number or `[min, max]`; drawn anew for every episode. Greater than 0.
+    /// Radius in m, a number or `[min, max]`; drawn anew for every episode. From 0.001 to 2.
     #[garde(custom(LENGTH.range_rule()))]
     #[schemars(transform = LENGTH.schema())]
     pub radius: Range,
@@ -92,7 +93,7 @@ pub struct Pressing {
     pub position: [f64; 3],
 
     /// Full sizes `[width, height, depth]` in m: of the upright face, width is the horizontal and height the vertical
-    /// extent; depth is how thick the button is. Each greater than 0.
+    /// extent; depth is how thick the button is. Each from 0.001 to 2.
     #[serde(serialize_with = "on_one_line")]
     #[garde(inner(custom(LENGTH.rule())))]
     #[schemars(transform = LENGTH.schema())]
@@ -103,7 +104,7 @@ pub struct Pressing {
     #[schemars(transform = TILT.schema())]
     pub tilt_deg: f64,
 
-    /// Contact force that counts as pressed, in N. Greater than 0; 1 is a light touch.
+    /// Contact force that counts as pressed, in N. From 0.01 to 1000; 1 is a light touch.
     #[garde(custom(FORCE.rule()))]
     #[schemars(transform = FORCE.schema())]
     pub min_force_n: f64,

@@ -1,6 +1,6 @@
 //! Every kind of mistake in a task file, and the sentence that it gets.
 
-use myo_tasks::{Anywhere, Reach, Source, Task, check, load, preset_text};
+use myo_tasks::{Anywhere, Observation, Reach, Source, Task, check, load, preset_text};
 
 /// Lines are counted in this text by the tests below.
 const TASK: &str = "\
@@ -115,7 +115,7 @@ fn wrong_types() {
 #[test]
 fn values_out_of_bounds() {
     let radius = "my.yaml:9:13: the radius of target 1 (pointing)";
-    let bounds = "it must be greater than 0 and at most 2 m";
+    let bounds = "it must be from 0.001 to 2 m";
     refused("[0.04, 0.08]", "0", &format!("{radius} is 0 m; {bounds}"));
     refused("[0.04, 0.08]", "-0.1", &format!("{radius} is -0.1 m; {bounds}"));
     refused("[0.04, 0.08]", ".nan", &format!("{radius} is NaN; {bounds}"));
@@ -133,7 +133,7 @@ fn values_out_of_bounds() {
     refused(
         "0.04, 0.02]",
         "0, 0.02]",
-        "my.yaml:13:18: the height of target 2 (pressing) is 0 m; it must be greater than 0 and at most 2 m",
+        "my.yaml:13:18: the height of target 2 (pressing) is 0 m; it must be from 0.001 to 2 m",
     );
     refused(
         "dwell_s: 0.25",
@@ -148,12 +148,12 @@ fn values_out_of_bounds() {
     refused(
         "min_force_n: 1",
         "min_force_n: 0",
-        "my.yaml:15:18: the `min_force_n` of target 2 (pressing) is 0 N; it must be greater than 0 and at most 1000 N",
+        "my.yaml:15:18: the `min_force_n` of target 2 (pressing) is 0 N; it must be from 0.01 to 1000 N",
     );
     refused(
         "time_limit_s: 4",
         "time_limit_s: -4",
-        "my.yaml:16:15: `time_limit_s` is -4 s; it must be greater than 0 and at most 600 s",
+        "my.yaml:16:15: `time_limit_s` is -4 s; it must be from 0.001 to 600 s",
     );
     refused("version: 1", "version: 2", "my.yaml:1:10: `version` is 2; only version 1 is known");
     refused("name: two", "name: ''", "my.yaml:2:7: `name` has 0 characters; it must have from 1 to 64");
@@ -162,6 +162,127 @@ fn values_out_of_bounds() {
         "dwell_s: 0.25\n    min_distance_from_previous: -1",
         "my.yaml:11:33: the `min_distance_from_previous` of target 1 (pointing) is -1 m; it must be from 0 to 4 m",
     );
+}
+
+/// Numbers that a computer can hold and no arm can use, in every field that holds one.
+#[test]
+fn absurd_numbers_are_refused_wherever_they_stand() {
+    let all = format!(
+        "{}{}",
+        edited("dwell_s: 0.25", "dwell_s: 0.25\n    min_distance_from_previous: 0.1"),
+        "control_dt_s: 0.05
+reset: { pose_spread_rad: 0.1, velocity_spread_rad_s: 0.1, activation_max: 0.5 }
+reward: { distance: 1, time_cost: 1, subtask_bonus: 1, completion_bonus: 1, neural_effort: 1, acceleration_effort: 1 }
+noise: { signal_dependent: 0.1, constant: 0.1 }
+"
+    );
+    Task::from_yaml(&all, "my.yaml").expect("the text itself is fine");
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    let mut refusals = 0;
+    for (number, line) in all.lines().enumerate().skip(2) {
+        let cut = |c: char| !(c.is_ascii_digit() || c == '.' || c == '-');
+        for (at, word) in line.match_indices(|c: char| !cut(c)).filter_map(|(at, _)| {
+            let begins = at == 0 || line[..at].ends_with([' ', '[']);
+            let word = line[at..].split(cut).next()?;
+            (begins && is_number(word)).then_some((at, word))
+        }) {
+            for absurd in ["1e308", "-1e308", "-1e-300", ".inf", ".nan"] {
+                let changed = format!("{}{absurd}{}", &line[..at], &line[at + word.len()..]);
+                let lines: Vec<&str> =
+                    all.lines().enumerate().map(|(k, l)| if k == number { &*changed } else { l }).collect();
+                // Coordinates may be a little less than zero.
+                if absurd == "-1e-300"
+                    && (line.contains("x:") || line.contains("y:") || line.contains("z:") || line.contains("position"))
+                {
+                    continue;
+                }
+                let error = Task::from_yaml(&lines.join("\n"), "my.yaml").expect_err(&changed).to_string();
+                assert!(error.starts_with(&format!("my.yaml:{}:", number + 1)), "{changed}: {error}");
+                assert!(error.contains("must"), "{changed}: {error}");
+                refusals += 1;
+            }
+        }
+    }
+    assert!(refusals >= 130, "only {refusals} numbers were found");
+}
+
+#[test]
+fn numbers_that_single_precision_cannot_divide_by_are_refused() {
+    refused(
+        "min_force_n: 1",
+        "min_force_n: 1e-300",
+        "my.yaml:15:18: the `min_force_n` of target 2 (pressing) is 1e-300 N; it must be from 0.01 to 1000 N",
+    );
+    refused(
+        "[0.04, 0.08]",
+        "1e-30",
+        "my.yaml:9:13: the radius of target 1 (pointing) is 1e-30 m; it must be from 0.001 to 2 m",
+    );
+}
+
+#[test]
+fn an_observation_without_parts_is_refused() {
+    let parts = Observation::default().parts().map(|(name, _)| format!("{name}: false")).join(", ");
+    refused(
+        "time_limit_s: 4",
+        &format!("observation: {{ {parts} }}"),
+        "my.yaml:16:14: `observation` has no part; at least one must be true",
+    );
+    let one = parts.replace("phase: false", "phase: true");
+    checked("time_limit_s: 4", &format!("observation: {{ {one} }}"), &Anywhere, &[]);
+}
+
+#[test]
+fn texts_that_a_terminal_would_obey_are_refused() {
+    let obeyed = "has the control character U+001B, which a terminal would obey; leave it out";
+    refused("name: two", "name: \"a\\e[31mb\"", &format!("my.yaml:2:7: `name` {obeyed}"));
+    refused("name: two", "name: two\ndescription: \"\\e[2J\"", &format!("my.yaml:3:14: `description` {obeyed}"));
+    refused("name: two", "name: two\nmodel: \"\\e[2J\"", &format!("my.yaml:3:8: `model` {obeyed}"));
+    checked("name: two", "name: two\ndescription: \"two\\nlines\"", &Anywhere, &[]);
+    let long = "x".repeat(10_001);
+    refused(
+        "name: two",
+        &format!("name: two\ndescription: {long}"),
+        "my.yaml:3:14: `description` has 10001 characters; it must have from 0 to 10000",
+    );
+}
+
+/// A body of which no more is known than its physics step.
+struct Step(f64);
+
+impl Reach for Step {
+    fn distance_out_of_reach(&self, _: [f64; 3]) -> f64 {
+        0.0
+    }
+    fn physics_dt_s(&self) -> Option<f64> {
+        Some(self.0)
+    }
+}
+
+#[test]
+fn a_control_step_between_physics_steps_is_refused_with_those_that_fit() {
+    let errors = |control_dt_s: &str, physics_dt_s| {
+        let text = edited("time_limit_s: 4", &format!("control_dt_s: {control_dt_s}"));
+        let source = Source::parse(&text, "my.yaml").unwrap();
+        let report = source.check(&Step(physics_dt_s));
+        report.errors.iter().map(|error| format!("{}: {error}", source.place(&error.path()))).collect::<Vec<_>>()
+    };
+    let uneven = |control_dt_s: &str, physics_dt_s: &str, fitting: &str| {
+        format!(
+            "my.yaml:16:15: `control_dt_s` is {control_dt_s} s, which is not a whole multiple of the model's physics step of \
+             {physics_dt_s} s; take {fitting} s"
+        )
+    };
+    assert_eq!(errors("0.033", 0.002), [uneven("0.033", "0.002", "0.032 or 0.034")]);
+    assert_eq!(errors("0.033", 0.02), [uneven("0.033", "0.02", "0.02 or 0.04")]);
+    assert_eq!(errors("0.004", 0.01), [uneven("0.004", "0.01", "0.01")]);
+    for fine in ["0.002", "0.05", "0.5", "0.034"] {
+        let text = format!("control_dt_s: {fine}\ntime_limit_s: 600");
+        let source = Source::parse(&edited("time_limit_s: 4", &text), "my.yaml").unwrap();
+        assert!(source.check(&Step(0.002)).is_ok(), "{fine}");
+    }
+    let source = Source::parse(&edited("time_limit_s: 4", "control_dt_s: 0.033"), "my.yaml").unwrap();
+    assert!(source.check(&Anywhere).is_ok(), "whoever knows no model is not asked");
 }
 
 #[test]
@@ -189,7 +310,7 @@ fn several_bad_values_are_all_said() {
     refused(
         "radius: [0.04, 0.08]\n    dwell_s: 0.25",
         "radius: 0\n    dwell_s: -1",
-        "my.yaml:9:13: the radius of target 1 (pointing) is 0 m; it must be greater than 0 and at most 2 m\n\
+        "my.yaml:9:13: the radius of target 1 (pointing) is 0 m; it must be from 0.001 to 2 m\n\
          my.yaml:10:14: the `dwell_s` of target 1 (pointing) is -1 s; it must be from 0 to 600 s",
     );
 }
@@ -387,7 +508,7 @@ fn tasks_built_in_code_get_the_same_sentences() {
     let mut task = Task::from_yaml(TASK, "").unwrap();
     task.time_limit_s = f64::NAN;
     let report = check(&task, &Anywhere);
-    assert_eq!(report.errors[0].to_string(), "`time_limit_s` is NaN; it must be greater than 0 and at most 600 s");
+    assert_eq!(report.errors[0].to_string(), "`time_limit_s` is NaN; it must be from 0.001 to 600 s");
     task.targets.clear();
     assert_eq!(check(&task, &Anywhere).errors[0].to_string(), "the task has no target; a task has from 1 to 10");
 }

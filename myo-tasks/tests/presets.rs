@@ -116,15 +116,33 @@ fn files_are_read_and_a_preset_name_goes_first() {
 }
 
 #[test]
+fn a_model_file_is_looked_for_beside_its_task() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    std::fs::write(at("arm"), "").unwrap();
+    let model = |written: &str| {
+        let text = preset_text("ar").unwrap().replace("name: ar", &format!("name: mine\nmodel: {written}"));
+        std::fs::write(at("mine.yaml"), text).unwrap();
+        load(&at("mine.yaml")).unwrap().task.model
+    };
+    assert_eq!(model("arm.yaml"), at("arm.yaml"));
+    assert_eq!(model("bodies/arm.yaml"), at("bodies/arm.yaml"));
+    assert_eq!(model("arm"), at("arm"), "a file without an ending");
+    assert_eq!(model("/bodies/arm.yaml"), "/bodies/arm.yaml");
+    assert_eq!(model("mobl-arms"), "mobl-arms", "a model that comes with the library");
+    assert_eq!(model("mobl-legs"), "mobl-legs", "neither: whoever opens it says so");
+}
+
+#[test]
 fn schema_bounds_come_from_the_rules() {
     let schema = task_schema();
     let sphere = &schema["$defs"]["Target"]["oneOf"][0]["properties"];
     assert_eq!(sphere["kind"]["const"], "pointing");
     assert_eq!(sphere["dwell_s"]["minimum"], 0.0);
     assert_eq!(sphere["dwell_s"]["x-unit"], "s");
-    assert_eq!(sphere["radius"]["anyOf"][1]["items"]["exclusiveMinimum"], 0.0);
+    assert_eq!(sphere["radius"]["anyOf"][1]["items"]["minimum"], 0.001);
     let button = &schema["$defs"]["Target"]["oneOf"][1]["properties"];
-    assert_eq!(button["size"]["items"]["exclusiveMinimum"], 0.0);
+    assert_eq!(button["size"]["items"]["minimum"], 0.001);
     assert_eq!(schema["properties"]["time_limit_s"]["default"], 12.0);
     assert!(
         !schema.to_string().replace("\\n\\n", "").contains("\\n"),
@@ -177,10 +195,7 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
         let bound = schema[key].as_f64()?;
         test(value.as_f64()?, bound).then(|| format!("{value} breaks {key} {bound}"))
     };
-    if let Some(bound) = beyond("minimum", |v, b| v < b)
-        .or_else(|| beyond("exclusiveMinimum", |v, b| v <= b))
-        .or_else(|| beyond("maximum", |v, b| v > b))
-    {
+    if let Some(bound) = beyond("minimum", |v, b| v < b).or_else(|| beyond("maximum", |v, b| v > b)) {
         return Some(bound);
     }
     if let Some(items) = value.as_array() {

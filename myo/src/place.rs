@@ -122,7 +122,9 @@ impl Wish {
         make: impl Fn(&Place) -> Result<T, BuildError>,
     ) -> Result<T, BuildError> {
         match make(&place) {
-            Err(error @ (BuildError::TooLargeForGpu { .. } | BuildError::Gpu(_))) if *self == Self::Auto => {
+            Err(
+                error @ (BuildError::TooLargeForGpu { .. } | BuildError::OutOfGpuMemory { .. } | BuildError::Gpu(_)),
+            ) if *self == Self::Auto => {
                 notice(&error);
                 make(&Place::Cpu)
             }

@@ -6,17 +6,25 @@ use myo_tasks::Reach;
 
 /// What a model can reach with its fingertip, for [`myo_tasks::check()`].
 #[derive(Clone, Debug)]
-pub struct ModelReach(ReachableSpace);
+pub struct ModelReach {
+    space: ReachableSpace,
+    physics_dt_s: f64,
+}
 
 impl ModelReach {
     /// Explores the poses of a model.
     pub fn new(model: &Model) -> Result<Self, PlanError> {
-        Ok(Self(ReachableSpace::new(&Plan::exact(model, Coupling::Reduced)?.specialised())))
+        let plan = Plan::exact(model, Coupling::Reduced)?.specialised();
+        Ok(Self { space: ReachableSpace::new(&plan), physics_dt_s: plan.timestep })
     }
 }
 
 impl Reach for ModelReach {
     fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
-        self.0.distance_out_of_reach(point_rel_shoulder)
+        self.space.distance_out_of_reach(point_rel_shoulder)
+    }
+
+    fn physics_dt_s(&self) -> Option<f64> {
+        Some(self.physics_dt_s)
     }
 }

@@ -5,11 +5,12 @@ use super::shard::{GpuOptions, Kernels, Shard};
 use crate::batch;
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig};
-use crate::saved::Shape;
-use crate::state::EnvState;
+use crate::memory;
+use crate::saved::{Header, Identity};
+use crate::state::{EnvState, StateRows};
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
-use myo_gpu::{Gpu, GpuError};
+use myo_gpu::{Gpu, GpuError, Kind};
 use myo_model::Model;
 use myo_tasks::Task;
 
@@ -27,7 +28,8 @@ pub struct GpuEnv {
     shards: Vec<Shard>,
     spec: EnvSpec,
     /// Numbers in the state of one environment.
-    count: usize,
+    rows: StateRows,
+    identity: Identity,
     finished: Finished,
     scratch: Scratch,
 }
@@ -43,8 +45,8 @@ struct Scratch {
 }
 
 impl GpuEnv {
-    /// Compiles the kernels, builds the environments and resets them all. `level` and `threads` of the configuration are
-    /// of no concern here.
+    /// Compiles the kernels, builds the environments and resets them all. `level` and `threads` of the configuration
+    /// do not apply to a card.
     ///
     /// # Errors
     /// The task or model cannot be simulated, is too large for a kernel, or the card refuses.
@@ -67,11 +69,11 @@ impl GpuEnv {
             return Err(BuildError::NoEnvironments);
         }
         let tables = Tables::<f64>::new(model, task)?;
+        let (spec, rows) = (batch::spec(model, task, &tables, config), StateRows::of(&tables));
+        check_memory(gpu, &spec, rows.count)?;
         let kernels = Kernels::new(gpu, &tables, config.autoreset, options.form)?;
-        let spec = batch::spec(model, task, &tables, config);
-        let count = EnvState::<f64>::new(&tables).numbers().count();
-        let per_shard = portable_envs(&spec, count).min(options.envs_per_shard.max(1));
-        Ok(Self::start(gpu, kernels, spec, count, per_shard, config.seed)?)
+        let per_shard = portable_envs(&spec, rows.count).min(options.envs_per_shard.max(1));
+        Self::start(gpu, kernels, spec, (rows, tables.identity), per_shard, config.seed)
     }
 
     /// Other environments of the same model and task, with the same kernels: nothing is compiled again.
@@ -83,8 +85,9 @@ impl GpuEnv {
             return Err(BuildError::NoEnvironments);
         }
         let spec = EnvSpec { num_envs, ..self.spec.clone() };
-        let per_shard = portable_envs(&spec, self.count);
-        Ok(Self::start(&self.gpu, self.kernels.clone(), spec, self.count, per_shard, seed)?)
+        check_memory(&self.gpu, &spec, self.rows.count)?;
+        let per_shard = portable_envs(&spec, self.rows.count);
+        Self::start(&self.gpu, self.kernels.clone(), spec, (self.rows, self.identity.clone()), per_shard, seed)
     }
 
     /// Makes the environments, in sets of `per_shard`, and resets them.
@@ -92,16 +95,17 @@ impl GpuEnv {
         gpu: &Gpu,
         kernels: Kernels,
         spec: EnvSpec,
-        count: usize,
+        (rows, identity): (StateRows, Identity),
         per_shard: usize,
         seed: u64,
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self, BuildError> {
         let shards = (0..spec.num_envs)
             .step_by(per_shard)
-            .map(|first| Shard::new(gpu, &kernels, &spec, count, first, per_shard.min(spec.num_envs - first)))
-            .collect::<Result<Vec<_>, GpuError>>()?;
-        let finished = Finished::new(&spec);
-        let mut env = Self { gpu: gpu.clone(), kernels, shards, spec, count, finished, scratch: Scratch::default() };
+            .map(|first| Shard::new(gpu, &kernels, &spec, rows.count, first, per_shard.min(spec.num_envs - first)))
+            .collect::<Result<Vec<_>, GpuError>>()
+            .map_err(|error| without_memory(error, gpu, &spec, rows.count))?;
+        let (gpu, finished) = (gpu.clone(), Finished::new(&spec));
+        let mut env = Self { gpu, kernels, shards, spec, rows, identity, finished, scratch: Scratch::default() };
         env.start_episodes(Some(seed), None)?;
         Ok(env)
     }
@@ -139,9 +143,34 @@ impl GpuEnv {
             };
             self.gpu.write(&shard.command, 0, &command)?;
             self.gpu.write(&shard.seed, 0, &[seed as u32, (seed >> 32) as u32])?;
-            shard.reset(&self.kernels, &mut batch);
+            shard.reset(&mut batch);
         }
         batch.submit()
+    }
+}
+
+/// Bytes on the device for each environment: state, actions, observations, summary, result, command.
+fn device_bytes(spec: &EnvSpec, count: usize) -> usize {
+    let seen = 2 * spec.observation_size() + spec.action_size() + spec.episode_size();
+    4 * (count + WORDS + seen + RESULT_ROWS + 1)
+}
+
+/// Refuses what the machine has no memory for. How much a card has shows only when it is used up.
+fn check_memory(gpu: &Gpu, spec: &EnvSpec, count: usize) -> Result<(), BuildError> {
+    let on_host = if gpu.adapter().kind == Kind::Software { device_bytes(spec, count) } else { 0 };
+    memory::check(spec.num_envs, on_host + spec.bytes_per_env())
+}
+
+/// Says for how many environments the memory of the card was wanted.
+fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, count: usize) -> BuildError {
+    match error {
+        GpuError::OutOfMemory { .. } | GpuError::TooLarge { .. } => BuildError::OutOfGpuMemory {
+            num_envs: spec.num_envs,
+            bytes: spec.num_envs as u64 * device_bytes(spec, count) as u64,
+            device: gpu.adapter().name.clone(),
+            refusal: error,
+        },
+        other => other.into(),
     }
 }
 
@@ -202,14 +231,14 @@ impl VectorEnv for GpuEnv {
             self.gpu.write(&shard.actions, 0, columns)?;
         }
         for shard in &self.shards {
-            run(&self.gpu, &self.kernels, &self.spec, shard, &mut self.scratch, &mut out)?;
+            run(&self.gpu, &self.spec, shard, &mut self.scratch, &mut out)?;
         }
         self.finished.note(out.terminated, out.truncated);
         Ok(())
     }
 
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {
-        let (n, count) = (self.spec.num_envs, self.count);
+        let (n, count) = (self.spec.num_envs, self.rows.count);
         let (mut numbers, mut words) = (vec![0.0; n * count], vec![0; n * WORDS]);
         for shard in &self.shards {
             let (first, size) = (shard.first, shard.num_envs);
@@ -218,28 +247,37 @@ impl VectorEnv for GpuEnv {
                 shard.words.part(0, &mut words[first * WORDS..][..size * WORDS])?,
             ])?;
         }
-        let number = |env, k| f64::from(numbers[self.place(env, k, count)]);
-        Ok(Shape::of::<f32>(n, count).save(number, |env, k| words[self.place(env, k, WORDS)]))
+        let number = |env, k| f64::from(numbers[self.index(env, k, count)]);
+        Ok(self.header().save(number, |env, k| words[self.index(env, k, WORDS)]))
     }
 
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
-        let (n, count) = (self.spec.num_envs, self.count);
+        let saved = check::state(state, &self.header())?;
+        let finished = self.finished.of(&saved, self.rows.pending, &self.spec)?;
+        let (n, count) = (self.spec.num_envs, self.rows.count);
         let (mut numbers, mut words) = (vec![0.0; n * count], vec![0; n * WORDS]);
-        let number = |env, k, x| numbers[self.place(env, k, count)] = x as f32;
-        let word = |env, k, x| words[self.place(env, k, WORDS)] = x;
-        Shape::of::<f32>(n, count).load(state, number, word).map_err(|reason| EnvError::BadState { reason })?;
+        for env in 0..n {
+            (0..count).for_each(|k| numbers[self.index(env, k, count)] = saved.number(env, k) as f32);
+            (0..WORDS).for_each(|k| words[self.index(env, k, WORDS)] = saved.word(env, k));
+        }
         for shard in &self.shards {
             let (first, size) = (shard.first, shard.num_envs);
             self.gpu.write(&shard.numbers, 0, &numbers[first * count..][..size * count])?;
             self.gpu.write(&shard.words, 0, &words[first * WORDS..][..size * WORDS])?;
         }
+        self.finished = finished;
         Ok(self.command(0, 0, None)?)
     }
 }
 
 impl GpuEnv {
-    /// Place of entry `k` of an environment among the entries of all shards, `count` per environment.
-    fn place(&self, env: usize, k: usize, count: usize) -> usize {
+    /// Header of its states.
+    fn header(&self) -> Header {
+        Header::of::<f32>(self.spec.num_envs, self.rows.count, &self.identity)
+    }
+
+    /// Index of entry `k` of an environment among the entries of all shards, `count` per environment.
+    fn index(&self, env: usize, k: usize, count: usize) -> usize {
         let per_shard = self.shards[0].num_envs;
         let shard = &self.shards[env / per_shard];
         shard.first * count + k * shard.num_envs + (env - shard.first)
@@ -249,7 +287,6 @@ impl GpuEnv {
 /// Steps a shard and copies its results out.
 fn run(
     gpu: &Gpu,
-    kernels: &Kernels,
     spec: &EnvSpec,
     shard: &Shard,
     scratch: &mut Scratch,
@@ -260,7 +297,7 @@ fn run(
     scratch.observation.resize(nobs * n, 0.0);
     scratch.result.resize(RESULT_ROWS * n, 0.0);
     let mut batch = gpu.batch();
-    shard.step(kernels, &mut batch);
+    shard.step(&mut batch);
     batch.submit_and_read(&mut [
         shard.observation.part(0, &mut scratch.observation)?,
         shard.result.part(0, &mut scratch.result)?,

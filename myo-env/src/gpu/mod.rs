@@ -6,6 +6,7 @@
 
 mod env;
 mod physics;
+mod program;
 pub mod record;
 mod shard;
 

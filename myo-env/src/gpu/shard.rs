@@ -1,20 +1,16 @@
 //! Environments that lie in one set of buffers.
 
+use super::program::{Bound, Compiled, check_size};
 use super::record::{self, RESET_BUFFERS, RESULT_ROWS, STEP_BUFFERS};
 use crate::config::BuildError;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::{Autoreset, EnvSpec};
-use myo_gpu::{Access, Batch, Bindings, Buffer, BufferRef, Gpu, GpuError, Kernel, Source};
-use myo_scalar::symbolic::print::{ENTRY_POINT, Use};
-use myo_scalar::symbolic::{Form, Program};
+use myo_gpu::{Batch, Buffer, Cached, Gpu, GpuError};
+use myo_scalar::symbolic::Form;
 
-/// Threads of a workgroup.
-const WORKGROUP: u32 = 64;
 /// Operations above which tables become loops: the kernel outgrows the instruction cache of graphics cards.
 const MAX_STRAIGHT: usize = 10_000;
-/// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took 54 s for a body of 1,560 muscles.
-const MAX_OPERATIONS: usize = 20_000;
 
 /// Choices that a caller need not make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,13 +35,6 @@ pub struct Kernels {
     form: Form,
 }
 
-/// A kernel and the constants that it looks up.
-#[derive(Clone, Debug)]
-pub(crate) struct Compiled {
-    pub kernel: Kernel,
-    table: Option<Buffer<f32>>,
-}
-
 impl Kernels {
     /// Records and compiles both, side by side.
     ///
@@ -66,60 +55,14 @@ impl Kernels {
         })
     }
 
-    /// The kernel of a control step.
-    pub fn step(&self) -> &Kernel {
-        &self.step.kernel
-    }
-
-    /// The kernel of a reset.
-    pub fn reset(&self) -> &Kernel {
-        &self.reset.kernel
+    /// Whether the kernel of a control step was found on disk or is there now.
+    pub fn cached(&self) -> &Cached {
+        self.step.cached()
     }
 
     /// Whether the kernels loop over tables.
     pub fn form(&self) -> Form {
         self.form
-    }
-}
-
-/// Refuses what would take a driver minutes.
-fn check_size(program: &Program) -> Result<(), BuildError> {
-    let (operations, most) = (program.operations(), MAX_OPERATIONS);
-    if operations <= most { Ok(()) } else { Err(BuildError::TooLargeForGpu { operations, most }) }
-}
-
-impl Compiled {
-    /// Compiles a program for its buffers, its table and the number of environments.
-    pub fn new(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Self, BuildError> {
-        check_size(program)?;
-        let printed = program.to_kernel(names, WORKGROUP);
-        let access = |used: &Use| match used {
-            Use::Read | Use::Table => Access::Read,
-            Use::Write => Access::ReadWrite,
-            Use::Environments => Access::Uniform,
-        };
-        let bindings: Vec<Access> = printed.bindings.iter().map(access).collect();
-        let source = Source::Naga(Box::new(printed.module));
-        // SAFETY: recorded programs access entry `row * environments + env` of a buffer, with `env` below the number of
-        // environments and `row` below the rows that `Shard` makes room for, and entries of their own table; their loops
-        // have constant bounds, and they divide no integers.
-        let kernel = unsafe { gpu.compile_trusted(label, source, ENTRY_POINT, &bindings)? };
-        let table = match &printed.table[..] {
-            [] => None,
-            constants => {
-                let table = gpu.buffer("table", constants.len())?;
-                gpu.write(&table, 0, constants)?;
-                Some(table)
-            }
-        };
-        Ok(Self { kernel, table })
-    }
-
-    /// Binds the program's buffers and the number of environments.
-    pub fn bind(&self, buffers: &[BufferRef<'_>], environments: &Buffer<u32>) -> Result<Bindings, GpuError> {
-        let table = self.table.as_ref().map(Buffer::binding);
-        let all: Vec<BufferRef<'_>> = buffers.iter().copied().chain(table).chain([environments.binding()]).collect();
-        self.kernel.bind(&all)
     }
 }
 
@@ -148,16 +91,16 @@ pub struct Shard {
     pub command: Buffer<u32>,
     /// Seed of the next reset, low half first.
     pub seed: Buffer<u32>,
-    step: Bindings,
-    reset: Bindings,
+    step: Bound,
+    reset: Bound,
 }
 
 impl Shard {
     /// Buffers for some environments; a reset must follow.
     ///
     /// # Errors
-    /// No memory left, or the device lost.
-    pub fn new(
+    /// No memory left, buffers too small for the kernels, or the device lost.
+    pub(super) fn new(
         gpu: &Gpu,
         kernels: &Kernels,
         spec: &EnvSpec,
@@ -166,24 +109,22 @@ impl Shard {
         num_envs: usize,
     ) -> Result<Self, GpuError> {
         // Drivers want at least one entry, also for a model without muscles.
-        let buffer = |label, rows: usize| gpu.buffer::<f32>(label, (rows * num_envs).max(1));
+        let buffer = |label, rows: usize| gpu.buffer::<f32>(label, rows.saturating_mul(num_envs).max(1));
         let numbers = buffer("numbers", count)?;
-        let words = gpu.buffer("words", EnvState::<f64>::WORDS * num_envs)?;
+        let words = gpu.buffer("words", EnvState::<f64>::WORDS.saturating_mul(num_envs))?;
         let actions = buffer("actions", spec.action_size())?;
         let observation = buffer("observation", spec.observation_size())?;
         let final_observation = buffer("final_observation", spec.observation_size())?;
         let episode = buffer("episode", spec.episode_size())?;
         let result = buffer("result", RESULT_ROWS)?;
         let (command, seed) = (gpu.buffer("command", num_envs)?, gpu.buffer("seed", 2)?);
-        let environments = gpu.buffer("environments", 1)?;
-        gpu.write(&environments, 0, &[num_envs as u32])?;
         let names: Vec<u32> = (first..first + num_envs).map(|env| env as u32).collect();
         gpu.write(&words, EnvState::<f64>::ENV_ROW * num_envs, &names)?;
         let (state, seen) = ([numbers.binding(), words.binding()], observation.binding());
         let step = [actions.binding(), seen, final_observation.binding(), episode.binding(), result.binding()];
-        let step = kernels.step.bind(&[&state[..], &step[..]].concat(), &environments)?;
+        let step = kernels.step.bind(gpu, &[&state[..], &step[..]].concat(), num_envs as u32)?;
         let reset = [command.binding(), seen, seed.binding()];
-        let reset = kernels.reset.bind(&[&state[..], &reset[..]].concat(), &environments)?;
+        let reset = kernels.reset.bind(gpu, &[&state[..], &reset[..]].concat(), num_envs as u32)?;
         Ok(Self {
             first,
             num_envs,
@@ -202,12 +143,12 @@ impl Shard {
     }
 
     /// Adds a control step to a batch.
-    pub fn step(&self, kernels: &Kernels, batch: &mut Batch) {
-        batch.dispatch(kernels.step(), &self.step, self.num_envs as u32);
+    pub fn step(&self, batch: &mut Batch) {
+        self.step.dispatch(batch);
     }
 
     /// Adds a reset, as `command` and `seed` say, to a batch.
-    pub fn reset(&self, kernels: &Kernels, batch: &mut Batch) {
-        batch.dispatch(kernels.reset(), &self.reset, self.num_envs as u32);
+    pub fn reset(&self, batch: &mut Batch) {
+        self.reset.dispatch(batch);
     }
 }

@@ -54,3 +54,46 @@ pub fn rollout(env: &mut dyn VectorEnv, steps: usize) -> Vec<StepStorage> {
 pub fn entry(env: &dyn VectorEnv, name: &str) -> usize {
     env.spec().observation_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no entry {name}"))
 }
+
+/// Index of a named column of the episode summary.
+pub fn column(env: &dyn VectorEnv, name: &str) -> usize {
+    env.spec().episode_names.iter().position(|n| n == name).unwrap_or_else(|| panic!("no column {name}"))
+}
+
+/// A step equals that of the reference, as far as single precision goes after some hundred physics steps.
+pub fn assert_follows(reference: &dyn VectorEnv, got: &StepStorage, want: &StepStorage, context: &str) {
+    let spec = reference.spec();
+    assert_eq!(got.terminated, want.terminated, "{context}");
+    assert_eq!(got.truncated, want.truncated, "{context}");
+    let nobs = spec.observation_size();
+    for (k, (x, y)) in got.observation.iter().zip(&want.observation).enumerate() {
+        let name = &spec.observation_names[k % nobs];
+        // Targets are drawn, not integrated.
+        let tolerance = if name.starts_with("target_position") { 1e-6 } else { 2e-2 };
+        assert!((x - y).abs() <= tolerance * (1.0 + y.abs()), "{context} {name}: {x} for {y}");
+    }
+    for (env, (x, y)) in got.reward.iter().zip(&want.reward).enumerate() {
+        assert!((x - y).abs() <= 1e-3 * (1.0 + y.abs()), "{context} reward of environment {env}: {x} for {y}");
+    }
+    for (env, _) in want.truncated.iter().zip(&want.terminated).enumerate().filter(|(_, (a, b))| **a || **b) {
+        assert_same_summary(reference, got, want, env, context);
+    }
+}
+
+/// The episode that ended has the same summary: counts and times exactly, sums as far as single precision goes.
+pub fn assert_same_summary(
+    reference: &dyn VectorEnv,
+    got: &StepStorage,
+    want: &StepStorage,
+    env: usize,
+    context: &str,
+) {
+    let names = &reference.spec().episode_names;
+    let row = |out: &StepStorage| out.episode[env * names.len()..(env + 1) * names.len()].to_vec();
+    for ((name, x), y) in names.iter().zip(row(got)).zip(row(want)) {
+        let counted = ["length", "success", "targets_done"].contains(&&**name) || name.starts_with("target_");
+        let tolerance = if counted { 1e-6 } else { 2e-3 };
+        let same = x.is_nan() && y.is_nan() || (x - y).abs() <= tolerance * (1.0 + y.abs());
+        assert!(same, "{context} {name} of environment {env}: {x} for {y}");
+    }
+}

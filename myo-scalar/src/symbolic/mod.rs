@@ -36,7 +36,7 @@ pub use graph::{Access, Buffer, Form, Id, Kind, Node, Op};
 pub use interpret::Column;
 pub use number::{Sym, SymMask, SymWord};
 pub use order::Item;
-pub use program::Program;
+pub use program::{Entries, Program};
 pub use region::{Branch, Carry, Chunks, Loop, Statement, Store};
 
 use graph::Graph;

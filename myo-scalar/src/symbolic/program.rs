@@ -1,6 +1,6 @@
 //! A finished program: what of the graph is needed.
 
-use super::graph::{Graph, Id, Node, Op, StageName};
+use super::graph::{Access, Buffer, Graph, Id, Node, Op, StageName};
 use super::region::{Carry, Chunks, Region, Statement};
 
 /// What a trace computed and stored, without what no store needs.
@@ -19,6 +19,29 @@ pub struct Program {
     live: Vec<bool>,
     live_statements: Vec<bool>,
     live_vars: Vec<Vec<bool>>,
+}
+
+/// The entries of a buffer that a program touches: all of a row below these.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Entries {
+    /// Rows of one entry per environment.
+    pub per_env: u32,
+    /// Entries that are the same for all environments.
+    pub shared: u32,
+}
+
+impl Entries {
+    /// Entries that the buffer must have for so many environments.
+    pub fn needed(self, num_envs: u32) -> u64 {
+        u64::from(self.shared).max(u64::from(self.per_env) * u64::from(num_envs))
+    }
+
+    fn with(self, buffer: Buffer, row: u32) -> Self {
+        match buffer.access {
+            Access::PerEnv => Self { per_env: self.per_env.max(row + 1), ..self },
+            Access::Shared => Self { shared: self.shared.max(row + 1), ..self },
+        }
+    }
 }
 
 impl Program {
@@ -64,6 +87,20 @@ impl Program {
     /// Live nodes.
     pub fn live_nodes(&self) -> impl Iterator<Item = Id> + '_ {
         (0..self.nodes.len() as Id).filter(|&id| self.is_live(id))
+    }
+
+    /// What the program reads and writes of the buffer with this number: what must be there before it may run unchecked.
+    pub fn entries(&self, binding: u32) -> Entries {
+        let read = self.live_nodes().filter_map(|id| match self.nodes[id as usize].op {
+            Op::Input(buffer, row) => Some((buffer, row)),
+            _ => None,
+        });
+        let written = self.statements.iter().filter_map(|statement| match statement {
+            Statement::Store(store) => Some((store.buffer, store.row)),
+            _ => None,
+        });
+        let touched = read.chain(written).filter(|(buffer, _)| buffer.binding == binding);
+        touched.fold(Entries::default(), |entries, (buffer, row)| entries.with(buffer, row))
     }
 
     /// Operations that are computed, see [`Op::is_work`]; loops count once.

@@ -150,7 +150,7 @@ impl DeviceEvaluator {
         for step in 0..STEPS {
             self.observe.add(&mut batch);
             self.pass.add(&mut batch);
-            shard.step(self.env.kernels(), &mut batch);
+            shard.step(&mut batch);
             let results = RESULT_ROWS * shard.num_envs;
             batch.copy(&shard.result, 0, &self.results, step * results, results);
             if rows > 0 {

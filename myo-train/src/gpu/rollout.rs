@@ -196,7 +196,7 @@ impl DeviceRollout {
     }
 
     fn step_env(&self, batch: &mut Batch) {
-        self.env.shards().iter().for_each(|shard| shard.step(self.env.kernels(), batch));
+        self.env.shards().iter().for_each(|shard| shard.step(batch));
     }
 }
 

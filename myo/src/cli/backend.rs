@@ -16,7 +16,7 @@ pub struct Options {
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
 
-    /// Graphics card, by its number or a part of its name, see `myo devices`; only so a software adapter is taken
+    /// Graphics card, by its number or a part of its name, see `myo devices`; a software adapter is taken only if it is named
     #[arg(long, value_name = "NAME")]
     pub device: Option<String>,
 }

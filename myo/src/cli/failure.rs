@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use miette::{GraphicalReportHandler, LabeledSpan, NamedSource, SourceOffset};
 use myo::model::ModelError;
-use myo::tasks::{LoadError, Place, Source, preset_text};
+use myo::tasks::{LoadError, Source, SourceLocation, preset_text};
 
 /// Result of a command.
 pub type Result<T> = std::result::Result<T, Failure>;
@@ -32,7 +32,7 @@ pub struct Mistake {
     /// One sentence.
     pub message: String,
     /// Where it stands; none when it is about the text as a whole.
-    pub place: Option<Place>,
+    pub place: Option<SourceLocation>,
     /// The text, as far as it is known.
     pub text: Option<String>,
     /// Odd, not wrong.
@@ -91,7 +91,7 @@ pub fn task_mistakes(error: &LoadError) -> Vec<Mistake> {
 pub fn model_failure(error: &ModelError) -> Failure {
     match error {
         ModelError::Read { file, line, column, message } => {
-            let place = Place { file: file.clone(), line: *line, column: *column };
+            let place = SourceLocation { file: file.clone(), line: *line, column: *column };
             Failure::Mistakes(vec![Mistake::at(&place, message)])
         }
         _ => Failure::sentence(error.to_string()),
@@ -100,7 +100,7 @@ pub fn model_failure(error: &ModelError) -> Failure {
 
 impl Mistake {
     /// A mistake whose text is that of the preset or file named by the place. `message` may begin with the place.
-    pub fn at(place: &Place, message: &str) -> Self {
+    pub fn at(place: &SourceLocation, message: &str) -> Self {
         let message = message.strip_prefix(&format!("{place}: ")).unwrap_or(message);
         let text =
             preset_text(&place.file).map(String::from).or_else(|| std::fs::read_to_string(Path::new(&place.file)).ok());
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_drawing_shows_the_line_and_the_place() {
-        let place = Place { file: "my.yaml".into(), line: 2, column: 1 };
+        let place = SourceLocation { file: "my.yaml".into(), line: 2, column: 1 };
         let text = Some("version: 1\nnam: x\n".into());
         let mistake = Mistake { message: "unknown key `nam`".into(), place: Some(place), text, warning: false };
         let drawing = mistake.drawing().unwrap();
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_place_beyond_the_text_is_no_reason_to_panic() {
-        let place = Place { file: "my.yaml".into(), line: 99, column: 7 };
+        let place = SourceLocation { file: "my.yaml".into(), line: 99, column: 7 };
         let mistake = Mistake { message: "odd".into(), place: Some(place), text: Some("é".into()), warning: true };
         let _ = mistake.drawing();
         assert_eq!(mistake.line(), "my.yaml:99:7: warning: odd");

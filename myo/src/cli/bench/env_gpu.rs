@@ -5,7 +5,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use myo::env::gpu::{GpuOptions, PhysicsBench};
 use myo::env::{EnvConfig, GpuEnv, Tables, VectorEnv};
-use myo::gpu::{Cached, Gpu, Kernel};
+use myo::gpu::{Cached, Gpu};
 use myo::scalar::symbolic::Form;
 use serde::Serialize;
 
@@ -110,7 +110,7 @@ impl Measurement<'_> {
         let env = GpuEnv::with_options(self.gpu, &self.stage.model, &self.stage.task, &config, &options)?;
         self.gpu.wait()?;
         let seconds = self.open_s + start.elapsed().as_secs_f64();
-        let cache = cache(env.kernels().step());
+        let cache = cache(env.kernels().cached());
         Ok((env, Ready { seconds, cache }))
     }
 
@@ -121,7 +121,7 @@ impl Measurement<'_> {
         let tables = Tables::<f64>::new(&self.stage.model, &self.stage.task)?;
         let physics = PhysicsBench::new(env, &tables)?;
         let seconds = self.open_s + start.elapsed().as_secs_f64();
-        let ready = Ready { seconds, cache: cache(physics.kernel()) };
+        let ready = Ready { seconds, cache: cache(physics.cached()) };
         Ok((on_device(self.gpu, |batch| physics.step(batch))?, ready))
     }
 
@@ -148,7 +148,7 @@ impl Measurement<'_> {
 
 fn whole(gpu: &Gpu, env: &GpuEnv) -> Result<BestAndMedian> {
     upload(gpu, env, |x| x)?;
-    on_device(gpu, |batch| env.shards().iter().for_each(|shard| shard.step(env.kernels(), batch)))
+    on_device(gpu, |batch| env.shards().iter().for_each(|shard| shard.step(batch)))
 }
 
 /// Random actions for all steps to come, from numbers in [-1, 1).
@@ -164,8 +164,8 @@ fn upload(gpu: &Gpu, env: &GpuEnv, action: impl Fn(f32) -> f32) -> Result<()> {
 }
 
 /// Whether the compiled kernel was kept from an earlier process.
-fn cache(kernel: &Kernel) -> Option<&'static str> {
-    Some(match kernel.cached() {
+fn cache(cached: &Cached) -> Option<&'static str> {
+    Some(match cached {
         Cached::Loaded => "warm",
         Cached::Stored => "cold",
         _ => "none",

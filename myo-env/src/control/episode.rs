@@ -1,0 +1,76 @@
+//! The beginning of an episode: everything is drawn anew.
+
+use super::{Scratch, sense, stages};
+use crate::state::EnvState;
+use crate::tables::Tables;
+use myo_scalar::{Counter, Mask, Scalar, Word, philox, unit};
+use myo_tasks::logic;
+
+/// Random streams of the body's state.
+const POSE_STREAM: u32 = 0x2000;
+const VELOCITY_STREAM: u32 = 0x3000;
+const ACTIVATION_STREAM: u32 = 0x4000;
+
+/// Starts the random streams of environments where the mask is true anew.
+#[inline(always)]
+pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S>) {
+    for (old, new) in env.seed.iter_mut().zip(seed) {
+        *old = S::select_word(mask, new, *old);
+    }
+    env.episode = S::select_word(mask, S::Word::splat(0), env.episode);
+}
+
+/// Starts a new episode where the mask is true: body, targets, phase and all counters. Observations of all follow in
+/// `next_observation`.
+#[inline(always)]
+pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+    if mask.any() {
+        S::outline(stages::Draw { tables, mask, env });
+    }
+    let sensed = sense(tables, env, &mut ws.physics);
+    S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.next_observation });
+}
+
+/// Draws body and targets, and starts all counters.
+#[inline(always)]
+pub fn draw_episode<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
+    let (zero, one) = (S::Word::splat(0), S::Word::splat(1));
+    env.episode = S::select_word(mask, env.episode + one, env.episode);
+    env.step = S::select_word(mask, zero, env.step);
+    draw_body(tables, mask, env);
+    logic::draw_targets(&tables.task, mask, env.counter(), &mut env.task);
+    env.task.restart(mask);
+    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
+    for x in counters {
+        *x = S::select(mask, S::zero(), *x);
+    }
+}
+
+#[inline(always)]
+fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
+    let start = &tables.start;
+    let (counter, body) = (env.counter(), &mut env.body);
+    let (ndof, nmuscle) = (body.qpos.len(), body.act.len());
+    for (k, draw) in uniform::<S>(counter, POSE_STREAM, ndof).into_iter().enumerate() {
+        let position = draw.mul_add(S::splat(start.width[k]), S::splat(start.lowest[k]));
+        body.qpos[k] = S::select(mask, position, body.qpos[k]);
+    }
+    for (velocity, draw) in body.qvel.iter_mut().zip(uniform::<S>(counter, VELOCITY_STREAM, ndof)) {
+        let share = draw.mul_add(S::lit(2.0), S::lit(-1.0));
+        *velocity = S::select(mask, share * S::splat(start.speed), *velocity);
+    }
+    for (act, draw) in body.act.iter_mut().zip(uniform::<S>(counter, ACTIVATION_STREAM, nmuscle)) {
+        *act = S::select(mask, draw * S::splat(start.activation), *act);
+    }
+}
+
+/// The first `count` uniform numbers in [0, 1) of a stream.
+#[inline(always)]
+fn uniform<S: Scalar>(counter: Counter<S::Word>, stream: u32, count: usize) -> Vec<S> {
+    let mut draws = vec![S::zero(); count.next_multiple_of(4)];
+    S::map_chunks(&mut draws, |block, _: [S; 4]| {
+        philox::<S>(Counter { stream: S::Word::splat(stream) + block, ..counter }).map(unit)
+    });
+    draws.truncate(count);
+    draws
+}

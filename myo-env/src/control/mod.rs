@@ -1,0 +1,142 @@
+//! One control step of the whole environment, written once for every kind of number.
+
+mod episode;
+mod excite;
+mod simulate;
+mod stages;
+mod summary;
+
+pub use episode::{reseed, reset};
+pub use simulate::simulate;
+pub use summary::episode_names;
+
+use crate::state::EnvState;
+use crate::tables::Tables;
+use crate::vector::Autoreset;
+use myo_dynamics::Workspace;
+use myo_scalar::{Carried, Mask, Scalar, Visitor};
+use myo_tasks::logic::{self, Sensed};
+
+/// Scratch memory and results of one control step.
+pub struct Scratch<S: Scalar> {
+    /// Of the physics.
+    pub physics: Workspace<S>,
+    /// Muscle excitations.
+    pub ctrl: Vec<S>,
+    /// The same while noise is added, an even number.
+    noisy: Vec<S>,
+    /// Observation after the step, before any reset.
+    pub observation: Vec<S>,
+    /// Observation after resets.
+    pub next_observation: Vec<S>,
+    /// Summary of the episode so far, in the order of [`episode_names`].
+    pub episode: Vec<S>,
+}
+
+impl<S: Scalar> Scratch<S> {
+    /// Memory for these tables.
+    #[inline(always)]
+    pub fn new(tables: &Tables<S::Const>) -> Self {
+        Self {
+            physics: Workspace::new(&tables.plan),
+            ctrl: vec![S::zero(); tables.plan.nmuscle()],
+            noisy: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(2)],
+            observation: vec![],
+            next_observation: vec![],
+            episode: vec![],
+        }
+    }
+}
+
+/// What a control step returns besides the vectors in [`Scratch`].
+pub struct Outcome<S: Scalar> {
+    /// Sum of the reward terms.
+    pub reward: S,
+    /// The task is done.
+    pub terminated: S::Mask,
+    /// The time is up and the task is not done.
+    pub truncated: S::Mask,
+}
+
+/// Actions in [-1, 1] to a control step: noise, physics, judgement, reward, observation, summary.
+#[inline(always)]
+pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
+    S::outline(stages::Excite { tables, env, ws });
+    S::outline(stages::Physics { tables, env, ws });
+    let sensed = sense(tables, env, &mut ws.physics);
+    let distance = distance_before(tables, env, &sensed);
+    let progress = logic::advance(&tables.task, &sensed, &mut env.task);
+    let effort = sum_of_squares(&ws.ctrl);
+    let terms = logic::reward(&tables.task, &progress, distance, effort, sum_of_squares(&env.qacc));
+    summary::add_up(tables, env, &terms, effort);
+    S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.observation });
+    summary::summarise(tables, env, &sensed, &progress, &mut ws.episode);
+    Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
+}
+
+/// Where the fingertip is at the state reached, and what it touched on the way.
+#[inline(always)]
+fn sense<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, physics: &mut Workspace<S>) -> Sensed<S> {
+    let mut fingertip = [S::zero(); 3];
+    S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
+    Sensed { fingertip, touch_force: env.touch, touched: env.touched }
+}
+
+#[inline(always)]
+fn distance_before<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: &Sensed<S>) -> S {
+    let distance = logic::distance_to_target(&tables.task, sensed, &env.task);
+    if tables.task.weights.remaining_path { distance + logic::remaining_path(&env.task) } else { distance }
+}
+
+#[inline(always)]
+fn sum_of_squares<S: Scalar>(values: &[S]) -> S {
+    let mut sum = S::zero();
+    for &x in values {
+        sum = x.mul_add(x, sum);
+    }
+    sum
+}
+
+/// A control step and what follows the end of an episode. Observations are in `observation` (before any reset) and
+/// `next_observation`, the summary in `episode`.
+#[inline(always)]
+pub fn step_and_autoreset<S: Scalar>(
+    tables: &Tables<S::Const>,
+    autoreset: Autoreset,
+    env: &mut EnvState<S>,
+    ws: &mut Scratch<S>,
+) -> Outcome<S> {
+    let waiting = S::lit(0.5).lt(env.pending);
+    let outcome = control_step(tables, env, ws);
+    let terminated = outcome.terminated & !waiting;
+    let truncated = outcome.truncated & !waiting;
+    let done = terminated | truncated;
+    let again = match autoreset {
+        Autoreset::SameStep => done,
+        Autoreset::NextStep => waiting,
+        Autoreset::Disabled => S::Mask::splat(false),
+    };
+    let Scratch { observation, next_observation, .. } = ws;
+    next_observation.clone_from(observation);
+    S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| reset(tables, again, env, ws));
+    if autoreset != Autoreset::SameStep {
+        env.pending = S::indicator(done);
+    }
+    Outcome { reward: outcome.reward.only(!waiting), terminated, truncated }
+}
+
+/// What a reset changes.
+struct Fresh<'a, S: Scalar> {
+    env: &'a mut EnvState<S>,
+    ws: &'a mut Scratch<S>,
+}
+
+impl<S: Scalar> Carried<S> for Fresh<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.numbers(self.env.numbers());
+        for word in self.env.words() {
+            visitor.word(word);
+        }
+        visitor.numbers(&mut self.ws.next_observation);
+    }
+}

@@ -1,0 +1,97 @@
+//! The stages of a control step that are functions of their own.
+
+use super::Scratch;
+use super::episode::draw_episode;
+use super::excite::excite;
+use super::simulate::simulate;
+use crate::observe::observe;
+use crate::state::EnvState;
+use crate::tables::Tables;
+use myo_dynamics::{Workspace, step};
+use myo_scalar::{Scalar, Stage};
+use myo_tasks::logic::Sensed;
+
+/// Noise.
+pub struct Excite<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub env: &'a mut EnvState<S>,
+    pub ws: &'a mut Scratch<S>,
+}
+
+impl<S: Scalar> Stage<S> for Excite<'_, S> {
+    const NAME: &'static str = "excitation and noise";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        excite(self.tables, self.env, self.ws);
+    }
+}
+
+/// All physics steps of a control step.
+pub struct Physics<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub env: &'a mut EnvState<S>,
+    pub ws: &'a mut Scratch<S>,
+}
+
+impl<S: Scalar> Stage<S> for Physics<'_, S> {
+    const NAME: &'static str = "physics";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        simulate(self.tables, self.env, self.ws);
+    }
+}
+
+/// Kinematics and observation of the state reached.
+pub struct Look<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub env: &'a EnvState<S>,
+    pub physics: &'a mut Workspace<S>,
+    pub out: &'a mut [S; 3],
+}
+
+impl<S: Scalar> Stage<S> for Look<'_, S> {
+    const NAME: &'static str = "fingertip";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { tables, env, physics, out } = self;
+        step::kinematics::kinematics(&tables.plan, &env.body.qpos, &env.body.qvel, physics);
+        *out = step::fingertip(&tables.plan, physics);
+    }
+}
+
+/// The observation.
+pub struct Observe<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub env: &'a EnvState<S>,
+    pub sensed: &'a Sensed<S>,
+    pub out: &'a mut Vec<S>,
+}
+
+impl<S: Scalar> Stage<S> for Observe<'_, S> {
+    const NAME: &'static str = "observation";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        self.out.clear();
+        observe(self.tables, self.env, self.sensed, self.out);
+    }
+}
+
+/// Draws of a new episode.
+pub struct Draw<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub mask: S::Mask,
+    pub env: &'a mut EnvState<S>,
+}
+
+impl<S: Scalar> Stage<S> for Draw<'_, S> {
+    const NAME: &'static str = "draws of a new episode";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        draw_episode(self.tables, self.mask, self.env);
+    }
+}

@@ -1,0 +1,58 @@
+//! What cannot be built is refused with a reason, whatever asks for it.
+
+mod common;
+
+use common::{arm, short};
+use myo_env::{CpuEnv, EnvConfig};
+use myo_tasks::{Observation, Task};
+
+/// Why environments of this task are refused.
+fn refusal(task: &Task, config: &EnvConfig) -> String {
+    let model = arm(&short("pointing"));
+    CpuEnv::new(&model, task, config).err().expect("it must be refused").to_string()
+}
+
+#[test]
+fn a_task_made_by_code_is_checked_like_one_of_a_file() {
+    let task = short("pointing");
+    let one = EnvConfig::default();
+    let refused = |task: Task, sentence: &str| {
+        let text = refusal(&task, &one);
+        assert!(text.contains(sentence), "{text}");
+    };
+    refused(Task { targets: vec![], ..task.clone() }, "the task has no target; a task has from 1 to 10");
+    refused(Task { time_limit_s: 1e308, ..task.clone() }, "`time_limit_s` is 1e308 s; it must be");
+    refused(Task { control_dt_s: f64::NAN, ..task.clone() }, "`control_dt_s` is NaN; it must be from 0.001 to 0.5 s");
+    refused(Task { version: 7, ..task.clone() }, "`version` is 7; only version 1 is known");
+    let mut blind = task.clone();
+    blind.observation = Observation {
+        joint_position: false,
+        joint_velocity: false,
+        joint_acceleration: false,
+        fingertip_position: false,
+        activation: false,
+        target_position: false,
+        target_size: false,
+        target_vector: false,
+        next_target_vector: false,
+        phase: false,
+        dwell_fraction: false,
+        time_left: false,
+        inside: false,
+        touch: false,
+    };
+    refused(blind, "`observation` has no part; at least one must be true");
+    let mut repeated = task;
+    let myo_tasks::Target::Pointing(sphere) = &mut repeated.targets[0] else { panic!("pointing has spheres") };
+    sphere.repeat = u32::MAX;
+    refused(repeated, "4294967295");
+}
+
+#[test]
+fn more_environments_than_the_memory_holds_are_refused_with_both_sizes() {
+    for num_envs in [1 << 28, 1 << 31, 1 << 50, usize::MAX] {
+        let text = refusal(&short("pointing"), &EnvConfig { num_envs, ..EnvConfig::default() });
+        assert!(text.starts_with(&format!("{num_envs} environments ")), "{text}");
+        assert!(text.contains("bytes") || text.contains("at most"), "{text}");
+    }
+}

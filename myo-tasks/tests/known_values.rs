@@ -1,0 +1,169 @@
+//! Distances, rewards and counts against values worked out by hand.
+
+use myo_tasks::logic::{
+    CompiledTask, Progress, Sensed, TaskState, advance, distance_to_target, inside, remaining_path, reward,
+};
+use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task, preset};
+
+/// A sphere around a point.
+fn sphere(centre: [f64; 3], radius: f64, dwell_s: f64) -> Target {
+    let [x, y, z] = centre.map(Range::fixed);
+    let position = Region { x, y, z };
+    let radius = Range::fixed(radius);
+    Target::Pointing(Pointing { position, radius, dwell_s, min_distance_from_previous: None, repeat: 1 })
+}
+
+/// A button 6 cm wide, 4 cm high and 2 cm thick.
+fn button(position: [f64; 3], tilt_deg: f64) -> Target {
+    Target::Pressing(Pressing { position, size: [0.06, 0.04, 0.02], tilt_deg, min_force_n: 2.0 })
+}
+
+fn task(targets: Vec<Target>, reward: Reward) -> Task {
+    Task { targets, reward, time_limit_s: 0.5, ..preset("ar").unwrap() }
+}
+
+/// The task in numbers, and its state with every target at the centre of where it may be.
+fn start(task: &Task) -> (CompiledTask<f64>, TaskState<f64>) {
+    let mut state = TaskState::new(task.targets.len());
+    state.restart(true);
+    for (index, target) in task.targets.iter().enumerate() {
+        state.position[index] = target.region().at([0.5; 3]);
+        state.size[index] = match target {
+            Target::Pointing(sphere) => sphere.radius.centre(),
+            Target::Pressing(button) => 0.5 * button.size[0],
+        };
+    }
+    (CompiledTask::new(task), state)
+}
+
+/// The fingertip at a point, touching nothing.
+fn at(fingertip: [f64; 3]) -> Sensed<f64> {
+    Sensed { fingertip, touch_force: 0.0, touched: -1.0 }
+}
+
+/// The fingertip pressing a button.
+fn pressing(button: usize, touch_force: f64) -> Sensed<f64> {
+    Sensed { fingertip: [0.0; 3], touch_force, touched: button as f64 }
+}
+
+#[track_caller]
+fn assert_close(got: f64, want: f64) {
+    assert!((got - want).abs() < 1e-12, "{got} for {want}");
+}
+
+#[test]
+fn distance_to_a_sphere() {
+    for (inside_is_zero, outside, within) in [(false, 0.5, 0.05), (true, 0.4, 0.0)] {
+        let reward = Reward { inside_is_zero, ..Reward::default() };
+        let (task, state) = start(&task(vec![sphere([0.4, 0.1, -0.2], 0.1, 0.1)], reward));
+        // 30 cm aside and 40 cm up from the centre: 50 cm from it, 40 cm from the surface.
+        assert_close(distance_to_target(&task, &at([0.4, 0.4, 0.2]), &state), outside);
+        assert_close(distance_to_target(&task, &at([0.45, 0.1, -0.2]), &state), within);
+    }
+}
+
+#[test]
+fn distance_to_a_button() {
+    let distance = |inside_is_zero, tilt_deg, point| {
+        let reward = Reward { inside_is_zero, ..Reward::default() };
+        let (task, state) = start(&task(vec![button([0.4, 0.0, 0.0], tilt_deg)], reward));
+        distance_to_target(&task, &at(point), &state)
+    };
+    // From the centre, whatever the tilt.
+    assert_close(distance(false, 90.0, [0.1, 0.4, 0.0]), 0.5);
+    // Upright: the face is the plane x = 0.39, from y = -0.03 to 0.03 and z = -0.02 to 0.02.
+    assert_close(distance(true, 90.0, [0.34, 0.02, -0.01]), 0.05);
+    assert_close(distance(true, 90.0, [0.39, 0.03, 0.02]), 0.0);
+    // 3 cm past the edge in y, 4 cm past it in z, 12 cm before the face: 3, 4 and 12 make 13.
+    assert_close(distance(true, 90.0, [0.27, 0.06, -0.06]), 0.13);
+    // Within the box, 1 cm behind the face: there too it counts from the face.
+    assert_close(distance(true, 90.0, [0.4, 0.0, 0.0]), 0.01);
+    // Lying: the face looks up at z = 0.01; its height runs along x.
+    assert_close(distance(true, 0.0, [0.42, 0.03, 0.06]), 0.05);
+    assert_close(distance(true, 0.0, [0.45, 0.07, 0.01]), 0.05);
+}
+
+#[test]
+fn the_remaining_path_goes_over_the_centres_still_to_come() {
+    let targets = vec![
+        sphere([0.3, 0.0, 0.0], 0.05, 0.0),
+        sphere([0.3, 0.3, 0.4], 0.05, 0.0),
+        sphere([0.3, 0.3, 0.0], 0.05, 0.0),
+    ];
+    let (_, mut state) = start(&task(targets, Reward::default()));
+    for (phase, path) in [(0.0, 0.9), (1.0, 0.4), (2.0, 0.0), (3.0, 0.0)] {
+        state.phase = phase;
+        assert_close(remaining_path(&state), path);
+    }
+}
+
+#[test]
+fn every_term_of_the_reward() {
+    let weights = Reward {
+        distance: 2.0,
+        time_cost: 0.4,
+        subtask_bonus: 5.0,
+        completion_bonus: 11.0,
+        neural_effort: 0.25,
+        acceleration_effort: 0.001,
+        ..Reward::default()
+    };
+    let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
+    // 0.4 a second at 20 steps a second is 0.02 a step.
+    for (target_done, task_done, bonuses) in
+        [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 11.0])]
+    {
+        let progress: Progress<f64> = Progress { target_done, task_done, timed_out: false };
+        let terms = reward(&task, &progress, 0.3, 8.0, 1000.0);
+        assert_close(terms.distance, -0.62);
+        assert_close(terms.subtask, bonuses[0]);
+        assert_close(terms.completion, bonuses[1]);
+        assert_close(terms.neural_effort, -2.0);
+        assert_close(terms.acceleration_effort, -1.0);
+        assert_close(terms.sum(), -3.62 + bonuses[0] + bonuses[1]);
+        assert_eq!(terms.array().iter().sum::<f64>(), terms.sum());
+    }
+}
+
+#[test]
+fn a_dwell_is_counted_in_a_row_and_starts_again_outside() {
+    let (task, mut state) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.15)], Reward::default()));
+    let (near, far) = (at([0.3, 0.04, 0.0]), at([0.3, 0.06, 0.0]));
+    assert!(inside(&near, &state) && !inside(&far, &state) && !inside(&at([0.3, 0.05, 0.0]), &state));
+    // 0.15 s are three steps at 20 a second.
+    for (step, (sensed, dwell)) in
+        [(&near, 1.0), (&near, 2.0), (&far, 0.0), (&near, 1.0), (&near, 2.0)].iter().enumerate()
+    {
+        let progress = advance(&task, sensed, &mut state);
+        assert_eq!((state.dwell, progress.target_done, state.step), (*dwell, false, step as f64 + 1.0));
+        assert_eq!(state.done_at, [-1.0]);
+    }
+    let progress = advance(&task, &near, &mut state);
+    assert!(progress.target_done && progress.task_done && !progress.timed_out);
+    assert_eq!((state.phase, state.dwell, &state.done_at[..]), (1.0, 0.0, &[6.0][..]));
+}
+
+#[test]
+fn a_button_is_done_by_enough_force_on_itself() {
+    let targets = vec![button([0.4, 0.1, 0.0], 90.0), button([0.4, -0.1, 0.0], 90.0)];
+    let (task, mut state) = start(&task(targets, Reward::default()));
+    let mut done = |sensed: Sensed<f64>| advance(&task, &sensed, &mut state).target_done;
+    assert!(!done(pressing(0, 1.99)), "2 N are needed");
+    assert!(!done(pressing(1, 50.0)), "the second button is not yet asked for");
+    assert!(!done(at([0.4, 0.1, 0.0])), "being there is not pressing");
+    assert!(done(pressing(0, 2.0)));
+    assert!(!done(pressing(0, 2.0)), "the first one is done");
+    assert!(done(pressing(1, 2.0)));
+    assert_eq!((state.phase, &state.done_at[..]), (2.0, &[4.0, 6.0][..]));
+}
+
+#[test]
+fn the_time_limit_ends_what_is_not_done() {
+    let (task, mut state) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], Reward::default()));
+    // 0.5 s are ten steps.
+    let ends: Vec<bool> = (0..10).map(|_| advance(&task, &at([0.0; 3]), &mut state).timed_out).collect();
+    assert_eq!(ends, [false, false, false, false, false, false, false, false, false, true]);
+    state.step = 9.0;
+    let progress = advance(&task, &at([0.3, 0.0, 0.0]), &mut state);
+    assert!(progress.task_done && !progress.timed_out, "done in the last step is done");
+}
