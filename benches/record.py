@@ -68,7 +68,8 @@ def versions() -> dict:
     """What runs here: the commit, whether something was changed since, and the compiler."""
     changed = said("git", "status", "--porcelain", "--untracked-files=no")
     return {
-        "commit": said("git", "describe", "--always", "--tags", "--abbrev=12"),
+        # A copy without its history is told what it is.
+        "commit": said("git", "describe", "--always", "--tags", "--abbrev=12") or os.environ.get("MYO_COMMIT"),
         "changed": changed is not None,
         "compiler": said("rustc", "--version"),
         "python": platform.python_version(),
@@ -174,12 +175,12 @@ def table(rows: list[dict], columns: str) -> str:
 
 def caption(kept: dict) -> str:
     """Command, machine, version and date of a record, in a line."""
-    place = kept["machine"]
-    where = ", ".join([f"{place['processor']}, {place['threads']} hardware threads", *place["cards"]])
-    changed = " with changes" if kept["changed"] else ""
-    note = f" {kept['note']}" if kept["note"] else ""
-    day = kept["date"][:10]
-    return f"`{kept['command']}`: {where}, {kept['compiler']}, commit {kept['commit']}{changed}, {day}.{note}\n\n"
+    place, changed = kept["machine"], " with changes" if kept["changed"] else ""
+    commit = kept["commit"] and f"commit {kept['commit']}{changed}"
+    parts = [place["processor"], f"{place['threads']} hardware threads", *place["cards"], kept["compiler"], commit]
+    where = ", ".join(part for part in [*parts, kept["date"][:10]] if part)
+    note = f" {kept['note']}." if kept["note"] else ""
+    return f"`{kept['command']}`: {where}.{note}\n\n"
 
 
 def filled(text: str) -> str:

@@ -12,6 +12,8 @@ from collections.abc import Callable
 # MuJoCo's own default; the exported file asks for more exact solutions, which would be slower.
 TOLERANCE = 1e-8
 REPEATS = 5
+# After one control step from rest, in single precision.
+MOST_DIFFERENCE_RAD = 0.01
 
 
 def settings() -> dict:
@@ -38,6 +40,23 @@ def best_and_median(step: Callable[[], object], wait: Callable[[], object], seco
     count = max(1, round(seconds / REPEATS / run(2)))
     times = sorted(run(count) for _ in range(REPEATS))
     return times[0], times[REPEATS // 2]
+
+
+def distance_from_c(model, actions: list[tuple], qpos) -> float:
+    """The greatest difference of a joint (rad) from MuJoCo's C library under the same excitations, each for some steps.
+
+    Both start at rest. Who simulates something else has no place in the table.
+    """
+    import mujoco
+
+    data = mujoco.MjData(model)
+    for ctrl, steps in actions:
+        data.ctrl[:] = ctrl
+        mujoco.mj_step(model, data, nstep=steps)
+    difference = float(abs(data.qpos - qpos).max())
+    if not difference < MOST_DIFFERENCE_RAD:
+        raise SystemExit(f"after one control step a joint is {difference:.2g} rad from where MuJoCo's C library has it")
+    return difference
 
 
 def rates(name: str, envs: int, substeps: int, times: tuple[float, float], **more) -> None:

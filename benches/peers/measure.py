@@ -29,9 +29,9 @@ sys.path.insert(0, str(HERE.parent))
 import record  # noqa: E402
 
 TARGET = Path(os.environ.get("CARGO_TARGET_DIR", REPOSITORY / "target")).resolve()
-# Script and environment of each; Myo itself needs none.
+# What measures each.
 PEERS = {
-    "mujoco": "mujoco_c.py",
+    "mujoco": "../../myo/src/cli/bench/step_mujoco.py",
     "mjx": "mjx_steps.py",
     "warp": "mujoco_warp_steps.py",
     "torch": "torch_learner.py",
@@ -113,6 +113,8 @@ class Bench:
     def peer(self, name: str) -> list[dict]:
         """Rows of somebody else's program."""
         python = self.python(name)
+        if name == "mujoco":
+            return self.in_turns(python[0])
         script = HERE / PEERS[name]
         sizes = self.sizes.get(name, {})
         if name == "arms":
@@ -131,13 +133,16 @@ class Bench:
         """What a script printed, an object per line. Some leave files where they run."""
         return record.rows_of(run(command, cwd, env=self.environment()))
 
+    def in_turns(self, python: object) -> list[dict]:
+        """Physics on one core: Myo and MuJoCo's C library in turns."""
+        arguments = ["bench", "physics", "--threads", "1", "--model", self.all["model"], "--against-mujoco", python]
+        return self.measured(arguments, "physics, one core, in turns")
+
     def myo(self) -> list[dict]:
         """Rows of our own."""
-        model = ["--model", self.all["model"]]
         envs = ",".join(str(n) for n in self.sizes["myo"]["envs"])
-        rows = self.measured(["bench", "physics", "--threads", "1", *model], "physics")
         single = ["bench", "env", "--task", "pointing-single", "--envs", envs]
-        rows += self.measured(single, "environment, pointing-single")
+        rows = self.measured(single, "environment, pointing-single")
         gradient = ["card"] if self.card else ["processor"]
         if self.card:
             card = ["--backend", "gpu", "--envs", envs, "--part"]
@@ -150,10 +155,26 @@ class Bench:
         """Rows of `myo bench`, in the words of the table."""
 
         def row(r: dict) -> dict:
-            where = r.get("device") or f"{r['threads']} threads, {r['level']}"
-            keep = ["envs", "control_steps_per_s", "control_steps_per_s_median", "physics_steps_per_s", "ready_s"]
+            other = r["backend"] not in ("cpu", "gpu")
+            level = f", {r['level']}" if r.get("level") else ""
+            where = r.get("device") or f"{r['threads']} threads{level}"
+            keep = [
+                "envs",
+                "control_steps_per_s",
+                "control_steps_per_s_median",
+                "physics_steps_per_s",
+                "ready_s",
+                "ratio",
+            ]
             kept = {key: r[key] for key in keep if key in r}
-            return {"what": what, "system": "Myo", "version": r["version"], "device": where, **kept}
+            version = None if other else r["version"]
+            return {
+                "what": what,
+                "system": r["backend"] if other else "Myo",
+                "version": version,
+                "device": where,
+                **kept,
+            }
 
         found = json.loads(run([*self.program("myo"), *arguments, "--json"]))["rows"]
         return [row(r) for r in found]
@@ -163,7 +184,7 @@ def written(rows: list[dict], left_out: dict[str, str]) -> str:
     """The rows as tables of markdown, one for each thing measured."""
     speed = "system, version, device, envs=environments, control_steps_per_s=control steps/s, "
     speed += "control_steps_per_s_median=median, physics_steps_per_s=physics steps/s, "
-    speed += "simulated_s_per_s=simulated s per s, ready_s=ready after s"
+    speed += "simulated_s_per_s=simulated s per s, ready_s=ready after s, ratio"
     gradient = "system, version, device, samples, gradient_step_s=seconds, gradient_step_s_median=median"
     text = ""
     for what in dict.fromkeys(row["what"] for row in rows):
@@ -185,7 +206,8 @@ def main() -> None:
     args = parser.parse_args()
     bench = Bench(args)
     started, start = datetime.datetime.now(datetime.UTC), time.time()
-    rows, left_out = [], {}
+    rows, left_out, shown = [], {}, ""
+    command = " ".join(["python3 benches/peers/measure.py", *sys.argv[1:]])
     bench.export()
     for name in args.only:
         try:
@@ -193,13 +215,13 @@ def main() -> None:
         except LeftOut as reason:
             left_out[name] = str(reason)
             print(f"{name} is left out: {reason}", file=sys.stderr, flush=True)
-    command = " ".join(["python3 benches/peers/measure.py", *sys.argv[1:]])
-    note = "; ".join(f"{name} is left out: {reason}" for name, reason in left_out.items()) or None
-    seconds, seed = time.time() - start, bench.all["seed"]
-    text = record.dump(rows, command=command, started=started, seconds=seconds, seed=seed, note=note)
-    record.write(args.out / "peers.json", text)
-    shown = written(rows, left_out)
-    record.write(args.out / "peers.md", record.caption(json.loads(text)) + shown)
+        # After each of them, so that a run that is stopped leaves what it had.
+        note = "; ".join(f"{name} is left out: {reason}" for name, reason in left_out.items()) or None
+        seconds, seed = time.time() - start, bench.all["seed"]
+        text = record.dump(rows, command=command, started=started, seconds=seconds, seed=seed, note=note)
+        record.write(args.out / "peers.json", text)
+        shown = written(rows, left_out)
+        record.write(args.out / "peers.md", record.caption(json.loads(text)) + shown)
     print(shown)
     sys.exit(1 if set(left_out) == set(args.only) else 0)
 

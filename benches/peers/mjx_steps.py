@@ -5,7 +5,8 @@ import time
 import jax
 import jax.numpy as jnp
 import mujoco
-from common import TOLERANCE, best_and_median, rates, settings
+import numpy as np
+from common import TOLERANCE, best_and_median, distance_from_c, rates, settings
 from mujoco import mjx
 
 s = settings()
@@ -30,15 +31,17 @@ def measure(envs: int) -> None:
     state = [control_step(data, jax.random.key(s["seed"]))]
     jax.block_until_ready(state[0])
     ready_s = time.perf_counter() - start
+    first = jax.tree.map(np.asarray, (state[0][0].ctrl[0], state[0][0].qpos[0]))
+    difference = distance_from_c(host, [(first[0], s["substeps"])], first[1])
 
     def step() -> None:
         state[0] = control_step(*state[0])
 
     times = best_and_median(step, lambda: jax.block_until_ready(state[0]), s["seconds"])
     finite = float(jnp.isfinite(state[0][0].qpos).all(axis=1).mean())
-    device_name = device.device_kind
-    version = f"{mujoco.__version__}, JAX {jax.__version__}"
-    rates("MJX", envs, s["substeps"], times, version=version, device=device_name, ready_s=ready_s, finite=finite)
+    checks = {"finite": finite, "difference_rad": difference}
+    where = {"version": f"{mujoco.__version__}, JAX {jax.__version__}", "device": device.device_kind}
+    rates("MJX", envs, s["substeps"], times, **where, ready_s=ready_s, **checks)
 
 
 for envs in s["envs"]:

@@ -9,7 +9,7 @@ import mujoco
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
-from common import TOLERANCE, best_and_median, rates, settings
+from common import TOLERANCE, best_and_median, distance_from_c, rates, settings
 
 s = settings()
 wp.config.quiet = True
@@ -48,10 +48,14 @@ def measure(envs: int) -> None:
         count[0] += 1
         replay()
 
+    step()
+    actions = [(np.zeros(host.nu), 1), (sets[0].numpy()[0], s["substeps"])]
+    difference = distance_from_c(host, actions, data.qpos.numpy()[0])
     times = best_and_median(step, wp.synchronize, s["seconds"])
     finite = float(np.isfinite(data.qpos.numpy()).all(axis=1).mean())
     where = {"version": f"{mujoco.__version__}, Warp {wp.config.version}", "device": device.name}
-    rates("MuJoCo Warp", envs, s["substeps"], times, **where, ready_s=ready_s, finite=finite)
+    checks = {"finite": finite, "difference_rad": difference}
+    rates("MuJoCo Warp", envs, s["substeps"], times, **where, ready_s=ready_s, **checks)
 
 
 for envs in s["envs"]:
