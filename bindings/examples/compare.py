@@ -6,7 +6,9 @@ all processors. MyoSuite's environments are single ones, run side by side by Gym
 
 import argparse
 import importlib
+import json
 import os
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -77,7 +79,7 @@ def contestants(names: list[str]) -> Iterator[tuple[str, int, Step, float]]:
                 step, control_dt = make(num_envs)
                 step()
             except Exception as error:
-                print(f"{package} is left out: {error}")
+                print(f"{package} is left out: {error}", file=sys.stderr)
                 break
             yield f"{package} {version(package)}", num_envs, step, control_dt
 
@@ -87,6 +89,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=CONTESTANTS, default=list(CONTESTANTS))
     parser.add_argument("--seconds", type=float, default=3)
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--json", action="store_true", help="print an object per line")
     args = parser.parse_args()
     warnings.filterwarnings("ignore")
     everybody = list(contestants(args.only))
@@ -96,6 +99,10 @@ def main() -> None:
             best[k] = max(best[k], rates(step, num_envs, args.seconds))
     for rate, (name, num_envs, _, control_dt) in zip(best, everybody, strict=True):
         simulated = rate * control_dt
+        if args.json:
+            row = {"what": "arms in their own environments", "system": name, "envs": num_envs}
+            print(json.dumps(row | {"control_steps_per_s": rate, "simulated_s_per_s": simulated}))
+            continue
         print(f"{name:16} {num_envs:6,} environments {rate:10,.0f} control steps/s {simulated:8,.1f} simulated s per s")
 
 

@@ -1,6 +1,6 @@
 //! Many bodies stepped together on the CPU: lanes across bodies, threads across blocks of lanes.
 
-use crate::obstacles::Obstacles;
+use crate::obstacles::{Obstacles, StaticBox, Surface};
 use crate::plan::Plan;
 use crate::step::step;
 use crate::workspace::{SolverCount, State, Workspace};
@@ -38,6 +38,12 @@ impl Batch {
         let nblock = size.div_ceil(level.lanes());
         let blocks = vec![0.0; nblock * entries(&plan) * level.lanes()];
         Self { plan, obstacles, level, size, blocks, solver: vec![SolverCount::default(); size] }
+    }
+
+    /// The same with boxes that every fingertip can press.
+    pub fn touching(mut self, boxes: &[StaticBox], surface: Surface) -> Self {
+        self.obstacles = Obstacles::new(&self.plan, boxes, surface);
+        self
     }
 
     /// Number of bodies.

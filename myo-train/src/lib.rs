@@ -68,6 +68,7 @@ pub use config::{ConfigError, PpoConfig};
 pub use error::TrainError;
 pub use evaluate::{Evaluation, TargetEvaluation, evaluate};
 pub use files::IoError;
+pub use gae::advantages;
 pub use inherit::Inherited;
 pub use learn::LearnStats;
 pub use metrics::UpdateMetrics;

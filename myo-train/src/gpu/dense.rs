@@ -179,7 +179,7 @@ impl DenseKernels {
 }
 
 /// The tile that keeps a large card busy: large ones need fewer copies per product, small ones give more workgroups. The
-/// limits were measured on an H200 (`examples/gpu_rollout.rs`, `tiles`).
+/// limits were measured on an H200 (`benches/examples/gpu_rollout.rs`, `tiles`).
 pub fn tile_for(outputs: usize, columns: usize) -> Tile {
     const SMALL: Tile = Tile::new(16, 64, 16, (4, 4));
     const FLAT: Tile = Tile::new(32, 64, 16, (4, 4));

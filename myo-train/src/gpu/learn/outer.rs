@@ -16,7 +16,7 @@ const WORKGROUPS: usize = 512;
 /// Samples that are worth a partial gradient of their own.
 const SPLIT_MIN: usize = 128;
 
-/// The tile for layers of at most so many inputs or outputs: as measured on an H200 (`examples/gpu_learner.rs`, `tiles`).
+/// The tile for layers of at most so many inputs or outputs: as measured on an H200 (`benches/examples/gpu_learner.rs`, `tiles`).
 /// Large ones fetch less, small ones give more workgroups.
 fn tile_for(widest: usize, samples: usize) -> Tile {
     const SMALL: Tile = Tile::new(64, 64, 16, (4, 4));

@@ -10,7 +10,7 @@ use myo::{Place, Wish};
 use serde::Serialize;
 use serde_json::json;
 
-use super::env_gpu::{self, Measurement, Part};
+use super::env_gpu::{self, Measurement, StepPart};
 use super::machine::Machine;
 use super::speed::through_host;
 use crate::cli::backend::{Backend, Options, place};
@@ -22,7 +22,7 @@ use crate::cli::stage::Stage;
 /// Arguments of `myo bench env`.
 #[derive(Args)]
 #[command(after_help = HELP)]
-pub struct Env {
+pub struct EnvArgs {
     /// Name of a task, or a task file
     #[arg(long, default_value = "pointing")]
     task: String,
@@ -36,7 +36,7 @@ pub struct Env {
 
     /// Parts to measure, separated by commas; more than `env` only on a graphics card
     #[arg(long, value_enum, value_name = "PART,...", value_delimiter = ',', default_value = "env")]
-    part: Vec<Part>,
+    part: Vec<StepPart>,
 
     /// Loops over the tables of the body in the kernel, as too large bodies have them; only on a graphics card
     #[arg(long)]
@@ -81,20 +81,20 @@ struct Row {
 }
 
 /// Runs `myo bench env`.
-pub fn run(args: &Env) -> Result<()> {
+pub fn run(args: &EnvArgs) -> Result<()> {
     let stage = Stage::open(&args.task)?;
     let most = args.envs.iter().copied().max().unwrap_or(1);
     let start = Instant::now();
     match place(&args.physics.wish(Backend::Cpu)?, most)? {
         Place::Gpu(gpu) => on_gpu(args, &stage, &gpu, start.elapsed().as_secs_f64()),
-        Place::Cpu if args.part != [Part::Env] || args.loops => Err(Failure::sentence(
+        Place::Cpu if args.part != [StepPart::Env] || args.loops => Err(Failure::sentence(
             "on the cpu there is only `--part env`, without `--loops`; `myo bench physics` measures the physics alone",
         )),
         Place::Cpu => on_cpu(args, &stage),
     }
 }
 
-fn on_cpu(args: &Env, stage: &Stage) -> Result<()> {
+fn on_cpu(args: &EnvArgs, stage: &Stage) -> Result<()> {
     let rows = args.envs.iter().map(|&envs| measure(stage, envs)).collect::<Result<Vec<_>>>()?;
     let cells = rows.iter().map(|r| {
         row([
@@ -111,7 +111,7 @@ fn on_cpu(args: &Env, stage: &Stage) -> Result<()> {
     show(args, stage, &rows, [headings].into_iter().chain(cells).collect())
 }
 
-fn on_gpu(args: &Env, stage: &Stage, gpu: &Gpu, open_s: f64) -> Result<()> {
+fn on_gpu(args: &EnvArgs, stage: &Stage, gpu: &Gpu, open_s: f64) -> Result<()> {
     let measurement = Measurement { stage, gpu, open_s, form: args.loops.then_some(Form::Loops) };
     let each = args.envs.iter().map(|&envs| measurement.run(envs, &args.part));
     let rows = each.collect::<Result<Vec<_>>>()?.concat();
@@ -119,7 +119,7 @@ fn on_gpu(args: &Env, stage: &Stage, gpu: &Gpu, open_s: f64) -> Result<()> {
     show(args, stage, &rows, [row(env_gpu::HEADINGS)].into_iter().chain(cells).collect())
 }
 
-fn show(args: &Env, stage: &Stage, rows: &[impl Serialize], cells: Vec<Vec<String>>) -> Result<()> {
+fn show(args: &EnvArgs, stage: &Stage, rows: &[impl Serialize], cells: Vec<Vec<String>>) -> Result<()> {
     if args.json {
         return print_json(&json!({ "rows": rows }));
     }

@@ -19,7 +19,7 @@ use crate::cli::stage::Stage;
 /// What of a step is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
-pub enum Part {
+pub enum StepPart {
     /// The whole environment, with everything left where it is computed
     Env,
     /// The physics alone
@@ -34,7 +34,7 @@ pub struct Row {
     backend: &'static str,
     device: String,
     driver: String,
-    part: Part,
+    part: StepPart,
     form: &'static str,
     task: String,
     envs: usize,
@@ -88,15 +88,15 @@ pub struct Measurement<'a> {
 
 impl Measurement<'_> {
     /// Measures the parts of one number of environments.
-    pub fn run(&self, envs: usize, parts: &[Part]) -> Result<Vec<Row>> {
+    pub fn run(&self, envs: usize, parts: &[StepPart]) -> Result<Vec<Row>> {
         complain(&format!("compiling and measuring {envs} environments"));
         let (mut env, ready) = self.env(envs)?;
         let mut rows = Vec::new();
         for &part in parts {
             let (time, ready) = match part {
-                Part::Env => (whole(self.gpu, &env)?, ready),
-                Part::Host => (through_host(&mut env)?, ready),
-                Part::Physics => self.physics(&env)?,
+                StepPart::Env => (whole(self.gpu, &env)?, ready),
+                StepPart::Host => (through_host(&mut env)?, ready),
+                StepPart::Physics => self.physics(&env)?,
             };
             rows.push(self.row(&env, part, ready, time));
         }
@@ -125,7 +125,7 @@ impl Measurement<'_> {
         Ok((on_device(self.gpu, |batch| physics.step(batch))?, ready))
     }
 
-    fn row(&self, env: &GpuEnv, part: Part, ready: Ready, (best, median): BestAndMedian) -> Row {
+    fn row(&self, env: &GpuEnv, part: StepPart, ready: Ready, (best, median): BestAndMedian) -> Row {
         let (task, adapter) = (&self.stage.task, self.gpu.adapter());
         let (envs, substeps) = (env.spec().num_envs, task.substeps(self.stage.model.options.timestep));
         Row {

@@ -19,14 +19,14 @@ const WORKGROUP: u32 = 64;
 /// Arguments of `myo bench kernel`.
 #[derive(Args)]
 #[command(after_help = HELP)]
-pub struct Kernel {
+pub struct KernelArgs {
     /// Name of a task, or a task file
     #[arg(long, default_value = "pointing")]
     task: String,
 
     /// Which kernel
-    #[arg(long, value_enum, default_value_t = Part::Env)]
-    part: Part,
+    #[arg(long, value_enum, default_value_t = KernelKind::Env)]
+    part: KernelKind,
 
     /// Loops over the tables of the body, as too large bodies have them
     #[arg(long)]
@@ -54,7 +54,7 @@ JSON: `task`, `part`, `operations`, `record_s` (seconds until the kernel was rec
 
 /// Which kernel.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Part {
+enum KernelKind {
     /// A control step with everything that belongs to it
     Env,
     /// The physics of a control step
@@ -63,7 +63,7 @@ enum Part {
     Reset,
 }
 
-impl Part {
+impl KernelKind {
     fn record(self, tables: &Tables<f64>, form: Form) -> Program {
         match self {
             Self::Env => record::step(tables, Autoreset::default(), form),
@@ -82,7 +82,7 @@ impl Part {
 }
 
 /// Runs `myo bench kernel`.
-pub fn run(args: &Kernel) -> Result<()> {
+pub fn run(args: &KernelArgs) -> Result<()> {
     let stage = Stage::open(&args.task)?;
     let tables = Tables::<f64>::new(&stage.model, &stage.task)?;
     let start = Instant::now();

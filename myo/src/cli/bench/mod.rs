@@ -20,15 +20,15 @@ use super::failure::{Failure, Result};
 #[derive(Subcommand)]
 pub enum Command {
     /// Physics alone, on one core unless `--threads` says more
-    Physics(physics::Physics),
+    Physics(physics::PhysicsArgs),
     /// The whole environment: physics, task, reward, observation, reset
-    Env(env::Env),
+    Env(env::EnvArgs),
     /// Time from the start of training until it is good enough, for several seeds
-    Train(train::Train),
+    Train(train::TrainArgs),
     /// Operations of the kernel that a graphics card runs, and its text
-    Kernel(kernel::Kernel),
+    Kernel(kernel::KernelArgs),
     /// Look for numbers that are not finite in many steps of random actions
-    Nan(nan::Nan),
+    Nan(nan::NanArgs),
 }
 
 /// Runs a `myo bench` command.

@@ -26,7 +26,7 @@ const RESET_EVERY: u64 = 37;
 /// Arguments of `myo bench nan`.
 #[derive(Args)]
 #[command(after_help = HELP)]
-pub struct Nan {
+pub struct NanArgs {
     /// Name of a task, or a task file
     #[arg(long, default_value = "ar")]
     task: String,
@@ -83,7 +83,7 @@ struct First {
 }
 
 /// Runs `myo bench nan`.
-pub fn run(args: &Nan) -> Result<()> {
+pub fn run(args: &NanArgs) -> Result<()> {
     let stage = Stage::open(&args.task)?;
     let mut env = stage.env(&args.physics.wish(Backend::Cpu)?, args.envs, args.seed)?;
     let place = env.place();
@@ -143,7 +143,7 @@ fn draw(action: &mut [f32], random: &mut Random) {
     }
 }
 
-fn show(args: &Nan, stage: &Stage, place: &Place, found: &Findings, wall_s: f64) -> Result<()> {
+fn show(args: &NanArgs, stage: &Stage, place: &Place, found: &Findings, wall_s: f64) -> Result<()> {
     let task = &stage.task.name;
     let Machine { machine, date, version } = Machine::here();
     if args.json {

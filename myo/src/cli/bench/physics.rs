@@ -31,7 +31,7 @@ const WARM_UP: usize = 40;
 /// Arguments of `myo bench physics`.
 #[derive(Args)]
 #[command(after_help = HELP)]
-pub struct Physics {
+pub struct PhysicsArgs {
     /// Compare with MuJoCo's `mj_step` through a Python interpreter that has the package `mujoco` [default: that of the
     /// tests, else python3]
     #[arg(long, value_name = "PYTHON", num_args = 0..=1)]
@@ -91,7 +91,7 @@ struct Row {
 }
 
 /// Runs `myo bench physics`.
-pub fn run(args: &Physics, threads: usize) -> Result<()> {
+pub fn run(args: &PhysicsArgs, threads: usize) -> Result<()> {
     // Before this process stays on one core, which is then all that it could tell of.
     let machine = Machine::here();
     let levels = args.level.iter().map(|name| name.level()).collect::<Result<Vec<_>>>()?;

@@ -21,7 +21,7 @@ use crate::cli::train::{Ready, STEPS, UNTIL, settings};
 /// Arguments of `myo bench train`.
 #[derive(Args)]
 #[command(after_help = HELP)]
-pub struct Train {
+pub struct TrainArgs {
     /// Name of a task, or a task file
     task: String,
 
@@ -83,7 +83,7 @@ struct Row {
 }
 
 /// Runs `myo bench train`.
-pub fn run(args: &Train) -> Result<()> {
+pub fn run(args: &TrainArgs) -> Result<()> {
     settings(&PpoConfig::default(), args.envs, &args.set)?;
     let stage = Stage::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
@@ -117,7 +117,7 @@ pub fn run(args: &Train) -> Result<()> {
     ))
 }
 
-fn measure(args: &Train, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
+fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
     let envs = config.num_envs;
     let start = Instant::now();

@@ -17,7 +17,7 @@ use crate::networks::Networks;
 /// often.
 const COLUMNS: [u32; 2] = [32, 64];
 
-/// The better of them on an H200 (`examples/gpu_learner.rs`, `tiles`).
+/// The better of them on an H200 (`benches/examples/gpu_learner.rs`, `tiles`).
 fn columns_for(networks: &Networks, samples: usize) -> u32 {
     let [few, many] = COLUMNS;
     if widest(networks) > 128 && samples >= 4096 { many } else { few }

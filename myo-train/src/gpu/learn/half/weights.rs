@@ -103,7 +103,7 @@ impl MatrixTile {
     }
 }
 
-/// The best tile on an H200, from a thousand to 65,536 samples of networks of 128 and of 256 (`examples/gpu_learner.rs`,
+/// The best tile on an H200, from a thousand to 65,536 samples of networks of 128 and of 256 (`benches/examples/gpu_learner.rs`,
 /// `tiles`): larger ones wait for memory, smaller ones load more.
 const TILE: MatrixTile = MatrixTile::new((64, 64), (64, 32));
 

@@ -1,11 +1,9 @@
-//! Speed of acting on the graphics card: `gpu_rollout [ENVS,ENVS,...] [TASK] [tiles]`.
+//! Speed of acting on the graphics card: `cargo run --release -p myo-benches --example gpu_rollout -- [ENVS,ENVS,...] [TASK] [tiles]`.
 //!
 //! For every number of environments: one pass of the policy, the values of a whole roll-out, a whole roll-out, and what its
 //! kernels take. With `tiles`, instead: the networks alone, with every tile.
 
-mod measure;
-
-use measure::{Failure, breakdown, seconds};
+use myo_benches::{Failure, breakdown, seconds};
 use myo_env::{EnvConfig, GpuEnv, VectorEnv};
 use myo_gpu::{Batch, Gpu, Want};
 use myo_model::{Model, builtin};

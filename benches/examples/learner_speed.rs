@@ -1,18 +1,15 @@
 //! Speed of learning on this machine, beside the matrix product it is made of.
 //!
-//! `cargo run --release -p myo-train --example learner_speed [THREADS]`
+//! `cargo run --release -p myo-benches --example learner_speed [THREADS]`
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use faer::{Accum, Mat, Par, linalg::matmul::matmul};
-use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_benches::Idle;
 use myo_train::{Mlp, PpoConfig, Trainer};
 use rayon::prelude::*;
 
-/// Sizes of pointing with the built-in arm.
-const OBSERVATIONS: usize = 55;
-const ACTIONS: usize = 26;
 const BATCH: usize = 4096;
 
 /// Best of several timings, in seconds.
@@ -55,46 +52,13 @@ fn network_pass(net: &Mlp, rows: usize, threads: usize) -> f64 {
     })
 }
 
-/// Costs next to nothing to step.
-struct Idle(EnvSpec);
-
-impl VectorEnv for Idle {
-    fn spec(&self) -> &EnvSpec {
-        &self.0
-    }
-    fn reset(&mut self, _: Option<u64>, _: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
-        observation.iter_mut().enumerate().for_each(|(i, x)| *x = (i % 23) as f32 * 0.1);
-        Ok(())
-    }
-    fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
-        out.reward.iter_mut().zip(actions.chunks(ACTIONS)).for_each(|(r, a)| *r = a[0] - a[1] * a[1]);
-        Ok(())
-    }
-    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
-        Ok(Vec::new())
-    }
-    fn load_state(&mut self, _: &[u8]) -> Result<(), EnvError> {
-        Ok(())
-    }
-}
-
 fn update(peak: f64) {
     let config = PpoConfig::default();
-    let names = |n: usize| (0..n).map(|i| i.to_string()).collect();
-    let spec = EnvSpec {
-        num_envs: config.num_envs,
-        observation_names: names(OBSERVATIONS),
-        action_names: names(ACTIONS),
-        episode_names: Vec::new(),
-        control_dt: 0.05,
-        max_episode_steps: 240,
-        autoreset: Default::default(),
-    };
     let (policy, value) = networks(&config);
     let flops = policy.flops_per_sample() + value.flops_per_sample();
     let passes = (config.batch_size() * config.epochs) as f64;
     let samples = config.batch_size() as f64;
-    let mut trainer = Trainer::new(Box::new(Idle(spec)), config, 1).expect("the settings fit");
+    let mut trainer = Trainer::new(Box::new(Idle::new(config.num_envs)), config, 1).expect("the settings fit");
     let (mut learn, mut collect) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..25 {
         let metrics = trainer.update().expect("the idle environment is harmless");
@@ -112,7 +76,10 @@ fn update(peak: f64) {
 }
 
 fn networks(config: &PpoConfig) -> (Mlp, Mlp) {
-    (Mlp::new(OBSERVATIONS, &config.policy_hidden, ACTIONS), Mlp::new(OBSERVATIONS, &config.value_hidden, 1))
+    (
+        Mlp::new(Idle::OBSERVATIONS, &config.policy_hidden, Idle::ACTIONS),
+        Mlp::new(Idle::OBSERVATIONS, &config.value_hidden, 1),
+    )
 }
 
 fn main() {

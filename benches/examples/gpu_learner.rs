@@ -1,57 +1,18 @@
-//! Speed of learning on the graphics card: `gpu_learner [tiles]`.
+//! Speed of learning on the graphics card: `cargo run --release -p myo-benches --example gpu_learner -- [tiles]`.
 //!
 //! Whole updates with two hidden layers of 128, and single gradient steps of a policy 4 x 128 and a value network 5 x 256, on
 //! records of made-up numbers; then what their kernels take. With `tiles`, instead: single gradient steps with every tile.
 
-mod measure;
-
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use measure::{Failure, breakdown, seconds};
-use myo_gpu::{Buffer, Gpu, Want};
+use myo_benches::{Failure, RollOut, breakdown, seconds};
+use myo_gpu::{Gpu, Want};
 use myo_train::PpoConfig;
-use myo_train::gpu::{DeviceLearner, MatrixTile, RolloutBuffers, Settings, Sizes, Tile, Tiles};
-
-/// Numbers between -1 and 1 without a pattern that matters.
-fn numbers(n: usize, seed: u32) -> Vec<f32> {
-    let mut word = seed;
-    let mut next = || {
-        word = word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (word >> 8) as f32 / (1 << 23) as f32 - 1.0
-    };
-    (0..n).map(|_| next()).collect()
-}
-
-/// A record and parameters to learn from.
-struct Data {
-    sizes: Sizes,
-    record: RolloutBuffers,
-    parameters: Buffer<f32>,
-}
-
-fn data(gpu: &Gpu, config: &PpoConfig) -> Result<Data, Failure> {
-    let (envs, steps) = (config.num_envs, config.steps_per_update);
-    let padded = envs.next_multiple_of(4);
-    let sizes =
-        Sizes { steps, envs, padded, observations: 55, actions: 26, summary: 5, time_limit: 100, control_dt: 0.05 };
-    let record = RolloutBuffers::new(gpu, &sizes)?;
-    for (seed, buffer) in [&record.observation, &record.action, &record.value, &record.reward].into_iter().enumerate() {
-        gpu.write(buffer, 0, &numbers(buffer.len(), seed as u32))?;
-    }
-    gpu.write(&record.log_prob, 0, &vec![-24.0; record.log_prob.len()])?;
-    let layers = |hidden: &[usize], outputs: usize| {
-        let widths: Vec<_> = [55].iter().chain(hidden).chain(&[outputs]).copied().collect();
-        widths.windows(2).map(|w| w[0] * w[1] + w[1]).sum::<usize>()
-    };
-    let (policy, value) = (layers(&config.policy_hidden, 26), layers(&config.value_hidden, 1));
-    let parameters = gpu.buffer("parameters", policy + 26 + value)?;
-    gpu.write(&parameters, 0, &numbers(parameters.len(), 9).iter().map(|x| 0.1 * x).collect::<Vec<_>>())?;
-    Ok(Data { sizes, record, parameters })
-}
+use myo_train::gpu::{DeviceLearner, MatrixTile, Settings, Tile, Tiles};
 
 fn measure_both(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
-    let data = data(gpu, config)?;
+    let data = RollOut::new(gpu, config)?;
     let (envs, steps) = (config.num_envs, config.steps_per_update);
     println!(
         "{envs} x {steps} samples, {} x {} minibatches, policy {:?}, value {:?}",
@@ -64,8 +25,8 @@ fn measure_both(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
     Ok(())
 }
 
-fn measure_learner(gpu: &Gpu, config: &PpoConfig, data: &Data, what: &str) -> Result<(), Failure> {
-    let Data { sizes, record, parameters } = data;
+fn measure_learner(gpu: &Gpu, config: &PpoConfig, data: &RollOut, what: &str) -> Result<(), Failure> {
+    let RollOut { sizes, record, parameters } = data;
     let start = Instant::now();
     let mut learner = DeviceLearner::new(gpu, sizes, config, parameters, record)?;
     let prepared = start.elapsed().as_secs_f64();
@@ -113,7 +74,7 @@ const MATRIX_TILES: &[(u32, MatrixTile)] = &[
 
 /// What a gradient step's products take with every tile.
 fn tiles(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
-    let data = data(gpu, config)?;
+    let data = RollOut::new(gpu, config)?;
     println!("{} samples, value network {:?}", data.sizes.samples() / config.minibatches, config.value_hidden);
     for &tile in TILES {
         let tiles = Tiles { layers: Some(tile), weights: Some(tile), ..Tiles::default() };
@@ -129,8 +90,8 @@ fn tiles(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
 }
 
 /// What they take with these tiles.
-fn products(gpu: &Gpu, config: &PpoConfig, data: &Data, tiles: Tiles) -> Result<String, Failure> {
-    let Data { sizes, record, parameters } = data;
+fn products(gpu: &Gpu, config: &PpoConfig, data: &RollOut, tiles: Tiles) -> Result<String, Failure> {
+    let RollOut { sizes, record, parameters } = data;
     let mut learner = DeviceLearner::with_tiles(gpu, sizes, config, parameters, record, tiles)?;
     learner.prepare(sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
     // A card that has waited for a compiler is slow for a while.

@@ -1,0 +1,94 @@
+//! One gradient step of the published networks (policy 4 x 128, value 5 x 256) with Adam, as JSON, an object per line:
+//! `cargo run --release -p myo-benches --example gradient_step -- processor|card SAMPLES ...`.
+//!
+//! `benches/peers/torch_learner.py` measures the same in PyTorch. On the processor, the time is what an update of one gradient
+//! step says that learning took; advantages and the order of the samples are part of it.
+
+use std::time::Instant;
+
+use myo_benches::{Failure, Idle, RollOut, seconds};
+use myo_gpu::{Gpu, Want};
+use myo_train::gpu::{DeviceLearner, Settings};
+use myo_train::{PpoConfig, Trainer};
+use serde_json::json;
+
+/// Measurements on the processor last at least this long (s).
+const LEAST_S: f64 = 1.0;
+
+fn config(samples: usize) -> PpoConfig {
+    PpoConfig {
+        num_envs: samples,
+        steps_per_update: 1,
+        epochs: 1,
+        minibatches: 1,
+        policy_hidden: vec![128; 4],
+        value_hidden: vec![256; 5],
+        ..PpoConfig::default()
+    }
+}
+
+/// Best and median.
+fn on_processor(samples: usize) -> Result<(f64, f64), Failure> {
+    let mut trainer = Trainer::new(Box::new(Idle::new(samples)), config(samples), 1)?;
+    trainer.update()?;
+    let (start, mut times) = (Instant::now(), vec![]);
+    while times.len() < 5 || start.elapsed().as_secs_f64() < LEAST_S {
+        let metrics = trainer.update()?;
+        if !metrics.learn.gradient_norm.is_finite() {
+            return Err("the gradient is not finite".into());
+        }
+        times.push(metrics.learn_s);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((times[0], times[times.len() / 2]))
+}
+
+/// The best of several batches of gradient steps.
+fn on_card(gpu: &Gpu, config: &PpoConfig) -> Result<f64, Failure> {
+    let RollOut { sizes, record, parameters } = RollOut::new(gpu, config)?;
+    let mut learner = DeviceLearner::new(gpu, &sizes, config, &parameters, &record)?;
+    learner.prepare(&sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
+    let best = seconds(gpu, |batch| learner.record_step(batch))?;
+    let mut after = vec![0.0; parameters.len()];
+    gpu.read(&parameters, 0, &mut after)?;
+    if after.iter().any(|x| !x.is_finite()) {
+        return Err("a parameter is not finite after the gradient steps".into());
+    }
+    Ok(best)
+}
+
+fn row(system: &str, device: &str, samples: usize, best: f64, median: Option<f64>) {
+    let row = json!({
+        "what": "gradient step", "system": system, "version": env!("CARGO_PKG_VERSION"), "device": device,
+        "samples": samples, "gradient_step_s": best, "gradient_step_s_median": median,
+    });
+    println!("{row}");
+}
+
+fn main() -> Result<(), Failure> {
+    let mut arguments = std::env::args().skip(1);
+    let place = arguments.next().unwrap_or_default();
+    let sizes = arguments.map(|n| n.parse()).collect::<Result<Vec<usize>, _>>()?;
+    match place.as_str() {
+        "processor" => {
+            let device = format!("{} threads", rayon::current_num_threads());
+            for samples in sizes {
+                let (best, median) = on_processor(samples)?;
+                row("Myo, 32 bits", &device, samples, best, Some(median));
+            }
+        }
+        "card" => {
+            let gpu = Gpu::open(&Want::Any)?;
+            let name = &gpu.adapter().name;
+            for samples in sizes {
+                let plain = PpoConfig { matrix_units: false, ..config(samples) };
+                row("Myo, 32 bits", name, samples, on_card(&gpu, &plain)?, None);
+                if gpu.adapter().cooperative_matrix {
+                    row("Myo, matrix units", name, samples, on_card(&gpu, &config(samples))?, None);
+                }
+            }
+        }
+        other => return Err(format!("the first argument is `{other}`; it must be `processor` or `card`").into()),
+    }
+    Ok(())
+}
