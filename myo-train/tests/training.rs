@@ -28,7 +28,7 @@ fn with_threads<T: Send>(threads: usize, body: impl FnOnce() -> T + Send) -> T {
 
 /// The bytes of a checkpoint without the wall time, which no two runs share.
 fn bits(trainer: &Trainer) -> Vec<u8> {
-    let mut checkpoint = trainer.save();
+    let mut checkpoint = trainer.save().unwrap();
     checkpoint.forget_wall_time();
     checkpoint.to_bytes()
 }
@@ -65,7 +65,7 @@ fn training_gives_the_same_bits_at_any_thread_count() {
 fn a_resumed_run_gives_the_same_bits_as_one_left_alone() {
     let mut whole = trainer(4);
     (0..3).for_each(|_| drop(whole.update().unwrap()));
-    let saved = whole.save().to_bytes();
+    let saved = whole.save().unwrap().to_bytes();
     (0..3).for_each(|_| drop(whole.update().unwrap()));
 
     let checkpoint = Checkpoint::from_bytes(&saved).unwrap();
@@ -145,7 +145,7 @@ fn numbers_that_are_not_finite_stop_the_training_with_a_reason() {
 fn an_environment_that_does_not_fit_is_refused() {
     let error = |env: Points| Trainer::new(Box::new(env), config(), 1).err().unwrap().to_string();
     assert_eq!(error(Points::new(8)), "the environment does not fit: the number of environments is 8, expected 256");
-    let checkpoint = trainer(1).save();
+    let checkpoint = trainer(1).save().unwrap();
     let error = Trainer::restore(Box::new(Constant::new(256, 5, true)), &checkpoint).err().unwrap().to_string();
     assert!(error.contains("list of observations is 2 long with \"one\" at place 0"), "{error}");
 }

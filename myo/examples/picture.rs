@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let task = myo::tasks::load(task)?.task;
     let model = Model::new(&builtin(&task.model)?)?;
     let plan = Plan::exact(&model, Coupling::Reduced)?;
-    let latest = RunFolder::open(run.as_ref())?.latest_checkpoint();
+    let latest = RunFolder::open(run.as_ref())?.latest_checkpoint()?;
     let checkpoint = latest.checkpoint.ok_or("the run has no checkpoint")?;
     let mut policy = checkpoint.policy();
     let mut env = Env::new(&model, &task, 5)?;
