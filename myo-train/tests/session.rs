@@ -9,7 +9,7 @@ use common::Points;
 use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_gpu::GpuError;
 use myo_train::session::{End, Examiner, Goal, News, Outcome, Progress};
-use myo_train::{Checkpoint, PpoConfig, RunClaim, RunFolder, RunWriter, Session, Trainer};
+use myo_train::{Checkpoint, PpoConfig, RunFolder, RunWriter, Session, Trainer};
 
 const ENVS: usize = 256;
 
@@ -313,8 +313,8 @@ fn a_goal_that_was_reached_and_is_higher_now_is_sought_again() {
 fn a_lost_device_leaves_the_newest_checkpoint_as_it_is() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("run");
-    let session = recorded(self::session(Mishap::LostAt(2 * 16 + 2), config(), steps(u64::MAX)), &folder);
-    let (_, outcome) = run(session.checkpoint_every(Duration::ZERO));
+    let fragile = recorded(session(Mishap::LostAt(2 * 16 + 2), config(), steps(u64::MAX)), &folder);
+    let (_, outcome) = run(fragile.checkpoint_every(Duration::ZERO));
     assert_eq!(outcome.end, End::DeviceLost { reason: "unplugged".into() });
     assert_eq!((outcome.updates, outcome.evaluation), (2, None));
     let path = outcome.checkpoint.unwrap();
@@ -322,13 +322,13 @@ fn a_lost_device_leaves_the_newest_checkpoint_as_it_is() {
     // It holds the episodes: the training goes on as if nothing had been lost.
     let (_, again) = run(resumed(&newest(&folder), steps(16_384), &place.path().join("again")));
     let whole = place.path().join("whole");
-    assert_eq!(again.evaluation, run(recorded(self::session(Mishap::None, config(), steps(16_384)), &whole)).1.evaluation);
+    assert_eq!(again.evaluation, run(recorded(session(Mishap::None, config(), steps(16_384)), &whole)).1.evaluation);
     assert!(newest(&whole) == newest(&place.path().join("again")));
 
     // A loss right after the training went back to the state of that checkpoint.
     let written = std::fs::read(&path).unwrap();
-    let session = resumed(&newest(&folder), steps(u64::MAX), &place.path().join("lost"));
-    session.conclude(End::DeviceLost { reason: "unplugged".into() }, &|| true).unwrap();
+    let gone_back = resumed(&newest(&folder), steps(u64::MAX), &place.path().join("lost"));
+    gone_back.conclude(End::DeviceLost { reason: "unplugged".into() }, &|| true).unwrap();
     assert!(written == std::fs::read(&path).unwrap());
 }
 

@@ -191,7 +191,9 @@ pub extern "C" fn open64(path: *const c_char, flags: c_int, mode: c_int) -> c_in
 #[unsafe(no_mangle)]
 pub extern "C" fn opendir(path: *const c_char) -> *mut c_void {
     let name = text(path);
-    if is_below(&name) && let Fate::Fail(error) = fate("opendir", &name, false) {
+    if is_below(&name)
+        && let Fate::Fail(error) = fate("opendir", &name, false)
+    {
         fail(error);
         return std::ptr::null_mut();
     }
@@ -201,7 +203,9 @@ pub extern "C" fn opendir(path: *const c_char) -> *mut c_void {
 /// See the C library.
 #[unsafe(no_mangle)]
 pub extern "C" fn read(fd: c_int, out: *mut c_void, length: usize) -> isize {
-    if let Some(path) = path_of(fd) && let Fate::Fail(error) = fate("read", &path, false) {
+    if let Some(path) = path_of(fd)
+        && let Fate::Fail(error) = fate("read", &path, false)
+    {
         return fail(error) as isize;
     }
     real!("read", fn(c_int, *mut c_void, usize) -> isize)(fd, out, length)
