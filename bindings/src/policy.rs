@@ -37,7 +37,7 @@ pub fn checkpoint(path: &std::path::Path) -> PyResult<Checkpoint> {
     if path.is_file() {
         return Checkpoint::read(path).map_err(error::run);
     }
-    let latest = RunFolder::open(path).map_err(error::run)?.latest_checkpoint();
+    let latest = RunFolder::open(path).map_err(error::run)?.latest_checkpoint().map_err(error::run)?;
     let none = || error::run(format!("{} has no checkpoint that can be used", path.display()));
     latest.checkpoint.ok_or_else(none)
 }

@@ -1,11 +1,11 @@
 //! Training: one update at a time, so that the loop is Python's.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
 use myo::train::session::{End, Goal, News, Outcome, Progress};
-use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics};
+use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunClaim, RunFolder, RunWriter, Session as Inner, UpdateMetrics};
 use myo::{Beginning, Envs, ModelReach, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
@@ -34,6 +34,8 @@ struct Live {
     pool: Arc<ThreadPool>,
     task: myo::tasks::Task,
     model: myo::model::Model,
+    /// The run that it goes on with, until that is open for writing.
+    claim: Option<RunClaim>,
 }
 
 impl Session {
@@ -67,10 +69,11 @@ fn settings(json: &str, base: &PpoConfig) -> PyResult<PpoConfig> {
 }
 
 /// The newest checkpoint of a run that is whole, with a warning where newer ones are not; none where none was written yet.
-fn newest_checkpoint(py: Python<'_>, run: &Path) -> PyResult<Option<Checkpoint>> {
-    let latest = RunFolder::open(run).map_err(error::run)?.latest_checkpoint();
+fn newest_checkpoint(py: Python<'_>, run: &RunFolder) -> PyResult<Option<Checkpoint>> {
+    let latest = run.latest_checkpoint().map_err(error::run)?;
     if latest.checkpoint.is_none() && !latest.refused.is_empty() {
-        return Err(error::run(format!("{} has no checkpoint that can be used; train it again", run.display())));
+        let run = run.path().display();
+        return Err(error::run(format!("{run} has no checkpoint that can be used; train it again")));
     }
     for (path, reason) in &latest.refused {
         error::warn(py, &format!("{} cannot be used, an older checkpoint is: {reason}", path.display()))?;
@@ -112,7 +115,8 @@ impl Session {
         let other = start_from.map(|run| checkpoint(&run)).transpose()?;
         let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
         let config = settings(config, &base)?;
-        let again = resume.map_or(Ok(None), |run| newest_checkpoint(py, &run))?;
+        let claim = resume.map(|run| RunClaim::take(&run)).transpose().map_err(error::run)?;
+        let again = claim.as_ref().map_or(Ok(None), |claim| newest_checkpoint(py, claim.folder()))?;
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
         let (task, model) = (task.inner().clone(), model.inner().clone());
@@ -122,7 +126,7 @@ impl Session {
         let beginning = again.as_ref().map_or(new, Beginning::Again);
         let session = compute(py, || pool.install(|| open(env, (&model, &task), beginning, goal)))??;
         let inherited = session.trainer().inherited();
-        let live = Mutex::new(Some(Live { session, pool, task, model }));
+        let live = Mutex::new(Some(Live { session, pool, task, model, claim }));
         let device = place.device().map(String::from);
         Ok(Self { live, born: Birthplace::here(), backend: place.backend(), device, inherited })
     }
@@ -132,11 +136,11 @@ impl Session {
     fn record_in(&self, path: PathBuf, description: &str, go_on: bool) -> PyResult<()> {
         let description = serde_json::from_str(description).map_err(error::run)?;
         self.with(|live| {
-            let Live { session, pool, task, model } = live.take().ok_or_else(|| error::run("the training is over"))?;
+            let Live { session, pool, task, model, claim } = live.take().ok_or_else(|| error::run("the training is over"))?;
             let trainer = session.trainer();
             let names = &trainer.spec().episode_names;
             let writer = if go_on {
-                RunWriter::resume(&path, trainer.env_steps(), names)
+                claim.map_or_else(|| RunClaim::take(&path), Ok).and_then(|claim| claim.resume(trainer.env_steps(), names))
             } else {
                 RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
             };
@@ -145,7 +149,7 @@ impl Session {
                 other => error::run(other),
             })?;
             let session = session.recorded_in(writer).map_err(error::run)?;
-            *live = Some(Live { session, pool, task, model });
+            *live = Some(Live { session, pool, task, model, claim: None });
             Ok(())
         })
     }
@@ -157,7 +161,7 @@ impl Session {
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.live(|live| {
             let (progress, news) = compute(py, || {
-                let Live { session, pool, task, model } = &mut *live;
+                let Live { session, pool, task, model, .. } = &mut *live;
                 let progress = pool.install(|| session.advance(&|| true)).map_err(error::session)?;
                 let news =
                     progress.news.iter().map(|news| sentence(news, task, model)).collect::<PyResult<Vec<_>>>()?;

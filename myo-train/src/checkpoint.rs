@@ -1,8 +1,8 @@
 //! A training run frozen between two updates, and its file.
 //!
 //! File: 8 bytes `MYOCKPT\n`, version (u32), length of the payload (u64), CRC-32C of the payload (u32), payload. Little
-//! endian throughout. The payload holds the fields of [`Checkpoint`] in order; lists begin with their length (u64), the
-//! configuration and the names are JSON.
+//! endian throughout. The payload holds the fields of [`Checkpoint`] in order; lists begin with their length (u64); the
+//! configuration, the names and what a session remembers are JSON. Version 1 ended before the session.
 
 use std::path::Path;
 
@@ -13,10 +13,13 @@ use crate::files::{IoError, write_atomically};
 use crate::learn::Optimizer;
 use crate::networks::Networks;
 use crate::normalizer::Normalizer;
+use crate::session::Memory;
 use crate::{Mlp, Policy, PpoConfig};
 
 const MAGIC: &[u8; 8] = b"MYOCKPT\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// The oldest version that can be read.
+const OLDEST: u32 = 1;
 const HEADER: usize = 24;
 
 /// Everything that the next updates depend on.
@@ -34,6 +37,17 @@ pub struct Checkpoint {
     pub(crate) normalizer: Normalizer,
     pub(crate) observation: Vec<f32>,
     pub(crate) env_state: Vec<u8>,
+    /// What the [`Session`](crate::Session) around the training knew; none where there was no session.
+    pub(crate) session: Option<SessionState>,
+}
+
+/// What the next decisions of a [`Session`](crate::Session) depend on, besides its trainer.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SessionState {
+    /// Looks, learning curve, confirmed goal.
+    pub memory: Memory,
+    /// The state to go back to when learning runs away, without a session; none where it is the checkpoint itself.
+    pub good: Option<Box<Checkpoint>>,
 }
 
 /// Why a checkpoint cannot be used.
@@ -47,7 +61,7 @@ pub enum CheckpointError {
     #[error("this is not a checkpoint: it does not start with MYOCKPT")]
     Magic,
     /// Written by another version of this program.
-    #[error("the checkpoint has format {found}; this program reads format {VERSION}")]
+    #[error("the checkpoint has format {found}; this program reads formats {OLDEST} to {VERSION}")]
     Version {
         /// Format of the file.
         found: u32,
@@ -74,6 +88,24 @@ pub enum CheckpointError {
         /// What is wrong.
         reason: String,
     },
+    /// A number with which training cannot go on, nor a policy act.
+    #[error("the checkpoint cannot be used: {what} {index} is {value}")]
+    NotFinite {
+        /// Which list of numbers.
+        what: &'static str,
+        /// Entry of that list, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+}
+
+impl CheckpointError {
+    /// Whether the file itself is spoilt, so that an older one may take its place. What could not be read, or is of a
+    /// newer program, may be whole.
+    pub fn is_damage(&self) -> bool {
+        !matches!(self, Self::Io(_) | Self::Version { .. })
+    }
 }
 
 impl Checkpoint {
@@ -100,6 +132,10 @@ impl Checkpoint {
     /// Sets the time spent to zero: the one thing in which equal runs differ.
     pub fn forget_wall_time(&mut self) {
         self.wall_s = 0.0;
+        if let Some(SessionState { memory, good }) = &mut self.session {
+            memory.evaluation_s = 0.0;
+            good.iter_mut().for_each(|good| good.forget_wall_time());
+        }
     }
 
     /// The policy.
@@ -135,6 +171,9 @@ impl Checkpoint {
         out.f64s(m2);
         out.f32s(&self.observation);
         out.bytes(&self.env_state);
+        out.json(&self.session.as_ref().map(|session| &session.memory));
+        let good = self.session.as_ref().and_then(|session| session.good.as_ref());
+        out.bytes(&good.map_or(Vec::new(), |good| good.to_bytes()));
         let mut bytes = out.0;
         let payload = &bytes[HEADER..];
         let (length, checksum) = (payload.len() as u64, crc32c(payload));
@@ -147,6 +186,11 @@ impl Checkpoint {
 
     /// Reads what [`Checkpoint::to_bytes`] wrote; refuses anything else with the reason.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        Self::parse(bytes, true)
+    }
+
+    /// `with_session`: whether a session may be in it; in the state that another checkpoint goes back to there is none.
+    fn parse(bytes: &[u8], with_session: bool) -> Result<Self, CheckpointError> {
         if !bytes.starts_with(MAGIC) {
             return Err(CheckpointError::Magic);
         }
@@ -155,7 +199,7 @@ impl Checkpoint {
         }
         let mut header = Reader(&bytes[8..HEADER]);
         let (version, length, expected) = (header.u32()?, header.u64()?, header.u32()?);
-        if version != VERSION {
+        if !(OLDEST..=VERSION).contains(&version) {
             return Err(CheckpointError::Version { found: version });
         }
         let payload = &bytes[HEADER..];
@@ -167,12 +211,12 @@ impl Checkpoint {
         if got != expected {
             return Err(CheckpointError::Checksum { got, expected });
         }
-        let checkpoint = Self::from_payload(Reader(payload))?;
+        let checkpoint = Self::from_payload(Reader(payload), with_session && version > 1)?;
         checkpoint.check()?;
         Ok(checkpoint)
     }
 
-    fn from_payload(mut payload: Reader<'_>) -> Result<Self, CheckpointError> {
+    fn from_payload(mut payload: Reader<'_>, with_session: bool) -> Result<Self, CheckpointError> {
         let config: PpoConfig = payload.json()?;
         let (seed, updates) = (payload.u64()?, payload.u64()?);
         let [wall_s, learning_rate] = payload.f64_array()?;
@@ -183,6 +227,7 @@ impl Checkpoint {
         let (mean, m2) = (payload.f64s()?, payload.f64s()?);
         let normalizer = Normalizer::from_parts(limit as f32, std_floor, count, mean, m2);
         let (observation, env_state) = (payload.f32s()?, payload.bytes()?.to_vec());
+        let session = if with_session { payload.session()? } else { None };
         Ok(Self {
             config,
             seed,
@@ -196,6 +241,7 @@ impl Checkpoint {
             normalizer,
             observation,
             env_state,
+            session,
         })
     }
 
@@ -218,11 +264,43 @@ impl Checkpoint {
                 return inconsistent(format!("it holds {got} {what}, but should hold {expected}"));
             }
         }
-        Ok(())
+        if let Some(good) = self.session.as_ref().and_then(|session| session.good.as_ref()) {
+            let sizes = |checkpoint: &Self| (checkpoint.networks(), checkpoint.config.batch_size(), checkpoint.config.num_envs);
+            if sizes(good) != sizes(self) {
+                return inconsistent("the state to go back to has other sizes".into());
+            }
+        }
+        self.check_finite()
+    }
+
+    /// Refuses numbers with which nothing can be done.
+    fn check_finite(&self) -> Result<(), CheckpointError> {
+        let single = |x: &[f32]| x.iter().position(|x| !x.is_finite()).map(|i| (i, x[i].into()));
+        let double = |x: &[f64]| x.iter().position(|x| !x.is_finite()).map(|i| (i, x[i]));
+        let (_, _, count, mean, m2) = self.normalizer.parts();
+        for (what, found) in [
+            ("parameter", single(&self.parameters)),
+            ("mean of the gradient", single(&self.optimizer.mean)),
+            ("square of the gradient", single(&self.optimizer.square)),
+            ("mean of the observations", double(mean)),
+            ("deviation of the observations", double(m2)),
+            ("number of observations", double(&[count])),
+            ("learning rate", double(&[self.learning_rate])),
+            ("time", double(&[self.wall_s])),
+        ] {
+            if let Some((index, value)) = found {
+                return Err(CheckpointError::NotFinite { what, index, value });
+            }
+        }
+        self.session.as_ref().and_then(|session| session.good.as_ref()).map_or(Ok(()), |good| good.check_finite())
     }
 
     /// Writes the file: under another name first, then, once it is safely on disk, under its own.
+    ///
+    /// # Errors
+    /// The file cannot be written, or a weight is not finite: such a checkpoint would stand before one that can be used.
     pub fn write(&self, path: &Path) -> Result<(), CheckpointError> {
+        self.check_finite()?;
         Ok(write_atomically(path, &self.to_bytes())?)
     }
 
@@ -296,6 +374,11 @@ impl<'a> Reader<'a> {
         let list = self.f64s()?;
         let n = list.len();
         list.try_into().map_err(|_| CheckpointError::Inconsistent { reason: format!("{n} numbers in place of {N}") })
+    }
+    fn session(&mut self) -> Result<Option<SessionState>, CheckpointError> {
+        let (memory, good) = (self.json::<Option<Memory>>()?, self.bytes()?);
+        let good = if good.is_empty() { None } else { Some(Box::new(Checkpoint::parse(good, false)?)) };
+        Ok(memory.map(|memory| SessionState { memory, good }))
     }
     fn json<T: serde::de::DeserializeOwned>(&mut self) -> Result<T, CheckpointError> {
         serde_json::from_slice(self.bytes()?)

@@ -62,10 +62,36 @@ impl Heir<'_> {
         for (log_std, place) in log_std.iter_mut().zip(&actions) {
             *log_std = place.map_or(*log_std, |place| known[place]);
         }
+        self.keep_actions(&other.config, parameters, &actions);
         // As much as one update's worth of observations, so that it soon follows the new ones.
         *normalizer = inherit_scaling(normalizer, &other.normalizer, &observations, self.config.batch_size() as f64);
         let (observations, actions) = (shared(&observations), shared(&actions));
         Ok(Inherited { env_steps: other.env_steps(), observations, actions })
+    }
+
+    /// Makes up for another mapping from outputs to actions: `offset + scale y = other_offset + other_scale x` for the output
+    /// `x` of the other policy gives `y = (other_scale / scale) x + (other_offset - offset) / scale`.
+    fn keep_actions(&self, other: &PpoConfig, parameters: &mut [f32], actions: &Places) {
+        let own = self.config;
+        let (ratio, shift) =
+            (other.action_scale / own.action_scale, (other.action_offset - own.action_offset) / own.action_scale);
+        if (ratio, shift) == (1.0, 0.0) {
+            return;
+        }
+        let known = || actions.iter().enumerate().filter(|(_, place)| place.is_some()).map(|(output, _)| output);
+        let policy = &mut parameters[self.networks.policy_range()];
+        if let Some([n_in, n_out, weight, bias]) = self.networks.policy.layers().last() {
+            let scaled = |x: f32, shift: f64| (f64::from(x) * ratio + shift) as f32;
+            for output in known() {
+                policy[bias + output] = scaled(policy[bias + output], shift);
+                (0..n_in).map(|input| weight + input * n_out + output).for_each(|i| policy[i] = scaled(policy[i], 0.0));
+            }
+        }
+        let log_std = &mut parameters[self.networks.log_std_range()];
+        for output in known() {
+            let wanted = f64::from(log_std[output]) + ratio.ln();
+            log_std[output] = wanted.clamp(own.log_std_min, own.log_std_max) as f32;
+        }
     }
 
     fn check_widths(&self, other: &Checkpoint) -> Result<(), TrainError> {

@@ -23,7 +23,7 @@
 //!     let description = serde_json::json!({ "task": "pointing" });
 //!     let run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, &episode_names)?;
 //!     let goal = Goal { until: Some(0.95), steps: 10_000_000 };
-//!     let mut session = Session::new(trainer, Examiner::on_host(fresh_env, seed), goal).recorded_in(run)?;
+//!     let mut session = Session::new(trainer, Examiner::on_host(fresh_env, seed), goal)?.recorded_in(run)?;
 //!     let end = loop {
 //!         let progress = session.advance(&|| true)?;
 //!         println!("{:?}", progress.success);
@@ -73,7 +73,7 @@ pub use metrics::UpdateMetrics;
 pub use mlp::{Mlp, MlpWork};
 pub use normalizer::{Moments, Normalizer};
 pub use policy::Policy;
-pub use run::{LatestCheckpoint, RunConfig, RunError, RunFolder, RunWriter};
+pub use run::{LatestCheckpoint, RunClaim, RunConfig, RunError, RunFolder, RunWriter};
 pub use session::Session;
 pub use tensorboard::EventFile;
 pub use trainer::Trainer;

@@ -111,6 +111,7 @@ impl Rollout {
         self.terminated.clear();
         self.moments.clear();
         self.episodes.clear();
+        self.bad_last = None;
         for t in 0..actor.config.steps_per_update {
             self.act(actor, t, first_step + t as u64, observation);
             env.step(&self.env_action, self.step.buffers())?;

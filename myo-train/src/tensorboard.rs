@@ -5,7 +5,7 @@
 //! 5: summary { 1: value { 1: tag string, 2: simple_value float } } }`, written by hand here: three kinds of field.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -71,11 +71,16 @@ impl EventFile {
     }
 }
 
-/// The event file in a folder; the last one by name where there are several.
+/// The event file that this program wrote in a folder; the last one by name where there are several.
 fn find(folder: &Path) -> Result<Option<PathBuf>, IoError> {
-    let Ok(entries) = fs::read_dir(folder) else { return Ok(None) };
-    let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.retain(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("events.out.tfevents")));
+    let error = |source| IoError::new("read", folder, source);
+    let entries = match fs::read_dir(folder) {
+        Err(source) if source.kind() == ErrorKind::NotFound => return Ok(None),
+        entries => entries.map_err(error)?,
+    };
+    let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>().map_err(error)?;
+    let is_ours = |name: &str| name.starts_with("events.out.tfevents.") && name.ends_with(".myo");
+    paths.retain(|path| path.file_name().is_some_and(|name| is_ours(&name.to_string_lossy())));
     paths.sort();
     Ok(paths.pop())
 }

@@ -28,7 +28,7 @@ pub struct Trainer {
     place: Place,
     brain: Brain,
     /// What the host knows of the state of the training; all of it, unless that lives on the card.
-    known: Mutex<Known>,
+    host_state: Mutex<HostState>,
     learning_rate: f64,
     updates: u64,
     wall_s: f64,
@@ -46,7 +46,7 @@ struct Brain {
 }
 
 /// The state of the training after some update.
-struct Known {
+struct HostState {
     parameters: Vec<f32>,
     optimizer: Optimizer,
     /// Current raw observations, `(envs, observations)`.
@@ -58,7 +58,7 @@ struct Known {
 }
 
 /// What an update tells, wherever it ran.
-struct Told {
+struct UpdateResult {
     learn: LearnStats,
     collect_s: f64,
     moments: Moments,
@@ -96,7 +96,7 @@ impl Trainer {
         // The first roll-out is scaled by the first observations, so that the networks never see raw ones.
         let normalizer = first_scaling(&spec, &config, &observation)?;
         let learning_rate = config.learning_rate;
-        let known = Known {
+        let host_state = HostState {
             parameters: networks.initialize(seed, &config),
             optimizer: Optimizer { mean: vec![0.0; networks.len()], square: vec![0.0; networks.len()], steps: 0 },
             observation,
@@ -106,10 +106,10 @@ impl Trainer {
             wall_s: 0.0,
         };
         if let Place::Card(card) = &mut place {
-            card.set_weights(&known.parameters, &known.optimizer)?;
+            card.set_weights(&host_state.parameters, &host_state.optimizer)?;
         }
         let brain = Brain { spec, config, seed, networks, normalizer, lender: Lender::new() };
-        Ok(Self { place, brain, known: Mutex::new(known), learning_rate, updates: 0, wall_s: 0.0, inherited: None })
+        Ok(Self { place, brain, host_state: Mutex::new(host_state), learning_rate, updates: 0, wall_s: 0.0, inherited: None })
     }
 
     /// Collects `num_envs * steps_per_update` samples and learns from them.
@@ -118,58 +118,58 @@ impl Trainer {
     pub fn update(&mut self) -> Result<UpdateMetrics, TrainError> {
         let start = Instant::now();
         let learning_rate = self.learning_rate;
-        let told = match &mut self.place {
+        let result = match &mut self.place {
             Place::Host(host) => {
-                let known = self.known.get_mut().unwrap_or_else(PoisonError::into_inner);
-                host.update(&self.brain, known, self.updates, learning_rate)?
+                let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
+                host.update(&self.brain, host_state, self.updates, learning_rate)?
             }
             Place::Card(card) => {
                 card.update(&self.brain.normalizer, (self.brain.seed, self.updates), learning_rate)?.into()
             }
         };
-        self.learning_rate = adapted_rate(learning_rate, told.learn.kl, &self.brain.config);
+        self.learning_rate = adapted_rate(learning_rate, result.learn.kl, &self.brain.config);
         // Only now, so that one update sees one scaling.
-        self.brain.normalizer.merge(&told.moments);
+        self.brain.normalizer.merge(&result.moments);
         self.updates += 1;
         let total_s = start.elapsed().as_secs_f64();
         self.wall_s += total_s;
-        Ok(self.metrics(told, learning_rate, total_s))
+        Ok(self.metrics(result, learning_rate, total_s))
     }
 
-    fn metrics(&self, told: Told, learning_rate: f64, total_s: f64) -> UpdateMetrics {
-        let (spec, config, spread) = (&self.brain.spec, &self.brain.config, &told.spread);
+    fn metrics(&self, result: UpdateResult, learning_rate: f64, total_s: f64) -> UpdateMetrics {
+        let (spec, config, spread) = (&self.brain.spec, &self.brain.config, &result.spread);
         UpdateMetrics {
             env_steps: self.env_steps(),
             updates: self.updates,
             wall_s: self.wall_s,
-            collect_s: told.collect_s,
-            learn_s: total_s - told.collect_s,
-            episodes: told.episodes.count,
-            episode_means: spec.episode_names.iter().cloned().zip(told.episodes.means()).collect(),
-            reward_per_step: told.reward_sum / config.batch_size() as f64 / config.reward_scale,
-            learn: told.learn,
-            explained_variance: told.explained_variance,
+            collect_s: result.collect_s,
+            learn_s: total_s - result.collect_s,
+            episodes: result.episodes.count,
+            episode_means: spec.episode_names.iter().cloned().zip(result.episodes.means()).collect(),
+            reward_per_step: result.reward_sum / config.batch_size() as f64 / config.reward_scale,
+            learn: result.learn,
+            explained_variance: result.explained_variance,
             entropy: spread.entropy.into(),
             action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64,
             learning_rate,
         }
     }
 
-    /// The state of the training on the host, read from the card where it lives there. Should the card be lost, it is the
-    /// state that was read last.
-    fn known(&self) -> MutexGuard<'_, Known> {
-        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+    /// The state of the training on the host, read from the card where it lives there; and whether that could be done. If
+    /// not, the card is lost, and the state is the one that was read last.
+    fn host_state(&self) -> (MutexGuard<'_, HostState>, Result<(), TrainError>) {
+        let mut host_state = self.host_state.lock().unwrap_or_else(PoisonError::into_inner);
         if let Place::Card(card) = &self.place {
-            let Known { parameters, optimizer, observation, .. } = &mut *known;
-            if card.read_weights(parameters, optimizer, observation).is_err() {
-                return known;
+            let HostState { parameters, optimizer, observation, .. } = &mut *host_state;
+            if let Err(error) = card.read_weights(parameters, optimizer, observation) {
+                return (host_state, Err(error));
             }
         }
-        known.normalizer.clone_from(&self.brain.normalizer);
-        known.learning_rate = self.learning_rate;
-        known.updates = self.updates;
-        known.wall_s = self.wall_s;
-        known
+        host_state.normalizer.clone_from(&self.brain.normalizer);
+        host_state.learning_rate = self.learning_rate;
+        host_state.updates = self.updates;
+        host_state.wall_s = self.wall_s;
+        (host_state, Ok(()))
     }
 
     /// Control steps of all environments since the start.
@@ -180,6 +180,11 @@ impl Trainer {
     /// Updates since the start.
     pub fn updates(&self) -> u64 {
         self.updates
+    }
+
+    /// Seconds of training since the start, those before a resume included.
+    pub fn wall_s(&self) -> f64 {
+        self.wall_s
     }
 
     /// What a [warm start](Self::warm_start) took over.
@@ -207,40 +212,43 @@ impl Trainer {
         self.brain.seed
     }
 
-    /// A copy of the policy as it is now.
+    /// A copy of the policy as it is now; after a loss of the card, as it was when it was last read from there.
     pub fn policy(&self) -> Policy {
-        let (Brain { spec, config, networks, .. }, known) = (&self.brain, self.known());
+        let (Brain { spec, config, networks, .. }, host_state) = (&self.brain, self.host_state().0);
         let names = (&spec.observation_names[..], &spec.action_names[..]);
-        Policy::new(names, networks.clone(), config, known.parameters.clone(), known.normalizer.clone())
+        Policy::new(names, networks.clone(), config, host_state.parameters.clone(), host_state.normalizer.clone())
     }
 
     /// What the value network thinks of raw observations, `(rows, observations)`: scaled, discounted future reward.
     pub fn values(&self, observation: &[f32], value_out: &mut [f32]) {
         let mut x = vec![0.0; observation.len()];
         self.brain.normalizer.apply(observation, &mut x);
-        evaluate(&self.brain.actor(&self.known().parameters), &x, value_out);
+        evaluate(&self.brain.actor(&self.host_state().0.parameters), &x, value_out);
     }
 
-    /// Everything that the next updates depend on. If the environment's state is lost, with the graphics card that held it,
-    /// the training that continues begins with new episodes; and what was learned since the last checkpoint, copy of the
-    /// policy or look at values is lost too.
-    pub fn save(&self) -> Checkpoint {
-        let known = self.known();
+    /// Everything that the next updates depend on.
+    ///
+    /// # Errors
+    /// The graphics card is lost, and with it the state of the environments.
+    pub fn save(&self) -> Result<Checkpoint, TrainError> {
+        let (host_state, was_read) = self.host_state();
+        was_read?;
         let (spec, config) = (&self.brain.spec, &self.brain.config);
-        Checkpoint {
+        Ok(Checkpoint {
             config: config.clone(),
             seed: self.brain.seed,
-            updates: known.updates,
-            wall_s: known.wall_s,
-            learning_rate: known.learning_rate,
+            updates: host_state.updates,
+            wall_s: host_state.wall_s,
+            learning_rate: host_state.learning_rate,
             observation_names: spec.observation_names.clone(),
             action_names: spec.action_names.clone(),
-            parameters: known.parameters.clone(),
-            optimizer: known.optimizer.clone(),
-            normalizer: known.normalizer.clone(),
-            observation: known.observation.clone(),
-            env_state: self.place.env().save_state().unwrap_or_default(),
-        }
+            parameters: host_state.parameters.clone(),
+            optimizer: host_state.optimizer.clone(),
+            normalizer: host_state.normalizer.clone(),
+            observation: host_state.observation.clone(),
+            env_state: self.place.env().save_state()?,
+            session: None,
+        })
     }
 
     /// Continues from a checkpoint in an environment of the same kind and size, bit for bit; with new episodes where the
@@ -265,17 +273,17 @@ impl Trainer {
 
     /// Takes over the state of a training with the same sizes.
     fn load(&mut self, checkpoint: &Checkpoint) -> Result<(), TrainError> {
-        let known = self.known.get_mut().unwrap_or_else(PoisonError::into_inner);
-        known.restore(checkpoint);
+        let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
+        host_state.restore(checkpoint);
         if checkpoint.env_state.is_empty() {
             // Other episodes than those of the beginning.
             let seed = checkpoint.seed.wrapping_add(checkpoint.updates);
-            self.place.env_mut().reset(Some(seed), None, &mut known.observation)?;
+            self.place.env_mut().reset(Some(seed), None, &mut host_state.observation)?;
         } else {
             self.place.load(&checkpoint.env_state, &checkpoint.observation)?;
         }
         if let Place::Card(card) = &mut self.place {
-            card.set_weights(&known.parameters, &known.optimizer)?;
+            card.set_weights(&host_state.parameters, &host_state.optimizer)?;
         }
         self.brain.normalizer.clone_from(&checkpoint.normalizer);
         self.learning_rate = checkpoint.learning_rate;
@@ -310,19 +318,19 @@ impl Trainer {
     /// # Errors
     /// Hidden layers of other widths, no observation or action in common, or the card is lost.
     pub fn warm_start(&mut self, other: &Checkpoint) -> Result<Inherited, TrainError> {
-        let known = self.known.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
         let heir = Heir { spec: &self.brain.spec, config: &self.brain.config, networks: &self.brain.networks };
-        let inherited = heir.take(other, &mut known.parameters, &mut known.normalizer)?;
-        self.brain.normalizer.clone_from(&known.normalizer);
+        let inherited = heir.take(other, &mut host_state.parameters, &mut host_state.normalizer)?;
+        self.brain.normalizer.clone_from(&host_state.normalizer);
         if let Place::Card(card) = &mut self.place {
-            card.set_weights(&known.parameters, &known.optimizer)?;
+            card.set_weights(&host_state.parameters, &host_state.optimizer)?;
         }
         self.inherited = Some(inherited);
         Ok(inherited)
     }
 }
 
-impl Known {
+impl HostState {
     fn restore(&mut self, checkpoint: &Checkpoint) {
         self.parameters.clone_from(&checkpoint.parameters);
         self.optimizer.clone_from(&checkpoint.optimizer);
@@ -341,34 +349,34 @@ impl Host {
     fn update(
         &mut self,
         brain: &Brain,
-        known: &mut Known,
+        host_state: &mut HostState,
         update: u64,
         learning_rate: f64,
-    ) -> Result<Told, TrainError> {
+    ) -> Result<UpdateResult, TrainError> {
         let (start, Brain { config, networks, lender, .. }) = (Instant::now(), brain);
-        let (rollout, actor) = (&mut self.rollout, brain.actor(&known.parameters));
+        let (rollout, actor) = (&mut self.rollout, brain.actor(&host_state.parameters));
         let first_step = update * config.steps_per_update as u64;
-        rollout.collect(self.env.as_mut(), &actor, first_step, &mut known.observation)?;
+        rollout.collect(self.env.as_mut(), &actor, first_step, &mut host_state.observation)?;
         rollout.evaluate(&actor);
         let collect_s = start.elapsed().as_secs_f64();
         rollout.estimate(config);
         let address = (brain.seed, update);
-        let (parameters, optimizer) = (&mut known.parameters, &mut known.optimizer);
+        let (parameters, optimizer) = (&mut host_state.parameters, &mut host_state.optimizer);
         let learn =
             self.learner.learn(networks, rollout, config, address, learning_rate, lender, parameters, optimizer)?;
-        Ok(Told {
+        Ok(UpdateResult {
             learn,
             collect_s,
             moments: rollout.moments.clone(),
             episodes: rollout.episodes.clone(),
             reward_sum: rollout.reward.iter().map(|&r| f64::from(r)).sum(),
             explained_variance: explained_variance(&rollout.value[..rollout.reward.len()], &rollout.target),
-            spread: networks.spread(&known.parameters),
+            spread: networks.spread(&host_state.parameters),
         })
     }
 }
 
-impl From<CardUpdate> for Told {
+impl From<CardUpdate> for UpdateResult {
     fn from(update: CardUpdate) -> Self {
         let CardUpdate { learn, collect_s, moments, episodes, reward_sum, explained_variance, log_std } = update;
         let spread = Spread::new(&log_std);

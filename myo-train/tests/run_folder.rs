@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::Points;
 use myo_env::VectorEnv;
-use myo_train::{Checkpoint, Evaluation, PpoConfig, RunFolder, RunWriter, Trainer, evaluate};
+use myo_train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunFolder, RunWriter, Trainer, evaluate};
 
 fn config() -> PpoConfig {
     PpoConfig {
@@ -35,16 +35,16 @@ fn train(trainer: &mut Trainer, run: &mut RunWriter, updates: usize, checkpoint_
     for _ in 0..updates {
         run.record(&trainer.update().unwrap()).unwrap();
         if trainer.updates().is_multiple_of(checkpoint_every) {
-            run.write_checkpoint(&trainer.save()).unwrap();
+            run.write_checkpoint(&trainer.save().unwrap()).unwrap();
         }
     }
 }
 
 fn resume(path: &Path) -> (Trainer, RunWriter) {
-    let latest = RunFolder::open(path).unwrap().latest_checkpoint();
+    let latest = RunFolder::open(path).unwrap().latest_checkpoint().unwrap();
     let checkpoint = latest.checkpoint.expect("there is a whole checkpoint");
     let trainer = Trainer::restore(points(), &checkpoint).unwrap();
-    let run = RunWriter::resume(path, checkpoint.env_steps(), &trainer.spec().episode_names).unwrap();
+    let run = RunClaim::take(path).unwrap().resume(checkpoint.env_steps(), &trainer.spec().episode_names).unwrap();
     (trainer, run)
 }
 
@@ -62,7 +62,7 @@ fn a_killed_and_resumed_run_ends_with_the_same_metrics_and_weights() {
     let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
     let (mut trainer, mut run) = start(&whole);
     train(&mut trainer, &mut run, 7, 2);
-    let mut expected = trainer.save();
+    let mut expected = trainer.save().unwrap();
 
     let (mut trainer, mut run) = start(&broken);
     train(&mut trainer, &mut run, 5, 2);
@@ -76,7 +76,7 @@ fn a_killed_and_resumed_run_ends_with_the_same_metrics_and_weights() {
     let (mut trainer, mut run) = resume(&broken);
     assert_eq!(trainer.updates(), 4);
     train(&mut trainer, &mut run, 3, 2);
-    let mut got = trainer.save();
+    let mut got = trainer.save().unwrap();
     expected.forget_wall_time();
     got.forget_wall_time();
     assert!(expected.to_bytes() == got.to_bytes());
@@ -102,7 +102,7 @@ fn two_trainings_in_one_folder_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run");
     let (_trainer, _run) = start(&path);
-    let error = RunWriter::resume(&path, 0, &[]).unwrap_err().to_string();
+    let error = RunClaim::take(&path).unwrap_err().to_string();
     assert!(error.starts_with("another process is training in"), "{error}");
 }
 
@@ -114,7 +114,7 @@ fn a_damaged_checkpoint_is_refused_and_the_previous_one_used() {
     train(&mut trainer, &mut run, 5, 1);
     drop((trainer, run));
     let run = RunFolder::open(&path).unwrap();
-    let files = run.checkpoints();
+    let files = run.checkpoints().unwrap();
     assert_eq!(files.len(), 3, "the last three are kept");
     let mut bytes = fs::read(&files[0]).unwrap();
     let middle = bytes.len() / 2;
@@ -122,7 +122,7 @@ fn a_damaged_checkpoint_is_refused_and_the_previous_one_used() {
     fs::write(&files[0], &bytes).unwrap();
     fs::write(&files[1], &fs::read(&files[1]).unwrap()[..500]).unwrap();
 
-    let latest = run.latest_checkpoint();
+    let latest = run.latest_checkpoint().unwrap();
     assert_eq!(latest.checkpoint.unwrap().updates(), 3);
     let reasons: Vec<String> = latest.refused.iter().map(|(_, error)| error.to_string()).collect();
     assert!(reasons[0].starts_with("the checkpoint is damaged: its checksum is"), "{}", reasons[0]);
@@ -131,15 +131,175 @@ fn a_damaged_checkpoint_is_refused_and_the_previous_one_used() {
     let (mut trainer, mut run) = resume(&path);
     train(&mut trainer, &mut run, 1, 1);
     assert_eq!(metrics(&path).len(), 5);
-    assert_eq!(run.folder().latest_checkpoint().checkpoint.unwrap().updates(), 4);
+    assert_eq!(run.folder().latest_checkpoint().unwrap().checkpoint.unwrap().updates(), 4);
+}
+
+#[test]
+fn a_checkpoint_whose_weights_are_not_finite_is_neither_written_nor_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nan.ckpt");
+    let checkpoint = Trainer::new(points(), config(), 7).unwrap().save().unwrap();
+    let mut bytes = checkpoint.to_bytes();
+    // Its checksum is put right.
+    let at = first_parameter(&bytes);
+    bytes[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
+    let sum = crc32c(&bytes[24..]).to_le_bytes();
+    bytes[20..24].copy_from_slice(&sum);
+    let error = Checkpoint::from_bytes(&bytes).unwrap_err().to_string();
+    assert_eq!(error, "the checkpoint cannot be used: parameter 0 is NaN");
+    fs::write(&path, &bytes).unwrap();
+    assert!(Checkpoint::read(&path).is_err());
+}
+
+/// Place of the first parameter: behind the header, the settings (with their length), seed, updates, two numbers (with their
+/// count), two lists of names and the number of parameters.
+fn first_parameter(bytes: &[u8]) -> usize {
+    let length = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
+    let mut at = 24;
+    at += 8 + length(at) + 16 + 24;
+    at += 8 + length(at);
+    at += 8 + length(at);
+    at + 8
+}
+
+/// Bit by bit, as the polynomial of Castagnoli says.
+fn crc32c(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0x82F6_3B78 } else { 0 })
+    })
+}
+
+#[test]
+fn only_what_a_run_wrote_is_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 1, 1);
+    let checkpoints = path.join("checkpoints");
+    let kept = ["best.ckpt", "step_000000000512 (copy).ckpt", "step_9.ckpt", "zero.ckpt"];
+    for name in kept {
+        fs::copy(checkpoints.join("step_000000000256.ckpt"), checkpoints.join(name)).unwrap();
+    }
+    let own = path.join("tensorboard/events.out.tfevents.9999999999.host");
+    fs::write(&own, "of another program").unwrap();
+    train(&mut trainer, &mut run, 5, 1);
+    drop(run);
+    drop(resume(&path));
+    assert!(kept.iter().all(|name| checkpoints.join(name).exists()));
+    assert_eq!(RunFolder::open(&path).unwrap().checkpoints().unwrap().len(), 3);
+    assert_eq!(fs::read_to_string(own).unwrap(), "of another program");
+}
+
+#[test]
+fn a_checkpoint_that_cannot_be_read_is_not_taken_for_a_damaged_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 2, 1);
+    drop(run);
+    let newest = path.join("checkpoints/step_000000000512.ckpt");
+    let whole = fs::read(&newest).unwrap();
+    let error = || RunFolder::open(&path).unwrap().latest_checkpoint().unwrap_err().to_string();
+    let mut newer = whole.clone();
+    newer[8] = 9;
+    fs::write(&newest, newer).unwrap();
+    assert!(error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 2"), "{}", error());
+    fs::remove_file(&newest).unwrap();
+    fs::create_dir(&newest).unwrap();
+    assert!(error().starts_with("cannot read") && error().contains("step_000000000512.ckpt"), "{}", error());
+}
+
+#[test]
+fn metrics_that_are_not_those_of_the_run_are_refused_and_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 3, 1);
+    drop(run);
+    let file = path.join("metrics.csv");
+    let text = fs::read_to_string(&file).unwrap();
+    let names = trainer.spec().episode_names.clone();
+    let second = text.lines().nth(2).unwrap();
+    for (changed, reason) in [
+        (text.replacen("env_steps", "steps", 1).into_bytes(), "its first line does not name the columns"),
+        (text.replace(second, "512;oops").into_bytes(), "line 3 is not a row of 27 numbers"),
+        (vec![0xff, 0xfe, 0x00], "it is not text"),
+    ] {
+        fs::write(&file, &changed).unwrap();
+        let error = RunClaim::take(&path).unwrap().resume(768, &names).unwrap_err().to_string();
+        assert!(error.contains("metrics.csv") && error.contains(reason), "{error}");
+        assert!(fs::read(&file).unwrap() == changed);
+    }
+    fs::write(&file, &text).unwrap();
+    drop(RunClaim::take(&path).unwrap().resume(768, &names).unwrap());
+    assert_eq!(fs::read_to_string(&file).unwrap(), text);
+}
+
+#[test]
+fn a_folder_whose_training_was_stopped_at_its_beginning_is_taken_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    fs::create_dir(&path).unwrap();
+    fs::write(path.join("lock"), "").unwrap();
+    fs::write(path.join("config.json.part"), "{\"form").unwrap();
+    let error = RunFolder::open(&path).unwrap_err().to_string();
+    assert!(error.contains("was stopped before it wrote config.json") && error.contains("run"), "{error}");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 1, 1);
+    drop((trainer, run));
+    // Stopped right after its description: all the rest is made again.
+    for remains in ["checkpoints", "tensorboard"] {
+        fs::remove_dir_all(path.join(remains)).unwrap();
+    }
+    fs::remove_file(path.join("metrics.csv")).unwrap();
+    let names = Trainer::new(points(), config(), 7).unwrap().spec().episode_names.clone();
+    drop(RunClaim::take(&path).unwrap().resume(0, &names).unwrap());
+    assert_eq!(metrics(&path).len(), 1);
+}
+
+#[test]
+fn an_edited_description_is_checked_as_a_new_one_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 1, 1);
+    drop(run);
+    let file = path.join("config.json");
+    let text = fs::read_to_string(&file).unwrap();
+    for (from, to, sentence) in [
+        ("\"format\": 1", "\"format\": 7", "format is 7; this program knows run folders of format 1"),
+        ("\"clip\": 0.2", "\"clip\": -1", "clip is -1.0; it must be finite and greater than 0"),
+        ("\"seed\": 7", "\"seed\": 7, \"colour\": 1", "unknown field `colour`"),
+        ("\"seed\": 7", "\"seed\": 8", "seed is 8, but 7 in its checkpoints"),
+        ("\"epochs\": 2", "\"epochs\": 3", "epochs is 3, but 2 in its checkpoints"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        fs::write(&file, text.replace(from, to)).unwrap();
+        let opened = RunFolder::open(&path).and_then(|run| run.latest_checkpoint());
+        let error = opened.unwrap_err().to_string();
+        assert!(error.contains("config.json") && error.contains(sentence), "{error}");
+    }
+}
+
+#[test]
+fn an_old_evaluation_does_not_stay_beside_a_newer_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 1, 1);
+    let evaluation = evaluate(&mut trainer.policy(), points().as_mut(), 32, 5, |_| true).unwrap();
+    run.folder().write_evaluation(&evaluation).unwrap();
+    assert!(run.folder().has_evaluation().unwrap());
+    train(&mut trainer, &mut run, 1, 1);
+    assert!(!run.folder().has_evaluation().unwrap());
 }
 
 #[test]
 fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
     let mut trainer = Trainer::new(points(), config(), 7).unwrap();
     trainer.update().unwrap();
-    let bytes = trainer.save().to_bytes();
-    assert_eq!(Checkpoint::from_bytes(&bytes).unwrap(), trainer.save());
+    let bytes = trainer.save().unwrap().to_bytes();
+    assert_eq!(Checkpoint::from_bytes(&bytes).unwrap(), trainer.save().unwrap());
     for i in (0..bytes.len()).step_by(97).chain(0..24) {
         let mut bytes = bytes.clone();
         bytes[i] ^= 0x10;
@@ -149,7 +309,7 @@ fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
     let mut version = bytes.clone();
     version[8] = 9;
     let error = Checkpoint::from_bytes(&version).unwrap_err().to_string();
-    assert_eq!(error, "the checkpoint has format 9; this program reads format 1");
+    assert_eq!(error, "the checkpoint has format 9; this program reads formats 1 to 2");
 }
 
 #[test]

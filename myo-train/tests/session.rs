@@ -3,12 +3,13 @@
 mod common;
 
 use std::path::Path;
+use std::time::Duration;
 
 use common::Points;
 use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_gpu::GpuError;
 use myo_train::session::{End, Examiner, Goal, News, Outcome, Progress};
-use myo_train::{PpoConfig, RunFolder, RunWriter, Session, Trainer};
+use myo_train::{Checkpoint, PpoConfig, RunFolder, RunWriter, Session, Trainer};
 
 const ENVS: usize = 256;
 
@@ -98,7 +99,7 @@ impl VectorEnv for Fragile {
 
 fn session_of(trainer: Trainer, goal: Goal) -> Session {
     let examiner = Examiner::on_host(Box::new(Points::new(ENVS)), trainer.seed());
-    Session::new(trainer, examiner, goal)
+    Session::new(trainer, examiner, goal).unwrap()
 }
 
 fn session(mishap: Mishap, config: PpoConfig, goal: Goal) -> Session {
@@ -175,7 +176,7 @@ fn learning_that_runs_away_goes_back_and_still_succeeds() {
     let steps: Vec<u64> = table.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
     assert!(steps.windows(2).all(|pair| pair[1] == pair[0] + batch), "one row per update, none twice");
     assert_eq!(steps.last(), Some(&outcome.env_steps));
-    let checkpoint = RunFolder::open(&folder).unwrap().latest_checkpoint().checkpoint.unwrap();
+    let checkpoint = RunFolder::open(&folder).unwrap().latest_checkpoint().unwrap().checkpoint.unwrap();
     assert_eq!(checkpoint.env_steps(), outcome.env_steps);
     assert!(checkpoint.config().learning_rate_max < config().learning_rate_max, "the bound stays after a resume");
 }
@@ -207,45 +208,154 @@ fn a_training_that_leads_nowhere_is_told_once() {
     assert_eq!(outcome.end, End::Steps);
 }
 
+/// The newest checkpoint of a run, without the time that it took.
+fn newest(folder: &Path) -> Checkpoint {
+    let mut checkpoint = RunFolder::open(folder).unwrap().latest_checkpoint().unwrap().checkpoint.unwrap();
+    checkpoint.forget_wall_time();
+    checkpoint
+}
+
+/// Goes on from a checkpoint, recorded in another folder.
+fn resumed(checkpoint: &Checkpoint, goal: Goal, folder: &Path) -> Session {
+    let trainer = Trainer::restore(Box::new(Fragile::new(Mishap::None)), checkpoint).unwrap();
+    let examiner = Examiner::on_host(Box::new(Points::new(ENVS)), trainer.seed());
+    recorded(Session::resume(trainer, examiner, goal, checkpoint), folder)
+}
+
+/// Stops a training after each of its updates in turn, or rather each `stride`-th, goes on, and compares the ends.
+fn check_that_no_stop_is_seen(config: PpoConfig, goal: Goal, stride: usize) -> Vec<Progress> {
+    let place = tempfile::tempdir().unwrap();
+    let whole = place.path().join("whole");
+    let mut session = recorded(session(Mishap::None, config, goal), &whole).checkpoint_every(Duration::ZERO);
+    let (mut told, mut states) = (Vec::new(), Vec::new());
+    let outcome = loop {
+        let progress = session.advance(&|| true).unwrap();
+        states.push(newest(&whole).to_bytes());
+        told.push(progress);
+        if let Some(end) = told.last().unwrap().end.clone() {
+            break session.conclude(end, &|| true).unwrap();
+        }
+    };
+    let end = newest(&whole).to_bytes();
+    for (index, state) in states.iter().enumerate().step_by(stride) {
+        let folder = place.path().join(format!("stopped-{index}"));
+        let (_, again) = run(resumed(&Checkpoint::from_bytes(state).unwrap(), goal, &folder));
+        assert_eq!((again.end, again.env_steps), (outcome.end.clone(), outcome.env_steps), "after {index}");
+        assert_eq!(again.evaluation, outcome.evaluation, "after {index}");
+        assert!(newest(&folder).to_bytes() == end, "after {index}");
+    }
+    told
+}
+
 #[test]
-fn a_lost_device_leaves_a_checkpoint_that_goes_on() {
+fn a_training_with_a_goal_that_was_stopped_ends_as_one_left_alone() {
+    let told = check_that_no_stop_is_seen(config(), Goal { until: Some(0.99), steps: 3_000_000 }, 13);
+    assert!(told.iter().filter(|progress| !progress.looks.is_empty()).count() > 1, "looks in vain are there, too");
+}
+
+#[test]
+fn a_training_that_ran_away_and_was_stopped_ends_as_one_left_alone() {
+    let config = PpoConfig { kl_target: 0.0, learning_rate: 0.2, learning_rate_max: 0.2, ..config() };
+    let told = check_that_no_stop_is_seen(config, steps(90 * 4096), 19);
+    assert!(!news(&told).is_empty());
+}
+
+#[test]
+fn a_look_that_was_cut_off_is_taken_when_the_training_goes_on() {
+    let place = tempfile::tempdir().unwrap();
+    let goal = Goal { until: Some(0.9), steps: 3_000_000 };
+    let (told, outcome) = run(session(Mishap::None, config(), goal));
+    let first_look = told.iter().position(|progress| !progress.looks.is_empty()).unwrap();
+    // As Ctrl-C in the middle of the first look.
+    let mut session = recorded(session(Mishap::None, config(), goal), &place.path().join("stopped"));
+    (0..first_look).for_each(|_| drop(session.advance(&|| true).unwrap()));
+    let asked = std::cell::Cell::new(0);
+    let go_on = || asked.replace(asked.get() + 1) < 3;
+    assert_eq!(session.advance(&go_on).unwrap().end, Some(End::Interrupted));
+    session.conclude(End::Interrupted, &go_on).unwrap();
+
+    let mut session = resumed(&newest(&place.path().join("stopped")), goal, &place.path().join("again"));
+    let progress = session.advance(&|| true).unwrap();
+    assert_eq!((&progress.metrics, &progress.looks), (&None, &told[first_look].looks));
+    let again = run(session).1;
+    assert_eq!((again.env_steps, again.evaluation), (outcome.env_steps, outcome.evaluation));
+}
+
+#[test]
+fn a_training_that_is_over_is_left_as_it_is_and_its_evaluation_made_again() {
+    let place = tempfile::tempdir().unwrap();
+    for (name, goal) in [("steps", steps(8192)), ("until", Goal { until: Some(0.9), steps: 3_000_000 })] {
+        let (whole, again) = (place.path().join(name), place.path().join(format!("{name}-again")));
+        let (_, outcome) = run(recorded(session(Mishap::None, config(), goal), &whole));
+        // As one killed before it could evaluate.
+        let (told, made_up) = run(resumed(&newest(&whole), goal, &again));
+        assert_eq!((told.len(), &told[0].metrics), (1, &None));
+        assert_eq!((made_up.end, made_up.env_steps), (outcome.end, outcome.env_steps));
+        assert!(made_up.evaluation.is_some());
+        assert_eq!(made_up.evaluation, outcome.evaluation);
+        let evaluation = |folder: &Path| std::fs::read(folder.join("evaluation.json")).unwrap();
+        assert_eq!(evaluation(&again), evaluation(&whole));
+    }
+}
+
+#[test]
+fn a_goal_that_was_reached_and_is_higher_now_is_sought_again() {
+    let place = tempfile::tempdir().unwrap();
+    let goal = |until| Goal { until, steps: 3_000_000 };
+    let (_, outcome) = run(recorded(session(Mishap::None, config(), goal(Some(0.5))), &place.path().join("low")));
+    let success = outcome.evaluation.unwrap().success.unwrap();
+    let over = |until, name: &str| resumed(&newest(&place.path().join("low")), goal(until), &place.path().join(name)).over();
+    assert_eq!(over(Some(success), "same"), Some(End::Until));
+    assert_eq!((over(Some(0.999), "higher"), over(None, "off")), (None, None));
+}
+
+#[test]
+fn a_lost_device_leaves_the_newest_checkpoint_as_it_is() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("run");
-    let session = session(Mishap::LostAt(2 * 16 + 2), config(), steps(u64::MAX));
-    let (_, outcome) = run(recorded(session, &folder));
+    let fragile = recorded(session(Mishap::LostAt(2 * 16 + 2), config(), steps(u64::MAX)), &folder);
+    let (_, outcome) = run(fragile.checkpoint_every(Duration::ZERO));
     assert_eq!(outcome.end, End::DeviceLost { reason: "unplugged".into() });
     assert_eq!((outcome.updates, outcome.evaluation), (2, None));
     let path = outcome.checkpoint.unwrap();
     assert!(path.ends_with("checkpoints/step_000000008192.ckpt"), "{}", path.display());
+    // It holds the episodes: the training goes on as if nothing had been lost.
+    let (_, again) = run(resumed(&newest(&folder), steps(16_384), &place.path().join("again")));
+    let whole = place.path().join("whole");
+    assert_eq!(again.evaluation, run(recorded(session(Mishap::None, config(), steps(16_384)), &whole)).1.evaluation);
+    assert!(newest(&whole) == newest(&place.path().join("again")));
 
-    let latest = RunFolder::open(&folder).unwrap().latest_checkpoint().checkpoint.unwrap();
-    let mut trainer = Trainer::restore(Box::new(Points::new(ENVS)), &latest).unwrap();
-    trainer.update().unwrap();
-    assert_eq!(trainer.updates(), 3);
+    // A loss right after the training went back to the state of that checkpoint.
+    let written = std::fs::read(&path).unwrap();
+    let gone_back = resumed(&newest(&folder), steps(u64::MAX), &place.path().join("lost"));
+    gone_back.conclude(End::DeviceLost { reason: "unplugged".into() }, &|| true).unwrap();
+    assert!(written == std::fs::read(&path).unwrap());
 }
 
 #[test]
-fn a_checkpoint_with_its_episodes_is_kept_when_the_device_is_lost() {
+fn a_loss_before_the_first_checkpoint_leaves_none() {
+    let place = tempfile::tempdir().unwrap();
+    let session = recorded(session(Mishap::LostAt(3), config(), steps(u64::MAX)), &place.path().join("run"));
+    let (_, outcome) = run(session);
+    assert!(matches!(outcome.end, End::DeviceLost { .. }) && outcome.checkpoint.is_none());
+}
+
+#[test]
+fn a_training_that_failed_leaves_no_checkpoint_of_what_ran_away() {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("run");
-    let (_, outcome) = run(recorded(session(Mishap::None, config(), steps(8192)), &folder));
-    let path = outcome.checkpoint.unwrap();
-    let written = std::fs::read(&path).unwrap();
-
-    let whole = RunFolder::open(&folder).unwrap().latest_checkpoint().checkpoint.unwrap();
-    let trainer = Trainer::restore(Box::new(Fragile::new(Mishap::LostAt(2))), &whole).unwrap();
-    let names = trainer.spec().episode_names.clone();
-    let writer = RunWriter::resume(&folder, trainer.env_steps(), &names).unwrap();
-    let (_, outcome) = run(session_of(trainer, steps(u64::MAX)).recorded_in(writer).unwrap());
-    assert!(matches!(outcome.end, End::DeviceLost { .. }));
-    assert!(written == std::fs::read(&path).unwrap());
+    let mut session = recorded(session(Mishap::None, PpoConfig { kl_max: 1e-9, ..config() }, REACH), &folder);
+    let failed = (0..10).any(|_| session.advance(&|| true).is_err());
+    let outcome = session.conclude(End::Interrupted, &|| true).unwrap();
+    assert!(failed && outcome.evaluation.is_none());
+    assert_eq!(newest(&folder).updates(), 0, "the state that it went back to");
 }
 
 #[test]
 fn going_back_repeats_the_training_to_the_bit() {
     let mut trainer = Trainer::new(Box::new(Points::new(ENVS)), config(), 3).unwrap();
     (0..3).for_each(|_| drop(trainer.update().unwrap()));
-    let state = trainer.save();
+    let state = trainer.save().unwrap();
     let first = trainer.update().unwrap();
     trainer.update().unwrap();
     trainer.go_back(&state, 1.0).unwrap();
@@ -259,7 +369,7 @@ fn a_warm_start_needs_fewer_steps() {
     let mut first = session(Mishap::None, config(), REACH);
     let cold = loop {
         if first.advance(&|| true).unwrap().end.is_some() {
-            break first.trainer().save();
+            break first.trainer().save().unwrap();
         }
     };
     let mut trainer = Trainer::new(Box::new(Points::new(ENVS)), config(), 2).unwrap();
@@ -268,8 +378,9 @@ fn a_warm_start_needs_fewer_steps() {
     let place = tempfile::tempdir().unwrap();
     let session = recorded(session_of(trainer, REACH), &place.path().join("run"));
     // It could go on from here without the folder of the first.
-    let written = RunFolder::open(&place.path().join("run")).unwrap().latest_checkpoint().checkpoint.unwrap();
-    assert_eq!(written, session.trainer().save());
+    let written = RunFolder::open(&place.path().join("run")).unwrap().latest_checkpoint().unwrap().checkpoint.unwrap();
+    let again = Trainer::restore(Box::new(Points::new(ENVS)), &written).unwrap();
+    assert_eq!(again.save().unwrap(), session.trainer().save().unwrap());
     let (_, outcome) = run(session);
     assert_eq!(outcome.end, End::Until);
     // No look before every environment has ended an episode, which takes 16,384 steps.

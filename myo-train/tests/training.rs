@@ -3,6 +3,7 @@
 mod common;
 
 use common::{Constant, Points};
+use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer};
 
 /// Settings for [`Points`] that need a second or two.
@@ -28,7 +29,7 @@ fn with_threads<T: Send>(threads: usize, body: impl FnOnce() -> T + Send) -> T {
 
 /// The bytes of a checkpoint without the wall time, which no two runs share.
 fn bits(trainer: &Trainer) -> Vec<u8> {
-    let mut checkpoint = trainer.save();
+    let mut checkpoint = trainer.save().unwrap();
     checkpoint.forget_wall_time();
     checkpoint.to_bytes()
 }
@@ -65,7 +66,7 @@ fn training_gives_the_same_bits_at_any_thread_count() {
 fn a_resumed_run_gives_the_same_bits_as_one_left_alone() {
     let mut whole = trainer(4);
     (0..3).for_each(|_| drop(whole.update().unwrap()));
-    let saved = whole.save().to_bytes();
+    let saved = whole.save().unwrap().to_bytes();
     (0..3).for_each(|_| drop(whole.update().unwrap()));
 
     let checkpoint = Checkpoint::from_bytes(&saved).unwrap();
@@ -141,11 +142,78 @@ fn numbers_that_are_not_finite_stop_the_training_with_a_reason() {
     assert!(error.to_string().contains("lower learning_rate"), "{error}");
 }
 
+/// One last observation of an episode is not a number, once.
+struct BadLast(Constant, bool);
+
+impl VectorEnv for BadLast {
+    fn spec(&self) -> &EnvSpec {
+        self.0.spec()
+    }
+    fn reset(&mut self, seed: Option<u64>, mask: Option<&[bool]>, out: &mut [f32]) -> Result<(), EnvError> {
+        self.0.reset(seed, mask, out)
+    }
+    fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
+        let StepBuffers { observation, reward, terminated, truncated, final_observation, episode } = out;
+        let (truncated, last) = (&mut *truncated, &mut *final_observation);
+        let inner = StepBuffers {
+            observation,
+            reward,
+            terminated,
+            truncated: &mut *truncated,
+            final_observation: &mut *last,
+            episode,
+        };
+        self.0.step(actions, inner)?;
+        if let Some(env) = truncated.iter().position(|&over| over).filter(|_| !self.1) {
+            last[2 * env + 1] = f32::NAN;
+            self.1 = true;
+        }
+        Ok(())
+    }
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        self.0.save_state()
+    }
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        self.0.load_state(state)
+    }
+}
+
+#[test]
+fn a_bad_last_observation_is_forgotten_when_the_training_goes_back() {
+    let config = PpoConfig { num_envs: 8, ..PpoConfig::default() };
+    let mut trainer = Trainer::new(Box::new(BadLast(Constant::new(8, 5, false), false)), config, 1).unwrap();
+    let start = trainer.save().unwrap();
+    let error = trainer.update().unwrap_err().to_string();
+    assert!(error.contains("observation \"last\""), "{error}");
+    trainer.go_back(&start, 1.0).unwrap();
+    assert_eq!(trainer.update().unwrap().updates, 1);
+}
+
+#[test]
+fn a_warm_start_acts_as_its_source_whatever_the_mapping_of_actions() {
+    let other = PpoConfig { action_offset: 0.3, action_scale: 0.4, ..config() };
+    let mut first = Trainer::new(Box::new(Points::new(256)), other, 1).unwrap();
+    (0..5).for_each(|_| drop(first.update().unwrap()));
+    let mut second = Trainer::new(Box::new(Points::new(256)), config(), 2).unwrap();
+    second.warm_start(&first.save().unwrap()).unwrap();
+    let observation: Vec<f32> = (0..60).map(|i| (i as f32 * 0.7).sin()).collect();
+    let act = |trainer: &Trainer| {
+        let mut actions = [0.0; 20];
+        trainer.policy().act_deterministic(&observation, &mut actions);
+        actions
+    };
+    let (expected, got) = (act(&first), act(&second));
+    assert!(expected.iter().any(|a| (0.05..0.95).contains(&a.abs())), "not all at their limits: {expected:?}");
+    for (expected, got) in expected.iter().zip(&got) {
+        assert!((expected - got).abs() < 1e-4, "{got} in place of {expected}");
+    }
+}
+
 #[test]
 fn an_environment_that_does_not_fit_is_refused() {
     let error = |env: Points| Trainer::new(Box::new(env), config(), 1).err().unwrap().to_string();
     assert_eq!(error(Points::new(8)), "the environment does not fit: the number of environments is 8, expected 256");
-    let checkpoint = trainer(1).save();
+    let checkpoint = trainer(1).save().unwrap();
     let error = Trainer::restore(Box::new(Constant::new(256, 5, true)), &checkpoint).err().unwrap().to_string();
     assert!(error.contains("list of observations is 2 long with \"one\" at place 0"), "{error}");
 }

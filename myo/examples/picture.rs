@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let task = myo::tasks::load(task)?.task;
     let model = Model::new(&builtin(&task.model)?)?;
     let tables = Tables::new(&model, &task)?;
-    let latest = RunFolder::open(run.as_ref())?.latest_checkpoint();
+    let latest = RunFolder::open(run.as_ref())?.latest_checkpoint()?;
     let mut policy = latest.checkpoint.ok_or("the run has no checkpoint")?.policy();
 
     let config = EnvConfig { seed: 5, autoreset: Autoreset::Disabled, ..EnvConfig::default() };

@@ -205,16 +205,19 @@ impl Envs {
     /// # Errors
     /// The settings or the checkpoint do not fit, or the card is lost.
     pub fn session(self, looks: Self, beginning: Beginning<'_>, goal: Goal) -> Result<Session, TrainError> {
-        let trainer = match beginning {
+        match beginning {
             Beginning::New { config, seed, from } => {
                 let mut trainer = self.train(config.clone(), seed)?;
                 from.map(|other| trainer.warm_start(other)).transpose()?;
-                trainer
+                let examiner = looks.examine(&trainer)?;
+                Session::new(trainer, examiner, goal)
             }
-            Beginning::Again(checkpoint) => self.go_on(checkpoint)?,
-        };
-        let examiner = looks.examine(&trainer)?;
-        Ok(Session::new(trainer, examiner, goal))
+            Beginning::Again(checkpoint) => {
+                let trainer = self.go_on(checkpoint)?;
+                let examiner = looks.examine(&trainer)?;
+                Ok(Session::resume(trainer, examiner, goal, checkpoint))
+            }
+        }
     }
 
     /// A trainer with a new policy, which acts and learns where the environments are.

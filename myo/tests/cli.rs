@@ -45,7 +45,7 @@ fn short_training<'a>(steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 
 fn newest_checkpoint(run: &Path) -> Checkpoint {
     let folder = myo::train::RunFolder::open(run).unwrap();
-    let mut checkpoint = folder.latest_checkpoint().checkpoint.expect("a whole checkpoint");
+    let mut checkpoint = folder.latest_checkpoint().unwrap().checkpoint.expect("a whole checkpoint");
     checkpoint.forget_wall_time();
     checkpoint
 }
@@ -230,6 +230,7 @@ fn run_folders_are_never_overwritten() {
     let before = std::fs::read(folder.path().join("runs/pointing-single-1/config.json")).unwrap();
     assert_refused(&train(&["--out", "runs/pointing-single-1"]), "never overwritten");
     std::fs::create_dir(folder.path().join("mine")).unwrap();
+    std::fs::write(folder.path().join("mine/notes.txt"), "not a run").unwrap();
     assert_refused(&train(&["--out", "mine"]), "mine-2");
     assert_eq!(before, std::fs::read(folder.path().join("runs/pointing-single-1/config.json")).unwrap());
 }
@@ -358,7 +359,7 @@ fn a_run_may_begin_with_what_another_learned() {
     assert_eq!(config["run"]["from"], serde_json::json!({"run": "first", "env_steps": 2048}));
     assert_eq!(config["ppo"]["policy_hidden"], serde_json::json!([16]));
     // Both checkpoints are there: what was inherited, and the end.
-    let checkpoints = myo::train::RunFolder::open(&folder.path().join("second")).unwrap().checkpoints();
+    let checkpoints = myo::train::RunFolder::open(&folder.path().join("second")).unwrap().checkpoints().unwrap();
     assert_eq!(checkpoints.len(), 2);
 
     let refused = |args: &[&str], sentence| assert_refused(&myo(folder.path(), args), sentence);

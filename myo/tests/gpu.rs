@@ -162,7 +162,7 @@ fn a_run_resumed_on_the_gpu_ends_with_the_same_bits() {
     json(&myo(parts.path(), &["train", "--resume", "run", "--steps", "2k", "--json"]));
     let [a, b] = [whole, parts].map(|folder| {
         let run = myo::train::RunFolder::open(&folder.path().join("run")).unwrap();
-        let mut checkpoint = run.latest_checkpoint().checkpoint.expect("a whole checkpoint");
+        let mut checkpoint = run.latest_checkpoint().unwrap().checkpoint.expect("a whole checkpoint");
         checkpoint.forget_wall_time();
         checkpoint
     });

@@ -18,14 +18,14 @@ pub(crate) struct Card {
     learner: DeviceLearner,
     gradient_steps: u64,
     log_std: std::ops::Range<usize>,
-    heard: Heard,
+    readback: Readback,
     /// The next roll-out.
     next: Option<Commands>,
 }
 
 /// What is read after an update.
 #[derive(Default)]
-struct Heard {
+struct Readback {
     sums: Vec<f32>,
     wrong: [u32; 1],
     estimates: [f32; 4],
@@ -58,13 +58,13 @@ impl Card {
         let rollout = DeviceRollout::new(env, config)?;
         let (gpu, sizes) = (rollout.gpu(), rollout.sizes());
         let learner = DeviceLearner::new(gpu, sizes, config, rollout.parameters(), rollout.buffers())?;
-        let heard = Heard {
+        let readback = Readback {
             sums: vec![0.0; rollout.buffers().sums.len()],
             metrics: vec![0.0; learner.metrics_len()],
             log_std: vec![0.0; log_std.len()],
-            ..Heard::default()
+            ..Readback::default()
         };
-        Ok(Self { rollout, learner, gradient_steps: 0, log_std, heard, next: None })
+        Ok(Self { rollout, learner, gradient_steps: 0, log_std, readback, next: None })
     }
 
     /// The environment.
@@ -134,13 +134,13 @@ impl Card {
         let mut batch = self.rollout.gpu().batch();
         self.learner.record(&mut batch);
         let learning = batch.finish()?;
-        let (buffers, memory, heard) = (self.rollout.buffers(), self.learner.memory(), &mut self.heard);
+        let (buffers, memory, readback) = (self.rollout.buffers(), self.learner.memory(), &mut self.readback);
         let mut reads = [
-            buffers.sums.part(0, &mut heard.sums)?,
-            buffers.wrong.part(0, &mut heard.wrong)?,
-            memory.estimate_sums.part(0, &mut heard.estimates)?,
-            memory.metrics.part(0, &mut heard.metrics)?,
-            self.rollout.parameters().part(self.log_std.start, &mut heard.log_std)?,
+            buffers.sums.part(0, &mut readback.sums)?,
+            buffers.wrong.part(0, &mut readback.wrong)?,
+            memory.estimate_sums.part(0, &mut readback.estimates)?,
+            memory.metrics.part(0, &mut readback.metrics)?,
+            self.rollout.parameters().part(self.log_std.start, &mut readback.log_std)?,
         ];
         let meanwhile = || {
             let next = collecting(&self.rollout)?;
@@ -150,26 +150,26 @@ impl Card {
         let (next, collect_s) = learning.submit_and_read(&mut reads, meanwhile)??;
         self.next = Some(next);
         self.gradient_steps += self.learner.layout().steps() as u64;
-        self.told(normalizer, update, collect_s)
+        self.result(normalizer, update, collect_s)
     }
 
     /// Makes sense of what was read.
-    fn told(&self, normalizer: &Normalizer, update: u64, collect_s: f64) -> Result<CardUpdate, TrainError> {
-        let (sizes, heard) = (self.rollout.sizes(), &self.heard);
-        let (moments, rest) = heard.sums.split_at(2 * sizes.observations);
+    fn result(&self, normalizer: &Normalizer, update: u64, collect_s: f64) -> Result<CardUpdate, TrainError> {
+        let (sizes, readback) = (self.rollout.sizes(), &self.readback);
+        let (moments, rest) = readback.sums.split_at(2 * sizes.observations);
         let (episodes, rewards) = rest.split_at(sizes.episode_rows());
         let reward_sum: f64 = rewards.iter().map(|&sum| f64::from(sum)).sum();
         let names = &self.env().spec().observation_names;
-        check(names, heard.wrong[0], reward_sum, update)?;
+        check(names, readback.wrong[0], reward_sum, update)?;
         let samples = sizes.steps * sizes.envs;
         Ok(CardUpdate {
-            learn: self.learner.stats(&heard.metrics, update)?,
+            learn: self.learner.stats(&readback.metrics, update)?,
             collect_s,
             moments: normalizer.moments_from_f32(samples, moments),
             episodes: EpisodeSums::from_rows(episodes),
             reward_sum,
-            explained_variance: explained_variance(heard.estimates, samples as f64),
-            log_std: heard.log_std.clone(),
+            explained_variance: explained_variance(readback.estimates, samples as f64),
+            log_std: readback.log_std.clone(),
         })
     }
 }

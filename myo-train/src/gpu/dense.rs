@@ -66,7 +66,7 @@ impl Columns<'_> {
 }
 
 /// Refuses more entries than the buffer has.
-fn fits(buffer: &Buffer<f32>, end: usize) -> Result<(), GpuError> {
+pub fn fits(buffer: &Buffer<f32>, end: usize) -> Result<(), GpuError> {
     match end <= buffer.len() {
         true => Ok(()),
         false => Err(GpuError::OutOfRange { buffer: buffer.label().to_owned(), start: 0, end, len: buffer.len() }),
@@ -150,6 +150,7 @@ impl DenseKernels {
     ) -> Result<Dispatch, GpuError> {
         let sampling = finish.sampling();
         fits(parameters, layer.bias + layer.outputs)?;
+        fits(parameters, layer.weight + layer.inputs * layer.outputs)?;
         if let Some(sampling) = sampling {
             fits(sampling.env_actions, layer.outputs * sampling.num_envs)?;
             fits(parameters, sampling.log_std + layer.outputs)?;

@@ -1,5 +1,7 @@
 //! The learning curve: how training success grew, where it leads, and whether it grows at all.
 
+use serde::{Deserialize, Serialize};
+
 use crate::UpdateMetrics;
 
 /// Episodes over which success is averaged.
@@ -18,7 +20,8 @@ const FLAT_POINTS: usize = 93;
 const WORTH: f64 = 0.03;
 
 /// What is known of recent episodes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Recent {
     /// Share that succeeded.
     pub success: f64,
@@ -33,9 +36,9 @@ pub struct Recent {
 }
 
 impl Recent {
-    /// Of the episodes that ended in an update; none if none ended.
+    /// Of the episodes that ended in an update; none if none ended. All numbers are finite.
     fn of(metrics: &UpdateMetrics) -> Option<Self> {
-        let mean = |name: &str| metrics.episode_mean(name);
+        let mean = |name: &str| metrics.episode_mean(name).filter(|mean| mean.is_finite());
         Some(Self {
             success: mean("success")?,
             targets_done: mean("targets_done").unwrap_or(0.0),
@@ -57,14 +60,16 @@ impl Recent {
 }
 
 /// One point of the curve.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Point {
     env_steps: u64,
     recent: Recent,
 }
 
 /// The curve so far.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Curve {
     /// Control steps before which episodes do not count.
     start: u64,

@@ -8,15 +8,14 @@ use crate::{Evaluation, Policy, TrainError, evaluate};
 /// Episodes of a quick look on the processor.
 const QUICK_EPISODES: usize = 256;
 
-/// Evaluates policies, each time on other fresh episodes.
+/// Evaluates policies on fresh episodes, each time on others.
 pub struct Examiner {
-    place: Place,
+    env: ExaminerEnv,
     training_seed: u64,
-    taken: u64,
 }
 
 /// Where policies are evaluated.
-enum Place {
+enum ExaminerEnv {
     /// On the processor.
     Host(Box<dyn VectorEnv>),
     /// On the card.
@@ -26,15 +25,16 @@ enum Place {
 impl Examiner {
     /// Evaluates in these environments, on the processor; for a training with this seed.
     pub fn on_host(env: Box<dyn VectorEnv>, training_seed: u64) -> Self {
-        Self { place: Place::Host(env), training_seed, taken: 0 }
+        Self { env: ExaminerEnv::Host(env), training_seed }
     }
 
     /// Evaluates on the card, where as many episodes as environments take no longer than one.
     pub fn on_card(evaluator: DeviceEvaluator, training_seed: u64) -> Self {
-        Self { place: Place::Card(Box::new(evaluator)), training_seed, taken: 0 }
+        Self { env: ExaminerEnv::Card(Box::new(evaluator)), training_seed }
     }
 
-    /// The mean actions of `policy` on fresh episodes; `go_on` is asked now and then, and ends the evaluation early.
+    /// The mean actions of `policy` on fresh episodes, those of the `number`-th evaluation; `go_on` is asked now and then,
+    /// and ends the evaluation early.
     ///
     /// # Errors
     /// The environments do not fit the policy, or the card is lost.
@@ -42,28 +42,28 @@ impl Examiner {
         &mut self,
         policy: &mut Policy,
         episodes: usize,
+        number: u64,
         go_on: impl Fn() -> bool,
     ) -> Result<Evaluation, TrainError> {
-        self.taken += 1;
-        let seed = evaluation_seed(self.training_seed, self.taken);
-        match &mut self.place {
-            Place::Host(env) => evaluate(policy, env.as_mut(), episodes, seed, |_| go_on()),
-            Place::Card(evaluator) => evaluator.evaluate(policy, episodes, seed, |_| go_on()),
+        let seed = evaluation_seed(self.training_seed, number);
+        match &mut self.env {
+            ExaminerEnv::Host(env) => evaluate(policy, env.as_mut(), episodes, seed, |_| go_on()),
+            ExaminerEnv::Card(evaluator) => evaluator.evaluate(policy, episodes, seed, |_| go_on()),
         }
     }
 
     fn spec(&self) -> &EnvSpec {
-        match &self.place {
-            Place::Host(env) => env.spec(),
-            Place::Card(evaluator) => evaluator.env().spec(),
+        match &self.env {
+            ExaminerEnv::Host(env) => env.spec(),
+            ExaminerEnv::Card(evaluator) => evaluator.env().spec(),
         }
     }
 
     /// Episodes of a look that may turn out to be in vain.
     pub fn quick_episodes(&self) -> usize {
-        match &self.place {
-            Place::Host(_) => QUICK_EPISODES,
-            Place::Card(_) => self.spec().num_envs,
+        match &self.env {
+            ExaminerEnv::Host(_) => QUICK_EPISODES,
+            ExaminerEnv::Card(_) => self.spec().num_envs,
         }
     }
 

@@ -2,27 +2,27 @@
 //! away, and tells when it leads nowhere.
 
 mod curve;
+mod events;
 mod examiner;
 mod looks;
+mod memory;
 mod record;
 mod recovery;
 
-use std::fmt;
-use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use myo_env::EnvError;
 use myo_gpu::GpuError;
-use thiserror::Error;
 
-use crate::{Evaluation, Policy, RunError, RunWriter, TrainError, Trainer, UpdateMetrics};
-use curve::Curve;
-use looks::Looks;
+use crate::checkpoint::SessionState;
+use crate::{Checkpoint, Evaluation, Policy, RunError, RunWriter, TrainError, Trainer, UpdateMetrics};
 use record::Record;
 use recovery::Recovery;
 
 pub use curve::Recent;
+pub use events::{End, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
+pub(crate) use memory::Memory;
 
 /// Episodes that confirm a quick look, and of the last evaluation.
 const EPISODES: usize = 1000;
@@ -41,176 +41,57 @@ pub struct Session {
     trainer: Trainer,
     examiner: Examiner,
     goal: Goal,
-    looks: Option<Looks>,
-    curve: Curve,
+    memory: Memory,
     recovery: Recovery,
     record: Option<Record>,
-    told_flat: bool,
-    /// Seconds of training, those before a resume included.
-    training_s: f64,
-    evaluation_s: f64,
-    confirmed: Option<Evaluation>,
-}
-
-/// Why a training ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The deterministic policy succeeds often enough.
-    Until,
-    /// The steps are used up.
-    Steps,
-    /// The caller wanted to.
-    Interrupted,
-    /// The graphics card was lost, and with it the episodes that were going on.
-    DeviceLost {
-        /// What the driver says.
-        reason: String,
-    },
-}
-
-impl End {
-    /// Name in tables and JSON.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Until => "until",
-            Self::Steps => "steps",
-            Self::Interrupted => "interrupt",
-            Self::DeviceLost { .. } => "device_lost",
-        }
-    }
-}
-
-/// Something that is worth a word.
-#[derive(Clone, Debug, PartialEq)]
-pub enum News {
-    /// Learning ran away and goes on from an earlier state with shorter steps.
-    WentBack {
-        /// What was wrong.
-        reason: String,
-        /// Control steps at which it was noticed.
-        env_steps: u64,
-        /// Control steps of the state that it goes on from.
-        to_env_steps: u64,
-        /// Step size from there on.
-        learning_rate: f64,
-    },
-    /// Nothing improves; told once.
-    Flat {
-        /// For how many control steps.
-        env_steps: u64,
-        /// What the episodes are like.
-        recent: Recent,
-    },
-}
-
-impl fmt::Display for News {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let million = |steps: &u64| *steps as f64 / 1e6;
-        match self {
-            Self::WentBack { reason, env_steps, to_env_steps, learning_rate } => write!(
-                f,
-                "training ran away after {:.2} M control steps: {reason}; it goes on from {:.2} M with steps of {learning_rate:.1e}",
-                million(env_steps),
-                million(to_env_steps)
-            ),
-            Self::Flat { env_steps, recent } => write!(
-                f,
-                "nothing has improved for {:.1} M control steps, success stays at {:.0} %",
-                million(env_steps),
-                100.0 * recent.success
-            ),
-        }
-    }
-}
-
-/// What one [`Session::advance`] brought.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Progress {
-    /// Of the update; none when the training went back, or the card was lost.
-    pub metrics: Option<UpdateMetrics>,
-    /// Mean success of recent training episodes, whose actions are noisy; none before the first ended.
-    pub success: Option<f64>,
-    /// Control steps that training may still take until the goal, judged by the learning curve.
-    pub steps_left: Option<u64>,
-    /// Looks that were taken at the deterministic policy.
-    pub looks: Vec<Evaluation>,
-    /// What is worth a word.
-    pub news: Vec<News>,
-    /// Set when the training is over.
-    pub end: Option<End>,
-}
-
-/// How a training went.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// Why it ended.
-    pub end: End,
-    /// Of the last policy on fresh episodes; none after an interrupt or a loss.
-    pub evaluation: Option<Evaluation>,
-    /// Control steps of all environments.
-    pub env_steps: u64,
-    /// Updates of the policy.
-    pub updates: u64,
-    /// Seconds of training and of the looks at the goal.
-    pub wall_s: f64,
-    /// The run folder, if the training was recorded.
-    pub run: Option<PathBuf>,
-    /// The newest checkpoint, if the training was recorded.
-    pub checkpoint: Option<PathBuf>,
-}
-
-/// Why a training cannot go on.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum SessionError {
-    /// It failed.
-    #[error(transparent)]
-    Train(#[from] TrainError),
-    /// Learning ran away from the same state again and again, with ever shorter steps.
-    #[error(
-        "training diverged {} times from the same state: {reason}. Start again with a lower learning_rate or kl_target",
-        recovery::TRIES + 1
-    )]
-    RanAway {
-        /// What was wrong the last time.
-        reason: String,
-    },
-    /// It could not be recorded.
-    #[error(transparent)]
-    Run(#[from] RunError),
+    /// Whether trainer and record are in a state to go on from: the last update did not fail.
+    is_sound: bool,
 }
 
 impl Session {
-    /// Trains to a goal, looking at it with `examiner`.
-    pub fn new(trainer: Trainer, examiner: Examiner, goal: Goal) -> Self {
-        Self {
-            looks: goal.until.map(|until| Looks::new(until, trainer.env_steps())),
-            recovery: Recovery::new(&trainer),
-            curve: Curve::new(first_whole_episodes(&trainer)),
-            record: None,
-            told_flat: false,
-            training_s: 0.0,
-            evaluation_s: 0.0,
-            confirmed: None,
-            trainer,
-            examiner,
-            goal,
-        }
+    /// Trains from the start to a goal, looking at it with `examiner`.
+    ///
+    /// # Errors
+    /// The card is lost.
+    pub fn new(trainer: Trainer, examiner: Examiner, goal: Goal) -> Result<Self, TrainError> {
+        let (memory, recovery) = (Memory::new(&trainer), Recovery::new(trainer.save()?));
+        Ok(Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true })
+    }
+
+    /// Goes on with a training, which `trainer` was restored from `checkpoint` for: with the same goal as if it had never
+    /// stopped, bit for bit. A goal that the checkpoint had reached but that is higher now is sought again.
+    pub fn resume(trainer: Trainer, examiner: Examiner, goal: Goal, checkpoint: &Checkpoint) -> Self {
+        let bare = || Checkpoint { session: None, ..checkpoint.clone() };
+        let (memory, recovery) = match &checkpoint.session {
+            Some(SessionState { memory, good }) => {
+                let good = good.as_ref().map_or_else(bare, |good| (**good).clone());
+                (memory.clone(), Recovery::after(good, memory.tries))
+            }
+            None => (Memory::new(&trainer), Recovery::new(bare())),
+        };
+        Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true }
     }
 
     /// The same with metrics, checkpoints and evaluation in a run folder. A warm start is written there at once: stopped
     /// before its first update, it goes on without the other run's folder.
     ///
     /// # Errors
-    /// The folder cannot be written.
-    pub fn recorded_in(self, writer: RunWriter) -> Result<Self, RunError> {
+    /// The folder cannot be written, or the card is lost.
+    pub fn recorded_in(mut self, writer: RunWriter) -> Result<Self, SessionError> {
         // A training with updates behind it comes from a checkpoint.
-        let saved = Some(self.trainer.env_steps()).filter(|_| self.trainer.updates() > 0);
-        let mut record = Record::new(writer, saved);
+        self.record = Some(Record::new(writer, self.trainer.updates() > 0));
         if self.trainer.inherited().is_some() {
-            record.checkpoint(&self.trainer)?;
+            self.checkpoint()?;
         }
-        Ok(Self { record: Some(record), ..self })
+        Ok(self)
+    }
+
+    /// Writes a checkpoint whenever so much time has passed, rather than every 30 s; with zero after every update.
+    pub fn checkpoint_every(mut self, time: Duration) -> Self {
+        if let Some(record) = &mut self.record {
+            record.every(time);
+        }
+        self
     }
 
     /// The learner.
@@ -223,102 +104,136 @@ impl Session {
         self.goal
     }
 
+    /// Why there is nothing left to train, if so: the goal was confirmed, or the steps are used up. Only the last
+    /// evaluation may be missing; see [`Session::conclude`].
+    pub fn over(&self) -> Option<End> {
+        let used_up = self.trainer.env_steps() >= self.goal.steps;
+        match self.confirmed() {
+            Some(_) => Some(End::Until),
+            None if used_up && !self.look_is_due() => Some(End::Steps),
+            None => None,
+        }
+    }
+
+    /// The evaluation that confirmed the goal, if one did.
+    pub fn confirmed(&self) -> Option<&Evaluation> {
+        let until = self.goal.until?;
+        self.memory.confirmed.as_ref().filter(|evaluation| evaluation.success.is_some_and(|success| success >= until))
+    }
+
     /// One update, its record, and a look at the goal when it is time to. `go_on` is asked now and then and ends the
-    /// training early.
+    /// training early. A training that is [over](Self::over) is left as it is; a look that an interrupt had cut off is made
+    /// up for without an update.
     ///
     /// # Errors
     /// Training fails in a way that going back does not heal, or the record cannot be written. After an error the session
-    /// is of no more use.
+    /// can only be concluded.
     pub fn advance(&mut self, go_on: &dyn Fn() -> bool) -> Result<Progress, SessionError> {
-        match self.attempt(go_on) {
-            // The loss of a graphics card is an end, not an error: a checkpoint can still be written.
+        let attempt = self.attempt(go_on);
+        self.is_sound = attempt.is_ok();
+        match attempt {
+            // The loss of a graphics card is an end, not an error: the run goes on from its newest checkpoint.
             Err(SessionError::Train(error)) => Ok(Progress { end: Some(lost(error)?), ..Progress::default() }),
             advanced => advanced,
         }
     }
 
     fn attempt(&mut self, go_on: &dyn Fn() -> bool) -> Result<Progress, SessionError> {
-        let updated = self.trainer.update();
-        if let Some(reason) = self.recovery.what_ran_away(&updated, self.trainer.config().kl_max) {
-            return self.go_back(reason);
+        let mut progress = Progress::default();
+        if self.over().is_none() && !self.look_is_due() {
+            match self.update()? {
+                Updated::Forward(metrics) => progress.metrics = Some(metrics),
+                Updated::Back(news) => progress.news.push(news),
+            }
         }
-        let metrics = updated?;
-        self.recovery.went_well(&self.trainer);
-        self.training_s = metrics.wall_s;
-        self.curve.hear(&metrics);
-        self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics, &self.trainer))?;
-        let looks = self.look(&metrics, go_on)?;
-        Ok(Progress {
-            success: self.success(),
-            steps_left: self.looks.as_ref().and_then(|looks| self.curve.steps_to(looks.threshold())),
-            news: self.flat().into_iter().collect(),
-            end: self.end(go_on),
-            metrics: Some(metrics),
-            looks,
-        })
+        // Going back is recorded at once, and nothing is looked at that was looked at before.
+        if progress.news.is_empty() {
+            progress.looks = self.look(go_on)?;
+            progress.news.extend(self.flat());
+            if self.record.as_ref().is_some_and(Record::is_due) {
+                self.checkpoint()?;
+            }
+        }
+        progress.success = self.success();
+        progress.steps_left = self.goal.until.and_then(|until| self.memory.steps_to(until));
+        progress.end = if go_on() { self.over() } else { Some(End::Interrupted) };
+        Ok(progress)
     }
 
-    fn end(&self, go_on: &dyn Fn() -> bool) -> Option<End> {
-        if !go_on() {
-            return Some(End::Interrupted);
+    fn update(&mut self) -> Result<Updated, SessionError> {
+        let updated = self.trainer.update();
+        if let Some(reason) = self.recovery.what_ran_away(&updated, self.trainer.config().kl_max) {
+            return Ok(Updated::Back(self.go_back(reason)?));
         }
-        let used_up = self.trainer.env_steps() >= self.goal.steps;
-        self.confirmed.as_ref().map(|_| End::Until).or(used_up.then_some(End::Steps))
+        let metrics = updated?;
+        self.recovery.went_well(&self.trainer)?;
+        self.memory.curve.hear(&metrics);
+        self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;
+        Ok(Updated::Forward(metrics))
     }
 
     fn success(&self) -> Option<f64> {
-        self.curve.recent().map(|recent| recent.success)
+        self.memory.curve.recent().map(|recent| recent.success)
     }
 
-    fn go_back(&mut self, reason: String) -> Result<Progress, SessionError> {
+    fn go_back(&mut self, reason: String) -> Result<News, SessionError> {
         let env_steps = self.trainer.env_steps();
         if !self.recovery.go_back(&mut self.trainer)? {
             return Err(SessionError::RanAway { reason });
         }
         let to_env_steps = self.trainer.env_steps();
-        self.curve.cut(to_env_steps);
-        if let Some(looks) = &mut self.looks {
-            looks.gone_back(to_env_steps);
+        self.memory.go_back(to_env_steps);
+        // The state gone back to is safe before those after it are removed.
+        if let Some(record) = &mut self.record {
+            record.changed();
         }
+        self.checkpoint()?;
         self.record.as_mut().map_or(Ok(()), |record| record.go_back(to_env_steps))?;
         let learning_rate = self.trainer.learning_rate();
-        let news = vec![News::WentBack { reason, env_steps, to_env_steps, learning_rate }];
-        Ok(Progress { success: self.success(), news, ..Progress::default() })
+        Ok(News::WentBack { reason, env_steps, to_env_steps, learning_rate })
     }
 
     /// Tells once when nothing improves any more and the goal is out of sight.
     fn flat(&mut self) -> Option<News> {
-        let far = self.looks.as_ref().zip(self.success()).is_some_and(|(looks, success)| success < looks.threshold());
-        if self.told_flat || !far {
+        let (until, success) = (self.goal.until?, self.success()?);
+        if self.memory.told_flat || success >= self.memory.looks.threshold(until) {
             return None;
         }
-        let news = News::Flat { env_steps: self.curve.flat_for()?, recent: self.curve.recent()?.clone() };
-        self.told_flat = true;
+        let curve = &self.memory.curve;
+        let news = News::Flat { env_steps: curve.flat_for()?, recent: curve.recent()?.clone() };
+        self.memory.told_flat = true;
         Some(news)
     }
 
+    /// Whether to look at the goal now.
+    fn look_is_due(&self) -> bool {
+        let is_due = |until| self.memory.looks.is_due(until, self.trainer.env_steps(), self.success());
+        self.confirmed().is_none() && self.goal.until.is_some_and(is_due)
+    }
+
     /// Whether the goal is reached, looked at when it is time to: quickly first, then on enough other episodes to be sure.
-    fn look(&mut self, metrics: &UpdateMetrics, go_on: &dyn Fn() -> bool) -> Result<Vec<Evaluation>, SessionError> {
-        let (recent, mut taken) = (self.success(), Vec::new());
-        if !self.looks.as_ref().is_some_and(|looks| looks.is_due(metrics, recent)) {
-            return Ok(taken);
-        }
-        let mut policy = self.trainer.policy();
+    /// A look that is cut off leaves nothing behind, so that it is taken again when the training goes on.
+    fn look(&mut self, go_on: &dyn Fn() -> bool) -> Result<Vec<Evaluation>, SessionError> {
+        let Some(until) = self.goal.until.filter(|_| self.look_is_due()) else { return Ok(Vec::new()) };
+        let (mut policy, mut taken) = (self.trainer.policy(), Vec::new());
         for episodes in [self.examiner.quick_episodes(), EPISODES] {
-            let Some(evaluation) = self.evaluate(&mut policy, episodes, go_on)? else { return Ok(taken) };
-            let reached = evaluation.success >= self.goal.until;
+            let number = self.memory.evaluations + taken.len() as u64 + 1;
+            let Some(evaluation) = self.evaluate(&mut policy, episodes, number, go_on)? else {
+                return Ok(taken);
+            };
+            let is_reached = evaluation.success.is_some_and(|success| success >= until);
             taken.push(evaluation);
-            if !reached {
+            if !is_reached {
                 break;
             }
             if taken.len() == 2 {
-                self.confirmed = taken.last().cloned();
+                self.memory.confirmed = taken.last().cloned();
             }
         }
-        let found = taken.last().and_then(|evaluation| evaluation.success);
-        if let Some(looks) = &mut self.looks {
-            let cost = self.examiner.cost(self.examiner.quick_episodes());
-            looks.looked(metrics.env_steps, cost, found, recent);
+        let cost = self.examiner.cost(self.examiner.quick_episodes());
+        self.memory.looked(self.trainer.env_steps(), cost, &taken);
+        if let Some(record) = &mut self.record {
+            record.changed();
         }
         Ok(taken)
     }
@@ -328,51 +243,77 @@ impl Session {
         &mut self,
         policy: &mut Policy,
         episodes: usize,
+        number: u64,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Evaluation>, TrainError> {
         let start = Instant::now();
-        let evaluation = self.examiner.evaluate(policy, episodes, go_on);
-        self.evaluation_s += start.elapsed().as_secs_f64();
+        let evaluation = self.examiner.evaluate(policy, episodes, number, go_on);
+        self.memory.evaluation_s += start.elapsed().as_secs_f64();
         Ok(Some(evaluation?).filter(|_| go_on()))
     }
 
-    /// Closes the training: a last checkpoint, and, where it was not the goal that ended it, a last evaluation.
+    /// Writes a checkpoint if the training is recorded and the newest one is of another state.
+    fn checkpoint(&mut self) -> Result<(), SessionError> {
+        let Some(record) = self.record.as_mut().filter(|record| record.has_changed()) else { return Ok(()) };
+        let mut checkpoint = self.trainer.save()?;
+        let (memory, tries) = (self.memory.clone(), self.recovery.tries());
+        let good = self.recovery.good_unless(&checkpoint).map(|good| Box::new(good.clone()));
+        checkpoint.session = Some(SessionState { memory: Memory { tries, ..memory }, good });
+        Ok(record.checkpoint(&checkpoint)?)
+    }
+
+    /// Closes the training: a last checkpoint, and, where it was not the goal that ended it, a last evaluation. After a loss
+    /// of the card, or an error, the newest checkpoint is left as it is: the run goes on from there as if it had never
+    /// stopped.
     ///
     /// # Errors
     /// As for [`Session::advance`].
     pub fn conclude(mut self, end: End, go_on: &dyn Fn() -> bool) -> Result<Outcome, SessionError> {
-        self.record.as_mut().map_or(Ok(()), |record| record.checkpoint(&self.trainer))?;
-        let wall_s = self.training_s + self.evaluation_s;
-        let evaluation = match (&end, self.confirmed.take()) {
-            (End::Interrupted | End::DeviceLost { .. }, _) => None,
-            (_, Some(evaluation)) => Some(evaluation),
-            _ => self.evaluate(&mut self.trainer.policy(), EPISODES, go_on)?,
-        };
-        if let (Some(record), Some(evaluation)) = (&self.record, &evaluation) {
-            record.folder().write_evaluation(evaluation)?;
-        }
-        let end = match end {
+        let (end, evaluation) = match self.finish(&end, go_on) {
+            Err(SessionError::Train(error)) => (lost(error)?, None),
             // Stopped in the last evaluation: the training is whole, its evaluation is not.
-            End::Until | End::Steps if evaluation.is_none() => End::Interrupted,
-            end => end,
+            Ok(None) if matches!(end, End::Until | End::Steps) => (End::Interrupted, None),
+            finished => (end, finished?),
         };
         let folder = self.record.as_ref().map(Record::folder);
+        let checkpoint = folder.map(|folder| folder.checkpoints()).transpose().map_err(RunError::from)?;
         Ok(Outcome {
             end,
             evaluation,
             env_steps: self.trainer.env_steps(),
             updates: self.trainer.updates(),
-            wall_s,
-            checkpoint: folder.and_then(|folder| folder.checkpoints().into_iter().next()),
+            wall_s: self.trainer.wall_s() + self.memory.evaluation_s,
+            checkpoint: checkpoint.and_then(|files| files.into_iter().next()),
             run: folder.map(|folder| folder.path().to_owned()),
         })
     }
+
+    /// The last checkpoint and evaluation; no evaluation where there is none to be had.
+    fn finish(&mut self, end: &End, go_on: &dyn Fn() -> bool) -> Result<Option<Evaluation>, SessionError> {
+        if !self.is_sound || matches!(end, End::DeviceLost { .. }) {
+            return Ok(None);
+        }
+        self.checkpoint()?;
+        let evaluation = match (end, self.confirmed().cloned()) {
+            (End::Interrupted, _) => None,
+            (_, Some(evaluation)) => Some(evaluation),
+            // Of a number that is not used up: the same evaluation ends a training that went on from here.
+            _ => {
+                let number = self.memory.evaluations + 1;
+                self.evaluate(&mut self.trainer.policy(), EPISODES, number, go_on)?
+            }
+        };
+        if let (Some(record), Some(evaluation)) = (&self.record, &evaluation) {
+            record.folder().write_evaluation(evaluation)?;
+        }
+        Ok(evaluation)
+    }
 }
 
-/// Control steps after which every environment has ended an episode.
-fn first_whole_episodes(trainer: &Trainer) -> u64 {
-    let spec = trainer.spec();
-    trainer.env_steps() + (spec.num_envs * spec.max_episode_steps) as u64
+/// What an update came to.
+enum Updated {
+    Forward(UpdateMetrics),
+    Back(News),
 }
 
 /// The end that the loss of a graphics card is; other errors stay errors.

@@ -9,26 +9,43 @@ const EVERY: u64 = 64;
 const FACTOR: f64 = 0.25;
 
 /// How often to go back to the same state before giving up.
-pub const TRIES: i32 = 4;
+pub const TRIES: u32 = 4;
 
 /// The last good state of a training.
 #[derive(Debug)]
 pub struct Recovery {
     good: Checkpoint,
-    tries: i32,
+    tries: u32,
 }
 
 impl Recovery {
-    /// The state at the start is good.
-    pub fn new(trainer: &Trainer) -> Self {
-        Self { good: trainer.save(), tries: 0 }
+    /// This state is good.
+    pub fn new(good: Checkpoint) -> Self {
+        Self::after(good, 0)
+    }
+
+    /// This state is good, and the training went back to it so many times.
+    pub fn after(good: Checkpoint, tries: u32) -> Self {
+        Self { good, tries }
+    }
+
+    /// How often the training went back to its good state.
+    pub fn tries(&self) -> u32 {
+        self.tries
+    }
+
+    /// The good state, unless it is this one.
+    pub fn good_unless(&self, state: &Checkpoint) -> Option<&Checkpoint> {
+        let is_same = self.tries == 0 && self.good.updates() == state.updates();
+        (!is_same).then_some(&self.good)
     }
 
     /// Hears of an update that went well.
-    pub fn went_well(&mut self, trainer: &Trainer) {
+    pub fn went_well(&mut self, trainer: &Trainer) -> Result<(), TrainError> {
         if trainer.updates() >= self.good.updates() + EVERY {
-            *self = Self::new(trainer);
+            *self = Self::new(trainer.save()?);
         }
+        Ok(())
     }
 
     /// What was wrong with an update, if learning ran away in it; other errors are nothing to recover from.
@@ -47,11 +64,11 @@ impl Recovery {
 
     /// Goes back to the last good state with shorter steps; false when that was tried often enough.
     pub fn go_back(&mut self, trainer: &mut Trainer) -> Result<bool, TrainError> {
-        if self.tries == TRIES {
+        if self.tries >= TRIES {
             return Ok(false);
         }
         self.tries += 1;
-        trainer.go_back(&self.good, FACTOR.powi(self.tries))?;
+        trainer.go_back(&self.good, FACTOR.powi(self.tries as i32))?;
         Ok(true)
     }
 }

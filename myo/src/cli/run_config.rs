@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use myo::Wish;
 use myo::gpu::Want;
 use myo::model::ModelDescription;
-use myo::tasks::Task;
+use myo::tasks::{Anywhere, Task, check};
 use myo::train::session::Goal;
 use myo::train::{Checkpoint, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,7 @@ use super::output::grouped;
 
 /// The caller's part of `config.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Description {
     /// The whole task, with the keys of a task file.
     pub task: Task,
@@ -39,6 +40,7 @@ pub struct Description {
 
 /// The run that a warm start began from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Inheritance {
     /// Its folder.
     pub run: PathBuf,
@@ -47,13 +49,27 @@ pub struct Inheritance {
 }
 
 impl Description {
-    /// What a run is about.
+    /// What a run is about. A file that was edited is checked as a new task and new options are.
     pub fn of(run: &RunFolder) -> Result<Self> {
+        let bad = |reason: String| RunError::BadConfig { path: run.path().join("config.json"), reason };
         let value = run.config().run.clone();
-        serde_json::from_value(value).map_err(|error| {
-            let path = run.path().join("config.json");
-            RunError::BadConfig { path, reason: error.to_string() }.into()
-        })
+        let description: Self = serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
+        description.check().map_err(bad)?;
+        Ok(description)
+    }
+
+    fn check(&self) -> std::result::Result<(), String> {
+        if let Some(error) = check(&self.task, &Anywhere).errors.first() {
+            return Err(error.to_string());
+        }
+        if let Some(until) = self.until.filter(|until| !(*until > 0.0 && *until <= 1.0)) {
+            return Err(format!("until is {until}; it must be a share above 0, at most 1, or null"));
+        }
+        match (self.steps, &self.backend[..]) {
+            (0, _) => Err("steps is 0; it must be at least 1".into()),
+            (_, "cpu" | "gpu") => Ok(()),
+            (_, other) => Err(format!("backend is \"{other}\"; it must be \"cpu\" or \"gpu\"")),
+        }
     }
 
     /// When to stop.
@@ -85,7 +101,7 @@ pub fn existing_checkpoint(run: &RunFolder) -> Result<Checkpoint> {
 
 /// The newest checkpoint that is whole; tells about newer ones that are not. None if none was written yet.
 pub fn newest_checkpoint(run: &RunFolder) -> Result<Option<Checkpoint>> {
-    let latest = run.latest_checkpoint();
+    let latest = run.latest_checkpoint()?;
     for (path, reason) in &latest.refused {
         complain(&format!("warning: {} cannot be used: {reason}", path.display()));
     }

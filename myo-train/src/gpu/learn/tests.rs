@@ -47,6 +47,15 @@ fn optimizer(len: usize, warm: bool) -> Optimizer {
     }
 }
 
+#[test]
+fn a_learner_of_fewer_parameters_than_its_networks_have_is_refused() {
+    let Some(gpu) = gpu() else { return };
+    let (card, brain, _) = collected(&gpu, 4);
+    let short = gpu.buffer("parameters", brain.parameters.len() - 1).unwrap();
+    let error = DeviceLearner::new(&gpu, card.sizes(), &brain.config, &short, card.buffers()).err().unwrap();
+    assert!(error.to_string().contains("of buffer parameters were asked for"), "{error}");
+}
+
 fn on_card(card: &DeviceRollout, brain: &Brain, config: &PpoConfig, warm: bool) -> (DeviceLearner, Learned) {
     on_card_within(card, brain, config, warm, (1 << 27, Tiles::default()))
 }

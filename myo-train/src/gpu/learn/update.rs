@@ -9,7 +9,7 @@ use super::memory::{LearnMemory, STEP_METRICS};
 use super::outer::Outer;
 use super::products::Products;
 use super::schedule::{rates, stats};
-use crate::gpu::dense::Dispatch;
+use crate::gpu::dense::{Dispatch, fits};
 use crate::gpu::{RolloutBuffers, Sizes, Tile};
 use crate::learn::LearnStats;
 use crate::networks::Networks;
@@ -67,7 +67,7 @@ impl DeviceLearner {
     /// in `record`.
     ///
     /// # Errors
-    /// No memory left, or the card is lost.
+    /// Fewer parameters than the networks have, no memory left, or the card is lost.
     pub fn new(
         gpu: &Gpu,
         sizes: &Sizes,
@@ -108,6 +108,8 @@ impl DeviceLearner {
             policy: Mlp::new(sizes.observations, &config.policy_hidden, sizes.actions),
             value: Mlp::new(sizes.observations, &config.value_hidden, 1),
         };
+        // The kernels of the passes, alone, are compiled without checks of their own. What they work on besides is made here.
+        fits(parameters, networks.len())?;
         let precision = precision(gpu, config, &networks);
         let layout = Layout::new(sizes, &networks, config, max_bytes, precision);
         let outer = Outer::new(gpu, sizes, &layout, &networks, tiles.weights);

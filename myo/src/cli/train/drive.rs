@@ -1,5 +1,7 @@
 //! Runs a session to its end and tells how it goes.
 
+use std::time::Duration;
+
 use myo::train::session::{Goal, News, Outcome};
 use myo::train::{RunWriter, Session};
 use myo::{Beginning, Envs, ModelReach, Place, likely_cause};
@@ -26,8 +28,8 @@ impl<'a> Ready<'a> {
     }
 
     /// The same with metrics, checkpoints and evaluation in a run folder.
-    pub fn recorded_in(self, writer: RunWriter) -> Result<Self> {
-        Ok(Self { session: self.session.recorded_in(writer)?, ..self })
+    pub fn recorded_in(self, writer: RunWriter, checkpoint_every: Duration) -> Result<Self> {
+        Ok(Self { session: self.session.recorded_in(writer)?.checkpoint_every(checkpoint_every), ..self })
     }
 
     /// Trains to the end.

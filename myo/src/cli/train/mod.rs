@@ -6,10 +6,11 @@ mod settings;
 mod several;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 use myo::train::session::{End, Outcome};
-use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunFolder, RunWriter, Trainer};
+use myo::train::{Checkpoint, Inherited, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session, Trainer};
 use myo::{Beginning, Envs, Wish};
 use serde_json::json;
 
@@ -76,6 +77,10 @@ pub struct Train {
     #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "seeds", "from", "envs", "set"])]
     resume: Option<PathBuf>,
 
+    /// Seconds between two checkpoints, which is what a crash may cost; 0 writes one after every update
+    #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
+    checkpoint_every_s: f64,
+
     /// Print the result as JSON on standard output; progress stays on standard error
     #[arg(long)]
     json: bool,
@@ -90,11 +95,12 @@ Examples:
   myo train ar --seeds 5                      mean and spread over five seeds
   myo train --resume runs/pointing-1          after Ctrl-C, or a crash
 
-The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ (every 30 s) and evaluation.json.
+The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ and evaluation.json.
 Whether `--until` is reached is looked at in 256 fresh episodes (1,024 on a graphics card) whenever training does well,
 and confirmed in 1,000 others; these are the ones in the final table, with the 95 % confidence interval of their success.
-Ctrl-C stops with a checkpoint, a second one at once. A graphics card that is lost stops with a checkpoint, too, and status
-3; going on from it begins new episodes. When learning runs away (a NaN, or a policy that moves by more than `kl_max`), it
+Ctrl-C stops with a checkpoint, a second one at once. A graphics card that is lost stops with status 3; the run goes on from its
+newest checkpoint. However a run was stopped, --resume ends it with the same weights and metrics as if it had not been, bit
+for bit, and makes up for an evaluation that is missing. When learning runs away (a NaN, or a policy that moves by more than `kl_max`), it
 goes back to its last good state with shorter steps and says so; when nothing improves for six million control steps, the
 likely cause is named.
 
@@ -105,6 +111,14 @@ JSON: `run`, `task`, `seed`, `backend` (`cpu` or `gpu`), `device` (its name, nul
 with the keys that `myo eval --json` prints; null after an interrupt or a loss. With --seeds: `task`, `folder`, `runs`, a list
 of such objects, `reached`, the number of seeds that reached the goal, and `mean` and `sd`, each with `wall_s`, `env_steps`,
 `success`, `episode_length_s` and `effort`.";
+
+/// A time, in seconds.
+fn seconds(text: &str) -> std::result::Result<f64, String> {
+    match text.parse() {
+        Ok(s) if (0.0..=1e6).contains(&s) => Ok(s),
+        _ => Err("a number of seconds from 0 to 1000000 is needed".into()),
+    }
+}
 
 /// Runs `myo train`.
 pub fn run(args: &Train) -> Result<()> {
@@ -161,6 +175,21 @@ impl Heritage {
         Ok(Self { run: run.to_owned(), checkpoint })
     }
 
+    /// What a run was to begin from that was stopped before it had a checkpoint.
+    fn again(from: &Inheritance) -> Result<Self> {
+        let heritage = Self::open(&from.run)?;
+        if heritage.description() == *from {
+            return Ok(heritage);
+        }
+        Err(Failure::sentence(format!(
+            "the run was to begin from {} after {} control steps, and was stopped before it did; that run is at {} now. \
+             Start it again with --from",
+            from.run.display(),
+            grouped(from.env_steps),
+            grouped(heritage.checkpoint.env_steps())
+        )))
+    }
+
     fn description(&self) -> Inheritance {
         Inheritance { run: self.run.clone(), env_steps: self.checkpoint.env_steps() }
     }
@@ -212,7 +241,7 @@ impl<'a> Training<'a> {
         if let (Some(inherited), Some(heritage)) = (trainer.inherited(), &self.heritage) {
             complain(&heir(heritage, inherited, trainer));
         }
-        ready.recorded_in(writer)
+        recorded(args, ready, writer)
     }
 
     /// One training after the other.
@@ -273,26 +302,24 @@ fn free_folder(task: &str) -> PathBuf {
 }
 
 fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
-    let run = RunFolder::open(path)?;
-    let mut description = Description::of(&run)?;
+    let claim = RunClaim::take(path)?;
+    let run = claim.folder();
+    let mut description = Description::of(run)?;
     description.until = args.until.map_or(description.until, |goal| goal.0);
     description.steps = args.steps.unwrap_or(description.steps);
     let stage = Stage::of(&description)?;
     let (config, seed, goal) = (run.config().ppo.clone(), run.config().seed, description.goal());
     let env = env_again(args, &stage, &description, &config, seed)?;
-    let checkpoint = newest_checkpoint(&run)?;
-    // Stopped before its first checkpoint: the same seed begins the same run.
-    let new = Beginning::New { config: &config, seed, from: None };
+    let checkpoint = newest_checkpoint(run)?;
+    // Stopped before its first checkpoint: the same beginning gives the same run.
+    let from = description.from.as_ref().filter(|_| checkpoint.is_none()).map(Heritage::again).transpose()?;
+    let new = Beginning::New { config: &config, seed, from: from.as_ref().map(|heritage| &heritage.checkpoint) };
     let ready = Ready::new(&stage, env, checkpoint.as_ref().map_or(new, Beginning::Again), goal)?;
-    let trainer = ready.session.trainer();
-    if trainer.env_steps() >= goal.steps {
-        let (done, limit) = (grouped(trainer.env_steps()), grouped(goal.steps));
-        let path = path.display();
-        return Err(Failure::sentence(format!(
-            "{path} has {done} control steps, and its limit is {limit}; raise it with --steps"
-        )));
+    if run.has_evaluation()? {
+        refuse_if_over(path, &ready.session)?;
     }
-    let writer = RunWriter::resume(path, trainer.env_steps(), &trainer.spec().episode_names)?;
+    let trainer = ready.session.trainer();
+    let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
     complain(&format!(
         "going on with {} in {} after {} control steps, on {}",
         stage.task.name,
@@ -300,7 +327,30 @@ fn resume(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
         grouped(trainer.env_steps()),
         sentence(&ready.place)
     ));
-    conclude(args, &stage, ready.recorded_in(writer)?, interrupt)
+    conclude(args, &stage, recorded(args, ready, writer)?, interrupt)
+}
+
+/// Says what would make a training go on whose end is recorded.
+fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
+    let (path, done, limit) = (path.display(), session.trainer().env_steps(), session.goal().steps);
+    let success = session.confirmed().and_then(|evaluation| evaluation.success).unwrap_or_default();
+    match session.over() {
+        Some(End::Until) => Err(Failure::sentence(format!(
+            "{path} has reached its goal with {:.1} % success; raise it with --until, or take --until off",
+            100.0 * success
+        ))),
+        Some(_) => Err(Failure::sentence(format!(
+            "{path} has {} control steps, and its limit is {}; raise it with --steps",
+            grouped(done),
+            grouped(limit)
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The training with its record.
+fn recorded<'a>(args: &Train, ready: Ready<'a>, writer: RunWriter) -> Result<Ready<'a>> {
+    ready.recorded_in(writer, Duration::from_secs_f64(args.checkpoint_every_s))
 }
 
 /// The environments of a run that goes on: where it began, unless another place is asked for.
@@ -351,10 +401,12 @@ fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt
 fn loss(outcome: &Outcome, run: &str) -> String {
     let End::DeviceLost { reason } = &outcome.end else { return String::new() };
     let steps = rounded(outcome.env_steps as f64);
-    let checkpoint = outcome.checkpoint.as_deref().unwrap_or(Path::new("")).display();
+    let from = match &outcome.checkpoint {
+        Some(checkpoint) => format!("its newest checkpoint is {}", checkpoint.display()),
+        None => "it had no checkpoint yet and begins again".into(),
+    };
     format!(
-        "the GPU was lost: {reason}\nstopped after {steps} control steps, with the checkpoint {checkpoint}\n\n\
-         next, with new episodes: {} train --resume {run}",
+        "the GPU was lost: {reason}\nstopped after {steps} control steps; {from}\n\nnext: {} train --resume {run}",
         program()
     )
 }

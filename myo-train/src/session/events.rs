@@ -1,0 +1,139 @@
+//! What a session reports: how it goes, what is worth a word, why it ended or failed.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::curve::Recent;
+use super::recovery;
+use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
+
+/// Why a training ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The deterministic policy succeeds often enough.
+    Until,
+    /// The steps are used up.
+    Steps,
+    /// The caller asked for it: Ctrl-C, or `go_on` said no.
+    Interrupted,
+    /// The graphics card was lost, and with it what came after the newest checkpoint.
+    DeviceLost {
+        /// What the driver says.
+        reason: String,
+    },
+}
+
+impl End {
+    /// Name in tables and JSON.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Until => "until",
+            Self::Steps => "steps",
+            Self::Interrupted => "interrupt",
+            Self::DeviceLost { .. } => "device_lost",
+        }
+    }
+}
+
+/// Something that is worth a word.
+#[derive(Clone, Debug, PartialEq)]
+pub enum News {
+    /// Learning ran away and goes on from an earlier state with shorter steps.
+    WentBack {
+        /// What was wrong.
+        reason: String,
+        /// Control steps at which it was noticed.
+        env_steps: u64,
+        /// Control steps of the state that it goes on from.
+        to_env_steps: u64,
+        /// Step size from there on.
+        learning_rate: f64,
+    },
+    /// Nothing improves; told once.
+    Flat {
+        /// For how many control steps.
+        env_steps: u64,
+        /// What the episodes are like.
+        recent: Recent,
+    },
+}
+
+impl fmt::Display for News {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let million = |steps: &u64| *steps as f64 / 1e6;
+        match self {
+            Self::WentBack { reason, env_steps, to_env_steps, learning_rate } => write!(
+                f,
+                "training ran away after {:.2} M control steps: {reason}; it goes on from {:.2} M with steps of {learning_rate:.1e}",
+                million(env_steps),
+                million(to_env_steps)
+            ),
+            Self::Flat { env_steps, recent } => write!(
+                f,
+                "nothing has improved for {:.1} M control steps, success stays at {:.0} %",
+                million(env_steps),
+                100.0 * recent.success
+            ),
+        }
+    }
+}
+
+/// What one [`Session::advance`] brought.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Of the update; none when there was none: the training went back, made up for a look that had been cut off, was over
+    /// already, or lost its card.
+    pub metrics: Option<UpdateMetrics>,
+    /// Mean success of recent training episodes, whose actions are noisy; none before the first ended.
+    pub success: Option<f64>,
+    /// Control steps that training may still take until the goal, judged by the learning curve.
+    pub steps_left: Option<u64>,
+    /// Looks that were taken at the deterministic policy.
+    pub looks: Vec<Evaluation>,
+    /// What is worth a word.
+    pub news: Vec<News>,
+    /// Set when the training is over.
+    pub end: Option<End>,
+}
+
+/// How a training went.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Why it ended.
+    pub end: End,
+    /// Of the last policy on fresh episodes; none after an interrupt or a loss.
+    pub evaluation: Option<Evaluation>,
+    /// Control steps of all environments.
+    pub env_steps: u64,
+    /// Updates of the policy.
+    pub updates: u64,
+    /// Seconds of training and of the looks at the goal.
+    pub wall_s: f64,
+    /// The run folder, if the training was recorded.
+    pub run: Option<PathBuf>,
+    /// The newest checkpoint, if the training was recorded.
+    pub checkpoint: Option<PathBuf>,
+}
+
+/// Why a training cannot go on.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SessionError {
+    /// It failed.
+    #[error(transparent)]
+    Train(#[from] TrainError),
+    /// Learning ran away from the same state again and again, with ever shorter steps.
+    #[error(
+        "training diverged {} times from the same state: {reason}. Start again with a lower learning_rate or kl_target",
+        recovery::TRIES + 1
+    )]
+    RanAway {
+        /// What was wrong the last time.
+        reason: String,
+    },
+    /// It could not be recorded.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
