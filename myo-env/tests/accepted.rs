@@ -190,7 +190,7 @@ fn what_the_check_accepts_runs_with_finite_numbers() {
         .into_par_iter()
         .map(|case: u64| {
             let mut random = Random(case);
-            let task = if case % 2 == 0 { generated(&mut random) } else { mutated(&mut random) };
+            let task = if case.is_multiple_of(2) { generated(&mut random) } else { mutated(&mut random) };
             outcome(&task.to_string(), case)
         })
         .collect();

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::check::value_errors;
 use crate::quantity::Quantity;
 use crate::report::{InvalidTask, TaskError};
-use crate::target::{Pointing, TARGETS_MAX, Target};
+use crate::rules::{count_rule, description_rule, model_rule, name_rule, observation_rule, version_rule};
+use crate::target::{Pointing, Target};
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
 const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
@@ -392,55 +393,4 @@ fn default_time_limit() -> f64 {
 
 fn default_control_step() -> f64 {
     0.05
-}
-
-fn version_rule(version: &u32, (): &()) -> garde::Result {
-    match *version {
-        FORMAT_VERSION => Ok(()),
-        other => Err(garde::Error::new(format!("is {other}; only version {FORMAT_VERSION} is known"))),
-    }
-}
-
-fn name_rule(name: &str, (): &()) -> garde::Result {
-    text_rule(name, 1, 64, "")
-}
-
-fn model_rule(model: &str, (): &()) -> garde::Result {
-    text_rule(model, 1, 4096, "")
-}
-
-fn description_rule(description: &str, (): &()) -> garde::Result {
-    text_rule(description, 0, 10_000, "\n\t")
-}
-
-/// A text of so many characters that does nothing but stand there when it is printed.
-fn text_rule(text: &str, least: usize, most: usize, allowed: &str) -> garde::Result {
-    let n = text.chars().count();
-    if n < least || n > most {
-        return Err(garde::Error::new(format!("has {n} characters; it must have from {least} to {most}")));
-    }
-    match text.chars().find(|c| c.is_control() && !allowed.contains(*c)) {
-        Some(c) => Err(garde::Error::new(format!(
-            "has the control character U+{:04X}, which a terminal would obey; leave it out",
-            u32::from(c)
-        ))),
-        None => Ok(()),
-    }
-}
-
-fn observation_rule(observation: &Observation, (): &()) -> garde::Result {
-    match observation.parts().iter().any(|(_, wanted)| *wanted) {
-        true => Ok(()),
-        false => Err(garde::Error::new("has no part; at least one must be true")),
-    }
-}
-
-fn count_rule(targets: &[Target], (): &()) -> garde::Result {
-    match targets.iter().map(|target| target.repeat() as usize).sum() {
-        1..=TARGETS_MAX => Ok(()),
-        0 => Err(garde::Error::new(format!("has no target; a task has from 1 to {TARGETS_MAX}"))),
-        n => {
-            Err(garde::Error::new(format!("has {n} targets, repetitions counted; a task has from 1 to {TARGETS_MAX}")))
-        }
-    }
 }

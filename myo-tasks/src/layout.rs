@@ -17,6 +17,12 @@ pub struct SourceLocation {
     pub column: u64,
 }
 
+impl SourceLocation {
+    pub(crate) fn new(file: &str, (line, column): Position) -> Self {
+        Self { file: file.to_owned(), line, column }
+    }
+}
+
 impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}:{}", self.file, self.line, self.column)

@@ -27,14 +27,17 @@
 
 mod check;
 mod description;
+mod explain;
 mod geometry;
 mod layout;
 mod load;
+mod load_error;
 pub mod logic;
 mod presets;
 mod quantity;
 mod range;
 mod report;
+mod rules;
 mod schema;
 mod suggest;
 mod tagged;
@@ -43,7 +46,8 @@ mod target;
 pub use check::{Anywhere, CONTACT_MARGIN, RARE_ACCEPTANCE, Reach, check};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
 pub use layout::SourceLocation;
-pub use load::{BadValue, LoadError, SCHEMA_HINT, Source, load};
+pub use load::{SCHEMA_HINT, Source, load};
+pub use load_error::{BadValue, LoadError};
 pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;
 pub use report::{Element, InvalidTask, Report, TaskError, TaskWarning};

@@ -7,6 +7,7 @@ mod stages;
 mod summary;
 
 pub use episode::{reseed, reset};
+#[cfg(feature = "gpu")]
 pub use simulate::simulate;
 pub use summary::episode_names;
 

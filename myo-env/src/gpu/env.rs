@@ -1,23 +1,22 @@
 //! The vectorised environment on a graphics card, seen from the host.
 
+use super::columns::{Scratch, fill_rows, transpose};
 use super::record::{RESEED, RESET, RESULT_ROWS};
 use super::shard::{GpuOptions, Kernels, Shard};
+use super::size::{check_memory, portable_envs, without_memory};
 use crate::batch;
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig};
-use crate::memory;
 use crate::saved::{Header, Identity};
 use crate::state::{EnvState, StateRows};
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
-use myo_gpu::{Gpu, GpuError, Kind};
+use myo_gpu::{Gpu, GpuError};
 use myo_model::Model;
 use myo_tasks::Task;
 
 /// Integers per environment.
 const WORDS: usize = EnvState::<f64>::WORDS;
-/// Least size (bytes) that every card allows one buffer to have.
-const PORTABLE_BUFFER: usize = 128 << 20;
 
 /// Environments on a graphics card.
 ///
@@ -32,16 +31,6 @@ pub struct GpuEnv {
     identity: Identity,
     finished: Finished,
     scratch: Scratch,
-}
-
-/// Memory of the host, entries in the order of the card.
-#[derive(Default)]
-struct Scratch {
-    actions: Vec<f32>,
-    observation: Vec<f32>,
-    result: Vec<f32>,
-    final_observation: Vec<f32>,
-    episode: Vec<f32>,
 }
 
 impl GpuEnv {
@@ -146,56 +135,6 @@ impl GpuEnv {
             shard.reset(&mut batch);
         }
         batch.submit()
-    }
-}
-
-/// Bytes on the device for each environment: state, actions, observations, summary, result, command.
-fn device_bytes(spec: &EnvSpec, count: usize) -> usize {
-    let seen = 2 * spec.observation_size() + spec.action_size() + spec.episode_size();
-    4 * (count + WORDS + seen + RESULT_ROWS + 1)
-}
-
-/// Refuses what the machine has no memory for. How much a card has shows only when it is used up.
-fn check_memory(gpu: &Gpu, spec: &EnvSpec, count: usize) -> Result<(), BuildError> {
-    let on_host = if gpu.adapter().kind == Kind::Software { device_bytes(spec, count) } else { 0 };
-    memory::check(spec.num_envs, on_host + spec.bytes_per_env())
-}
-
-/// Says for how many environments the memory of the card was wanted.
-fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, count: usize) -> BuildError {
-    match error {
-        GpuError::OutOfMemory { .. } | GpuError::TooLarge { .. } => BuildError::OutOfGpuMemory {
-            num_envs: spec.num_envs,
-            bytes: spec.num_envs as u64 * device_bytes(spec, count) as u64,
-            device: gpu.adapter().name.clone(),
-            refusal: error,
-        },
-        other => other.into(),
-    }
-}
-
-/// Environments whose widest buffer every card allows: a power of two.
-fn portable_envs(spec: &EnvSpec, count: usize) -> usize {
-    let widest = count.max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
-    1 << (PORTABLE_BUFFER / (4 * widest)).ilog2()
-}
-
-/// Rows of environments to columns.
-fn transpose(from: &[f32], rows: usize, columns: usize, to: &mut [f32]) {
-    for (column, to) in to.chunks_exact_mut(rows).enumerate() {
-        for (row, x) in to.iter_mut().enumerate() {
-            *x = from[row * columns + column];
-        }
-    }
-}
-
-/// Copies environments of a shard into rows, where `which` says so.
-fn fill_rows(columns: &[f32], num_envs: usize, which: impl Fn(usize) -> bool, rows: &mut [f32]) {
-    let width = rows.len() / num_envs;
-    for (env, row) in rows.chunks_exact_mut(width.max(1)).enumerate().filter(|(env, _)| which(*env)) {
-        for (k, x) in row.iter_mut().enumerate() {
-            *x = columns[k * num_envs + env];
-        }
     }
 }
 

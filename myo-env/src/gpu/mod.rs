@@ -4,11 +4,13 @@
 //! [`VectorEnv`](crate::VectorEnv) that copies actions in and results out; [`Shard`]s are what a learner on the card works
 //! with, without copies.
 
+mod columns;
 mod env;
 mod physics;
 mod program;
 pub mod record;
 mod shard;
+mod size;
 
 pub use env::GpuEnv;
 pub use physics::PhysicsBench;

@@ -1,0 +1,30 @@
+//! Between rows of environments, as callers have them, and columns, as a card has them.
+
+/// Memory of the host, entries in the order of the card.
+#[derive(Default)]
+pub struct Scratch {
+    pub actions: Vec<f32>,
+    pub observation: Vec<f32>,
+    pub result: Vec<f32>,
+    pub final_observation: Vec<f32>,
+    pub episode: Vec<f32>,
+}
+
+/// Rows of environments to columns.
+pub fn transpose(from: &[f32], rows: usize, columns: usize, to: &mut [f32]) {
+    for (column, to) in to.chunks_exact_mut(rows).enumerate() {
+        for (row, x) in to.iter_mut().enumerate() {
+            *x = from[row * columns + column];
+        }
+    }
+}
+
+/// Copies environments of a shard into rows, where `which` says so.
+pub fn fill_rows(columns: &[f32], num_envs: usize, which: impl Fn(usize) -> bool, rows: &mut [f32]) {
+    let width = rows.len() / num_envs;
+    for (env, row) in rows.chunks_exact_mut(width.max(1)).enumerate().filter(|(env, _)| which(*env)) {
+        for (k, x) in row.iter_mut().enumerate() {
+            *x = columns[k * num_envs + env];
+        }
+    }
+}
