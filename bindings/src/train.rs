@@ -165,13 +165,13 @@ impl Session {
     /// sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card; `raised`, what a signal
     /// handler raised meanwhile, which is left to the caller. After an error the training is over and writes nothing more.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.with(|place| {
+        self.with(|slot| {
             // Put back only where all went well: weights that ran away must not become a checkpoint.
-            let mut live = place.take().ok_or_else(over)?;
+            let mut live = slot.take().ok_or_else(over)?;
             let Live { session, pool, .. } = &mut live;
             let (advanced, raised) = interruptible(py, pool, |go_on| session.advance(go_on))?;
             let progress = advanced.map_err(error::session)?;
-            let live = place.insert(live);
+            let live = slot.insert(live);
             let news = compute(py, || {
                 progress.news.iter().map(|news| sentence(news, &live.task, &live.model)).collect::<PyResult<Vec<_>>>()
             })??;

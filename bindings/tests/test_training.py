@@ -80,6 +80,7 @@ def test_other_checkpoints_and_tasks_are_evaluated(run, tmp_path):
     later = myoenv.train(resume=folder, steps=2048)
     newest = myoenv.evaluate(folder, 40, num_envs=40)
     assert np.array_equal(newest["return"], myoenv.evaluate(folder, 40, num_envs=40, checkpoint=2048)["return"])
+    shutil.copy(folder / "checkpoints" / "step_000000001024.ckpt", folder / "checkpoints" / "step_best.ckpt")
     first = myoenv.evaluate(folder, 40, num_envs=40, checkpoint=1024)
     assert np.array_equal(first["return"], myoenv.evaluate(run.run, 40, num_envs=40)["return"])
     assert not np.array_equal(first["return"], newest["return"])

@@ -159,7 +159,8 @@ def checkpoint_file(run: str, checkpoint: Any) -> str:
     if isinstance(checkpoint, (str, PathLike)):
         return as_path("checkpoint", checkpoint)
     steps = as_integer("checkpoint", checkpoint)
-    files = {int(file.stem.removeprefix("step_")): file for file in Path(run).glob("checkpoints/step_*.ckpt")}
+    numbered = {file.stem.removeprefix("step_"): file for file in Path(run).glob("checkpoints/step_*.ckpt")}
+    files = {int(number): file for number, file in numbered.items() if number.isdecimal()}
     if steps in files:
         return str(files[steps])
     there = f"; there are {', '.join(map(str, sorted(files)))}" if files else ""

@@ -13,7 +13,6 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -34,6 +33,7 @@ from myoenv.arguments import (
     as_seed,
     as_share,
 )
+from myoenv.files import write_whole
 from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
 
 Row = dict[str, Any]
@@ -172,10 +172,7 @@ class _Results:
 
     def finish(self, trial: Trial, row: Row) -> None:
         """Keeps a row; whole or not at all, whenever the call is stopped."""
-        path = self.folder / f"{trial.id}.json"
-        unfinished = path.with_suffix(".tmp")
-        unfinished.write_text(json.dumps(row), encoding="utf-8")
-        os.replace(unfinished, path)
+        write_whole(self.folder / f"{trial.id}.json", json.dumps(row).encode())
         self._take(trial, row)
 
     def fail(self, trial: Trial, error: Exception) -> None:
