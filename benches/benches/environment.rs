@@ -72,13 +72,7 @@ fn on_card(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements((STEPS_AT_ONCE * scene.envs) as u64));
         group.bench_function(&scene.name, |bencher| {
             let env = &*made;
-            bencher.iter(|| {
-                let mut batch = gpu.batch();
-                for _ in 0..STEPS_AT_ONCE {
-                    env.shards().iter().for_each(|shard| shard.step(env.kernels(), &mut batch));
-                }
-                batch.submit().and_then(|()| gpu.wait()).expect("the card steps");
-            });
+            bencher.iter(|| step_on_card(gpu, env, STEPS_AT_ONCE));
         });
         group.finish();
         let make = || build(scene, |model, task, config| GpuEnv::new(gpu, model, task, config));
@@ -93,7 +87,17 @@ fn with_actions(gpu: &Gpu, scene: &EnvScene) -> GpuEnv {
         let actions = Numbers::signed(1, env.spec().action_size() * shard.num_envs);
         gpu.write(&shard.actions, 0, &actions).expect("the card takes actions");
     }
+    // Some drivers compile a kernel when it first runs.
+    step_on_card(gpu, &env, 1);
     env
+}
+
+fn step_on_card(gpu: &Gpu, env: &GpuEnv, steps: usize) {
+    let mut batch = gpu.batch();
+    for _ in 0..steps {
+        env.shards().iter().for_each(|shard| shard.step(env.kernels(), &mut batch));
+    }
+    batch.submit().and_then(|()| gpu.wait()).expect("the card steps");
 }
 
 fn main() {

@@ -73,9 +73,10 @@ fn estimates(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The parts of an update that its metrics tell of.
-const PARTS: [(&str, fn(&UpdateMetrics) -> f64); 2] =
-    [("acting", |metrics| metrics.collect_s), ("learning", |metrics| metrics.learn_s)];
+/// Seconds of a part of an update, which its metrics tell.
+type Seconds = fn(&UpdateMetrics) -> f64;
+
+const PARTS: [(&str, Seconds); 2] = [("acting", |metrics| metrics.collect_s), ("learning", |metrics| metrics.learn_s)];
 
 /// Acting and learning of whole updates, with an environment that costs nothing.
 fn updates(criterion: &mut Criterion) {

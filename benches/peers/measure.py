@@ -184,7 +184,8 @@ def written(rows: list[dict], left_out: dict[str, str]) -> str:
     """The rows as tables of markdown, one for each thing measured."""
     speed = "system, version, device, envs=environments, control_steps_per_s=control steps/s, "
     speed += "control_steps_per_s_median=median, physics_steps_per_s=physics steps/s, "
-    speed += "simulated_s_per_s=simulated s per s, ready_s=ready after s, ratio"
+    speed += "simulated_s_per_s=simulated s per s, ready_s=ready after s, "
+    speed += "difference_rad=rad from MuJoCo C, ratio"
     gradient = "system, version, device, samples, gradient_step_s=seconds, gradient_step_s_median=median"
     text = ""
     for what in dict.fromkeys(row["what"] for row in rows):
