@@ -95,7 +95,7 @@ fn with_actions(gpu: &Gpu, scene: &EnvScene) -> GpuEnv {
 fn step_on_card(gpu: &Gpu, env: &GpuEnv, steps: usize) {
     let mut batch = gpu.batch();
     for _ in 0..steps {
-        env.shards().iter().for_each(|shard| shard.step(env.kernels(), &mut batch));
+        env.shards().iter().for_each(|shard| shard.step(&mut batch));
     }
     batch.submit().and_then(|()| gpu.wait()).expect("the card steps");
 }
