@@ -3,9 +3,9 @@
 use myo_env::EnvSpec;
 
 use crate::checkpoint::Checkpoint;
-use crate::networks::Networks;
+use crate::networks::{Lender, Networks};
 use crate::normalizer::Normalizer;
-use crate::{Mlp, PpoConfig, TrainError};
+use crate::{Mlp, Policy, PpoConfig, TrainError};
 
 /// What a warm start could use; see [`Trainer::warm_start`](crate::Trainer::warm_start).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +114,57 @@ impl Heir<'_> {
     }
 }
 
+/// A policy for an environment with other observations and actions; see [`Policy::for_environment`].
+pub fn policy_for(trained: &Policy, spec: &EnvSpec) -> Result<Policy, TrainError> {
+    let observations = places(&spec.observation_names, &trained.observation_names);
+    let actions = places(&spec.action_names, &trained.action_names);
+    if shared(&observations) == 0 {
+        let got = format!("none of whose {} observations the policy knows", observations.len());
+        return Err(TrainError::Mismatch { what: "the environment", got, expected: "one with some of them".into() });
+    }
+    let unknown = spec.action_names.iter().zip(&actions).filter(|(_, place)| place.is_none());
+    let unknown: Vec<String> = unknown.map(|(name, _)| format!("`{name}`")).collect();
+    if !unknown.is_empty() {
+        let got = format!("one with {}, which the policy does not know", unknown.join(", "));
+        let expected = format!("only actions among its {}", trained.action_names.len());
+        return Err(TrainError::Mismatch { what: "the list of actions", got, expected });
+    }
+    let there = &trained.networks;
+    let here = Networks {
+        policy: resized(&there.policy, observations.len(), actions.len()),
+        value: resized(&there.value, observations.len(), 1),
+    };
+    let mut parameters = vec![0.0; here.len()];
+    let known = &trained.parameters;
+    let own = (&here.policy, &mut parameters[here.policy_range()]);
+    copy_network(own, (&there.policy, &known[there.policy_range()]), &observations, &actions);
+    let own = (&here.value, &mut parameters[here.value_range()]);
+    copy_network(own, (&there.value, &known[there.value_range()]), &observations, &vec![Some(0)]);
+    let log_std = actions.iter().flatten().map(|place| known[there.log_std_range()][*place]);
+    parameters[here.log_std_range()].iter_mut().zip(log_std).for_each(|(own, known)| *own = known);
+
+    let (limit, floor, count, mean, m2) = trained.normalizer.parts();
+    let gather =
+        |known: &[f64], new: f64| observations.iter().map(|place| place.map_or(new, |place| known[place])).collect();
+    Ok(Policy {
+        networks: here,
+        parameters,
+        normalizer: Normalizer::from_parts(limit, floor, count, gather(mean, 0.0), gather(m2, count)),
+        mapping: trained.mapping,
+        observation_names: spec.observation_names.clone(),
+        action_names: spec.action_names.clone(),
+        normalized: Vec::new(),
+        lender: Lender::new(),
+    })
+}
+
+/// A network with the same hidden layers.
+fn resized(net: &Mlp, inputs: usize, outputs: usize) -> Mlp {
+    let mut hidden: Vec<usize> = net.layers().map(|[_, width, ..]| width).collect();
+    hidden.pop();
+    Mlp::new(inputs, &hidden, outputs)
+}
+
 /// Copies the weights between what both networks know. Weights of inputs that are new become zero.
 fn copy_network(
     (net, parameters): (&Mlp, &mut [f32]),
@@ -182,6 +233,63 @@ mod tests {
             assert!((got[0] - expected[1]).abs() < 1e-6 && (got[2] - expected[0]).abs() < 1e-6, "{got:?} {expected:?}");
             assert_ne!(got[1], fresh[1], "a new action reads the other's features");
         }
+    }
+
+    #[test]
+    fn a_policy_acts_the_same_where_names_stand_elsewhere() {
+        let act = |policy: &mut Policy, observation: &[f32]| {
+            let mut actions = vec![0.0; policy.action_names().len()];
+            policy.act_deterministic(observation, &mut actions);
+            actions
+        };
+        let mut own = policy();
+        let expected = act(&mut own, &[0.1, 0.2, 0.3]);
+        assert!(expected[0] != expected[1] && expected[0].abs() < 1.0);
+        let same = own.for_environment(&spec(&["a", "b", "c"], &["x", "y"]));
+        assert_eq!(act(&mut same.unwrap(), &[0.1, 0.2, 0.3]), expected);
+
+        let mut other = own.for_environment(&spec(&["c", "new", "a", "b"], &["y"])).unwrap();
+        for new in [9.0, -9.0] {
+            assert!((act(&mut other, &[0.3, new, 0.1, 0.2])[0] - expected[1]).abs() < 1e-6);
+        }
+        // What is not observed counts as average.
+        let mut less = own.for_environment(&spec(&["b"], &["x"])).unwrap();
+        let average = act(&mut own, &[0.2, 0.2, -0.3])[0];
+        assert!((act(&mut less, &[0.2])[0] - average).abs() < 1e-6 && average != expected[0]);
+    }
+
+    #[test]
+    fn an_environment_that_a_policy_cannot_act_in_is_refused_with_the_difference() {
+        let refused = |spec: EnvSpec| policy().for_environment(&spec).err().expect("it is refused").to_string();
+        let text = refused(spec(&["a"], &["x", "z"]));
+        assert!(text.contains("one with `z`, which the policy does not know"), "{text}");
+        assert!(refused(spec(&["other"], &["x"])).contains("none of whose 1 observations the policy knows"));
+    }
+
+    fn spec(observations: &[&str], actions: &[&str]) -> EnvSpec {
+        EnvSpec {
+            num_envs: 1,
+            observation_names: strings(observations),
+            action_names: strings(actions),
+            episode_names: Vec::new(),
+            control_dt: 0.05,
+            max_episode_steps: 1,
+            autoreset: myo_env::Autoreset::SameStep,
+        }
+    }
+
+    /// Observes a, b and c, and acts with x and y.
+    fn policy() -> Policy {
+        // Far from the limits of the actions, at which all policies look alike.
+        let (action_offset, action_scale) = (0.0, 0.1);
+        let hidden = PpoConfig { policy_hidden: vec![8, 8], value_hidden: vec![8], ..PpoConfig::default() };
+        let config = PpoConfig { action_offset, action_scale, ..hidden };
+        let spec = spec(&["a", "b", "c"], &["x", "y"]);
+        let networks = Networks::new(&spec, &config);
+        let mut parameters = networks.initialize(1, &config);
+        networks.policy.initialize(1, 0, 1.0, &mut parameters[networks.policy_range()]);
+        let normalizer = Normalizer::from_parts(5.0, 0.05, 10.0, vec![0.2, 0.1, -0.3], vec![10.0, 40.0, 0.9]);
+        Policy::new((&spec.observation_names, &spec.action_names), networks, &config, parameters, normalizer)
     }
 
     #[test]

@@ -55,6 +55,15 @@ impl Policy {
         check_names("the list of actions", &spec.action_names, &self.action_names)
     }
 
+    /// The policy for another environment, with observations and actions matched by name. Observations that are new to it do
+    /// not influence it; those that the environment lacks count as average.
+    ///
+    /// # Errors
+    /// No observation is known, or an action is not.
+    pub fn for_environment(&self, spec: &EnvSpec) -> Result<Self, TrainError> {
+        crate::inherit::policy_for(self, spec)
+    }
+
     /// Mean action for every row of `observation`, `(.., observations)`, into `actions`, `(.., actions)` in [-1, 1].
     ///
     /// Rows may be any number; chunks of them run in parallel.

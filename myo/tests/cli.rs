@@ -1,6 +1,5 @@
 //! The built `myo` program, run as a user runs it.
 
-use std::ffi::OsStr;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -68,6 +67,8 @@ fn every_command_explains_itself_with_an_example() {
         "bench train",
         "bench kernel",
         "bench nan",
+        "completions",
+        "man",
     ] {
         let args: Vec<&str> = command.split(' ').chain(["--help"]).collect();
         let help = stdout(&here(&args));
@@ -269,24 +270,380 @@ fn damaged_checkpoint_is_told_and_the_one_before_used() {
     assert_refused(&myo(folder.path(), &["eval", "elsewhere"]), "elsewhere is not a run folder");
 }
 
+/// Starts a training, presses Ctrl-C when `run` has two updates, and gives back what it wrote.
+#[cfg(unix)]
+fn interrupt(folder: &Path, args: &[&str], run: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
+    let training = command.args(args).current_dir(folder).stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut child = training.spawn().unwrap();
+    let metrics = folder.join(run).join("metrics.csv");
+    while std::fs::read_to_string(&metrics).unwrap_or_default().lines().count() < 3 {
+        assert!(child.try_wait().unwrap().is_none(), "the training goes on");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    output
+}
+
+/// Runs the command behind `next: ` in a shell, as a user who copies it.
+#[cfg(unix)]
+fn run_next(folder: &Path, told: &Output) -> Output {
+    let told = String::from_utf8(told.stdout.clone()).unwrap();
+    let next = told.lines().find_map(|line| line.strip_prefix("next: ")).expect("what to do next is told");
+    Command::new("sh").args(["-c", next]).current_dir(folder).output().unwrap()
+}
+
 #[cfg(unix)]
 #[test]
 fn interrupted_training_stops_with_a_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
-    let training = command.args(short_training("1G", &["--out", "run"])).current_dir(folder.path());
-    let mut child = training.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-    let metrics = folder.path().join("run/metrics.csv");
-    while std::fs::read_to_string(&metrics).unwrap_or_default().lines().count() < 3 {
-        assert!(child.try_wait().unwrap().is_none(), "the training goes on");
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    let kill = [OsStr::new("-INT"), OsStr::new(&child.id().to_string())].map(OsStr::to_owned);
-    assert!(Command::new("kill").args(kill).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130));
+    let output = interrupt(folder.path(), &short_training("1G", &["--out", "run"]), "run");
     assert!(String::from_utf8_lossy(&output.stdout).contains("train --resume run"));
     assert!(newest_checkpoint(&folder.path().join("run")).updates() >= 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn commands_that_are_told_can_be_copied() {
+    for run in ["it's my $HOME; `reboot` *&|<>\\\"", "-x"] {
+        let folder = tempfile::tempdir().unwrap();
+        let out = format!("--out={run}");
+        let trained = myo(folder.path(), &short_training("512", &[&out]));
+        assert!(trained.status.success(), "{run}: {}", stderr(&trained));
+        let evaluated = stdout(&run_next(folder.path(), &trained));
+        assert!(evaluated.contains("of 10,000 fresh episodes"), "{run}: {evaluated}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let stopped = interrupt(folder.path(), &short_training("64k", &["--out", "my run"]), "my run");
+    stdout(&run_next(folder.path(), &stopped));
+    assert_eq!(newest_checkpoint(&folder.path().join("my run")).env_steps(), 64_000_u64.next_multiple_of(512));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_training_of_several_seeds_goes_on_with_the_same_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let both = ["--seeds", "3", "--seed", "4", "--out"];
+    let whole = json(&myo(folder.path(), &short_training("32k", &[&both[..], &["whole", "--json"]].concat())));
+    let args = short_training("32k", &[&both[..], &["parts"]].concat());
+    let stopped = interrupt(folder.path(), &args, "parts/seed-5");
+    assert!(String::from_utf8_lossy(&stopped.stdout).contains("train --resume parts"));
+    assert!(!folder.path().join("parts/seed-6").exists());
+    // Somewhere else, as after an upload.
+    std::fs::rename(folder.path().join("parts"), folder.path().join("moved")).unwrap();
+    let output = myo(folder.path(), &["train", "--resume", "moved", "--json"]);
+    assert!(stderr(&output).contains("seed 4 is done"), "{}", stderr(&output));
+    let parts = json(&output);
+    // All but the times and the folder.
+    let results = |all: &Value| {
+        let rows = all["runs"].as_array().unwrap().iter();
+        let keys = ["seed", "env_steps", "updates", "stopped_by", "evaluation"];
+        let rows: Vec<Value> = rows.map(|row| keys.iter().map(|key| row[*key].clone()).collect()).collect();
+        (rows, all["mean"]["success"].clone(), all["sd"]["effort"].clone(), all["reached"].clone())
+    };
+    assert_eq!(results(&parts), results(&whole));
+    assert_eq!(parts["runs"][0]["run"], "moved/seed-4");
+    for seed in ["seed-4", "seed-5", "seed-6"] {
+        let [whole, moved] = ["whole", "moved"].map(|run| newest_checkpoint(&folder.path().join(run).join(seed)));
+        assert!(whole == moved, "{seed}");
+    }
+    // With nothing left to do it tells the same, with a higher limit all go on, and one may go on alone.
+    assert_eq!(json(&myo(folder.path(), &["train", "--resume", "moved", "--json"])), parts);
+    let further = json(&myo(folder.path(), &["train", "--resume", "moved", "--steps", "33k", "--json"]));
+    assert_eq!(further["mean"]["env_steps"], 33_280.0);
+    assert_eq!(json(&myo(folder.path(), &["train", "--resume", "moved", "--json"])), further, "the limit is kept");
+    let alone = json(&myo(folder.path(), &["train", "--resume", "whole/seed-6", "--steps", "33k", "--json"]));
+    assert_eq!(alone["evaluation"], further["runs"][2]["evaluation"]);
+}
+
+#[test]
+fn a_warm_start_with_several_seeds_goes_on_without_the_other_run() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("1k", &["--out", "first"])));
+    let warm = ["train", "pointing-single", "--from", "first", "--until", "off", "--envs", "32", "--steps", "512"];
+    let all = json(&myo(folder.path(), &[&warm[..], &["--seeds", "2", "--out", "both", "--json"]].concat()));
+    // As if it had been killed before the second began.
+    std::fs::remove_dir_all(folder.path().join("both/seed-2")).unwrap();
+    std::fs::remove_file(folder.path().join("both/seeds.json")).unwrap();
+    std::fs::remove_dir_all(folder.path().join("first")).unwrap();
+    let seeds: Value = serde_json::from_value(all.clone()).unwrap();
+    let one = serde_json::json!({"runs": [seeds["runs"][0]]});
+    std::fs::write(folder.path().join("both/seeds.json"), one.to_string()).unwrap();
+    let again = json(&myo(folder.path(), &["train", "--resume", "both", "--json"]));
+    assert_eq!(again["runs"][1]["evaluation"], all["runs"][1]["evaluation"]);
+    assert_eq!(again["mean"]["success"], all["mean"]["success"]);
+}
+
+#[test]
+fn seeds_beyond_the_greatest_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let greatest = u64::MAX.to_string();
+    let refused = myo(folder.path(), &short_training("512", &["--seeds", "2", "--seed", &greatest]));
+    assert_refused(&refused, "it can be at most 18446744073709551614");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
+    let one = json(&myo(folder.path(), &short_training("512", &["--seeds", "1", "--seed", &greatest, "--json"])));
+    assert_eq!(one["runs"][0]["seed"], u64::MAX);
+}
+
+#[test]
+fn runs_are_called_like_the_file_of_their_task() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("tasks")).unwrap();
+    let text = stdout(&here(&["task", "show", "pointing-single"]));
+    std::fs::write(folder.path().join("tasks/my.yaml"), text).unwrap();
+    let args = ["train", "tasks/my.yaml", "--envs", "8", "--steps", "64", "--until", "off", "--json"];
+    assert_eq!(json(&myo(folder.path(), &args))["run"], "runs/my-1");
+    let several = json(&myo(folder.path(), &[&args[..], &["--seeds", "1"]].concat()));
+    assert_eq!((&several["folder"], &several["runs"][0]["run"]), (&"runs/my-2".into(), &"runs/my-2/seed-1".into()));
+    let hint = "runs/my-2 holds the runs of several seeds; name one of them, such as runs/my-2/seed-1";
+    assert_refused(&myo(folder.path(), &["eval", "runs/my-2"]), hint);
+    assert_refused(&myo(folder.path(), &["train", "ar", "--from", "runs/my-2"]), hint);
+}
+
+/// Bytes that would command a terminal.
+fn commands_terminal(output: &Output) -> bool {
+    let all = [&output.stdout[..], &output.stderr].concat();
+    String::from_utf8(all).unwrap().chars().any(|c| c.is_control() && c != '\n')
+}
+
+#[test]
+fn text_from_files_does_not_command_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let evil = r"\e]0;owned\a\e[2J\x9b31m\r\n  fake line";
+    let text = stdout(&here(&["task", "show", "pointing-single"]));
+    let named = text.replace("name: pointing-single", &format!("name: \"{evil}\""));
+    assert_ne!(named, text);
+    std::fs::write(folder.path().join("named.yaml"), named).unwrap();
+    let train = ["train", "named.yaml", "--out", "run", "--envs", "8", "--steps", "64", "--until", "off"];
+    let trained = myo(folder.path(), &train);
+    let told = stdout(&trained) + &stderr(&trained);
+    assert!(!commands_terminal(&trained), "{told:?}");
+    assert!(told.contains(r"\u{1b}]0;owned\u{7}\u{1b}[2J\u{9b}31m\r\n  fake line"), "{told}");
+    let evaluated = myo(folder.path(), &["eval", "run", "--episodes", "4"]);
+    assert!(stdout(&evaluated).contains(r"\u{1b}[2J") && !commands_terminal(&evaluated));
+    let result = myo(folder.path(), &["eval", "run", "--episodes", "4", "--json"]);
+    assert!(!commands_terminal(&result));
+    assert_eq!(json(&result)["task"], "\u{1b}]0;owned\u{7}\u{1b}[2J\u{9b}31m\r\n  fake line", "data stays what it is");
+
+    // In messages about the file, and in its name.
+    for text in
+        ["\"a\\e[2J\": 1\n", "version: 1\nname: x\nmodel: \"a\\e[2J\"\ntargets: []\n", "a\u{1b}[2J: 1\n", "\u{9b}"]
+    {
+        std::fs::write(folder.path().join("bad.yaml"), text).unwrap();
+        let refused = myo(folder.path(), &["task", "check", "bad.yaml"]);
+        assert_eq!(refused.status.code(), Some(1));
+        assert!(!commands_terminal(&refused), "{:?}", stderr(&refused));
+    }
+    let unknown = myo(folder.path(), &["eval", "a\u{1b}[2J"]);
+    assert!(!commands_terminal(&unknown) && stderr(&unknown).contains(r"a\u{1b}[2J is not a run folder"));
+
+    // What is shown to another program is the file itself.
+    let raw = "name: \u{202e}x\n";
+    std::fs::write(folder.path().join("raw.yaml"), text.replace("name: pointing-single\n", raw)).unwrap();
+    assert!(stdout(&myo(folder.path(), &["task", "show", "raw.yaml"])).contains(raw));
+}
+
+#[test]
+fn a_policy_can_be_tried_on_another_task() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("2k", &["--out", "run"])));
+    let evaluate = |more: &[&str]| {
+        let args = [&["eval", "run", "--episodes", "16", "--seed", "3", "--json"], more].concat();
+        let output = myo(folder.path(), &args);
+        (json(&output), stderr(&output))
+    };
+    let (own, _) = evaluate(&[]);
+    let (same, told) = evaluate(&["--task", "pointing-single"]);
+    assert_eq!((same, told.as_str()), (own.clone(), ""), "nothing is told where nothing differs");
+
+    let (other, told) = evaluate(&["--task", "mobile-typing"]);
+    assert_eq!((&other["task"], &other["trained_task"]), (&"mobile-typing".into(), &"pointing-single".into()));
+    assert_eq!(other["targets"].as_array().unwrap().len(), 5);
+    assert_ne!(other["return"], own["return"]);
+    assert_eq!(told, "", "it observes the same");
+
+    let text = stdout(&here(&["task", "show", "pointing-single"]));
+    let seen = text.clone() + "observation: {joint_acceleration: true, phase: false, touch: false}\n";
+    std::fs::write(folder.path().join("seen.yaml"), seen).unwrap();
+    let (_, told) = evaluate(&["--task", "seen.yaml"]);
+    let new = "5 observations that the policy does not know and does not use: joint_acceleration.elv_angle, ";
+    let gone = "2 observations that the policy knows and does not get: phase, touch";
+    assert!(told.contains(new) && told.contains(gone), "{told}");
+
+    let more_text = stdout(&here(&["model", "export", "mobl-arms-uitb", "--format", "yaml"]));
+    let renamed = more_text.replace("DELT1", "OTHER1");
+    assert_ne!(renamed, more_text);
+    std::fs::write(folder.path().join("arm.yaml"), renamed).unwrap();
+    std::fs::write(folder.path().join("mine.yaml"), text.replace("mobl-arms-uitb", "arm.yaml")).unwrap();
+    let refused = myo(folder.path(), &["eval", "run", "--task", "mine.yaml"]);
+    assert_refused(&refused, "OTHER1");
+    assert!(stderr(&refused).contains("which the policy does not know"), "{}", stderr(&refused));
+}
+
+#[test]
+fn a_checkpoint_can_be_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("1k", &["--out", "run"])));
+    let keep = folder.path().join("early.ckpt");
+    std::fs::copy(folder.path().join("run/checkpoints/step_000000001024.ckpt"), keep).unwrap();
+    stdout(&myo(folder.path(), &["train", "--resume", "run", "--steps", "2k"]));
+    let evaluate = |checkpoint: &[&str]| {
+        let args = [&["eval", "run", "--episodes", "16", "--seed", "3", "--json"], checkpoint].concat();
+        json(&myo(folder.path(), &args))
+    };
+    let steps = |result: &Value| result["env_steps"].as_u64().unwrap();
+    let (newest, early) = (evaluate(&[]), evaluate(&["--checkpoint", "early.ckpt"]));
+    assert_eq!((steps(&newest), steps(&early)), (2048, 1024));
+    assert_ne!(newest["return"], early["return"]);
+    assert_eq!(evaluate(&["--checkpoint", "1024"]), early);
+    assert_eq!(evaluate(&["--checkpoint", "2_048"]), newest);
+    let refused =
+        |which, sentence| assert_refused(&myo(folder.path(), &["eval", "run", "--checkpoint", which]), sentence);
+    refused("3k", "run has no checkpoint of 3000 control steps; it has those of 1024, 2048");
+    refused("nowhere.ckpt", "cannot use the checkpoint nowhere.ckpt");
+    refused("run/config.json", "this is not a checkpoint");
+    refused("run", "cannot use the checkpoint run: ");
+    let mut bytes = std::fs::read(folder.path().join("early.ckpt")).unwrap();
+    bytes[300] ^= 1;
+    std::fs::write(folder.path().join("early.ckpt"), bytes).unwrap();
+    refused("early.ckpt", "the checkpoint is damaged");
+    // That of a task with other observations, without being told that the task is another one.
+    let task = stdout(&here(&["task", "show", "pointing-single"])) + "observation: {phase: false}\n";
+    std::fs::write(folder.path().join("mine.yaml"), task).unwrap();
+    let other = ["train", "mine.yaml", "--out", "other", "--until", "off", "--envs", "8", "--steps", "64"];
+    stdout(&myo(folder.path(), &other));
+    refused("other/checkpoints/step_000000000064.ckpt", "does not fit");
+}
+
+#[cfg(unix)]
+#[test]
+fn bash_completes_commands_options_and_values() {
+    let script = stdout(&here(&["completions", "bash"]));
+    let complete = |line: &str| {
+        let words: Vec<String> = line.split(' ').map(|word| format!("'{word}'")).collect();
+        let ask = format!(
+            "{script}\nCOMP_WORDS=({}); COMP_CWORD={}; COMPREPLY=(); _myo myo '{}' '{}'; echo \"${{COMPREPLY[@]}}\"",
+            words.join(" "),
+            words.len() - 1,
+            line.split(' ').next_back().unwrap(),
+            line.rsplit(' ').nth(1).unwrap(),
+        );
+        stdout(&Command::new("bash").args(["--norc", "-c", &ask]).output().expect("bash is there"))
+    };
+    assert_eq!(complete("myo tra").trim(), "train");
+    assert_eq!(complete("myo train --see").trim(), "--seed --seeds");
+    assert_eq!(complete("myo train --backend g").trim(), "gpu");
+    assert_eq!(complete("myo task che").trim(), "check");
+}
+
+#[test]
+fn manual_pages_are_written_for_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(stdout(&myo(folder.path(), &["man", "--out", "."])), "");
+    for (page, words) in [("myo.1", &["man"][..]), ("myo-task-check.1", &["man", "task", "check"])] {
+        let text = std::fs::read_to_string(folder.path().join(page)).unwrap();
+        assert_eq!(text, stdout(&here(words)), "{page}");
+        assert!(text.contains(".TH") && text.contains(".SH NOTES"), "{text}");
+    }
+    assert_refused(
+        &here(&["man", "task", "fly"]),
+        "`myo task` has no command `fly`; there are list, show, check, schema",
+    );
+    assert_refused(&myo(folder.path(), &["man", "--out", "nowhere"]), "cannot write nowhere");
+}
+
+/// What a user may pass by mistake where a file is expected; the names tell what is wrong.
+fn bad_files(folder: &Path) -> Vec<String> {
+    let files: [(&str, Vec<u8>); 6] = [
+        ("empty.yaml", Vec::new()),
+        ("picture.yaml", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec()),
+        ("latin1.yaml", b"name: caf\xe9\n".to_vec()),
+        ("list.yaml", b"- 1\n- 2\n".to_vec()),
+        ("huge.yaml", vec![b'['; 4 << 20]),
+        ("long.yaml", [b"name: ".to_vec(), vec![b'x'; 4 << 20]].concat()),
+    ];
+    for (name, bytes) in &files {
+        std::fs::write(folder.join(name), bytes).unwrap();
+    }
+    std::fs::create_dir(folder.join("folder.yaml")).unwrap();
+    files.iter().map(|(name, _)| (*name).to_owned()).chain(["folder.yaml".into(), "absent.yaml".into()]).collect()
+}
+
+#[test]
+fn files_that_are_no_task_or_model_are_refused_by_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    let commands: [&[&str]; 7] = [
+        &["train"],
+        &["task", "check"],
+        &["eval", "run", "--task"],
+        &["bench", "env", "--task"],
+        &["bench", "train"],
+        &["model", "show"],
+        &["model", "export", "--out", "made"],
+    ];
+    for file in bad_files(folder.path()) {
+        for command in commands {
+            let output = myo(folder.path(), &[command, &[&file]].concat());
+            assert_refused(&output, &file);
+            let told = stderr(&output);
+            assert!(told.len() < 2000, "{command:?} {file}: {} bytes are told", told.len());
+        }
+    }
+    assert!(!folder.path().join("made").exists() && !folder.path().join("runs").exists(), "nothing is left");
+}
+
+#[test]
+fn damaged_runs_are_refused_by_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    let whole = std::fs::read_to_string(folder.path().join("run/config.json")).unwrap();
+    let mut odd: Value = serde_json::from_str(&whole).unwrap();
+    odd["run"]["task"]["targets"] = "none".into();
+    let commands: [&[&str]; 4] = [&["eval"], &["train", "--resume"], &["train", "ar", "--from"], &["task", "show"]];
+    let damages = [("", "EOF"), ("{", "EOF"), ("[]", "config.json"), ("\0\u{1}", "line 1"), (&whole[..200], "EOF")];
+    for (text, sentence) in damages {
+        std::fs::write(folder.path().join("run/config.json"), text).unwrap();
+        for command in commands {
+            let refused = myo(folder.path(), &[command, &["run"]].concat());
+            assert_refused(&refused, sentence);
+            assert!(stderr(&refused).contains("cannot understand run/config.json: "), "{}", stderr(&refused));
+        }
+    }
+    std::fs::write(folder.path().join("run/config.json"), odd.to_string()).unwrap();
+    for command in [&["eval", "run"][..], &["train", "--resume", "run"], &["task", "show", "run"]] {
+        assert_refused(&myo(folder.path(), command), "cannot understand run/config.json: ");
+    }
+    // What is no run at all.
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    for (name, command) in
+        ["file", "empty", "absent"].iter().flat_map(|name| commands[..3].iter().map(move |c| (name, c)))
+    {
+        let refused = myo(folder.path(), &[command, &[*name][..]].concat());
+        assert_refused(&refused, name);
+    }
+}
+
+#[test]
+fn numbers_that_nobody_can_mean_are_refused() {
+    let greatest = u64::MAX.to_string();
+    for args in [
+        &["train", "ar", "--envs", "0"][..],
+        &["train", "ar", "--seeds", "0"],
+        &["train", "ar", "--seed", "-1"],
+        &["train", "ar", "--steps", "1e30"],
+        &["train", "ar", "--until", "nan"],
+        &["train", "ar", "--threads", &greatest],
+        &["eval", "run", "--episodes", "0"],
+    ] {
+        let output = here(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
+        let value = args.last().unwrap();
+        assert!(stderr(&output).contains(&format!("'{value}'")), "{args:?}: {}", stderr(&output));
+    }
 }
 
 #[test]

@@ -147,7 +147,7 @@ fn a_run_on_the_gpu_goes_on_there_or_elsewhere() {
 
     if cfg!(target_os = "linux") {
         let gone = run(folder.path(), &["train", "--resume", "run", "--steps", "4k"], true);
-        assert_refused(&gone, "which cannot be had now: no GPU was found");
+        assert_refused(&gone, "which is not available now: no GPU was found");
         assert!(stderr(&gone).contains("--backend cpu"), "{}", stderr(&gone));
     }
 }

@@ -1,25 +1,27 @@
 //! `myo eval`: how well a trained policy does.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use myo::Envs;
+use myo::env::EnvSpec;
 use myo::train::gpu::DeviceEvaluator;
 use myo::train::session::evaluation_seed;
-use myo::train::{Evaluation, RunFolder, evaluate};
+use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
 use serde::Serialize;
 
 use super::backend::{Backend, Options, sentence};
-use super::failure::{Failure, Result};
+use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
-use super::output::{print, print_json, rounded};
+use super::output::{name, print, print_json, rounded};
 use super::run_config::{Description, existing_checkpoint};
 use super::stage::Stage;
+use super::train::open_run;
 use super::{parse, report};
 
-/// Most environments side by side.
+/// Most environments that run side by side.
 const ENVS: usize = 1024;
 
 /// Arguments of `myo eval`.
@@ -28,6 +30,14 @@ const ENVS: usize = 1024;
 pub struct Eval {
     /// Run folder
     run: PathBuf,
+
+    /// Another task to try the policy on, by name or file: observations and actions are matched by name
+    #[arg(long, value_name = "TASK")]
+    task: Option<String>,
+
+    /// Checkpoint to evaluate: a file, or the control steps in the name of one in the run folder [default: the newest]
+    #[arg(long, value_name = "FILE|STEPS")]
+    checkpoint: Option<String>,
 
     /// Fresh episodes
     #[arg(long, value_name = "N", default_value = "1000", value_parser = parse::count)]
@@ -49,13 +59,16 @@ const HELP: &str = "\
 Examples:
   myo eval runs/pointing-1
   myo eval runs/pointing-1 --episodes 10000 --seed 3 --json
+  myo eval runs/pointing-1 --task ar                        does what was learned carry over?
+  myo eval runs/pointing-1 --checkpoint 1638400
 
-The deterministic policy of the newest checkpoint acts; if that file is damaged, the one before it.
+Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged. With --task,
+observations that the policy was not trained with do not influence it; a body with muscles that it does not know is refused.
 
 JSON: `success` (share of episodes with every target done), `success_interval` (95 %), `episodes`, `targets`, a list with
 `success`, `movement_time_s` and `movement_time_s_sd` each, `final_distance_m`, `effort`, `episode_length_s`, `return`;
-and `run`, `task`, `env_steps` (control steps that the policy was trained for), `seed`, `backend` (`cpu` or `gpu`) and
-`device` (its name). What does not exist is null. Backends agree to rounding, not to the bit.";
+and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was trained for), `seed`, `backend` (`cpu` or `gpu`) and
+`device` (its name). Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -64,6 +77,7 @@ struct Results<'a> {
     evaluation: &'a Evaluation,
     run: String,
     task: &'a str,
+    trained_task: &'a str,
     env_steps: u64,
     seed: u64,
     backend: &'a str,
@@ -72,14 +86,22 @@ struct Results<'a> {
 
 /// Runs `myo eval`.
 pub fn run(args: &Eval) -> Result<()> {
-    let folder = RunFolder::open(&args.run)?;
-    let stage = Stage::of(&Description::of(&folder)?)?;
-    let checkpoint = existing_checkpoint(&folder)?;
+    let folder = open_run(&args.run)?;
+    let trained = Description::of(&folder)?;
+    let stage = args.task.as_deref().map_or_else(|| Stage::of(&trained), Stage::open)?;
+    let checkpoint = match &args.checkpoint {
+        Some(which) => checkpoint(&folder, which)?,
+        None => existing_checkpoint(&folder)?,
+    };
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
     let episodes = usize::try_from(args.episodes)?;
-    let env = stage.env(&args.physics.wish(Backend::Auto)?, episodes.min(ENVS), seed)?;
-    let (place, mut policy, bar) = (env.place(), checkpoint.policy(), bar(args.episodes));
+    let mut env = stage.env(&args.physics.wish(Backend::Auto)?, episodes.min(ENVS), seed)?;
+    let mut policy = match args.task {
+        Some(_) => policy_for(&checkpoint.policy(), env.as_env().spec())?,
+        None => checkpoint.policy(),
+    };
+    let (place, bar) = (env.place(), bar(args.episodes));
     let progress = |counted: usize| {
         bar.set_position(counted as u64);
         !interrupt.wanted()
@@ -89,22 +111,64 @@ pub fn run(args: &Eval) -> Result<()> {
         Envs::Gpu(env) => DeviceEvaluator::new(*env, &policy)?.evaluate(&policy, episodes, seed, progress)?,
     };
     bar.finish_and_clear();
-    // What was counted before an interrupt over-represents short episodes.
+    // Episodes that ended before an interrupt are too often short ones.
     if interrupt.wanted() {
         return Err(Failure::Interrupted);
     }
-    let task = &stage.task.name;
+    let (task, trained_task) = (&stage.task.name, &trained.task.name);
     if args.json {
         let (run, env_steps) = (args.run.display().to_string(), checkpoint.env_steps());
         let (backend, device) = (place.backend(), place.device());
-        return print_json(&Results { evaluation: &evaluation, run, task, env_steps, seed, backend, device });
+        let evaluation = &evaluation;
+        return print_json(&Results { evaluation, run, task, trained_task, env_steps, seed, backend, device });
     }
-    let trained = rounded(checkpoint.env_steps() as f64);
+    let steps = rounded(checkpoint.env_steps() as f64);
+    let elsewhere = if args.task.is_some() { format!(" on {}", name(trained_task)) } else { String::new() };
     print(&format!(
-        "{}  trained         {trained} control steps\n  evaluated       on {}\n",
+        "{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
         report::evaluation(task, &evaluation),
         sentence(&place)
     ))
+}
+
+/// The checkpoint in a file, or of so many control steps in the run folder.
+fn checkpoint(run: &RunFolder, which: &str) -> Result<Checkpoint> {
+    let file = Path::new(which);
+    let path = match which.parse().or_else(|_| parse::count(which)) {
+        Ok(steps) if !file.exists() => checkpoint_of(run, steps)?,
+        _ => file.to_owned(),
+    };
+    Checkpoint::read(&path)
+        .map_err(|error| Failure::sentence(format!("cannot use the checkpoint {}: {error}", path.display())))
+}
+
+fn checkpoint_of(run: &RunFolder, steps: u64) -> Result<PathBuf> {
+    let steps_of = |path: &Path| path.file_stem()?.to_str()?.strip_prefix("step_")?.parse::<u64>().ok();
+    let files = run.checkpoints()?;
+    if let Some(file) = files.iter().find(|path| steps_of(path) == Some(steps)) {
+        return Ok(file.clone());
+    }
+    let there: Vec<String> =
+        files.iter().rev().filter_map(|path| steps_of(path).map(|steps| steps.to_string())).collect();
+    let there =
+        if there.is_empty() { "it has none yet".into() } else { format!("it has those of {}", there.join(", ")) };
+    Err(Failure::sentence(format!("{} has no checkpoint of {steps} control steps; {there}", run.path().display())))
+}
+
+/// The policy for another environment; tells where that observes something else.
+fn policy_for(policy: &Policy, spec: &EnvSpec) -> Result<Policy> {
+    let (trained, own) = (policy.observation_names(), &spec.observation_names[..]);
+    let missing = |from: &[String], to: &[String]| -> Vec<String> {
+        from.iter().filter(|observation| !to.contains(observation)).map(|observation| name(observation)).collect()
+    };
+    let differences =
+        [(missing(own, trained), "does not know and does not use"), (missing(trained, own), "knows and does not get")];
+    for (names, what) in differences {
+        if !names.is_empty() {
+            complain(&format!("{} observations that the policy {what}: {}", names.len(), names.join(", ")));
+        }
+    }
+    Ok(policy.for_environment(spec)?)
 }
 
 fn bar(episodes: u64) -> ProgressBar {

@@ -1,12 +1,15 @@
-//! How commands fail, and how that is told.
+//! How commands fail, and how the user is told.
 
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use miette::{GraphicalReportHandler, LabeledSpan, NamedSource, SourceOffset};
+use annotate_snippets::renderer::DecorStyle;
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use myo::model::ModelError;
 use myo::tasks::{LoadError, Source, SourceLocation, preset_text};
+
+use super::output::{commands_terminal, printable};
 
 /// Result of a command.
 pub type Result<T> = std::result::Result<T, Failure>;
@@ -16,26 +19,26 @@ pub type Result<T> = std::result::Result<T, Failure>;
 pub enum Failure {
     /// One plain sentence.
     Sentence(String),
-    /// Mistakes that stand somewhere in a text.
+    /// Mistakes in a text.
     Mistakes(Vec<Mistake>),
-    /// Whoever read the output is gone, as in `myo task show ar | head -1`: nothing to complain about.
+    /// The reader of the output is gone, as in `myo task show ar | head -1`, which is not an error.
     OutputClosed,
-    /// Stopped by Ctrl-C, which has been told already.
+    /// Stopped by Ctrl-C; the user has been told already.
     Interrupted,
     /// The graphics card was lost in the middle of a training; why, and where the checkpoint is.
     DeviceLost(String),
 }
 
-/// Something wrong or odd at a place of a text.
+/// Something wrong or odd in a text.
 #[derive(Clone, Debug)]
 pub struct Mistake {
     /// One sentence.
     pub message: String,
-    /// Where it stands; none when it is about the text as a whole.
+    /// Where it is; none when it is about the text as a whole.
     pub place: Option<SourceLocation>,
     /// The text, as far as it is known.
     pub text: Option<String>,
-    /// Odd, not wrong.
+    /// A warning rather than an error.
     pub warning: bool,
 }
 
@@ -67,12 +70,12 @@ impl<E: std::error::Error> From<E> for Failure {
     }
 }
 
-/// Writes a line to standard error; that nobody reads it is no reason to fail.
+/// Writes a line to standard error. It is no reason to fail when nobody reads it.
 pub fn complain(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(text));
 }
 
-/// Mistakes in a task, each with its place.
+/// Mistakes in a task, each with its location.
 pub fn task_mistakes(error: &LoadError) -> Vec<Mistake> {
     match error {
         LoadError::UnknownKey { place, .. }
@@ -113,7 +116,7 @@ impl Mistake {
         Self { message: message.to_owned(), place, text, warning: false }
     }
 
-    /// The same as something odd.
+    /// The same as a warning.
     pub fn warning(self) -> Self {
         Self { warning: true, ..self }
     }
@@ -121,8 +124,11 @@ impl Mistake {
     /// Writes it to standard error: with the lines of the text around it to a terminal, else in one line that editors and
     /// scripts understand, `file:line:column: sentence`.
     pub fn tell(&self) {
-        let drawn = std::io::stderr().is_terminal().then(|| self.drawing()).flatten();
-        complain(drawn.unwrap_or_else(|| self.line()).trim_end_matches('\n'));
+        match std::io::stderr().is_terminal().then(|| self.drawing()).flatten() {
+            // Without colours where the user wants none.
+            Some(drawing) => drop(writeln!(anstream::stderr(), "{drawing}\n")),
+            None => complain(&self.line()),
+        }
     }
 
     fn line(&self) -> String {
@@ -136,21 +142,32 @@ impl Mistake {
 
     fn drawing(&self) -> Option<String> {
         let (place, text) = (self.place.as_ref()?, self.text.as_ref()?);
-        let (line, column) = (usize::try_from(place.line).ok()?, usize::try_from(place.column).ok()?);
-        let start = SourceOffset::from_location(text, line, column).offset();
-        let length = value_length(text.get(start..)?);
-        let severity = if self.warning { miette::Severity::Warning } else { miette::Severity::Error };
-        let diagnostic = miette::MietteDiagnostic::new(&self.message)
-            .with_severity(severity)
-            .with_label(LabeledSpan::underline(start..start + length));
-        let report = miette::Report::new(diagnostic).with_source_code(NamedSource::new(&place.file, text.clone()));
-        let mut drawing = String::new();
-        GraphicalReportHandler::new().render_report(&mut drawing, report.as_ref()).ok()?;
-        Some(drawing)
+        let (message, file) = (printable(&self.message), printable(&place.file));
+        // One character for one, so that columns stay what they are.
+        let text = text.replace("\r\n", "\n").replace(commands_terminal, "\u{fffd}");
+        let start = offset(&text, place.line, place.column)?;
+        let here = AnnotationKind::Primary.span(start..start + value_length(&text[start..]));
+        // The lines before and after are shown as well.
+        let around = [place.line.saturating_sub(1), place.line.saturating_add(1)];
+        let around =
+            around.iter().filter_map(|line| offset(&text, *line, 1)).map(|at| AnnotationKind::Visible.span(at..at));
+        let snippet = Snippet::source(&*text).path(&*file).annotation(here).annotations(around);
+        let level = if self.warning { Level::WARNING } else { Level::ERROR };
+        let boxes = supports_unicode::on(supports_unicode::Stream::Stderr);
+        let decor = if boxes { DecorStyle::Unicode } else { DecorStyle::Ascii };
+        Some(Renderer::styled().decor_style(decor).render(&[level.primary_title(&*message).element(snippet)]))
     }
 }
 
-/// Bytes of the value that a text begins with: a list or group as far as its line goes, or a word.
+/// Bytes before a line and column, both counted from one; none if the text ends before.
+fn offset(text: &str, line: u64, column: u64) -> Option<usize> {
+    let (line, column) = (usize::try_from(line).ok()?.checked_sub(1)?, usize::try_from(column).ok()?.checked_sub(1)?);
+    let before: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+    let inside = text.split_inclusive('\n').nth(line)?;
+    Some(before + inside.char_indices().nth(column).map_or(inside.trim_end().len(), |(at, _)| at))
+}
+
+/// Length in bytes of the value at the start of a text: a word, or a list or group up to the end of its line.
 fn value_length(text: &str) -> usize {
     let line = text.lines().next().unwrap_or_default();
     let closing = if line.starts_with(['[', '{']) { line.rfind([']', '}']) } else { None };
@@ -179,8 +196,26 @@ mod tests {
         let place = SourceLocation { file: "my.yaml".into(), line: 2, column: 1 };
         let text = Some("version: 1\nnam: x\n".into());
         let mistake = Mistake { message: "unknown key `nam`".into(), place: Some(place), text, warning: false };
-        let drawing = mistake.drawing().unwrap();
-        assert!(drawing.contains("unknown key `nam`") && drawing.contains("my.yaml:2:1"), "{drawing}");
+        let drawing = anstream::adapter::strip_str(&mistake.drawing().unwrap()).to_string();
+        let expected = "\
+error: unknown key `nam`
+  ╭▸ my.yaml:2:1
+  │
+1 │ version: 1
+2 │ nam: x
+  ╰╴━━━";
+        assert_eq!(drawing, expected);
+    }
+
+    #[test]
+    fn a_drawing_of_an_evil_file_does_not_command_the_terminal() {
+        let place = SourceLocation { file: "a\u{1b}[2J".into(), line: 1, column: 3 };
+        let text = Some("\u{9b}\u{1b}nam: x\r\n".into());
+        let mistake = Mistake { message: "odd \u{1b}c".into(), place: Some(place), text, warning: true };
+        let drawing = anstream::adapter::strip_str(&mistake.drawing().unwrap()).to_string();
+        assert!(drawing.contains(r"odd \u{1b}c") && drawing.contains(r"a\u{1b}[2J:1:3"), "{drawing}");
+        assert!(drawing.contains("\u{fffd}\u{fffd}nam: x"), "{drawing}");
+        assert!(!drawing.contains(commands_terminal), "{drawing:?}");
     }
 
     #[test]

@@ -3,6 +3,8 @@
 mod backend;
 mod bench;
 mod devices;
+#[cfg(test)]
+mod docs;
 mod eval;
 mod failure;
 mod interrupt;
@@ -11,6 +13,7 @@ mod output;
 mod parse;
 mod report;
 mod run_config;
+mod shell;
 mod stage;
 mod task;
 mod train;
@@ -59,6 +62,10 @@ enum Command {
     /// Benchmarks: physics, environment, training, kernels, NaN hunt
     #[command(subcommand)]
     Bench(bench::Command),
+    /// Print a script with which a shell completes commands and options
+    Completions(shell::Completions),
+    /// Print manual pages
+    Man(shell::Manual),
 }
 
 /// Runs the command of this process.
@@ -82,5 +89,7 @@ fn run(cli: Cli) -> Result<()> {
         Command::Model(command) => model::run(command),
         Command::Devices(args) => devices::run(&args),
         Command::Bench(command) => bench::run(&command, cli.threads),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::manual(&args),
     }
 }

@@ -8,7 +8,7 @@ use myo::model::mjcf::{MjcfOptions, to_mjcf};
 use myo::model::{Model, ModelDescription, builtin, builtin_names};
 
 use super::failure::{Failure, Mistake, Result, model_failure};
-use super::output::{print, print_json, row, table, write_file};
+use super::output::{print, print_file, print_json, row, table, write_file};
 use super::task::as_json;
 
 /// What to do with models.
@@ -218,6 +218,6 @@ fn write(export: &Export) -> Result<()> {
     };
     match &export.out {
         Some(path) => write_file(path, &text),
-        None => print(&text),
+        None => print_file(&text),
     }
 }

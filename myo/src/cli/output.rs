@@ -1,7 +1,8 @@
-//! Output: text, tables, JSON, files.
+//! Output: text, tables, JSON, files, commands to type.
 
+use std::borrow::Cow;
 use std::fs::Permissions;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -11,8 +12,17 @@ use super::failure::{Failure, Result};
 /// Links in a row that are followed, as many as Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// Writes text to standard output as it is.
+/// Writes text for people to standard output.
 pub fn print(text: &str) -> Result<()> {
+    write_out(&printable(text))
+}
+
+/// Writes a file to standard output, byte for byte; a terminal gets no control characters.
+pub fn print_file(text: &str) -> Result<()> {
+    if std::io::stdout().is_terminal() { print(text) } else { write_out(text) }
+}
+
+fn write_out(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(Failure::OutputClosed),
@@ -21,9 +31,54 @@ pub fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a value as JSON that people can read, too.
+/// Writes a value as indented JSON.
 pub fn print_json(value: &impl Serialize) -> Result<()> {
-    print(&(serde_json::to_string_pretty(value)? + "\n"))
+    // Control characters up to U+001F are escaped already.
+    let text = escaped(&serde_json::to_string_pretty(value)?, |c| format!("\\u{:04x}", u32::from(c))).into_owned();
+    write_out(&(text + "\n"))
+}
+
+/// Text that may come from a file, with the characters escaped that a terminal would obey. Line breaks and tabs stay.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| c.escape_default().to_string())
+}
+
+/// The same for a name within a sentence, which must not break its line.
+pub fn name(text: &str) -> String {
+    printable(text).replace('\n', "\\n").replace('\t', "\\t")
+}
+
+fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
+    if !text.contains(commands_terminal) {
+        return Cow::Borrowed(text);
+    }
+    text.chars().map(|c| if commands_terminal(c) { escape(c) } else { c.to_string() }).collect()
+}
+
+/// Whether a terminal would obey a character instead of showing it: control characters, and those that change the
+/// direction of writing, with which text can be made to look like other text.
+pub fn commands_terminal(c: char) -> bool {
+    let turns = matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    (c.is_control() && !matches!(c, '\n' | '\t')) || turns
+}
+
+/// A command of this program as it can be typed into a shell, with the name by which the program was called.
+pub fn command(words: &[&str]) -> String {
+    let program = std::env::args().next().unwrap_or_else(|| "myo".into());
+    let words = [program.as_str()].into_iter().chain(words.iter().copied());
+    words.map(shell_word).collect::<Vec<_>>().join(" ")
+}
+
+fn shell_word(word: &str) -> Cow<'_, str> {
+    // It fails for a zero byte only, which no argument can contain.
+    shlex::try_quote(word).unwrap_or(Cow::Borrowed(word))
+}
+
+/// A path as an argument of [`command`].
+pub fn argument(path: &Path) -> String {
+    let text = path.display().to_string();
+    // Else it would be taken for an option.
+    if text.starts_with('-') { format!("./{text}") } else { text }
 }
 
 /// Writes a file that is whole or not there. A link stays and the file that it leads to is written; a device or pipe is
@@ -80,8 +135,8 @@ fn behind_links(path: &Path) -> std::io::Result<PathBuf> {
     Err(std::io::Error::other("links lead round in circles"))
 }
 
-/// Columns as wide as their widest cell, two spaces apart; the first row is the heading. Cells that begin with a digit
-/// or a sign stand to the right.
+/// Columns as wide as their widest cell, two spaces apart; the first row is the heading. Columns whose cells begin with a
+/// digit or a sign are aligned to the right.
 pub fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| rows.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max().unwrap_or(0);
@@ -150,6 +205,56 @@ mod tests {
         assert_eq!((grouped(0), grouped(999), grouped(1_234_567)), ("0".into(), "999".into(), "1,234,567".into()));
         assert_eq!([12.0, 1234.0, 99_960.0, 4.56e6].map(rounded), ["12.0", "1.23 k", "100 k", "4.56 M"]);
         assert_eq!([4.21, 185.0, 7805.0].map(duration), ["4.2 s", "3 min 05 s", "2 h 10 min"]);
+    }
+
+    #[test]
+    fn text_from_files_does_not_command_the_terminal() {
+        let evil = "a\u{1b}[2J\u{9b}31m\u{7f}\r\u{202e}b\tc\nd";
+        let shown = r"a\u{1b}[2J\u{9b}31m\u{7f}\r\u{202e}b";
+        assert_eq!(printable(evil), format!("{shown}\tc\nd"));
+        assert_eq!(name(evil), format!(r"{shown}\tc\nd"));
+        assert!(matches!(printable("é ∑ 腕"), Cow::Borrowed("é ∑ 腕")));
+        let json = escaped("\"\u{9b}\"", |c| format!("\\u{:04x}", u32::from(c))).into_owned();
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), "\u{9b}", "{json}");
+    }
+
+    #[test]
+    fn commands_can_be_typed_as_they_are_told() {
+        for word in ["runs/my run", "it's", "$(reboot)", "a;b", "", "~", "*", "a\nb", "été", "\\"] {
+            let words = shlex::split(&command(&["eval", word])).unwrap();
+            assert_eq!(words[1..], ["eval", word]);
+        }
+        assert!(command(&["eval", "runs/my-1"]).ends_with(" eval runs/my-1"), "no quotes where none are needed");
+        assert_eq!([Path::new("-x"), Path::new("a/-x")].map(argument), ["./-x", "a/-x"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn only_files_are_replaced() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let mode = |name: &str| std::fs::metadata(at(name)).unwrap().permissions().mode() & 0o777;
+        std::fs::write(at("usual"), "").unwrap();
+        write_file(&at("new"), "1").unwrap();
+        assert_eq!(mode("new"), mode("usual"), "as open to others as files are here");
+
+        std::fs::set_permissions(at("new"), Permissions::from_mode(0o640)).unwrap();
+        for (link, target) in [("link", "new"), ("dangling", "later")] {
+            symlink(at(target), at(link)).unwrap();
+            write_file(&at(link), "2").unwrap();
+            assert!(at(link).is_symlink());
+            assert_eq!(std::fs::read_to_string(at(target)).unwrap(), "2");
+        }
+        assert_eq!(mode("new"), 0o640);
+
+        std::fs::set_permissions(at("new"), Permissions::from_mode(0o444)).unwrap();
+        let Err(Failure::Sentence(text)) = write_file(&at("new"), "3") else { panic!("it is read-only") };
+        assert!(text.contains("new: the file is read-only"), "{text}");
+        assert_eq!(std::fs::read_to_string(at("new")).unwrap(), "2");
+        write_file(Path::new("/dev/null"), "4").unwrap();
+        assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+        assert!(write_file(folder.path(), "5").is_err());
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use myo::env::MOST_THREADS;
 
-/// A whole number from 1.
+/// A whole number, 1 or more.
 pub fn positive(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(n) if n >= 1 => Ok(n),
-        _ => Err("a whole number from 1 is needed".into()),
+        _ => Err("expected a whole number, 1 or more".into()),
     }
 }
 
@@ -14,11 +14,11 @@ pub fn positive(text: &str) -> Result<usize, String> {
 pub fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(n) if (1..=MOST_THREADS).contains(&n) => Ok(n),
-        _ => Err(format!("a whole number from 1 to {MOST_THREADS} is needed")),
+        _ => Err(format!("expected a whole number from 1 to {MOST_THREADS}")),
     }
 }
 
-/// A large count from 1: `60000000`, `60_000_000`, `60M`, `1.5M`, `200k` or `6e7`.
+/// A large count, 1 or more: `60000000`, `60_000_000`, `60M`, `1.5M`, `200k` or `6e7`.
 pub fn count(text: &str) -> Result<u64, String> {
     let plain = text.replace(['_', ','], "");
     let (digits, unit) = match plain.as_bytes().last() {
@@ -32,17 +32,17 @@ pub fn count(text: &str) -> Result<u64, String> {
     if number.fract() == 0.0 && (1.0..=9e15).contains(&number) {
         return Ok(number as u64);
     }
-    Err("a whole number from 1 is needed, such as 60000000, 60M or 200k".into())
+    Err("expected a whole number, 1 or more, such as 60000000, 60M or 200k".into())
 }
 
-/// A share to be reached, or `off`.
+/// The share of successful episodes to reach, or `off`.
 pub fn goal(text: &str) -> Result<Goal, String> {
     if text == "off" {
         return Ok(Goal(None));
     }
     match text.parse() {
         Ok(share) if share > 0.0 && share <= 1.0 => Ok(Goal(Some(share))),
-        _ => Err("a share above 0, at most 1, is needed, such as 0.95, or `off`".into()),
+        _ => Err("expected a share above 0 and at most 1, such as 0.95, or `off`".into()),
     }
 }
 

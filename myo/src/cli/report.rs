@@ -2,17 +2,17 @@
 
 use myo::train::Evaluation;
 
-use super::output::{grouped, percent, row, table};
+use super::output::{grouped, name, percent, row, table};
 
-/// A small readable table; lines of it may be added.
+/// A short report; lines of the same form may be added.
 pub fn evaluation(task: &str, evaluation: &Evaluation) -> String {
     let mut text = format!("{}\n", headline(task, evaluation));
     if !evaluation.targets.is_empty() {
         text += &format!("\n{}\n", targets(evaluation));
     }
-    let mut line = |name: &str, value: Option<String>| {
+    let mut line = |quantity: &str, value: Option<String>| {
         if let Some(value) = value {
-            text += &format!("  {name:<14}  {value}\n");
+            text += &format!("  {quantity:<14}  {value}\n");
         }
     };
     line("final distance", evaluation.final_distance_m.map(|m| format!("{:.1} cm", 100.0 * m)));
@@ -28,6 +28,7 @@ fn headline(task: &str, evaluation: &Evaluation) -> String {
     let interval = evaluation
         .success_interval
         .map_or(String::new(), |[low, high]| format!(" (95 % interval {:.1} to {:.1} %)", 100.0 * low, 100.0 * high));
+    let task = name(task);
     format!("{task}: {success} of {episodes} fresh episodes succeeded{interval}")
 }
 

@@ -11,7 +11,7 @@ use myo::train::{Checkpoint, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
 
 use super::failure::{Failure, Result, complain};
-use super::output::grouped;
+use super::output::{argument, command, grouped};
 
 /// The caller's part of `config.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -94,8 +94,8 @@ pub fn run_task(path: &Path) -> Result<Task> {
 /// The newest checkpoint that is whole; refuses a run without one.
 pub fn existing_checkpoint(run: &RunFolder) -> Result<Checkpoint> {
     newest_checkpoint(run)?.ok_or_else(|| {
-        let path = run.path().display();
-        Failure::sentence(format!("{path} has no checkpoint yet; go on with `myo train --resume {path}`"))
+        let next = command(&["train", "--resume", &argument(run.path())]);
+        Failure::sentence(format!("{} has no checkpoint yet; go on with: {next}", run.path().display()))
     })
 }
 

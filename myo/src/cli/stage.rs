@@ -1,5 +1,7 @@
 //! A task and the body that does it, ready to be simulated.
 
+use std::path::Path;
+
 use myo::env::EnvConfig;
 use myo::model::{Model, ModelDescription};
 use myo::tasks::{Report, Source, Task, load};
@@ -16,14 +18,14 @@ pub struct Stage {
     pub task: Task,
     /// Who does it.
     pub model: Model,
-    /// How that was described, unless it comes with the program: the file may change.
+    /// The description of the model, unless it comes with the program: its file may change.
     pub own_model: Option<ModelDescription>,
     /// The greatest share of episodes that can succeed, as far as the check of the task knows.
     pub most_success: f64,
 }
 
 impl Stage {
-    /// Reads a preset or a task file and refuses what cannot be done; tells warnings.
+    /// Reads a preset or a task file, prints warnings, and refuses a task that cannot be done.
     pub fn open(name_or_file: &str) -> Result<Self> {
         let source = read(name_or_file)?;
         let (report, model) = examine(&source)?;
@@ -36,7 +38,7 @@ impl Stage {
         Ok(Self { task: source.task, model, own_model, most_success: most_success(&report) })
     }
 
-    /// What a run was about.
+    /// The task and the model of a run.
     pub fn of(run: &Description) -> Result<Self> {
         let (task, own_model) = (run.task.clone(), run.model.clone());
         let model = match &own_model {
@@ -46,10 +48,17 @@ impl Stage {
         Ok(Self { task, model, own_model, most_success: 1.0 })
     }
 
-    /// Environments that do the task, at the place that is wished.
+    /// Environments of the task on the backend that is asked for.
     pub fn env(&self, wish: &Wish, num_envs: usize, seed: u64) -> Result<Envs> {
         backend::build(wish, &self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })
     }
+}
+
+/// What the runs of a preset or a task file are called: like the preset, or like the file without its ending.
+pub fn run_name(name_or_file: &str) -> String {
+    let path = Path::new(name_or_file);
+    let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
+    stem.replace(|c: char| !c.is_alphanumeric() && c != '_', "-")
 }
 
 /// Reads a preset or a task file.
@@ -77,4 +86,15 @@ pub fn mistakes(source: &Source, report: &Report) -> (Vec<Mistake>, Vec<Mistake>
     let errors = report.errors.iter().map(|error| Mistake::in_task(source, &error.path(), &error.to_string()));
     let warnings = report.warnings.iter().map(|odd| Mistake::in_task(source, &odd.path(), &odd.to_string()).warning());
     (errors.collect(), warnings.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_called_like_the_preset_or_the_file() {
+        let names = ["pointing-single", "my.yaml", "../tasks/two keys.v2.yml", "./ar"].map(run_name);
+        assert_eq!(names, ["pointing-single", "my", "two-keys-v2", "ar"]);
+    }
 }

@@ -7,7 +7,7 @@ use myo::tasks::{Task, preset, preset_names, preset_text, task_schema};
 use serde_json::json;
 
 use super::failure::{Failure, Mistake, Result};
-use super::output::{print, print_json, row, table};
+use super::output::{print, print_file, print_json, row, table};
 use super::run_config::run_task;
 use super::stage;
 
@@ -87,12 +87,12 @@ fn list(json: bool) -> Result<()> {
 
 fn show(name: &str) -> Result<()> {
     if let Some(text) = preset_text(name) {
-        return print(text);
+        return print_file(text);
     }
     if Path::new(name).join("config.json").exists() {
-        return print(&run_task(Path::new(name))?.to_yaml());
+        return print_file(&run_task(Path::new(name))?.to_yaml());
     }
-    print(&stage::read(name)?.text)
+    print_file(&stage::read(name)?.text)
 }
 
 fn check(name_or_file: &str, json: bool) -> Result<()> {

@@ -1,0 +1,143 @@
+//! `myo train --resume`: goes on with a run, or with the runs of several seeds.
+
+use std::path::Path;
+
+use myo::train::session::{End, Goal};
+use myo::train::{RunClaim, Session};
+use myo::{Beginning, Wish};
+
+use super::several::{Plan, Several};
+use super::{Heritage, Ready, Train, Training, conclude, open_run};
+use crate::cli::backend::{Backend, place, sentence};
+use crate::cli::failure::{Failure, Result, complain};
+use crate::cli::interrupt::Interrupt;
+use crate::cli::output::{grouped, name};
+use crate::cli::run_config::{Description, Inheritance, newest_checkpoint};
+use crate::cli::stage::Stage;
+
+/// Goes on with what is in a folder.
+pub fn run(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
+    match Several::open(path)? {
+        Some(several) => resume_several(args, several, interrupt),
+        None => resume_run(args, path, None, |stage, ready| conclude(args, stage, ready, interrupt)),
+    }
+}
+
+/// Goes on with the trainings of several seeds: with those that have begun, and with those that have not.
+fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> Result<()> {
+    several.aim(goal(args, &several.plan().run))?;
+    let Plan { run, ppo, .. } = several.plan().clone();
+    let stage = Stage::of(&run)?;
+    let heritage = match (&run.from, several.from()?) {
+        (Some(from), Some(checkpoint)) => Some(Heritage { run: from.run.clone(), checkpoint }),
+        _ => None,
+    };
+    let training = Training {
+        wish: wish_again(args, &run, ppo.num_envs)?,
+        stage: &stage,
+        config: ppo,
+        heritage,
+        until: run.until,
+        steps: run.steps,
+        checkpoint_every: args.checkpoint_every(),
+    };
+    several.run(args.json, |seed, path| {
+        if path.join("config.json").exists() {
+            return resume_run(args, path, Some(&training), |_, ready| ready.run(interrupt));
+        }
+        training.ready(seed, |make, _| Ok(make(path)?))?.run(interrupt)
+    })
+}
+
+/// Goes on with one run; `planned` tells what it has in common with others, if it is one of several.
+fn resume_run<T>(
+    args: &Train,
+    path: &Path,
+    planned: Option<&Training<'_>>,
+    run_on: impl FnOnce(&Stage, Ready<'_>) -> Result<T>,
+) -> Result<T> {
+    open_run(path)?;
+    let claim = RunClaim::take(path)?;
+    let run = claim.folder();
+    let description = Description::of(run)?;
+    let goal = planned
+        .map_or_else(|| goal(args, &description), |training| Goal { until: training.until, steps: training.steps });
+    let stage = Stage::of(&description)?;
+    let (config, seed) = (run.config().ppo.clone(), run.config().seed);
+    let env = stage.env(&wish_again(args, &description, config.num_envs)?, config.num_envs, seed)?;
+    let checkpoint = newest_checkpoint(run)?;
+    // Stopped before its first checkpoint: the same beginning gives the same run.
+    let own = match (&checkpoint, planned, &description.from) {
+        (None, None, Some(from)) => Some(heritage_again(from)?),
+        _ => None,
+    };
+    let heritage = own.as_ref().or_else(|| planned?.heritage.as_ref());
+    let new = Beginning::New { config: &config, seed, from: heritage.map(|heritage| &heritage.checkpoint) };
+    let ready = Ready::new(&stage, env, checkpoint.as_ref().map_or(new, Beginning::Again), goal)?;
+    if planned.is_none() && run.has_evaluation()? {
+        refuse_if_over(path, &ready.session)?;
+    }
+    let trainer = ready.session.trainer();
+    let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
+    complain(&format!(
+        "going on with {} in {} after {} control steps, on {}",
+        name(&stage.task.name),
+        path.display(),
+        grouped(trainer.env_steps()),
+        sentence(&ready.place)
+    ));
+    run_on(&stage, ready.recorded_in(writer, args.checkpoint_every())?)
+}
+
+/// The goal of a run with what is asked for now.
+fn goal(args: &Train, run: &Description) -> Goal {
+    Goal { until: args.until.map_or(run.until, |goal| goal.0), steps: args.steps.unwrap_or(run.steps) }
+}
+
+/// Says what would make a training go on whose end is recorded.
+fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
+    let (path, done, limit) = (path.display(), session.trainer().env_steps(), session.goal().steps);
+    let success = session.confirmed().and_then(|evaluation| evaluation.success).unwrap_or_default();
+    match session.over() {
+        Some(End::Until) => Err(Failure::sentence(format!(
+            "{path} has reached its goal with {:.1} % success; raise it with --until, or take --until off",
+            100.0 * success
+        ))),
+        Some(_) => Err(Failure::sentence(format!(
+            "{path} has {} control steps, and its limit is {}; raise it with --steps",
+            grouped(done),
+            grouped(limit)
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// What a run was to begin from that was stopped before it had a checkpoint.
+fn heritage_again(from: &Inheritance) -> Result<Heritage> {
+    let heritage = Heritage::open(&from.run)?;
+    if heritage.description() == *from {
+        return Ok(heritage);
+    }
+    Err(Failure::sentence(format!(
+        "the run was to begin from {} after {} control steps, and was stopped before it did; that run is at {} now. Start \
+         it again with --from",
+        from.run.display(),
+        grouped(from.env_steps),
+        grouped(heritage.checkpoint.env_steps())
+    )))
+}
+
+/// Where a run goes on: where it began, unless another place is asked for.
+fn wish_again(args: &Train, description: &Description, num_envs: usize) -> Result<Wish> {
+    if args.physics.is_given() {
+        return args.physics.wish(Backend::Auto);
+    }
+    let wish = description.wish();
+    if let (Wish::Gpu(_), Err(Failure::Sentence(reason))) = (&wish, place(&wish, num_envs)) {
+        let device = description.device.as_deref().unwrap_or("a graphics card");
+        return Err(Failure::sentence(format!(
+            "the run began on {device}, which is not available now: {reason}. To go on elsewhere, add --backend cpu or --device"
+        )));
+    }
+    Ok(wish)
+}
