@@ -9,9 +9,14 @@ use myo_tasks::Reach;
 pub struct ModelReach(ReachableSpace);
 
 impl ModelReach {
-    /// Explores the poses of a model.
+    /// Explores the poses of a model, once it has been tried out under random controls.
+    ///
+    /// # Errors
+    /// The model cannot be simulated.
     pub fn new(model: &Model) -> Result<Self, PlanError> {
-        Ok(Self(ReachableSpace::new(&Plan::exact(model, Coupling::Reduced)?.specialised())))
+        let plan = Plan::exact(model, Coupling::Reduced)?;
+        plan.try_out()?;
+        Ok(Self(ReachableSpace::new(&plan.specialised())))
     }
 }
 
