@@ -5,7 +5,7 @@ use crate::plan::{Plan, PlanError};
 use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
 
 /// Bodies tried side by side.
-const BODIES: usize = 32;
+const BODIES: usize = 16;
 /// Physics steps that a body's controls are held for.
 const HELD: usize = 25;
 /// Draws of controls; together with [`HELD`] as long as a thousand control steps of the published systems.
@@ -37,7 +37,11 @@ impl Plan<f64> {
             batch.step(HELD);
             if let Some(dof) = (0..BODIES).find_map(|body| self.runaway(&batch, body)) {
                 let time_s = ((draw + 1) * HELD) as f64 * self.timestep;
-                return Err(PlanError::Unstable { joint: self.dofs[dof].name.clone(), time_s, timestep_s: self.timestep });
+                return Err(PlanError::Unstable {
+                    joint: self.dofs[dof].name.clone(),
+                    time_s,
+                    timestep_s: self.timestep,
+                });
             }
         }
         Ok(())
@@ -57,10 +61,10 @@ impl Plan<f64> {
     /// A coordinate that is faster or farther out than any body's.
     fn runaway(&self, batch: &Batch, body: usize) -> Option<usize> {
         let (qpos, qvel) = (batch.qpos(body), batch.qvel(body));
-        let [lo, hi] = [0, 1].map(|end| self.dofs.iter().map(move |dof| dof.range.map_or(0.0, |range| range[end] as f32)));
-        let is_fine = |(((q, v), lo), hi): (((f32, f32), f32), f32)| {
-            v.abs() < TOO_FAST && q > lo - TOO_FAR && q < hi + TOO_FAR
-        };
+        let [lo, hi] =
+            [0, 1].map(|end| self.dofs.iter().map(move |dof| dof.range.map_or(0.0, |range| range[end] as f32)));
+        let is_fine =
+            |(((q, v), lo), hi): (((f32, f32), f32), f32)| v.abs() < TOO_FAST && q > lo - TOO_FAR && q < hi + TOO_FAR;
         let is_active = batch.act(body).iter().all(|act| act.is_finite());
         let stray = qpos.into_iter().zip(qvel).zip(lo).zip(hi).position(|coordinate| !is_fine(coordinate));
         stray.or((!is_active).then_some(0))
@@ -70,6 +74,7 @@ impl Plan<f64> {
 /// Uniform in [0, 1).
 fn uniform(draw: usize, body: usize, entry: usize) -> f64 {
     let word = |x: usize| <f64 as Scalar>::Word::splat(x as u32);
-    let counter = Counter { seed: seed_words(SEED), env: word(body), episode: word(0), step: word(draw), stream: word(entry) };
+    let counter =
+        Counter { seed: seed_words(SEED), env: word(body), episode: word(0), step: word(draw), stream: word(entry) };
     unit::<f64>(philox::<f64>(counter)[0])
 }

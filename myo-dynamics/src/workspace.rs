@@ -112,8 +112,7 @@ impl<S: Scalar> SolverTally<S> {
         self.rounds.store(&mut rounds);
         self.unsolved.store(&mut unsolved);
         for ((count, rounds), unsolved) in counts.iter_mut().zip(rounds).zip(unsolved) {
-            *count +=
-                SolverCount { steps: steps as u64, rounds: u64::from(rounds), unsolved: u64::from(unsolved) };
+            *count += SolverCount { steps: steps as u64, rounds: u64::from(rounds), unsolved: u64::from(unsolved) };
         }
         *self = Self::new();
     }

@@ -181,7 +181,8 @@ fn limits_of_curved_joints_feel_the_curvature() {
         let acceleration = limit.slope * (at(H) - 2.0 * at(0.0) + at(-H)) / (H * H);
         let push = limit.weight * (limit.reference - acceleration).max(0.0);
         let swing = reduced.limits[row].drive.dof.unwrap();
-        let force: f64 = (0..3).map(|k| r.mass[swing.max(k) * 3 + swing.min(k)] * r.qacc[k]).sum::<f64>() - r.torque[swing];
+        let force: f64 =
+            (0..3).map(|k| r.mass[swing.max(k) * 3 + swing.min(k)] * r.qacc[k]).sum::<f64>() - r.torque[swing];
         let wanted = r.limit[row].slope * push;
         assert!((force - wanted).abs() < 1e-3 * wanted.abs().max(1.0), "state {number}: {force} N m for {wanted} N m");
         active += u32::from(push > 0.0);

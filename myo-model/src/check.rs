@@ -74,9 +74,9 @@ impl Check {
 
     /// Every value is finite and within a bound, either sign.
     pub(crate) fn within(&self, field: &'static str, values: &[f64], bound: &Bound) -> Result<(), ModelError> {
-        values.iter().try_for_each(|&value| {
-            self.require(value.abs() <= bound.most, field, value, bound.unit, bound.expected)
-        })
+        values
+            .iter()
+            .try_for_each(|&value| self.require(value.abs() <= bound.most, field, value, bound.unit, bound.expected))
     }
 
     pub(crate) fn at_least(

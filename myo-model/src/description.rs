@@ -1,17 +1,23 @@
 //! The model as a person writes it: a plain typed tree, element names instead of indices.
 
+#[cfg(feature = "files")]
 use garde::Validate;
 use myo_muscle::MuscleParameters;
+#[cfg(feature = "files")]
 use schemars::{JsonSchema, Schema, SchemaGenerator};
+#[cfg(feature = "files")]
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "files")]
 use std::borrow::Cow;
 
+#[cfg(feature = "files")]
 mod flat;
 
 /// A whole model file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema, Validate))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+#[cfg_attr(feature = "files", garde(allow_unvalidated))]
 pub struct ModelDescription {
     /// Version of this file format; the current one is 1.
     pub version: u32,
@@ -20,39 +26,40 @@ pub struct ModelDescription {
     /// Where the figures come from (paper with DOI).
     pub source: String,
     /// Solver options.
-    #[garde(dive)]
+    #[cfg_attr(feature = "files", garde(dive))]
     pub options: Options,
     /// Names of the elements that tasks refer to.
     pub landmarks: Landmarks,
     /// Rigid bodies, parents before children.
-    #[garde(dive)]
+    #[cfg_attr(feature = "files", garde(dive))]
     pub bodies: Vec<Body>,
     /// Joints, in the order in which they act along each body.
-    #[garde(dive)]
+    #[cfg_attr(feature = "files", garde(dive))]
     pub joints: Vec<Joint>,
     /// Joints that follow another joint (or stand still).
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub couplings: Vec<Coupling>,
     /// Points fixed to bodies: via points of muscles and landmarks.
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub sites: Vec<Site>,
     /// Collision shapes fixed to bodies.
-    #[serde(default)]
-    #[garde(dive)]
+    #[cfg_attr(feature = "files", serde(default))]
+    #[cfg_attr(feature = "files", garde(dive))]
     pub geoms: Vec<Geom>,
     /// Muscle-tendon actuators.
-    #[serde(default)]
-    #[garde(dive)]
+    #[cfg_attr(feature = "files", serde(default))]
+    #[cfg_attr(feature = "files", garde(dive))]
     pub muscles: Vec<Muscle>,
 }
 
 /// Solver options.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema, Validate))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+#[cfg_attr(feature = "files", garde(allow_unvalidated))]
 pub struct Options {
     /// Physics time step (s).
-    #[garde(range(min = 1e-5, max = 0.02))]
+    #[cfg_attr(feature = "files", garde(range(min = 1e-5, max = 0.02)))]
     pub timestep: f64,
     /// Gravitational acceleration in world axes (m/s^2).
     pub gravity: [f64; 3],
@@ -61,8 +68,9 @@ pub struct Options {
 }
 
 /// Names of the elements that tasks refer to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
 pub struct Landmarks {
     /// Site that points and presses.
     pub fingertip: String,
@@ -71,9 +79,10 @@ pub struct Landmarks {
 }
 
 /// A rigid body; its frame is placed in its parent's frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema, Validate))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+#[cfg_attr(feature = "files", garde(allow_unvalidated))]
 pub struct Body {
     /// Unique name; `world` is reserved for the fixed root.
     pub name: String,
@@ -82,24 +91,25 @@ pub struct Body {
     /// Position of the body frame in the parent's frame (m).
     pub pos: [f64; 3],
     /// Orientation of the body frame in the parent's frame (w, x, y, z).
-    #[serde(default = "identity_quat")]
+    #[cfg_attr(feature = "files", serde(default = "identity_quat"))]
     pub quat: [f64; 4],
     /// Mass (kg).
-    #[garde(range(min = 0.0))]
+    #[cfg_attr(feature = "files", garde(range(min = 0.0)))]
     pub mass: f64,
     /// Centre of mass in the body frame (m).
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub com: [f64; 3],
     /// Principal moments of inertia about the centre of mass (kg m^2).
     pub inertia: [f64; 3],
     /// Orientation of the principal axes in the body frame (w, x, y, z).
-    #[serde(default = "identity_quat")]
+    #[cfg_attr(feature = "files", serde(default = "identity_quat"))]
     pub inertia_quat: [f64; 4],
 }
 
 /// What a joint lets its body do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(rename_all = "lowercase"))]
 pub enum JointKind {
     /// Rotation about `axis` through `pos` (rad).
     Hinge,
@@ -108,9 +118,10 @@ pub enum JointKind {
 }
 
 /// A joint between a body and its parent.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema, Validate))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+#[cfg_attr(feature = "files", garde(allow_unvalidated))]
 pub struct Joint {
     /// Unique name.
     pub name: String,
@@ -121,34 +132,35 @@ pub struct Joint {
     /// Unit axis in the body frame.
     pub axis: [f64; 3],
     /// Anchor in the body frame (m).
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub pos: [f64; 3],
     /// Lower and upper limit (rad or m), if limited.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
     pub range: Option<[f64; 2]>,
     /// Spring stiffness (N m/rad or N/m).
-    #[serde(default)]
-    #[garde(range(min = 0.0))]
+    #[cfg_attr(feature = "files", serde(default))]
+    #[cfg_attr(feature = "files", garde(range(min = 0.0)))]
     pub stiffness: f64,
     /// Joint position at which the spring is at rest.
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub spring_ref: f64,
     /// Damping (N m s/rad or N s/m).
-    #[serde(default)]
-    #[garde(range(min = 0.0))]
+    #[cfg_attr(feature = "files", serde(default))]
+    #[cfg_attr(feature = "files", garde(range(min = 0.0)))]
     pub damping: f64,
     /// Inertia added to the joint (kg m^2 or kg).
-    #[serde(default)]
-    #[garde(range(min = 0.0))]
+    #[cfg_attr(feature = "files", serde(default))]
+    #[cfg_attr(feature = "files", garde(range(min = 0.0)))]
     pub armature: f64,
     /// How soft the limit is.
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub softness: Softness,
 }
 
 /// MuJoCo's constraint softness: reference acceleration and impedance (documentation chapter "Solver parameters").
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
 pub struct Softness {
     /// Time constant (s) and damping ratio.
     pub solref: [f64; 2],
@@ -163,24 +175,26 @@ impl Default for Softness {
 }
 
 /// `q_dependent = c0 + c1 q + c2 q^2 + c3 q^3 + c4 q^4` with `q` the independent joint (or constant `c0` without one).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
 pub struct Coupling {
     /// The joint that follows.
     pub dependent: String,
     /// The joint that leads.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
     pub independent: Option<String>,
     /// Coefficients of the polynomial, constant first.
     pub polycoef: [f64; 5],
     /// How soft the coupling is when it is kept as a constraint.
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub softness: Softness,
 }
 
 /// A point fixed to a body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
 pub struct Site {
     /// Unique name.
     pub name: String,
@@ -191,8 +205,9 @@ pub struct Site {
 }
 
 /// Shape of a collision geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(rename_all = "lowercase", deny_unknown_fields))]
 pub enum Shape {
     /// Sphere of a radius (m).
     Sphere {
@@ -207,9 +222,10 @@ pub enum Shape {
 }
 
 /// A collision shape fixed to a body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields)]
-#[garde(allow_unvalidated)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema, Validate))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+#[cfg_attr(feature = "files", garde(allow_unvalidated))]
 pub struct Geom {
     /// Unique name.
     pub name: String,
@@ -218,25 +234,26 @@ pub struct Geom {
     /// Shape and size.
     pub shape: Shape,
     /// Position in the body frame (m).
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub pos: [f64; 3],
     /// Orientation in the body frame (w, x, y, z).
-    #[serde(default = "identity_quat")]
+    #[cfg_attr(feature = "files", serde(default = "identity_quat"))]
     pub quat: [f64; 4],
     /// Distance (m) at which contact forces begin; the margins of a pair add up.
-    #[serde(default)]
-    #[garde(range(min = 0.0))]
+    #[cfg_attr(feature = "files", serde(default))]
+    #[cfg_attr(feature = "files", garde(range(min = 0.0)))]
     pub margin: f64,
     /// Sliding, torsional and rolling friction; the greater of a pair holds.
     pub friction: [f64; 3],
     /// How soft contacts are; a pair takes the mean of both.
-    #[serde(default)]
+    #[cfg_attr(feature = "files", serde(default))]
     pub softness: Softness,
 }
 
 /// A muscle-tendon actuator. In a file, its parameters stand beside name and path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "flat::Muscle", into = "flat::Muscle")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "files", serde(from = "flat::Muscle", into = "flat::Muscle"))]
 pub struct Muscle {
     /// Unique name.
     pub name: String,
@@ -246,6 +263,7 @@ pub struct Muscle {
     pub parameters: MuscleParameters,
 }
 
+#[cfg(feature = "files")]
 impl Validate for Muscle {
     type Context = ();
 
@@ -254,6 +272,7 @@ impl Validate for Muscle {
     }
 }
 
+#[cfg(feature = "files")]
 impl JsonSchema for Muscle {
     fn schema_name() -> Cow<'static, str> {
         flat::Muscle::schema_name()
@@ -264,6 +283,7 @@ impl JsonSchema for Muscle {
     }
 }
 
+#[cfg(feature = "files")]
 fn identity_quat() -> [f64; 4] {
     [1.0, 0.0, 0.0, 0.0]
 }

@@ -11,7 +11,11 @@
 //! # Ok::<(), myo_model::ModelError>(())
 //! ```
 //!
+//! Without the default feature `files` there are no files and no built-in arm (which is one), and none of the libraries
+//! that reading takes; descriptions are then made in code.
+//!
 //! This crate knows no state and no equation of motion, no task, and no file beyond the text handed to it.
+#[cfg(feature = "files")]
 mod builtin;
 mod check;
 mod compile;
@@ -19,8 +23,10 @@ pub mod description;
 mod error;
 pub mod mjcf;
 pub mod model;
+#[cfg(feature = "files")]
 mod text;
 
+#[cfg(feature = "files")]
 pub use builtin::{builtin, builtin_names};
 pub use compile::FORMAT_VERSION;
 pub use description::ModelDescription;

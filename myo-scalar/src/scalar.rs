@@ -49,7 +49,7 @@ pub trait Stage<S> {
     const NAME: &'static str;
     /// What the stage returns.
     type Output;
-    /// Does it.
+    /// Runs the stage.
     fn run(self) -> Self::Output;
 }
 

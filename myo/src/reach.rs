@@ -12,9 +12,14 @@ pub struct ModelReach {
 }
 
 impl ModelReach {
-    /// Explores the poses of a model.
+    /// Explores the poses of a model, once it has been tried out under random controls.
+    ///
+    /// # Errors
+    /// The model cannot be simulated.
     pub fn new(model: &Model) -> Result<Self, PlanError> {
-        let plan = Plan::exact(model, Coupling::Reduced)?.specialised();
+        let plan = Plan::exact(model, Coupling::Reduced)?;
+        plan.try_out()?;
+        let plan = plan.specialised();
         Ok(Self { space: ReachableSpace::new(&plan), physics_dt_s: plan.timestep })
     }
 }

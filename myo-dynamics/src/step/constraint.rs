@@ -60,8 +60,7 @@ pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut W
         let velocity = state.qvel[equality.dependent] - leader.rate;
         let (weight, reference) = equality.impedance.row(violation, velocity, S::splat(equality.diagonal));
         let always = S::Mask::splat(true);
-        ws.equality[k] =
-            Row { exists: always, active: always, before: always, weight, reference, slope: S::lit(1.0) };
+        ws.equality[k] = Row { exists: always, active: always, before: always, weight, reference, slope: S::lit(1.0) };
     }
 }
 
