@@ -304,7 +304,8 @@ fn a_goal_that_was_reached_and_is_higher_now_is_sought_again() {
     let goal = |until| Goal { until, steps: 3_000_000 };
     let (_, outcome) = run(recorded(session(Mishap::None, config(), goal(Some(0.5))), &place.path().join("low")));
     let success = outcome.evaluation.unwrap().success.unwrap();
-    let over = |until, name: &str| resumed(&newest(&place.path().join("low")), goal(until), &place.path().join(name)).over();
+    let over =
+        |until, name: &str| resumed(&newest(&place.path().join("low")), goal(until), &place.path().join(name)).over();
     assert_eq!(over(Some(success), "same"), Some(End::Until));
     assert_eq!((over(Some(0.999), "higher"), over(None, "off")), (None, None));
 }
