@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
 use myo::train::session::{End, Goal, News, Outcome, Progress};
-use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunClaim, RunFolder, RunWriter, Session as Inner, UpdateMetrics};
+use myo::train::{
+    Checkpoint, Inherited, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics,
+};
 use myo::{Beginning, Envs, ModelReach, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
@@ -136,11 +138,14 @@ impl Session {
     fn record_in(&self, path: PathBuf, description: &str, go_on: bool) -> PyResult<()> {
         let description = serde_json::from_str(description).map_err(error::run)?;
         self.with(|live| {
-            let Live { session, pool, task, model, claim } = live.take().ok_or_else(|| error::run("the training is over"))?;
+            let Live { session, pool, task, model, claim } =
+                live.take().ok_or_else(|| error::run("the training is over"))?;
             let trainer = session.trainer();
             let names = &trainer.spec().episode_names;
             let writer = if go_on {
-                claim.map_or_else(|| RunClaim::take(&path), Ok).and_then(|claim| claim.resume(trainer.env_steps(), names))
+                claim
+                    .map_or_else(|| RunClaim::take(&path), Ok)
+                    .and_then(|claim| claim.resume(trainer.env_steps(), names))
             } else {
                 RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
             };

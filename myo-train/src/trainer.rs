@@ -320,7 +320,8 @@ impl Trainer {
     /// Begins with what another training learned instead of with nothing; to be called before the first update.
     ///
     /// Observations and actions are matched by name: what the other training did not know is ignored by the networks at
-    /// first, and what it knew and is not there any more is left out. The scaling of observations starts from the other's
+    /// first, and what it knew and is not there any more is left out. Where outputs are mapped to actions in another way, the
+    /// last layer makes up for it, so that the policy acts as before. The scaling of observations starts from the other's
     /// and soon follows the new ones; Adam starts afresh.
     ///
     /// # Errors
