@@ -352,6 +352,36 @@ fn a_training_on_a_card_that_is_stopped_at_any_file_operation_ends_as_one_left_a
     Scene { sample: 1, ..scene }.check_all();
 }
 
+#[test]
+fn an_edited_description_is_checked_as_a_new_task_and_new_options_are() {
+    let scene = Scene::new(&["--until", "off", "--steps", "2048"]);
+    let run = scene.place.path().join("run");
+    assert!(scene.start(&run, &[]).status.success());
+    let file = run.join("config.json");
+    let whole: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let edits = [
+        ("/run/task/targets", serde_json::json!([]), "has no target"),
+        ("/run/task/time_limit_s", serde_json::json!(1e308), "`time_limit_s` is 1000"),
+        ("/run/until", serde_json::json!(2), "until is 2; it must be a share above 0, at most 1, or null"),
+        ("/run/steps", serde_json::json!(0), "steps is 0; it must be at least 1"),
+        ("/run/backend", serde_json::json!("tpu"), "backend is \"tpu\"; it must be \"cpu\" or \"gpu\""),
+        ("/run/version", serde_json::json!(["0.1.0"]), "invalid type"),
+    ];
+    for (key, value, sentence) in edits {
+        let mut edited = whole.clone();
+        *edited.pointer_mut(key).expect("a key of the description") = value;
+        fs::write(&file, edited.to_string()).unwrap();
+        let eval = ["eval", run.to_str().unwrap()];
+        let resume = ["train", "--resume", run.to_str().unwrap(), "--steps", "4096"];
+        for args in [&eval[..], &resume] {
+            let output = Command::new(env!("CARGO_BIN_EXE_myo")).args(args).output().expect("the program starts");
+            let text = errors(&output);
+            assert_eq!(output.status.code(), Some(1), "{key}: {text}");
+            assert!(text.contains("config.json") && text.contains(sentence), "{key}: {text}");
+        }
+    }
+}
+
 /// A training that goes on until it is told to stop.
 fn endless(folder: &Path, before: &str) -> std::process::Child {
     fs::write(folder.join("crash.yaml"), TASK).unwrap();
