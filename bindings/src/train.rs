@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
 use myo::train::session::{End, Goal, News, Outcome, Progress};
-use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunClaim, RunFolder, RunWriter, Session as Inner, UpdateMetrics};
+use myo::train::{
+    Checkpoint, Inherited, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics,
+};
 use myo::{Beginning, Envs, ModelReach, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
@@ -145,7 +147,9 @@ impl Session {
             let trainer = session.trainer();
             let names = &trainer.spec().episode_names;
             let writer = if go_on {
-                claim.map_or_else(|| RunClaim::take(&path), Ok).and_then(|claim| claim.resume(trainer.env_steps(), names))
+                claim
+                    .map_or_else(|| RunClaim::take(&path), Ok)
+                    .and_then(|claim| claim.resume(trainer.env_steps(), names))
             } else {
                 RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
             };

@@ -265,7 +265,8 @@ impl Checkpoint {
             }
         }
         if let Some(good) = self.session.as_ref().and_then(|session| session.good.as_ref()) {
-            let sizes = |checkpoint: &Self| (checkpoint.networks(), checkpoint.config.batch_size(), checkpoint.config.num_envs);
+            let sizes =
+                |checkpoint: &Self| (checkpoint.networks(), checkpoint.config.batch_size(), checkpoint.config.num_envs);
             if sizes(good) != sizes(self) {
                 return inconsistent("the state to go back to has other sizes".into());
             }

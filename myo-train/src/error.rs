@@ -28,6 +28,16 @@ pub enum TrainError {
         /// Of the settings or the policy.
         expected: String,
     },
+    /// The memory that training takes is not there.
+    #[error(
+        "training with these settings takes {:.1} GB of memory, which cannot be had; lower num_envs, steps_per_update, or the \
+         widths of the networks",
+        *bytes as f64 / 1e9
+    )]
+    Memory {
+        /// What is needed at least.
+        bytes: u64,
+    },
     /// The environment returned a number that is not finite.
     #[error("the environment returned a NaN or infinite {what} in update {update}")]
     NonFiniteEnv {

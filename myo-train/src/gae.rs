@@ -81,6 +81,16 @@ mod tests {
     }
 
     #[test]
+    fn advantages_of_a_roll_out_worked_out_by_hand() {
+        // One environment, four steps; the task ends after the second. gamma = 1/2, lambda = 1/2, so deltas count a quarter.
+        let (reward, value, next) = ([1.0, 2.0, -1.0, 4.0], [0.5, 1.0, 2.0, 1.0], [1.0, 0.0, 1.0, 2.0]);
+        let mut got = [f32::NAN; 4];
+        advantages(1, (0.5, 0.5), &reward, &value, &next, &[false, true, false, false], &mut got);
+        // Deltas: 1 + 0.5 - 0.5 = 1, 2 - 1 = 1, -1 + 0.5 - 2 = -2.5, 4 + 1 - 1 = 4.
+        assert_eq!(got, [1.25, 1.0, -1.5, 4.0]);
+    }
+
+    #[test]
     fn explained_variance_of_perfect_and_constant_predictions() {
         let target = [1.0, 2.0, 4.0];
         assert!((explained_variance(&target, &target) - 1.0).abs() < 1e-12);

@@ -223,6 +223,41 @@ mod tests {
         assert!(clipped > 3.0 && clipped < 30.0, "{clipped} rows were clipped");
     }
 
+    /// Loss, divergence, clipped share and gradients with respect to mean and log std of one action at its mean, whose
+    /// probability changed by `ratio`; the standard deviation is 2.
+    fn at_mean(ratio: f32, advantage: f32) -> (f64, f64, f64, f32, f32) {
+        let spread = Spread::new(&[2.0_f32.ln()]);
+        let (mut mean, mut log_std) = ([0.25], [0.0]);
+        let sums = clipped_surrogate(
+            &mut mean,
+            &[0.25],
+            &spread.inverse_std,
+            spread.log_peak,
+            &[spread.log_peak - ratio.ln()],
+            &[advantage],
+            Surrogate { clip: 0.2, weight: 1.0 },
+            &mut log_std,
+        );
+        (sums.loss, sums.kl, sums.clipped, mean[0], log_std[0])
+    }
+
+    #[test]
+    fn loss_of_single_samples_is_as_known() {
+        let check = |ratio: f32, advantage, loss: f64, clipped, log_std: f32| {
+            let (got_loss, kl, got_clipped, mean, got_log_std) = at_mean(ratio, advantage);
+            let expected_kl = f64::from(ratio) - 1.0 - f64::from(ratio).ln();
+            assert!((got_loss - loss).abs() < 1e-6 && (kl - expected_kl).abs() < 1e-6, "{ratio}: {got_loss} {kl}");
+            assert_eq!((got_clipped, mean), (clipped, 0.0), "{ratio}");
+            assert!((got_log_std - log_std).abs() < 1e-6, "{ratio}: {got_log_std}");
+        };
+        // -min(r A, clip(r, 0.8, 1.2) A); at the mean, d ln density / d log std = -1.
+        check(1.0, 3.0, -3.0, 0.0, 3.0);
+        check(1.5, 2.0, -2.4, 1.0, 0.0);
+        check(1.5, -2.0, 3.0, 0.0, -3.0);
+        check(0.5, 2.0, -1.0, 0.0, 1.0);
+        check(0.5, -2.0, 1.6, 1.0, 0.0);
+    }
+
     #[test]
     fn entropy_is_that_of_a_standard_normal_for_unit_spread() {
         let spread = Spread::new(&[0.0, 0.0]);

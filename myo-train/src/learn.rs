@@ -75,9 +75,14 @@ struct Minibatch<'a> {
 }
 
 impl Learner {
+    /// Partial gradients that there is memory for.
+    pub fn gradient_parts(config: &PpoConfig) -> usize {
+        part_count(config.batch_size().div_ceil(config.minibatches))
+    }
+
     /// Memory for batches of `config`.
     pub fn new(networks: &Networks, config: &PpoConfig) -> Self {
-        let parts = part_count(config.batch_size().div_ceil(config.minibatches));
+        let parts = Self::gradient_parts(config);
         Self {
             gradients: vec![0.0; parts * networks.len()],
             order: vec![0; config.batch_size()],

@@ -36,9 +36,9 @@
 //! }
 //! ```
 mod checkpoint;
-
 mod config;
 mod crc32c;
+mod device;
 mod error;
 mod evaluate;
 mod files;
@@ -52,7 +52,6 @@ mod metrics;
 mod mlp;
 mod networks;
 mod normalizer;
-mod place;
 mod policy;
 mod random;
 mod rollout;

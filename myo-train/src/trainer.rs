@@ -6,6 +6,7 @@ use std::time::Instant;
 use myo_env::{EnvSpec, GpuEnv, VectorEnv};
 
 use crate::checkpoint::Checkpoint;
+use crate::device::{Host, TrainingDevice};
 use crate::gae::explained_variance;
 use crate::gaussian::Spread;
 use crate::gpu::CardUpdate;
@@ -14,7 +15,6 @@ use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::{EpisodeSums, UpdateMetrics};
 use crate::networks::{ChunkWork, Lender, Networks};
 use crate::normalizer::{Moments, Normalizer};
-use crate::place::{Host, Place};
 use crate::policy::check_names;
 use crate::rollout::{Actor, evaluate};
 use crate::{Policy, PpoConfig, TrainError};
@@ -25,7 +25,7 @@ use crate::{Policy, PpoConfig, TrainError};
 /// one kind of processor: not on the number of threads, nor on whether training was stopped and resumed in between. Work
 /// runs on the calling thread's rayon pool. On the graphics card they depend on the card and its driver as well.
 pub struct Trainer {
-    place: Place,
+    device: TrainingDevice,
     brain: Brain,
     /// What the host knows of the state of the training; all of it, unless that lives on the card.
     host_state: Mutex<HostState>,
@@ -79,19 +79,19 @@ impl Brain {
 impl Trainer {
     /// A new policy; resets the environment with `seed`.
     pub fn new(env: Box<dyn VectorEnv>, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        Self::start(Place::on_host(env, &config)?, config, seed)
+        Self::start(TrainingDevice::on_host(env, &config)?, config, seed)
     }
 
     /// As [`Trainer::new`], with the policy acting and learning on the graphics card beside the environment; the host hears
     /// some hundred bytes per update. Same seed, same card and driver: same weights.
     pub fn on_card(env: GpuEnv, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        Self::start(Place::on_card(env, &config)?, config, seed)
+        Self::start(TrainingDevice::on_card(env, &config)?, config, seed)
     }
 
-    fn start(mut place: Place, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        let spec = place.spec().clone();
+    fn start(mut device: TrainingDevice, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
+        let spec = device.spec().clone();
         let mut observation = vec![0.0; spec.num_envs * spec.observation_size()];
-        place.env_mut().reset(Some(seed), None, &mut observation)?;
+        device.env_mut().reset(Some(seed), None, &mut observation)?;
         let networks = Networks::new(&spec, &config);
         // The first roll-out is scaled by the first observations, so that the networks never see raw ones.
         let normalizer = first_scaling(&spec, &config, &observation)?;
@@ -105,11 +105,19 @@ impl Trainer {
             updates: 0,
             wall_s: 0.0,
         };
-        if let Place::Card(card) = &mut place {
+        if let TrainingDevice::Card(card) = &mut device {
             card.set_weights(&host_state.parameters, &host_state.optimizer)?;
         }
         let brain = Brain { spec, config, seed, networks, normalizer, lender: Lender::new() };
-        Ok(Self { place, brain, host_state: Mutex::new(host_state), learning_rate, updates: 0, wall_s: 0.0, inherited: None })
+        Ok(Self {
+            device,
+            brain,
+            host_state: Mutex::new(host_state),
+            learning_rate,
+            updates: 0,
+            wall_s: 0.0,
+            inherited: None,
+        })
     }
 
     /// Collects `num_envs * steps_per_update` samples and learns from them.
@@ -118,12 +126,12 @@ impl Trainer {
     pub fn update(&mut self) -> Result<UpdateMetrics, TrainError> {
         let start = Instant::now();
         let learning_rate = self.learning_rate;
-        let result = match &mut self.place {
-            Place::Host(host) => {
+        let result = match &mut self.device {
+            TrainingDevice::Host(host) => {
                 let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
                 host.update(&self.brain, host_state, self.updates, learning_rate)?
             }
-            Place::Card(card) => {
+            TrainingDevice::Card(card) => {
                 card.update(&self.brain.normalizer, (self.brain.seed, self.updates), learning_rate)?.into()
             }
         };
@@ -159,7 +167,7 @@ impl Trainer {
     /// not, the card is lost, and the state is the one that was read last.
     fn host_state(&self) -> (MutexGuard<'_, HostState>, Result<(), TrainError>) {
         let mut host_state = self.host_state.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Place::Card(card) = &self.place {
+        if let TrainingDevice::Card(card) = &self.device {
             let HostState { parameters, optimizer, observation, .. } = &mut *host_state;
             if let Err(error) = card.read_weights(parameters, optimizer, observation) {
                 return (host_state, Err(error));
@@ -246,7 +254,7 @@ impl Trainer {
             optimizer: host_state.optimizer.clone(),
             normalizer: host_state.normalizer.clone(),
             observation: host_state.observation.clone(),
-            env_state: self.place.env().save_state()?,
+            env_state: self.device.env().save_state()?,
             session: None,
         })
     }
@@ -254,19 +262,19 @@ impl Trainer {
     /// Continues from a checkpoint in an environment of the same kind and size, bit for bit; with new episodes where the
     /// checkpoint was written without the state of the environment.
     pub fn restore(env: Box<dyn VectorEnv>, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        Self::resume(Place::on_host(env, &checkpoint.config)?, checkpoint)
+        Self::resume(TrainingDevice::on_host(env, &checkpoint.config)?, checkpoint)
     }
 
     /// As [`Trainer::restore`], on the graphics card.
     pub fn restore_on_card(env: GpuEnv, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        Self::resume(Place::on_card(env, &checkpoint.config)?, checkpoint)
+        Self::resume(TrainingDevice::on_card(env, &checkpoint.config)?, checkpoint)
     }
 
-    fn resume(place: Place, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        let spec = place.spec();
+    fn resume(device: TrainingDevice, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
+        let spec = device.spec();
         check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
         check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
-        let mut trainer = Self::start(place, checkpoint.config.clone(), checkpoint.seed)?;
+        let mut trainer = Self::start(device, checkpoint.config.clone(), checkpoint.seed)?;
         trainer.load(checkpoint)?;
         Ok(trainer)
     }
@@ -278,11 +286,11 @@ impl Trainer {
         if checkpoint.env_state.is_empty() {
             // Other episodes than those of the beginning.
             let seed = checkpoint.seed.wrapping_add(checkpoint.updates);
-            self.place.env_mut().reset(Some(seed), None, &mut host_state.observation)?;
+            self.device.env_mut().reset(Some(seed), None, &mut host_state.observation)?;
         } else {
-            self.place.load(&checkpoint.env_state, &checkpoint.observation)?;
+            self.device.load(&checkpoint.env_state, &checkpoint.observation)?;
         }
-        if let Place::Card(card) = &mut self.place {
+        if let TrainingDevice::Card(card) = &mut self.device {
             card.set_weights(&host_state.parameters, &host_state.optimizer)?;
         }
         self.brain.normalizer.clone_from(&checkpoint.normalizer);
@@ -312,7 +320,8 @@ impl Trainer {
     /// Begins with what another training learned instead of with nothing; to be called before the first update.
     ///
     /// Observations and actions are matched by name: what the other training did not know is ignored by the networks at
-    /// first, and what it knew and is not there any more is left out. The scaling of observations starts from the other's
+    /// first, and what it knew and is not there any more is left out. Where outputs are mapped to actions in another way, the
+    /// last layer makes up for it, so that the policy acts as before. The scaling of observations starts from the other's
     /// and soon follows the new ones; Adam starts afresh.
     ///
     /// # Errors
@@ -322,7 +331,7 @@ impl Trainer {
         let heir = Heir { spec: &self.brain.spec, config: &self.brain.config, networks: &self.brain.networks };
         let inherited = heir.take(other, &mut host_state.parameters, &mut host_state.normalizer)?;
         self.brain.normalizer.clone_from(&host_state.normalizer);
-        if let Place::Card(card) = &mut self.place {
+        if let TrainingDevice::Card(card) = &mut self.device {
             card.set_weights(&host_state.parameters, &host_state.optimizer)?;
         }
         self.inherited = Some(inherited);

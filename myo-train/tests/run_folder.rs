@@ -203,7 +203,11 @@ fn a_checkpoint_that_cannot_be_read_is_not_taken_for_a_damaged_one() {
     let mut newer = whole.clone();
     newer[8] = 9;
     fs::write(&newest, newer).unwrap();
-    assert!(error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 2"), "{}", error());
+    assert!(
+        error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 2"),
+        "{}",
+        error()
+    );
     fs::remove_file(&newest).unwrap();
     fs::create_dir(&newest).unwrap();
     assert!(error().starts_with("cannot read") && error().contains("step_000000000512.ckpt"), "{}", error());

@@ -217,16 +217,27 @@ fn newest(folder: &Path) -> Checkpoint {
 
 /// Goes on from a checkpoint, recorded in another folder.
 fn resumed(checkpoint: &Checkpoint, goal: Goal, folder: &Path) -> Session {
+    resumed_with(examiner(Mishap::None), checkpoint, goal, folder)
+}
+
+fn resumed_with(examiner: Examiner, checkpoint: &Checkpoint, goal: Goal, folder: &Path) -> Session {
     let trainer = Trainer::restore(Box::new(Fragile::new(Mishap::None)), checkpoint).unwrap();
-    let examiner = Examiner::on_host(Box::new(Points::new(ENVS)), trainer.seed());
     recorded(Session::resume(trainer, examiner, goal, checkpoint), folder)
 }
 
-/// Stops a training after each of its updates in turn, or rather each `stride`-th, goes on, and compares the ends.
-fn check_that_no_stop_is_seen(config: PpoConfig, goal: Goal, stride: usize) -> Vec<Progress> {
+/// Looks in episodes in which this goes wrong.
+fn examiner(mishap: Mishap) -> Examiner {
+    Examiner::on_host(Box::new(Fragile::new(mishap)), 1)
+}
+
+/// Stops a training after each of its updates in turn, or rather each `stride`-th, goes on, and compares the ends. `looks` is
+/// what goes wrong in looks.
+fn check_that_no_stop_is_seen(config: PpoConfig, goal: Goal, stride: usize, looks: Mishap) -> Vec<Progress> {
     let place = tempfile::tempdir().unwrap();
     let whole = place.path().join("whole");
-    let mut session = recorded(session(Mishap::None, config, goal), &whole).checkpoint_every(Duration::ZERO);
+    let trainer = Trainer::new(Box::new(Fragile::new(Mishap::None)), config, 1).unwrap();
+    let session = Session::new(trainer, examiner(looks), goal).unwrap();
+    let mut session = recorded(session, &whole).checkpoint_every(Duration::ZERO);
     let (mut told, mut states) = (Vec::new(), Vec::new());
     let outcome = loop {
         let progress = session.advance(&|| true).unwrap();
@@ -239,7 +250,7 @@ fn check_that_no_stop_is_seen(config: PpoConfig, goal: Goal, stride: usize) -> V
     let end = newest(&whole).to_bytes();
     for (index, state) in states.iter().enumerate().step_by(stride) {
         let folder = place.path().join(format!("stopped-{index}"));
-        let (_, again) = run(resumed(&Checkpoint::from_bytes(state).unwrap(), goal, &folder));
+        let (_, again) = run(resumed_with(examiner(looks), &Checkpoint::from_bytes(state).unwrap(), goal, &folder));
         assert_eq!((again.end, again.env_steps), (outcome.end.clone(), outcome.env_steps), "after {index}");
         assert_eq!(again.evaluation, outcome.evaluation, "after {index}");
         assert!(newest(&folder).to_bytes() == end, "after {index}");
@@ -249,14 +260,18 @@ fn check_that_no_stop_is_seen(config: PpoConfig, goal: Goal, stride: usize) -> V
 
 #[test]
 fn a_training_with_a_goal_that_was_stopped_ends_as_one_left_alone() {
-    let told = check_that_no_stop_is_seen(config(), Goal { until: Some(0.99), steps: 3_000_000 }, 13);
-    assert!(told.iter().filter(|progress| !progress.looks.is_empty()).count() > 1, "looks in vain are there, too");
+    let goal = |steps| Goal { until: Some(0.9), steps };
+    let told = check_that_no_stop_is_seen(config(), goal(3_000_000), 9, Mishap::None);
+    assert_eq!(told.last().unwrap().end, Some(End::Until));
+    // Looks in vain, too.
+    let told = check_that_no_stop_is_seen(config(), goal(400_000), 19, Mishap::Unreachable);
+    assert!(told.iter().filter(|progress| !progress.looks.is_empty()).count() > 1);
 }
 
 #[test]
 fn a_training_that_ran_away_and_was_stopped_ends_as_one_left_alone() {
     let config = PpoConfig { kl_target: 0.0, learning_rate: 0.2, learning_rate_max: 0.2, ..config() };
-    let told = check_that_no_stop_is_seen(config, steps(90 * 4096), 19);
+    let told = check_that_no_stop_is_seen(config, steps(90 * 4096), 19, Mishap::None);
     assert!(!news(&told).is_empty());
 }
 
@@ -304,7 +319,8 @@ fn a_goal_that_was_reached_and_is_higher_now_is_sought_again() {
     let goal = |until| Goal { until, steps: 3_000_000 };
     let (_, outcome) = run(recorded(session(Mishap::None, config(), goal(Some(0.5))), &place.path().join("low")));
     let success = outcome.evaluation.unwrap().success.unwrap();
-    let over = |until, name: &str| resumed(&newest(&place.path().join("low")), goal(until), &place.path().join(name)).over();
+    let over =
+        |until, name: &str| resumed(&newest(&place.path().join("low")), goal(until), &place.path().join(name)).over();
     assert_eq!(over(Some(success), "same"), Some(End::Until));
     assert_eq!((over(Some(0.999), "higher"), over(None, "off")), (None, None));
 }

@@ -210,6 +210,14 @@ fn a_warm_start_acts_as_its_source_whatever_the_mapping_of_actions() {
 }
 
 #[test]
+fn more_memory_than_there_can_be_is_refused_with_its_amount() {
+    // 40,000 layers of 8192 x 8192 weights: more than any address space holds.
+    let config = PpoConfig { policy_hidden: vec![8192; 40_000], ..config() };
+    let error = Trainer::new(Box::new(Points::new(256)), config, 1).err().unwrap().to_string();
+    assert!(error.contains("GB of memory, which cannot be had; lower num_envs"), "{error}");
+}
+
+#[test]
 fn an_environment_that_does_not_fit_is_refused() {
     let error = |env: Points| Trainer::new(Box::new(env), config(), 1).err().unwrap().to_string();
     assert_eq!(error(Points::new(8)), "the environment does not fit: the number of environments is 8, expected 256");

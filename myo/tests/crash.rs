@@ -41,6 +41,8 @@ struct Scene {
     training: Vec<String>,
     /// A run that was killed, to go on with in place of a new one.
     begun: Option<PathBuf>,
+    /// Cases of a sample, for each kind of fault.
+    sample: usize,
 }
 
 /// Something that goes wrong at a file operation.
@@ -156,7 +158,7 @@ impl Scene {
         let fixed = ["crash.yaml", "--envs", "32", "--checkpoint-every-s", "0", "--threads", "1"];
         let small = ["--set", "steps_per_update=64", "--set", "policy_hidden=[8]", "--set", "value_hidden=[8]"];
         let training = [&fixed[..], &small, more].concat().into_iter().map(String::from).collect();
-        Self { place, shim, training, begun: None }
+        Self { place, shim, training, begun: None, sample: SAMPLE }
     }
 
     /// The same, going on with a run that was killed in the middle.
@@ -238,7 +240,7 @@ impl Scene {
     /// All cases, or a sample of them; panics with the list of those that fail.
     fn check_all(&self) {
         let (whole, operations) = self.undisturbed();
-        let cases = cases(&operations);
+        let cases = cases(&operations, self.sample);
         let (next, failed) = (AtomicUsize::new(0), Mutex::new(BTreeMap::new()));
         std::thread::scope(|scope| {
             for _ in 0..THREADS {
@@ -259,11 +261,11 @@ impl Scene {
 }
 
 /// Faults and numbers of the operations that they happen at.
-fn cases(operations: &[String]) -> Vec<(Fault, usize)> {
+fn cases(operations: &[String], sample: usize) -> Vec<(Fault, usize)> {
     let is_all = std::env::var_os("MYO_TEST_ALL").is_some_and(|all| all == "1");
     let of = |fault: Fault| {
         let all: Vec<_> = (1..=operations.len()).filter(|at| fault.concerns(&operations[at - 1])).collect();
-        let stride = if is_all { 1 } else { all.len().div_ceil(SAMPLE).max(1) };
+        let stride = if is_all { 1 } else { all.len().div_ceil(sample).max(1) };
         // Not the same place of every update.
         all.into_iter().skip(stride / 2).step_by(stride).map(move |at| (fault, at)).collect::<Vec<_>>()
     };
@@ -323,11 +325,61 @@ fn a_warm_start_that_is_stopped_at_any_file_operation_ends_as_one_left_alone() {
     let scene = Scene::new(&["--until", "off", "--steps", "4096"]);
     let source = scene.place.path().join("source");
     assert!(scene.start(&source, &[]).status.success());
-    let Scene { place, shim, mut training, begun } = scene;
+    let Scene { place, shim, mut training, begun, sample } = scene;
     training.truncate(7);
     training.extend(["--set", "steps_per_update=64", "--until", "off", "--steps", "4096", "--from"].map(String::from));
     training.push(source.to_str().unwrap().into());
-    Scene { place, shim, training, begun }.check_all();
+    Scene { place, shim, training, begun, sample }.check_all();
+}
+
+/// A graphics card that is computed by the processor, if a driver for one is there.
+fn software_card() -> Option<String> {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_myo")).args(["devices", "--json"]).output().expect("the program starts");
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).ok()?;
+    let card = found["devices"].as_array()?.iter().find(|device| device["kind"] == "software")?;
+    card["name"].as_str().map(String::from)
+}
+
+#[test]
+fn a_training_on_a_card_that_is_stopped_at_any_file_operation_ends_as_one_left_alone() {
+    let Some(card) = software_card() else {
+        eprintln!("skipped: there is no driver that computes a graphics card on the processor");
+        return;
+    };
+    let scene = Scene::new(&["--until", "off", "--steps", "4096", "--backend", "gpu", "--device", &card]);
+    // A start takes seconds there.
+    Scene { sample: 1, ..scene }.check_all();
+}
+
+#[test]
+fn an_edited_description_is_checked_as_a_new_task_and_new_options_are() {
+    let scene = Scene::new(&["--until", "off", "--steps", "2048"]);
+    let run = scene.place.path().join("run");
+    assert!(scene.start(&run, &[]).status.success());
+    let file = run.join("config.json");
+    let whole: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    let edits = [
+        ("/run/task/targets", serde_json::json!([]), "has no target"),
+        ("/run/task/time_limit_s", serde_json::json!(1e308), "`time_limit_s` is 1000"),
+        ("/run/until", serde_json::json!(2), "until is 2; it must be a share above 0, at most 1, or null"),
+        ("/run/steps", serde_json::json!(0), "steps is 0; it must be at least 1"),
+        ("/run/backend", serde_json::json!("tpu"), "backend is \"tpu\"; it must be \"cpu\" or \"gpu\""),
+        ("/run/version", serde_json::json!(["0.1.0"]), "invalid type"),
+    ];
+    for (key, value, sentence) in edits {
+        let mut edited = whole.clone();
+        *edited.pointer_mut(key).expect("a key of the description") = value;
+        fs::write(&file, edited.to_string()).unwrap();
+        let eval = ["eval", run.to_str().unwrap()];
+        let resume = ["train", "--resume", run.to_str().unwrap(), "--steps", "4096"];
+        for args in [&eval[..], &resume] {
+            let output = Command::new(env!("CARGO_BIN_EXE_myo")).args(args).output().expect("the program starts");
+            let text = errors(&output);
+            assert_eq!(output.status.code(), Some(1), "{key}: {text}");
+            assert!(text.contains("config.json") && text.contains(sentence), "{key}: {text}");
+        }
+    }
 }
 
 /// A training that goes on until it is told to stop.

@@ -75,7 +75,7 @@ pub fn fits(buffer: &Buffer<f32>, end: usize) -> Result<(), GpuError> {
 
 /// A layer: where its parameters are in the flat vector, and its sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layer {
+pub struct DenseLayer {
     /// Rows of the input.
     pub inputs: usize,
     /// Rows of the output.
@@ -142,7 +142,7 @@ impl DenseKernels {
     pub fn layer(
         &mut self,
         parameters: &Buffer<f32>,
-        layer: Layer,
+        layer: DenseLayer,
         x: Columns<'_>,
         y: Columns<'_>,
         columns: usize,
@@ -195,8 +195,14 @@ pub fn tile_for(outputs: usize, columns: usize) -> Tile {
 }
 
 /// The uniform `Shape` of the kernel.
-fn words(layer: Layer, x: Columns<'_>, y: Columns<'_>, columns: usize, sampling: Option<Sampling<'_>>) -> [u32; 16] {
-    let Layer { inputs, outputs, weight, bias } = layer;
+fn words(
+    layer: DenseLayer,
+    x: Columns<'_>,
+    y: Columns<'_>,
+    columns: usize,
+    sampling: Option<Sampling<'_>>,
+) -> [u32; 16] {
+    let DenseLayer { inputs, outputs, weight, bias } = layer;
     let places = [x.stride, x.first, y.stride, y.first].map(|place| place / GROUP);
     let mut words = [0; 16];
     let sizes = [inputs, outputs, columns / GROUP, weight, bias].into_iter().chain(places);

@@ -6,7 +6,7 @@ use myo_gpu::{Batch, Buffer, Gpu, GpuError};
 
 use super::dense::{Columns, DenseKernels, Dispatch, GROUP, Sampling};
 use super::kernels::{Kernels, OBSERVE_WORKGROUP};
-use super::network::{Activations, Pass, Place};
+use super::network::{Activations, NetworkBuffers, Pass};
 use super::rollout::check_shards;
 use crate::evaluate::{Evaluation, Tally, check};
 use crate::{Policy, TrainError};
@@ -209,7 +209,7 @@ fn pass(
     let (network, padded) = (&layout.networks.policy, between.padded);
     let activations = Activations::new(gpu, &[network], padded)?;
     let first_parameter = layout.networks.policy_range().start;
-    let place = Place { network, parameters, first_parameter, activations: &activations };
+    let buffers = NetworkBuffers { network, parameters, first_parameter, activations: &activations };
     let sampling = Sampling {
         env_actions: &shard.actions,
         num_envs: shard.num_envs,
@@ -220,5 +220,5 @@ fn pass(
     };
     let x = Columns { buffer: &between.observation, stride: padded, first: 0 };
     let y = Columns { buffer: &between.action, stride: padded, first: 0 };
-    Pass::new(&mut DenseKernels::new(gpu, None), place, x, y, padded, Some(sampling))
+    Pass::new(&mut DenseKernels::new(gpu, None), buffers, x, y, padded, Some(sampling))
 }

@@ -2,7 +2,7 @@
 
 use myo_gpu::{Batch, Buffer, Gpu, GpuError};
 
-use super::dense::{Columns, DenseKernels, Dispatch, Finish, GROUP, Layer, Sampling};
+use super::dense::{Columns, DenseKernels, DenseLayer, Dispatch, Finish, GROUP, Sampling};
 use crate::Mlp;
 
 /// Most columns that go through a network at a time: enough to fill any card, few enough that the activations between
@@ -41,7 +41,7 @@ pub(crate) struct Pass(Vec<Dispatch>);
 
 /// Where a network finds everything.
 #[derive(Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct NetworkBuffers<'a> {
     /// Its sizes.
     pub network: &'a Mlp,
     /// All parameters.
@@ -57,19 +57,19 @@ impl Pass {
     /// means of actions and `y` gets the actions; if they are noisy, it holds the noise.
     pub fn new(
         kernels: &mut DenseKernels,
-        place: Place<'_>,
+        buffers: NetworkBuffers<'_>,
         x: Columns<'_>,
         y: Columns<'_>,
         columns: usize,
         sampling: Option<Sampling<'_>>,
     ) -> Result<Self, GpuError> {
         let mut dispatches = Vec::new();
-        for start in (0..columns).step_by(place.activations.chunk) {
-            let columns = place.activations.chunk.min(columns - start);
+        for start in (0..columns).step_by(buffers.activations.chunk) {
+            let columns = buffers.activations.chunk.min(columns - start);
             let shifted = |c: Columns<'_>| c.first + start;
             let (x, y) = (Columns { first: shifted(x), ..x }, Columns { first: shifted(y), ..y });
             let sampling = sampling.map(|s| Sampling { first_env: s.first_env + start, ..s });
-            add_layers(kernels, place, x, y, columns, sampling, &mut dispatches)?;
+            add_layers(kernels, buffers, x, y, columns, sampling, &mut dispatches)?;
         }
         Ok(Self(dispatches))
     }
@@ -83,26 +83,30 @@ impl Pass {
 /// Prepares the layers for one chunk.
 fn add_layers(
     kernels: &mut DenseKernels,
-    place: Place<'_>,
+    buffers: NetworkBuffers<'_>,
     x: Columns<'_>,
     y: Columns<'_>,
     columns: usize,
     sampling: Option<Sampling<'_>>,
     out: &mut Vec<Dispatch>,
 ) -> Result<(), GpuError> {
-    let last = place.network.layers().count() - 1;
-    for (index, [inputs, outputs, weight, bias]) in place.network.layers().enumerate() {
-        let layer =
-            Layer { inputs, outputs, weight: place.first_parameter + weight, bias: place.first_parameter + bias };
-        let from = if index == 0 { x } else { place.activations.columns(index - 1) };
-        let to = if index == last { y } else { place.activations.columns(index) };
+    let last = buffers.network.layers().count() - 1;
+    for (index, [inputs, outputs, weight, bias]) in buffers.network.layers().enumerate() {
+        let layer = DenseLayer {
+            inputs,
+            outputs,
+            weight: buffers.first_parameter + weight,
+            bias: buffers.first_parameter + bias,
+        };
+        let from = if index == 0 { x } else { buffers.activations.columns(index - 1) };
+        let to = if index == last { y } else { buffers.activations.columns(index) };
         let finish = match sampling {
             _ if index < last => Finish::Silu,
             None => Finish::Linear,
             Some(sampling) if sampling.noisy => Finish::Sample(sampling),
             Some(sampling) => Finish::Act(sampling),
         };
-        out.push(kernels.layer(place.parameters, layer, from, to, columns, finish)?);
+        out.push(kernels.layer(buffers.parameters, layer, from, to, columns, finish)?);
     }
     Ok(())
 }
@@ -134,10 +138,12 @@ mod tests {
         }
         gpu.write(&y_buffer, 0, &vec![f32::NAN; y_buffer.len()]).unwrap();
         let activations = Activations::new(gpu, &[net], columns).unwrap();
-        let place = Place { network: net, parameters: &buffer, first_parameter: 7, activations: &activations };
+        let buffers =
+            NetworkBuffers { network: net, parameters: &buffer, first_parameter: 7, activations: &activations };
         let columns_of = |buffer| Columns { buffer, stride: padded, first: 4 };
         let mut kernels = DenseKernels::new(gpu, tile);
-        let pass = Pass::new(&mut kernels, place, columns_of(&x_buffer), columns_of(&y_buffer), padded, None).unwrap();
+        let pass =
+            Pass::new(&mut kernels, buffers, columns_of(&x_buffer), columns_of(&y_buffer), padded, None).unwrap();
         let mut batch = gpu.batch();
         pass.add(&mut batch);
         let mut y = vec![0.0; y_buffer.len()];
@@ -194,9 +200,10 @@ mod tests {
         let net = Mlp::new(3, &[], 2);
         let [x, y, parameters] = ["x", "y", "parameters"].map(|label| gpu.buffer(label, 8).unwrap());
         let activations = Activations::new(&gpu, &[&net], 4).unwrap();
-        let place = Place { network: &net, parameters: &parameters, first_parameter: 0, activations: &activations };
+        let buffers =
+            NetworkBuffers { network: &net, parameters: &parameters, first_parameter: 0, activations: &activations };
         let of = |buffer| Columns { buffer, stride: 4, first: 0 };
-        let error = Pass::new(&mut DenseKernels::new(&gpu, None), place, of(&x), of(&y), 4, None).unwrap_err();
+        let error = Pass::new(&mut DenseKernels::new(&gpu, None), buffers, of(&x), of(&y), 4, None).unwrap_err();
         assert_eq!(error.to_string(), "elements 0..12 of buffer x were asked for; it has 8");
     }
 }

@@ -6,12 +6,12 @@ use myo_gpu::{Batch, Buffer, Gpu, GpuError};
 use super::buffers::{ALL_FINITE, RolloutBuffers};
 use super::dense::{Columns, DenseKernels, Dispatch, Sampling};
 use super::kernels::{Kernels, OBSERVE_WORKGROUP};
-use super::network::{Activations, Pass, Place};
+use super::network::{Activations, NetworkBuffers, Pass};
 use super::sizes::Sizes;
 use super::tile::Tile;
+use crate::device::check_env;
 use crate::networks::Networks;
 use crate::normalizer::Normalizer;
-use crate::place::check_env;
 use crate::{PpoConfig, TrainError};
 
 /// An environment and a policy on one card, and the record of what they did.
@@ -251,7 +251,7 @@ impl Parts<'_> {
 
     fn policy(&self, dense: &mut DenseKernels, t: usize) -> Result<Pass, GpuError> {
         let (sizes, first) = (self.sizes, t * self.sizes.padded);
-        let place = Place {
+        let buffers = NetworkBuffers {
             network: &self.networks.policy,
             parameters: self.parameters,
             first_parameter: self.networks.policy_range().start,
@@ -267,7 +267,7 @@ impl Parts<'_> {
         };
         let x = Columns { buffer: &self.buffers.observation, stride: sizes.columns(), first };
         let y = Columns { buffer: &self.buffers.action, stride: sizes.samples(), first };
-        Pass::new(dense, place, x, y, sizes.padded, Some(sampling))
+        Pass::new(dense, buffers, x, y, sizes.padded, Some(sampling))
     }
 
     fn outcome(&self, t: usize) -> Result<Dispatch, GpuError> {
@@ -285,7 +285,7 @@ impl Parts<'_> {
     }
 
     fn value(&self, dense: &mut DenseKernels) -> Result<Pass, GpuError> {
-        let place = Place {
+        let buffers = NetworkBuffers {
             network: &self.networks.value,
             parameters: self.parameters,
             first_parameter: self.networks.value_range().start,
@@ -294,7 +294,7 @@ impl Parts<'_> {
         let columns = self.sizes.columns();
         let x = Columns { buffer: &self.buffers.observation, stride: columns, first: 0 };
         let y = Columns { buffer: &self.buffers.value, stride: columns, first: 0 };
-        Pass::new(dense, place, x, y, columns, None)
+        Pass::new(dense, buffers, x, y, columns, None)
     }
 
     fn sums(&self) -> Result<Vec<Dispatch>, GpuError> {

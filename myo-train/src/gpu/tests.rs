@@ -183,12 +183,12 @@ fn training_on_the_card_resumes_with_the_same_bits() {
     let mut trainer = Trainer::on_card(env(&gpu, envs), config(envs), 1).unwrap();
     let first = trainer.update().unwrap();
     assert!(first.learn.kl.abs() < 0.1 && first.episodes > 0, "{first:?}");
-    let saved = trainer.save();
+    let saved = trainer.save().unwrap();
     trainer.update().unwrap();
     let mut resumed = Trainer::restore_on_card(env(&gpu, envs), &saved).unwrap();
     resumed.update().unwrap();
     let bytes = |trainer: &Trainer| {
-        let mut checkpoint = trainer.save();
+        let mut checkpoint = trainer.save().unwrap();
         checkpoint.forget_wall_time();
         checkpoint.to_bytes()
     };
@@ -200,7 +200,7 @@ fn training_on_the_card_resumes_with_the_same_bits() {
     assert!(whole == bytes(&trainer), "gone back");
     let mut heir = Trainer::on_card(env(&gpu, envs), config(envs), 2).unwrap();
     heir.warm_start(&saved).unwrap();
-    assert_eq!(heir.save().parameters, saved.parameters);
+    assert_eq!(heir.save().unwrap().parameters, saved.parameters);
 }
 
 #[test]
@@ -232,7 +232,7 @@ fn training_on_the_card_goes_as_on_the_processor() {
         close("spread", a.action_std, b.action_std);
         assert_eq!((a.episodes, a.env_steps, a.learning_rate), (b.episodes, b.env_steps, b.learning_rate));
     }
-    assert_close("weights", &card.save().parameters, &host.save().parameters, 1e-3);
+    assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
 }
 
 #[test]

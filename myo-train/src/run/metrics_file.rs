@@ -34,8 +34,8 @@ impl MetricsFile {
             }
             text => text.map_err(|source| IoError::new("read", path, source))?,
         };
-        let rows = rows(&text, columns, env_steps)
-            .map_err(|reason| RunError::BadMetrics { path: path.to_owned(), reason })?;
+        let rows =
+            rows(&text, columns, env_steps).map_err(|reason| RunError::BadMetrics { path: path.to_owned(), reason })?;
         let kept = header + &rows;
         if kept != text {
             write_atomically(path, kept.as_bytes())?;
@@ -71,7 +71,13 @@ fn rows(text: &str, columns: &[String], env_steps: u64) -> Result<String, String
         match cells[0].parse::<u64>() {
             Ok(step) if cells.len() == columns.len() && step <= env_steps => kept.push_str(line),
             Ok(_) if cells.len() == columns.len() => {}
-            _ => return Err(format!("line {} is not a row of {} numbers that begins with its step", index + 1, columns.len())),
+            _ => {
+                return Err(format!(
+                    "line {} is not a row of {} numbers that begins with its step",
+                    index + 1,
+                    columns.len()
+                ));
+            }
         }
     }
     Ok(kept)

@@ -47,6 +47,8 @@ impl RunClaim {
         let checkpoints = folder.path.join("checkpoints");
         fs::create_dir_all(&checkpoints).map_err(|source| IoError::new("create", &checkpoints, source))?;
         let (metrics, events) = cut(&folder, &columns, env_steps)?;
+        // Where the last process was stopped between writing one and removing another.
+        remove_older(&folder, env_steps)?;
         Ok(RunWriter { metrics, events, folder, columns, _lock: lock })
     }
 }
@@ -130,11 +132,16 @@ impl RunWriter {
             CheckpointError::Io(error) => error.into(),
             reason => RunError::Checkpoint { path: path.clone(), reason },
         })?;
-        let mut older = self.folder.numbered_checkpoints()?;
-        older.retain(|(steps, _)| *steps < checkpoint.env_steps());
-        older.iter().skip(CHECKPOINTS_KEPT - 1).try_for_each(|(_, old)| remove_if_there(old))?;
+        remove_older(&self.folder, checkpoint.env_steps())?;
         Ok(path)
     }
+}
+
+/// Removes all checkpoints but that of `env_steps` and the last few before it.
+fn remove_older(folder: &RunFolder, env_steps: u64) -> Result<(), RunError> {
+    let mut older = folder.numbered_checkpoints()?;
+    older.retain(|(steps, _)| *steps < env_steps);
+    Ok(older.iter().skip(CHECKPOINTS_KEPT - 1).try_for_each(|(_, old)| remove_if_there(old))?)
 }
 
 /// Removes what came after `env_steps`; the files that go on from there.
@@ -156,7 +163,11 @@ fn make_folder(path: &Path) -> Result<(), RunError> {
     }
     match fs::create_dir(path) {
         Err(source) if source.kind() == ErrorKind::AlreadyExists => {
-            if is_vacant(path) { Ok(()) } else { Err(exists(path)) }
+            if is_vacant(path) {
+                Ok(())
+            } else {
+                Err(exists(path))
+            }
         }
         made => Ok(made.map_err(error)?),
     }
@@ -165,7 +176,8 @@ fn make_folder(path: &Path) -> Result<(), RunError> {
 /// Whether a folder holds nothing, or what is there before a run's description is.
 fn is_vacant(path: &Path) -> bool {
     let is_remnant = |name: &std::ffi::OsStr| name == "lock" || name == "config.json.part";
-    fs::read_dir(path).is_ok_and(|mut entries| entries.all(|entry| entry.is_ok_and(|entry| is_remnant(&entry.file_name()))))
+    fs::read_dir(path)
+        .is_ok_and(|mut entries| entries.all(|entry| entry.is_ok_and(|entry| is_remnant(&entry.file_name()))))
 }
 
 fn exists(path: &Path) -> RunError {

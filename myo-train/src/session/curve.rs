@@ -226,6 +226,19 @@ mod tests {
     }
 
     #[test]
+    fn recent_success_follows_with_the_weight_of_500_episodes() {
+        let mut curve = Curve::default();
+        for (env_steps, success) in [(1, 1.0), (2, 0.0)] {
+            let episode_means = vec![("success".to_owned(), success)];
+            curve.hear(&UpdateMetrics { env_steps, episodes: 500, episode_means, ..UpdateMetrics::default() });
+        }
+        // 500 newer episodes weigh 1 - 1/e.
+        assert!((curve.recent().unwrap().success - (-1.0_f64).exp()).abs() < 1e-15);
+        let text = serde_json::to_string(&curve).unwrap();
+        assert_eq!(serde_json::from_str::<Curve>(&text).unwrap(), curve);
+    }
+
+    #[test]
     fn what_came_after_a_step_is_forgotten() {
         let mut curve = curve(4_000_000, logistic, |_| 0.1);
         let before = curve.recent().unwrap().success;

@@ -45,8 +45,7 @@ impl Ignored {
             // SAFETY: all zeros is an action, and without a new one the system only writes the present one there.
             unsafe {
                 let mut action: libc::sigaction = std::mem::zeroed();
-                libc::sigaction(*signal, std::ptr::null(), &raw mut action) == 0
-                    && action.sa_sigaction == libc::SIG_IGN
+                libc::sigaction(*signal, std::ptr::null(), &raw mut action) == 0 && action.sa_sigaction == libc::SIG_IGN
             }
         };
         Self([libc::SIGHUP, libc::SIGINT, libc::SIGTERM].into_iter().filter(is_ignored).collect())

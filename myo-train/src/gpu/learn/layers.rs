@@ -5,7 +5,7 @@ use crate::networks::Networks;
 
 /// A layer among both networks.
 #[derive(Clone, Copy, Debug)]
-pub struct Layer {
+pub struct LayerRows {
     /// Rows of its input.
     pub inputs: usize,
     /// Rows of its output.
@@ -26,7 +26,7 @@ pub struct Layer {
 
 /// The layers of the policy and of the value network, for so many observations. With 32 bits every row of gradients has one
 /// of activations; with 16 bits only hidden layers have activations, each followed by a row of ones.
-pub fn layers(networks: &Networks, observations: usize, precision: Precision) -> [Vec<Layer>; 2] {
+pub fn layers(networks: &Networks, observations: usize, precision: Precision) -> [Vec<LayerRows>; 2] {
     let ones = precision.ones();
     let (mut h_row, mut z_row) = (observations + ones, 0);
     let nets = [(&networks.policy, networks.policy_range()), (&networks.value, networks.value_range())];
@@ -34,7 +34,7 @@ pub fn layers(networks: &Networks, observations: usize, precision: Precision) ->
         let (mut x_row, last) = (0, net.layers().count() - 1);
         let place = |(index, [inputs, outputs, weight, bias]): (usize, [usize; 4])| {
             let (weight, bias, hidden) = (range.start + weight, range.start + bias, index < last);
-            let layer = Layer { inputs, outputs, weight, bias, x_row, h_row, z_row, hidden };
+            let layer = LayerRows { inputs, outputs, weight, bias, x_row, h_row, z_row, hidden };
             x_row = h_row;
             z_row += outputs;
             h_row += if hidden || ones == 0 { outputs + ones } else { 0 };

@@ -2,7 +2,7 @@
 
 use myo_gpu::{Access, Gpu, GpuError, Kernel, Source};
 
-use super::layers::{Layer, layers};
+use super::layers::{LayerRows, layers};
 use super::layout::{Layout, METRICS, Precision};
 use super::memory::LearnMemory;
 use crate::gpu::dense::Dispatch;
@@ -90,7 +90,7 @@ impl<'a> Outer<'a> {
 
     /// Tiles so far, inputs, outputs, first row of the input, first row of the gradient, weight, bias.
     fn jobs(&self) -> Vec<[u32; 8]> {
-        let sums = |outputs, z_row, bias| Layer {
+        let sums = |outputs, z_row, bias| LayerRows {
             inputs: 0,
             outputs,
             weight: bias,
@@ -104,9 +104,9 @@ impl<'a> Outer<'a> {
         let log_std = sums(actions, self.layout.sums_row, self.networks.log_std_range().start);
         let metrics = sums(METRICS, self.layout.sums_row + actions, self.networks.len());
         let mut end = 0;
-        let job = |layer: &Layer| {
+        let job = |layer: &LayerRows| {
             end += self.tile.workgroups(layer.inputs.max(1) as u32, layer.outputs as u32);
-            let Layer { inputs, outputs, weight, bias, x_row, z_row, .. } = *layer;
+            let LayerRows { inputs, outputs, weight, bias, x_row, z_row, .. } = *layer;
             let [inputs, outputs, x_row, z_row, weight, bias] =
                 [inputs, outputs, x_row, z_row, weight, bias].map(|x| x as u32);
             [end, inputs, outputs, x_row, z_row, weight, bias, 0]

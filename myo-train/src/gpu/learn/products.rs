@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use myo_gpu::{Access, Buffer, Gpu, GpuError, Kernel, Source};
 
-use super::layers::{Layer, layers};
+use super::layers::{LayerRows, layers};
 use super::layout::{Layout, Precision};
 use super::memory::LearnMemory;
 use crate::gpu::dense::{Dispatch, tile_for};
@@ -18,7 +18,7 @@ pub struct Products<'a> {
     gpu: &'a Gpu,
     sizes: &'a Sizes,
     layout: &'a Layout,
-    layers: [Vec<Layer>; 2],
+    layers: [Vec<LayerRows>; 2],
     /// One tile for all layers rather than the best for each.
     forced: Option<Tile>,
     /// Compiled kernels, forward and backward, by their tiles.
@@ -43,8 +43,8 @@ impl<'a> Products<'a> {
         let mut level = |level: usize| {
             let layers: Vec<_> = self.layers.iter().filter_map(|layers| layers.get(level)).copied().collect();
             let tile = self.tile(layers.iter().map(|layer| layer.outputs));
-            let job = |layer: &Layer| {
-                let Layer { inputs, outputs, weight, bias, x_row, z_row, hidden, .. } = *layer;
+            let job = |layer: &LayerRows| {
+                let LayerRows { inputs, outputs, weight, bias, x_row, z_row, hidden, .. } = *layer;
                 [inputs, outputs, weight, bias, x_row, z_row, hidden.into()]
             };
             let buffers = [&memory.gradient, &memory.activation];
@@ -63,7 +63,7 @@ impl<'a> Products<'a> {
                 .map(|layers| layers[layers.len() - 1 - level])
                 .collect();
             let tile = self.tile(layers.iter().map(|layer| layer.inputs));
-            let job = |layer: &Layer| {
+            let job = |layer: &LayerRows| {
                 let to = layer.x_row - observations;
                 [layer.outputs, layer.inputs, layer.weight, 0, layer.z_row, to, 1]
             };

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use myo_gpu::{Access, Adapter, GpuError, Kernel, Source};
 
 use super::super::context::Context;
-use super::super::layers::{Layer, layers};
+use super::super::layers::{LayerRows, layers};
 use super::super::layout::Precision;
 use super::memory::HalfMemory;
 use crate::gpu::dense::Dispatch;
@@ -194,7 +194,7 @@ impl Passes<'_> {
         let kernel = gpu.compile("pack", Source::Wgsl(&pack_text()), "main", &[Read, Read, ReadWrite, Uniform])?;
         let mut end = 0;
         let mut jobs = Vec::<[u32; 8]>::new();
-        for Layer { inputs, outputs, weight, .. } in self.layers().into_iter().flatten() {
+        for LayerRows { inputs, outputs, weight, .. } in self.layers().into_iter().flatten() {
             for [lines, length, step, line_step] in [[outputs, inputs, outputs, 1], [inputs, outputs, 1, outputs]] {
                 end += groups(inputs, outputs);
                 let job = [end, lines, length, matrices(length), weight, step, line_step, 0];
@@ -247,14 +247,14 @@ impl Passes<'_> {
         unsafe { self.context.gpu.compile_trusted(&label, Source::Wgsl(&shape.text()), "main", &access) }
     }
 
-    fn layers(&self) -> [Vec<Layer>; 2] {
+    fn layers(&self) -> [Vec<LayerRows>; 2] {
         layers(self.context.networks, self.context.sizes.observations, Precision::Half)
     }
 
     /// The table of layers.
     fn places(&self) -> Vec<[u32; 8]> {
         let mut packed = 0;
-        let place = |Layer { inputs, outputs, bias, h_row, z_row, .. }: Layer| {
+        let place = |LayerRows { inputs, outputs, bias, h_row, z_row, .. }: LayerRows| {
             let (weight, groups) = (packed, groups(inputs, outputs));
             packed += 2 * groups;
             [inputs, outputs, weight, weight + groups, bias, h_row, z_row, 0].map(|x| x as u32)

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use myo_gpu::{Access, Gpu, GpuError, Kernel, Source};
 
 use super::super::context::Context;
-use super::super::layers::{Layer, layers};
+use super::super::layers::{LayerRows, layers};
 use super::super::layout::{HALF_BLOCK, Layout, METRICS, Precision};
 use super::memory::HalfMemory;
 use crate::gpu::Sizes;
@@ -168,7 +168,7 @@ impl<'a> Weights<'a> {
             [end, inputs, outputs, h_row, z_row, weight, 0, 0].map(|x| x as u32)
         };
         // Biases follow the weights: they are the row after the last one.
-        let layer = |layer: Layer| job(layer.inputs + 1, layer.outputs, layer.x_row, layer.z_row, layer.weight);
+        let layer = |layer: LayerRows| job(layer.inputs + 1, layer.outputs, layer.x_row, layer.z_row, layer.weight);
         let layers = layers(self.networks, sizes.observations, Precision::Half);
         let mut jobs: Vec<_> = layers.into_iter().flatten().map(layer).collect();
         jobs.push(job(0, sizes.actions, 0, 0, self.networks.log_std_range().start));

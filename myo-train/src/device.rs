@@ -9,7 +9,7 @@ use crate::rollout::Rollout;
 use crate::{PpoConfig, TrainError};
 
 /// An environment, and memory to learn from it.
-pub enum Place {
+pub enum TrainingDevice {
     /// The policy acts and learns on the processor.
     Host(Box<Host>),
     /// On the card.
@@ -26,10 +26,11 @@ pub struct Host {
     pub learner: Learner,
 }
 
-impl Place {
+impl TrainingDevice {
     /// On the processor.
     pub fn on_host(env: Box<dyn VectorEnv>, config: &PpoConfig) -> Result<Self, TrainError> {
         check_env(env.as_ref(), config)?;
+        check_memory(env.spec(), config)?;
         let rollout = Rollout::new(env.spec(), config);
         let learner = Learner::new(&Networks::new(env.spec(), config), config);
         Ok(Self::Host(Box::new(Host { env, rollout, learner })))
@@ -72,6 +73,20 @@ impl Place {
             Self::Card(card) => card.set_observation(observation),
         }
     }
+}
+
+/// Refuses settings that take more memory than there is: of the samples of an update, the parameters, Adam's memory and the
+/// partial gradients, which are the most.
+fn check_memory(spec: &EnvSpec, config: &PpoConfig) -> Result<(), TrainError> {
+    let parameters = Networks::new(spec, config).len() as u64;
+    let (samples, columns) = (config.batch_size() as u64, (config.batch_size() + config.num_envs) as u64);
+    let numbers = columns * spec.observation_size() as u64
+        + samples * spec.action_size() as u64
+        + parameters * (3 + Learner::gradient_parts(config) as u64);
+    let bytes = numbers * size_of::<f32>() as u64;
+    // The system is asked for it, and given it back: it would end the process if it had to refuse later.
+    let is_there = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
+    if is_there { Ok(()) } else { Err(TrainError::Memory { bytes }) }
 }
 
 /// Refuses settings out of range and environments that do not fit them.
