@@ -25,6 +25,7 @@
 
 mod batch;
 mod check;
+mod columns;
 mod config;
 mod control;
 #[cfg(feature = "gpu")]
@@ -43,7 +44,9 @@ mod tables;
 mod vector;
 
 pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
+pub use columns::Column;
 pub use config::{BuildError, EnvConfig, MOST_THREADS};
+pub use control::{EPISODE_COLUMNS, TARGET_COLUMNS};
 #[cfg(feature = "gpu")]
 pub use gpu::GpuEnv;
 pub use memory::MOST_ENVS;

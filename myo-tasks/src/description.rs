@@ -180,21 +180,21 @@ pub struct Reward {
 pub struct Observation {
     /// Angles of the independent joints, their range mapped to -1 to 1. Default true.
     pub joint_position: bool,
-    /// Velocities of the independent joints. Default true.
+    /// Velocities of the independent joints, in rad/s. Default true.
     pub joint_velocity: bool,
     /// Accelerations of the independent joints, in 100 rad/s2. Default false: they are noisy and velocities say enough.
     pub joint_acceleration: bool,
-    /// Position of the fingertip. Default true.
+    /// Position of the fingertip, in m from the shoulder centre. Default true.
     pub fingertip_position: bool,
-    /// Activation of each muscle. Default true.
+    /// Activation of each muscle, 0 to 1 mapped to -1 to 1. Default true.
     pub activation: bool,
-    /// Centre of the current target. Default true.
+    /// Centre of the current target, in m from the shoulder centre. Default true.
     pub target_position: bool,
-    /// Radius of the current sphere, or half the width of the current button. Default true.
+    /// Radius of the current sphere, or half the width of the current button, in m. Default true.
     pub target_size: bool,
-    /// From the fingertip to the centre of the current target. Default true.
+    /// From the fingertip to the centre of the current target, in m. Default true.
     pub target_vector: bool,
-    /// From the centre of the current target to that of the next; 0 at the last target. Default true.
+    /// From the centre of the current target to that of the next, in m; 0 at the last target. Default true.
     pub next_target_vector: bool,
     /// How many targets are done, as a share of all. Default true.
     pub phase: bool,
@@ -202,9 +202,9 @@ pub struct Observation {
     pub dwell_fraction: bool,
     /// Time left until the limit, as a share. Default true.
     pub time_left: bool,
-    /// Whether the fingertip is inside the current sphere. Default true.
+    /// Whether the fingertip is inside the current sphere: 1 or 0. Default true.
     pub inside: bool,
-    /// Force on the current button, as a share of what it needs. Default true.
+    /// Force on the current button, as a share of what it needs, at most 1. Default true.
     pub touch: bool,
 }
 

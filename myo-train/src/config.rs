@@ -1,12 +1,13 @@
 //! Every hyperparameter of the learner, in one place.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Settings of PPO. The defaults train the built-in arm to point on two processor cores.
 ///
 /// One "control step" is one action of one environment; times and rates refer to control steps unless said otherwise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PpoConfig {
     /// Environments stepped side by side (default 2,048). More of them give steadier gradients per update and need
@@ -52,10 +53,9 @@ pub struct PpoConfig {
     /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
     /// below `kl_target / kl_tolerance` (default 1.5).
     pub kl_factor: f64,
-    /// See [`PpoConfig::kl_factor`] (default 1.5).
+    /// See `kl_factor` (default 1.5).
     pub kl_tolerance: f64,
-    /// An update that moves the policy further than this, in nats, has gone astray: a [`Session`](crate::Session) takes
-    /// it back (default 1).
+    /// An update that moves the policy further than this, in nats, has gone astray and is taken back (default 1).
     pub kl_max: f64,
     /// Decay of Adam's mean gradient per gradient step (default 0.9).
     pub adam_beta1: f64,
@@ -77,13 +77,13 @@ pub struct PpoConfig {
     /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.5 a, 0, 1)`: a new policy
     /// holds them at a quarter, rather than at half strength against each other.
     pub action_offset: f64,
-    /// See [`PpoConfig::action_offset`] (default 1).
+    /// See `action_offset` (default 1).
     pub action_scale: f64,
 
     /// Normalised observations are held within plus or minus this many standard deviations (default 5).
     pub observation_clip: f64,
     /// Least standard deviation of an observation, relative to the larger of 1 and its mean's size (default 0.05); see
-    /// [`Normalizer`](crate::Normalizer).
+    /// `Normalizer`.
     pub observation_std_floor: f64,
 
     /// Whether a graphics card that has matrix units learns with them (default true): activations and gradients have 16

@@ -1,5 +1,7 @@
 //! What one update tells about the training.
 
+use myo_env::Column;
+
 use crate::learn::LearnStats;
 
 /// Sums over finished episodes, one per column of the episode summary; NaN entries are left out.
@@ -93,7 +95,9 @@ impl UpdateMetrics {
 
     /// Names of [`UpdateMetrics::row`].
     pub fn columns(episode_names: &[String]) -> impl Iterator<Item = &str> {
-        FIRST_COLUMNS.into_iter().chain(episode_names.iter().map(String::as_str)).chain(LAST_COLUMNS)
+        let name = |column: &Column| column.name;
+        let (first, last) = (FIRST_COLUMNS.iter().map(name), LAST_COLUMNS.iter().map(name));
+        first.chain(episode_names.iter().map(String::as_str)).chain(last)
     }
 
     /// All numbers, in the order of [`UpdateMetrics::columns`].
@@ -124,16 +128,31 @@ impl UpdateMetrics {
     }
 }
 
-const FIRST_COLUMNS: [&str; 7] = ["env_steps", "updates", "wall_s", "steps_per_s", "collect_s", "learn_s", "episodes"];
-const LAST_COLUMNS: [&str; 10] = [
-    "reward_per_step",
-    "policy_loss",
-    "value_loss",
-    "explained_variance",
-    "kl",
-    "clip_fraction",
-    "entropy",
-    "action_std",
-    "gradient_norm",
-    "learning_rate",
+/// Columns of the metrics before those of the episodes.
+pub const FIRST_COLUMNS: [Column; 7] = [
+    Column::new("env_steps", "", "Control steps of all environments since the start."),
+    Column::new("updates", "", "Updates since the start, this one included."),
+    Column::new("wall_s", "s", "Training since the start, that before a resume included."),
+    Column::new(
+        "steps_per_s",
+        "1/s",
+        "Control steps of all environments per second in this update, learning included.",
+    ),
+    Column::new("collect_s", "s", "Acting and stepping the environments in this update."),
+    Column::new("learn_s", "s", "Learning in this update."),
+    Column::new("episodes", "", "Episodes that ended in this update."),
+];
+
+/// Columns of the metrics after those of the episodes.
+pub const LAST_COLUMNS: [Column; 10] = [
+    Column::new("reward_per_step", "", "Mean reward per control step, unscaled."),
+    Column::new("policy_loss", "", "Clipped surrogate objective, negated; mean over the update."),
+    Column::new("value_loss", "", "Mean squared error of the value network, of scaled rewards."),
+    Column::new("explained_variance", "", "Share of the variance of the value targets that the value network foresaw."),
+    Column::new("kl", "nats", "Divergence from the collecting policy, mean over the last pass."),
+    Column::new("clip_fraction", "", "Share of samples whose probability ratio left the clip range."),
+    Column::new("entropy", "nats", "Entropy of the policy, summed over actions."),
+    Column::new("action_std", "", "Mean standard deviation of the policy's outputs."),
+    Column::new("gradient_norm", "", "Length of the gradient before it was shortened, mean."),
+    Column::new("learning_rate", "", "Step size of Adam that this update used."),
 ];

@@ -361,7 +361,11 @@ fn an_edited_description_is_checked_as_a_new_task_and_new_options_are() {
     let whole: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
     let edits = [
         ("/run/task/targets", serde_json::json!([]), "has no target"),
-        ("/run/task/time_limit_s", serde_json::json!(1e308), "`time_limit_s` is 1000"),
+        (
+            "/run/task/time_limit_s",
+            serde_json::json!(1e308),
+            "`time_limit_s` is 1e308 s; it must be from 0.001 to 600 s",
+        ),
         ("/run/until", serde_json::json!(2), "until is 2; it must be a share above 0, at most 1, or null"),
         ("/run/steps", serde_json::json!(0), "steps is 0; it must be at least 1"),
         ("/run/backend", serde_json::json!("tpu"), "backend is \"tpu\"; it must be \"cpu\" or \"gpu\""),

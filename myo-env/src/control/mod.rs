@@ -9,7 +9,7 @@ mod summary;
 pub use episode::{reseed, reset};
 #[cfg(feature = "gpu")]
 pub use simulate::simulate;
-pub use summary::episode_names;
+pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
 use crate::state::EnvState;
 use crate::tables::Tables;

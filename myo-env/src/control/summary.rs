@@ -1,27 +1,40 @@
 //! What is summed up over an episode, and the summary at its end.
 
+use crate::columns::Column;
 use crate::state::{EnvState, REWARD_TERMS};
 use crate::tables::Tables;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
 
-/// Columns of an episode summary.
+/// Columns of an episode summary, those of its targets aside.
+pub const EPISODE_COLUMNS: [Column; 11] = [
+    Column::new("return", "", "Sum of the rewards."),
+    Column::new("length", "control steps", "Control steps from reset to end."),
+    Column::new("success", "", "1 if every target was done, else 0."),
+    Column::new("targets_done", "", "Targets that were done."),
+    Column::new("final_distance", "m", "From the fingertip to the centre of the current target at the end."),
+    Column::new("effort", "", "Squared muscle control, mean over muscles and control steps."),
+    Column::new("reward_distance", "", "What the cost of distance and of time added up to, negative."),
+    Column::new("reward_subtask", "", "What was given for targets."),
+    Column::new("reward_completion", "", "What was given for the whole task."),
+    Column::new("reward_neural_effort", "", "What muscle control cost, negative."),
+    Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
+];
+
+/// Columns of every target `k`, counted from 1, which are called `target_{k}_` and this.
+pub const TARGET_COLUMNS: [Column; 2] = [
+    Column::new("success", "", "1 if the target was done, else 0."),
+    Column::new(
+        "time",
+        "s",
+        "From the end of the target before it, or from the reset, to its own end, dwell included; NaN if it was not done.",
+    ),
+];
+
+/// Names of the columns of an episode summary.
 pub fn episode_names(ntarget: usize) -> Vec<String> {
-    let fixed = [
-        "return",
-        "length",
-        "success",
-        "targets_done",
-        "final_distance",
-        "effort",
-        "reward_distance",
-        "reward_subtask",
-        "reward_completion",
-        "reward_neural_effort",
-        "reward_acceleration_effort",
-    ];
-    let per_target = (1..=ntarget).flat_map(|k| [format!("target_{k}_success"), format!("target_{k}_time")]);
-    fixed.into_iter().map(String::from).chain(per_target).collect()
+    let per_target = (1..=ntarget).flat_map(|k| TARGET_COLUMNS.map(|column| format!("target_{k}_{}", column.name)));
+    EPISODE_COLUMNS.iter().map(|column| column.name.to_owned()).chain(per_target).collect()
 }
 
 /// Adds the reward terms and the effort of a control step.

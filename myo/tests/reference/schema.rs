@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value};
 
-/// The page: the type of the root first, then those that it refers to.
-pub fn page(title: &str, introduction: &str, schema: &Value) -> String {
+/// The page: the type of the root first, under `heading`, then those that it refers to.
+pub fn page(title: &str, introduction: &str, heading: &str, schema: &Value) -> String {
     let mut page = format!("# {title}\n\n{introduction}\n");
-    section("The file", schema, &mut page);
+    section(heading, schema, &mut page);
     for (name, definition) in schema["$defs"].as_object().into_iter().flatten() {
         section(name, definition, &mut page);
     }
@@ -52,8 +52,10 @@ fn table(schema: &Value, properties: &Map<String, Value>, page: &mut String) {
     }
 }
 
-fn text(schema: &Value) -> &str {
-    schema["description"].as_str().unwrap_or_default()
+/// What the source says of it, a paragraph a line.
+fn text(schema: &Value) -> String {
+    let text = schema["description"].as_str().unwrap_or_default();
+    text.split("\n\n").map(|paragraph| paragraph.replace('\n', " ")).collect::<Vec<_>>().join("\n\n")
 }
 
 /// What may stand there, in words.
