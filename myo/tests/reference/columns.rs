@@ -40,8 +40,8 @@ pub fn observations(schema: &Value) -> String {
 /// Columns of an episode summary.
 pub fn episodes() -> String {
     let mut page = String::from(
-        "# Episodes\n\nWhat an environment tells of an episode when it ends: the entries of `infos[\"final_info\"]` in Python, \
-         and of a row of `StepBuffers::episode` in Rust.\n",
+        "# Episodes\n\nWhat an environment tells of an episode when it ends: the entries of `infos[\"summary\"]` in Python (with same-step \
+         autoreset in `infos[\"final_info\"]`), and of a row of `StepBuffers::episode` in Rust.\n",
     );
     table(&mut page, "", &EPISODE_COLUMNS);
     page.push_str("\nAnd for every target `k`, counted from 1:\n");
