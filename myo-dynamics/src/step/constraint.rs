@@ -6,7 +6,7 @@
 //! change them, repeat.
 //!
 //! Changing all wrong rows at once settles in one or two rounds nearly always, but may go round in circles. From round
-//! [`BLOCK_ROUNDS`] on only the first wrong row changes, which cannot (Murty 1974, doi 10.1007/BF01580241: the forces solve
+//! [`BLOCK_ROUNDS`] on only the first wrong row changes, which cannot (Murty 1974, Opsearch 11, 123-130: the forces solve
 //! a linear complementarity problem with the positive definite matrix `J M^-1 J^T + D^-1`, and for such matrices the
 //! least-index rule never meets a set twice). Both rules stop at the same set, since there is only one.
 
