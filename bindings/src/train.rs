@@ -165,9 +165,10 @@ impl Session {
 
     /// One update, its record, and a look at the goal when it is time to.
     ///
-    /// Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state; `news`,
-    /// sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card; `raised`, what a signal
-    /// handler raised meanwhile, which is left to the caller. After an error the training is over and writes nothing more.
+    /// Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state or was
+    /// interrupted in the update, of which nothing is left then; `news`, sentences; `end`, None until the training is over;
+    /// `reason`, of the loss of a graphics card; `raised`, what a signal handler raised meanwhile, which is left to the caller.
+    /// After an error the training is over and writes nothing more.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.with(|slot| {
             // Put back only where all went well: weights that ran away must not become a checkpoint.

@@ -91,7 +91,7 @@ def test_ctrl_c_in_the_last_evaluation_keeps_the_policy(tmp_path):
     assert [path.name for path in checkpoints(tmp_path / "run")] == ["step_000000000256.ckpt"]
 
 
-def test_ctrl_c_during_an_update_keeps_it_and_tells_the_callback(tmp_path):
+def test_ctrl_c_during_an_update_keeps_those_before_which_the_callback_heard_of(tmp_path):
     script = """
     def hear(metrics):
         if not heard:

@@ -186,6 +186,7 @@ mod tests {
     fn alone() -> Option<Gpu> {
         let Some(candidate) = candidates().into_iter().next() else {
             assert_eq!(std::env::var("MYO_NO_GPU").as_deref(), Ok("1"), "no GPU; to skip this, set MYO_NO_GPU=1");
+            println!("skipped: MYO_NO_GPU=1, and there is no adapter");
             return None;
         };
         Some(Gpu { open: Box::leak(Box::new(open(candidate).unwrap())), cache: None })

@@ -6,9 +6,9 @@
 
 use std::path::Path;
 
+use crc32c::crc32c;
 use thiserror::Error;
 
-use crate::crc32c::crc32c;
 use crate::files::{IoError, write_atomically};
 use crate::learn::Optimizer;
 use crate::networks::Networks;

@@ -92,7 +92,8 @@ impl Learner {
         }
     }
 
-    /// Passes over the roll-out; moves `parameters` and `optimizer`.
+    /// Passes over the roll-out; moves `parameters` and `optimizer`. None if `go_on`, asked before every minibatch, ended it
+    /// early.
     #[allow(clippy::too_many_arguments)]
     pub fn learn(
         &mut self,
@@ -104,12 +105,16 @@ impl Learner {
         lender: &Lender<ChunkWork>,
         parameters: &mut [f32],
         optimizer: &mut Optimizer,
-    ) -> Result<LearnStats, TrainError> {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<LearnStats>, TrainError> {
         let (mut stats, batch) = (LearnStats::default(), config.batch_size());
         let share = 1.0 / (config.epochs * config.minibatches) as f64;
         for epoch in 0..config.epochs {
             shuffle(seed, update * config.epochs as u64 + epoch as u64, &mut self.order, &mut self.words);
             for index in 0..config.minibatches {
+                if !go_on() {
+                    return Ok(None);
+                }
                 let samples = index * batch / config.minibatches..(index + 1) * batch / config.minibatches;
                 let (n, parts) = (samples.len() as f64, part_count(samples.len()));
                 let sums = self.gradient(networks, parameters, rollout, samples, config, lender);
@@ -132,7 +137,7 @@ impl Learner {
         if parameters.iter().any(|w| !w.is_finite()) {
             return Err(TrainError::Diverged { what: "a weight", update });
         }
-        Ok(stats)
+        Ok(Some(stats))
     }
 
     /// Partial gradients of the loss on the samples at these places of the order.

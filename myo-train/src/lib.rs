@@ -37,7 +37,6 @@
 //! ```
 mod checkpoint;
 mod config;
-mod crc32c;
 mod device;
 mod error;
 mod evaluate;

@@ -97,14 +97,16 @@ impl Rollout {
     }
 
     /// Acts for `config.steps_per_update` steps from `observation`, the current raw observations, and leaves the next
-    /// ones there. `first_step` counts the control steps of one environment before.
+    /// ones there. `first_step` counts the control steps of one environment before. False if `go_on`, asked before every
+    /// step, ended it early: the samples are of no use then.
     pub fn collect(
         &mut self,
         env: &mut dyn VectorEnv,
         actor: &Actor<'_>,
         first_step: u64,
         observation: &mut [f32],
-    ) -> Result<(), TrainError> {
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<bool, TrainError> {
         let envs = env.spec().num_envs;
         self.truncated.clear();
         self.truncated_observation.clear();
@@ -113,6 +115,9 @@ impl Rollout {
         self.episodes.clear();
         self.bad_last = None;
         for t in 0..actor.config.steps_per_update {
+            if !go_on() {
+                return Ok(false);
+            }
             self.act(actor, t, first_step + t as u64, observation);
             env.step(&self.env_action, self.step.buffers())?;
             observation.copy_from_slice(&self.step.observation);
@@ -121,7 +126,8 @@ impl Rollout {
         let width = observation.len() / envs;
         let last = self.reward.len() * width;
         actor.normalizer.apply(observation, &mut self.observation[last..]);
-        self.check(env.spec(), observation, first_step / actor.config.steps_per_update as u64)
+        self.check(env.spec(), observation, first_step / actor.config.steps_per_update as u64)?;
+        Ok(true)
     }
 
     /// Normalises observations, samples actions. Chunks of environments in parallel.

@@ -9,7 +9,8 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::crc32c::crc32c;
+use crc32c::crc32c;
+
 use crate::files::IoError;
 
 /// An event file open for appending.

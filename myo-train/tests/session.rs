@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::cell::Cell;
 use std::path::Path;
 use std::time::Duration;
 
@@ -154,7 +155,67 @@ fn an_interrupt_ends_a_training_with_what_there_is() {
     let progress = session.advance(&|| false).unwrap();
     assert_eq!(progress.end, Some(End::Interrupted));
     let outcome = session.conclude(End::Interrupted, &|| false).unwrap();
-    assert_eq!((outcome.updates, outcome.evaluation), (2, None));
+    assert_eq!((outcome.updates, outcome.evaluation), (1, None));
+}
+
+/// A training that is stopped after `asked` questions whether to go on, in the update after `before` of them; whether that
+/// was in the update, and the state that it left behind.
+fn interrupted(before: u64, asked: usize, folder: &Path) -> (bool, Checkpoint) {
+    let mut session = recorded(session(Mishap::None, config(), steps(u64::MAX)), folder);
+    (0..before).for_each(|_| drop(session.advance(&|| true).unwrap()));
+    let state = session.trainer().save().unwrap().to_bytes();
+    let left = Cell::new(asked);
+    let go_on = || left.replace(left.get().saturating_sub(1)) > 0;
+    let progress = session.advance(&go_on).unwrap();
+    assert_eq!(progress.end, Some(End::Interrupted));
+    let is_same = session.trainer().save().unwrap().to_bytes() == state;
+    assert_eq!(is_same, progress.metrics.is_none(), "after {asked} questions");
+    let outcome = session.conclude(End::Interrupted, &go_on).unwrap();
+    assert_eq!(outcome.updates, before + u64::from(!is_same));
+    let rows = std::fs::read_to_string(folder.join("metrics.csv")).unwrap().lines().count() as u64 - 1;
+    assert_eq!(rows, outcome.updates);
+    (is_same, newest(folder))
+}
+
+#[test]
+fn an_interrupt_anywhere_in_an_update_leaves_the_state_before_it() {
+    let place = tempfile::tempdir().unwrap();
+    for before in [0, 3] {
+        let stopped = |asked: usize| interrupted(before, asked, &place.path().join(format!("{before}-{asked}")));
+        let points: Vec<Checkpoint> =
+            (0..).map(stopped).take_while(|(is_in_update, _)| *is_in_update).map(|(_, state)| state).collect();
+        // Before the update, each of its steps, the values, and each minibatch of each pass.
+        assert_eq!(points.len(), 1 + 16 + 1 + config().epochs * config().minibatches);
+        // As of a training that is stopped between two updates.
+        let between = place.path().join(format!("{before}-between"));
+        run(recorded(session(Mishap::None, config(), steps(before * 4096)), &between));
+        assert!(points.iter().all(|state| *state == newest(&between)));
+        // All of them are the same, so one goes on for all.
+        let (whole, again) =
+            (place.path().join(format!("{before}-whole")), place.path().join(format!("{before}-again")));
+        let (_, outcome) = run(recorded(session(Mishap::None, config(), steps(6 * 4096)), &whole));
+        let (_, resumed) = run(resumed(&points[0], steps(6 * 4096), &again));
+        assert!(newest(&again) == newest(&whole) && resumed.evaluation == outcome.evaluation);
+    }
+}
+
+#[test]
+fn a_training_goes_on_from_an_update_that_was_ended_early_as_if_it_had_not_begun() {
+    let new = || Trainer::new(Box::new(Points::new(ENVS)), config(), 3).unwrap();
+    let (mut trainer, mut undisturbed) = (new(), new());
+    for asked in 0..26 {
+        let left: Cell<usize> = Cell::new(asked);
+        let updated = trainer.update_while(&|| left.replace(left.get().saturating_sub(1)) > 0).unwrap();
+        assert!(updated.is_none(), "after {asked} questions");
+    }
+    let (again, first) = (trainer.update_while(&|| true).unwrap().unwrap(), undisturbed.update().unwrap());
+    assert_eq!((again.learn, again.env_steps, again.entropy), (first.learn, first.env_steps, first.entropy));
+    let state = |trainer: &Trainer| {
+        let mut state = trainer.save().unwrap();
+        state.forget_wall_time();
+        state.to_bytes()
+    };
+    assert!(state(&trainer) == state(&undisturbed));
 }
 
 #[test]
@@ -283,10 +344,16 @@ fn a_look_that_was_cut_off_is_taken_when_the_training_goes_on() {
     let first_look = told.iter().position(|progress| !progress.looks.is_empty()).unwrap();
     // As Ctrl-C in the middle of the first look.
     let mut session = recorded(session(Mishap::None, config(), goal), &place.path().join("stopped"));
-    (0..first_look).for_each(|_| drop(session.advance(&|| true).unwrap()));
-    let asked = std::cell::Cell::new(0);
-    let go_on = || asked.replace(asked.get() + 1) < 3;
-    assert_eq!(session.advance(&go_on).unwrap().end, Some(End::Interrupted));
+    let (asked, limit) = (Cell::new(0), Cell::new(usize::MAX));
+    let go_on = || asked.replace(asked.get() + 1) < limit.get();
+    for _ in 0..first_look {
+        asked.set(0);
+        session.advance(&go_on).unwrap();
+    }
+    // As often as without a look, and twice more.
+    limit.set(asked.replace(0) + 2);
+    let progress = session.advance(&go_on).unwrap();
+    assert_eq!((progress.end, progress.metrics.is_some()), (Some(End::Interrupted), true));
     session.conclude(End::Interrupted, &go_on).unwrap();
 
     let mut session = resumed(&newest(&place.path().join("stopped")), goal, &place.path().join("again"));

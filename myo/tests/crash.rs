@@ -344,7 +344,7 @@ fn software_card() -> Option<String> {
 #[test]
 fn a_training_on_a_card_that_is_stopped_at_any_file_operation_ends_as_one_left_alone() {
     let Some(card) = software_card() else {
-        eprintln!("skipped: there is no driver that computes a graphics card on the processor");
+        println!("skipped: there is no driver that computes a graphics card on the processor");
         return;
     };
     let scene = Scene::new(&["--until", "off", "--steps", "4096", "--backend", "gpu", "--device", &card]);

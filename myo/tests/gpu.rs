@@ -42,7 +42,7 @@ fn devices() -> Option<Value> {
     let listed = json(&myo(Path::new("."), &["devices", "--json"]));
     if listed["devices"].as_array().unwrap().is_empty() {
         assert_eq!(std::env::var("MYO_NO_GPU").as_deref(), Ok("1"), "no adapter; to skip this test, set MYO_NO_GPU=1");
-        println!("skipped, because MYO_NO_GPU=1 and there is no adapter");
+        println!("skipped: MYO_NO_GPU=1, and there is no adapter");
         return None;
     }
     Some(listed)

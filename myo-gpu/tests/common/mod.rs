@@ -12,7 +12,7 @@ pub fn gpu() -> Option<Gpu> {
     match Gpu::open_with_cache(&Want::Any, None) {
         Ok(gpu) => Some(gpu),
         Err(error) if std::env::var_os("MYO_NO_GPU").is_some_and(|value| value == "1") => {
-            println!("skipped, because MYO_NO_GPU=1 and {error}");
+            println!("skipped: MYO_NO_GPU=1, and {error}");
             None
         }
         Err(error) => panic!("{error}. To skip these tests, set MYO_NO_GPU=1."),

@@ -101,7 +101,7 @@ fn roll_out(gpu: &Gpu, num_envs: usize, on_card: bool) -> (Rollout, Vec<f32>) {
         let mut card = DeviceRollout::new(env, &brain.config).unwrap();
         card.collect(&brain.actor(), FIRST_STEP, &mut rollout, &mut observation).unwrap();
     } else {
-        rollout.collect(&mut env, &brain.actor(), FIRST_STEP, &mut observation).unwrap();
+        assert!(rollout.collect(&mut env, &brain.actor(), FIRST_STEP, &mut observation, &|| true).unwrap());
         rollout.evaluate(&brain.actor());
     }
     (rollout, observation)

@@ -83,8 +83,8 @@ impl fmt::Display for News {
 /// What one [`Session::advance`] brought.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Of the update; none when there was none: the training went back, made up for a look that had been cut off, was over
-    /// already, or lost its card.
+    /// Of the update; none when there was none: the training was interrupted in it, went back, made up for a look that had
+    /// been cut off, was over already, or lost its card.
     pub metrics: Option<UpdateMetrics>,
     /// Mean success of recent training episodes, whose actions are noisy; none before the first ended.
     pub success: Option<f64>,

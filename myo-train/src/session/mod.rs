@@ -122,8 +122,8 @@ impl Session {
     }
 
     /// One update, its record, and a look at the goal when it is time to. `go_on` is asked now and then and ends the
-    /// training early. A training that is [over](Self::over) is left as it is; a look that an interrupt had cut off is made
-    /// up for without an update.
+    /// training early, also in the middle of an [update](Trainer::update_while), of which nothing is left then. A training
+    /// that is [over](Self::over) is left as it is; a look that an interrupt had cut off is made up for without an update.
     ///
     /// # Errors
     /// Training fails in a way that going back does not heal, or the record cannot be written. After an error the session
@@ -141,9 +141,10 @@ impl Session {
     fn attempt(&mut self, go_on: &dyn Fn() -> bool) -> Result<Progress, SessionError> {
         let mut progress = Progress::default();
         if self.over().is_none() && !self.look_is_due() {
-            match self.update()? {
+            match self.update(go_on)? {
                 Updated::Forward(metrics) => progress.metrics = Some(metrics),
                 Updated::Back(news) => progress.news.push(news),
+                Updated::Interrupted => return Ok(self.tell(progress, Some(End::Interrupted))),
             }
         }
         // Going back is recorded at once, and nothing is looked at that was looked at before.
@@ -154,18 +155,22 @@ impl Session {
                 self.checkpoint()?;
             }
         }
-        progress.success = self.success();
-        progress.steps_left = self.goal.until.and_then(|until| self.memory.steps_to(until));
-        progress.end = if go_on() { self.over() } else { Some(End::Interrupted) };
-        Ok(progress)
+        let end = if go_on() { self.over() } else { Some(End::Interrupted) };
+        Ok(self.tell(progress, end))
     }
 
-    fn update(&mut self) -> Result<Updated, SessionError> {
-        let updated = self.trainer.update();
+    /// Adds how it goes.
+    fn tell(&self, progress: Progress, end: Option<End>) -> Progress {
+        let steps_left = self.goal.until.and_then(|until| self.memory.steps_to(until));
+        Progress { success: self.success(), steps_left, end, ..progress }
+    }
+
+    fn update(&mut self, go_on: &dyn Fn() -> bool) -> Result<Updated, SessionError> {
+        let updated = self.trainer.update_while(go_on);
         if let Some(reason) = self.recovery.what_ran_away(&updated, self.trainer.config().kl_max) {
             return Ok(Updated::Back(self.go_back(reason)?));
         }
-        let metrics = updated?;
+        let Some(metrics) = updated? else { return Ok(Updated::Interrupted) };
         self.recovery.went_well(&self.trainer)?;
         self.memory.curve.hear(&metrics);
         self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;
@@ -314,6 +319,7 @@ impl Session {
 enum Updated {
     Forward(UpdateMetrics),
     Back(News),
+    Interrupted,
 }
 
 /// The end that the loss of a graphics card is; other errors stay errors.

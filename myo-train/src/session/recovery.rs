@@ -49,9 +49,9 @@ impl Recovery {
     }
 
     /// What was wrong with an update, if learning ran away in it; other errors are nothing to recover from.
-    pub fn what_ran_away(&self, updated: &Result<UpdateMetrics, TrainError>, kl_max: f64) -> Option<String> {
+    pub fn what_ran_away(&self, updated: &Result<Option<UpdateMetrics>, TrainError>, kl_max: f64) -> Option<String> {
         match updated {
-            Ok(metrics) if metrics.learn.kl > kl_max => {
+            Ok(Some(metrics)) if metrics.learn.kl > kl_max => {
                 Some(format!("the policy moved by {:.1} nats, more than kl_max {kl_max}", metrics.learn.kl))
             }
             Err(TrainError::Diverged { what, .. }) => Some(format!("{what} was not finite")),

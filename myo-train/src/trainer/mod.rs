@@ -1,13 +1,14 @@
 //! Proximal policy optimisation (Schulman et al. 2017, arXiv 1707.06347): one roll-out, one update, again.
 
+mod host;
+
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{EnvSpec, GpuEnv, VectorEnv};
 
 use crate::checkpoint::Checkpoint;
-use crate::device::{Host, TrainingDevice};
-use crate::gae::explained_variance;
+use crate::device::TrainingDevice;
 use crate::gaussian::Spread;
 use crate::gpu::CardUpdate;
 use crate::inherit::{Heir, Inherited};
@@ -18,6 +19,7 @@ use crate::normalizer::{Moments, Normalizer};
 use crate::policy::check_names;
 use crate::rollout::{Actor, evaluate};
 use crate::{Policy, PpoConfig, TrainError};
+use host::HostState;
 
 /// Trains a policy in an environment.
 ///
@@ -43,18 +45,6 @@ struct Brain {
     networks: Networks,
     normalizer: Normalizer,
     lender: Lender<ChunkWork>,
-}
-
-/// The state of the training after some update.
-struct HostState {
-    parameters: Vec<f32>,
-    optimizer: Optimizer,
-    /// Current raw observations, `(envs, observations)`.
-    observation: Vec<f32>,
-    normalizer: Normalizer,
-    learning_rate: f64,
-    updates: u64,
-    wall_s: f64,
 }
 
 /// What an update tells, wherever it ran.
@@ -122,26 +112,50 @@ impl Trainer {
 
     /// Collects `num_envs * steps_per_update` samples and learns from them.
     ///
-    /// After an error the trainer is of no more use; resume from a checkpoint.
+    /// # Errors
+    /// The environment fails or returns what is not finite, or learning diverges. The trainer is of no more use then; resume
+    /// from a checkpoint.
     pub fn update(&mut self) -> Result<UpdateMetrics, TrainError> {
         let start = Instant::now();
-        let learning_rate = self.learning_rate;
         let result = match &mut self.device {
             TrainingDevice::Host(host) => {
                 let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
-                host.update(&self.brain, host_state, self.updates, learning_rate)?
+                host.update(&self.brain, host_state, (self.updates, self.learning_rate))?
             }
             TrainingDevice::Card(card) => {
-                card.update(&self.brain.normalizer, (self.brain.seed, self.updates), learning_rate)?.into()
+                card.update(&self.brain.normalizer, (self.brain.seed, self.updates), self.learning_rate)?.into()
             }
         };
+        Ok(self.take_in(result, start))
+    }
+
+    /// As [`Trainer::update`], if `go_on` keeps saying so: on the processor it is asked before every control step and every
+    /// minibatch, on the graphics card once, before the update. None when it said no; the trainer is as it was before then,
+    /// bit for bit.
+    ///
+    /// # Errors
+    /// As for [`Trainer::update`], or the environment cannot save its state or take it back.
+    pub fn update_while(&mut self, go_on: &dyn Fn() -> bool) -> Result<Option<UpdateMetrics>, TrainError> {
+        if !go_on() {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let TrainingDevice::Host(host) = &mut self.device else { return self.update().map(Some) };
+        let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let result = host.update_while(&self.brain, host_state, (self.updates, self.learning_rate), go_on)?;
+        Ok(result.map(|result| self.take_in(result, start)))
+    }
+
+    /// Takes in what an update that began at `start` came to.
+    fn take_in(&mut self, result: UpdateResult, start: Instant) -> UpdateMetrics {
+        let learning_rate = self.learning_rate;
         self.learning_rate = adapted_rate(learning_rate, result.learn.kl, &self.brain.config);
         // Only now, so that one update sees one scaling.
         self.brain.normalizer.merge(&result.moments);
         self.updates += 1;
         let total_s = start.elapsed().as_secs_f64();
         self.wall_s += total_s;
-        Ok(self.metrics(result, learning_rate, total_s))
+        self.metrics(result, learning_rate, total_s)
     }
 
     fn metrics(&self, result: UpdateResult, learning_rate: f64, total_s: f64) -> UpdateMetrics {
@@ -336,52 +350,6 @@ impl Trainer {
         }
         self.inherited = Some(inherited);
         Ok(inherited)
-    }
-}
-
-impl HostState {
-    fn restore(&mut self, checkpoint: &Checkpoint) {
-        self.parameters.clone_from(&checkpoint.parameters);
-        self.optimizer.clone_from(&checkpoint.optimizer);
-        self.normalizer.clone_from(&checkpoint.normalizer);
-        if !checkpoint.env_state.is_empty() {
-            self.observation.clone_from(&checkpoint.observation);
-        }
-        self.learning_rate = checkpoint.learning_rate;
-        self.updates = checkpoint.updates;
-        self.wall_s = checkpoint.wall_s;
-    }
-}
-
-impl Host {
-    /// Collects a roll-out and learns from it.
-    fn update(
-        &mut self,
-        brain: &Brain,
-        host_state: &mut HostState,
-        update: u64,
-        learning_rate: f64,
-    ) -> Result<UpdateResult, TrainError> {
-        let (start, Brain { config, networks, lender, .. }) = (Instant::now(), brain);
-        let (rollout, actor) = (&mut self.rollout, brain.actor(&host_state.parameters));
-        let first_step = update * config.steps_per_update as u64;
-        rollout.collect(self.env.as_mut(), &actor, first_step, &mut host_state.observation)?;
-        rollout.evaluate(&actor);
-        let collect_s = start.elapsed().as_secs_f64();
-        rollout.estimate(config);
-        let address = (brain.seed, update);
-        let (parameters, optimizer) = (&mut host_state.parameters, &mut host_state.optimizer);
-        let learn =
-            self.learner.learn(networks, rollout, config, address, learning_rate, lender, parameters, optimizer)?;
-        Ok(UpdateResult {
-            learn,
-            collect_s,
-            moments: rollout.moments.clone(),
-            episodes: rollout.episodes.clone(),
-            reward_sum: rollout.reward.iter().map(|&r| f64::from(r)).sum(),
-            explained_variance: explained_variance(&rollout.value[..rollout.reward.len()], &rollout.target),
-            spread: networks.spread(&host_state.parameters),
-        })
     }
 }
 
