@@ -237,6 +237,27 @@ impl Session {
         self.live(|live| Ok(live.session.trainer().env_steps()))
     }
 
+    /// Why there is nothing left to train, if so: `until` or `steps`.
+    #[getter]
+    fn over(&self) -> PyResult<Option<&'static str>> {
+        self.live(|live| Ok(live.session.over().as_ref().map(End::name)))
+    }
+
+    /// Share of success that confirmed the goal, if an evaluation did.
+    #[getter]
+    fn confirmed_success(&self) -> PyResult<Option<f64>> {
+        self.live(|live| Ok(live.session.confirmed().and_then(|evaluation| evaluation.success)))
+    }
+
+    /// Whether the run that is gone on with has the evaluation of its newest checkpoint.
+    #[getter]
+    fn is_evaluated(&self) -> PyResult<bool> {
+        self.live(|live| {
+            let claim = live.claim.as_ref();
+            claim.map_or(Ok(false), |claim| claim.folder().has_evaluation().map_err(error::run))
+        })
+    }
+
     /// Control steps of the training that this one began with, if any.
     #[getter]
     fn inherited_env_steps(&self) -> Option<u64> {
