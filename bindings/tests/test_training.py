@@ -138,7 +138,9 @@ def test_a_goal_that_was_reached_is_told_and_can_be_raised(short_task, tmp_path)
     folder = tmp_path / "run"
     done = myoenv.train(short_task, until=0.5, steps=20_000, out=folder, **SMALL)
     assert done.stopped_by == "until"
-    sentence = r"has reached its goal with \d+\.\d % success; raise it with until=\.\.\., or take it away with until=None"
+    sentence = (
+        r"has reached its goal with \d+\.\d % success; raise it with until=\.\.\., or take it away with until=None"
+    )
     with pytest.raises(ValueError, match=sentence):
         myoenv.train(resume=folder)
     # More steps do not help: the goal ended the run.

@@ -71,8 +71,9 @@ def train(
         threads: Threads of the processor, all by default.
         model: Another body than the task's.
         resume: A run folder, of `myo train` or of this function, to go on with from its newest checkpoint, to the bit
-            as if it had never been stopped; one that lacks no more than its last evaluation makes that. `until`, `steps` and the backend are the run's unless others are given, and
-            with another backend or device it is not to the bit; task, model, seed and settings are always the run's.
+            as if it had never been stopped; one that lacks no more than its last evaluation makes that. `until`,
+            `steps` and the backend are the run's unless others are given, and with another backend or device it is not
+            to the bit; task, model, seed and settings are always the run's.
         start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
             its body other muscles: observations and actions are matched by name.
 
