@@ -46,11 +46,7 @@ fn text_errors_point_at_line_and_column() {
 
 #[test]
 fn unknown_keys_come_with_the_nearest_valid_ones() {
-    check_text(
-        "mass: 8.01418",
-        "mas: 8.01418",
-        "arm.yaml:13:105: unknown key `mas`; did you mean `mass`?",
-    );
+    check_text("mass: 8.01418", "mas: 8.01418", "arm.yaml:13:105: unknown key `mas`; did you mean `mass`?");
     check_text("kind: hinge", "kind: ball", "arm.yaml:33:37: unknown value `ball`; valid are `hinge`, `slide`");
     check_text(
         "length_range: [0.161563",
@@ -93,10 +89,7 @@ fn unknown_names_come_with_the_nearest_valid_ones() {
         |arm| arm.joints[14].body = "humeros".into(),
         "joint `shoulder_rot`: unknown body `humeros`; did you mean `humerus`?",
     );
-    check(
-        |arm| arm.bodies[2].parent = "torax".into(),
-        "body `clavicle`: unknown body `torax`; did you mean `thorax`?",
-    );
+    check(|arm| arm.bodies[2].parent = "torax".into(), "body `clavicle`: unknown body `torax`; did you mean `thorax`?");
     check(
         |arm| arm.couplings[0].independent = Some("shoulder_elf".into()),
         "coupling of joint `sternoclavicular_r2`: unknown joint `shoulder_elf`; did you mean `shoulder_elv`, `shoulder_rot` or `shoulder1_r2`?",
