@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use myo_benches::{Failure, RollOut, breakdown, seconds};
-use myo_gpu::{Gpu, Want};
+use myo_gpu::{AdapterChoice, Gpu};
 use myo_train::PpoConfig;
 use myo_train::gpu::{DeviceLearner, MatrixTile, Settings, Tile, Tiles};
 
@@ -116,7 +116,7 @@ fn products(gpu: &Gpu, config: &PpoConfig, data: &RollOut, tiles: Tiles) -> Resu
 }
 
 fn main() -> Result<(), Failure> {
-    let gpu = Gpu::open(&Want::Any)?;
+    let gpu = Gpu::open(&AdapterChoice::Any)?;
     println!("{}", gpu.adapter().name);
     let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure_both };
     for num_envs in [2048, 16_384] {

@@ -5,7 +5,7 @@
 
 use myo_benches::{Failure, breakdown, seconds};
 use myo_env::{EnvConfig, GpuEnv, VectorEnv};
-use myo_gpu::{Batch, Gpu, Want};
+use myo_gpu::{AdapterChoice, Batch, Gpu};
 use myo_model::{Model, builtin};
 use myo_train::gpu::{DeviceRollout, Tile};
 use myo_train::{Normalizer, PpoConfig, Trainer};
@@ -94,7 +94,7 @@ fn main() -> Result<(), Failure> {
     let sizes = arguments.next().unwrap_or("1024,16384,65536".into());
     let task = arguments.next().unwrap_or("pointing".into());
     let task = myo_tasks::preset(&task).ok_or("there is no such task")?;
-    let gpu = Gpu::open(&Want::Any)?;
+    let gpu = Gpu::open(&AdapterChoice::Any)?;
     println!("{} on {}", task.name, gpu.adapter().name);
     let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure_rollout };
     for size in sizes.split(',') {

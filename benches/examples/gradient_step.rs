@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use myo_benches::{Failure, Idle, RollOut, seconds};
-use myo_gpu::{Gpu, Want};
+use myo_gpu::{AdapterChoice, Gpu};
 use myo_train::gpu::{DeviceLearner, Settings};
 use myo_train::{PpoConfig, Trainer};
 use serde_json::json;
@@ -78,7 +78,7 @@ fn main() -> Result<(), Failure> {
             }
         }
         "card" => {
-            let gpu = Gpu::open(&Want::Any)?;
+            let gpu = Gpu::open(&AdapterChoice::Any)?;
             let name = &gpu.adapter().name;
             for samples in sizes {
                 let plain = PpoConfig { matrix_units: false, ..config(samples) };

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use criterion::Criterion;
-use myo_gpu::{Gpu, Want};
+use myo_gpu::{AdapterChoice, Gpu};
 use myo_scalar::Level;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -43,8 +43,8 @@ fn processor() -> Option<String> {
 pub fn card() -> Option<&'static Gpu> {
     static CARD: OnceLock<Option<Gpu>> = OnceLock::new();
     let software = std::env::var("MYO_BENCH_SOFTWARE_CARD").is_ok_and(|value| value == "1");
-    let want = if software { Want::Any } else { Want::Hardware };
-    CARD.get_or_init(|| Gpu::open(&want).ok()).as_ref()
+    let choice = if software { AdapterChoice::Any } else { AdapterChoice::Hardware };
+    CARD.get_or_init(|| Gpu::open(&choice).ok()).as_ref()
 }
 
 /// One thread, on which per-core figures are measured.

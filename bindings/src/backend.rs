@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use myo::env::{BuildError, EnvConfig};
-use myo::gpu::{GpuError, Kind, Want, adapters};
+use myo::gpu::{AdapterChoice, GpuError, Kind, adapters};
 use myo::model::Model;
 use myo::tasks::Task;
 use myo::{Envs, auto_envs};
@@ -16,7 +16,7 @@ use crate::process::check_gpu_process;
 
 /// The backend that a caller asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BackendChoice(myo::Wish);
+pub struct BackendChoice(myo::Backend);
 
 impl BackendChoice {
     /// From the arguments `backend` and `device`.
@@ -25,10 +25,10 @@ impl BackendChoice {
             ("cpu", Some(device)) => Err(PyValueError::new_err(format!(
                 "device {device:?} names a graphics card, but backend \"cpu\" takes none; leave one of them out"
             ))),
-            ("auto" | "gpu", Some(device)) => Ok(Self(myo::Wish::Gpu(Want::Named(device)))),
-            ("auto", None) => Ok(Self(myo::Wish::Auto)),
-            ("cpu", None) => Ok(Self(myo::Wish::Cpu)),
-            ("gpu", None) => Ok(Self(myo::Wish::Gpu(Want::Hardware))),
+            ("auto" | "gpu", Some(device)) => Ok(Self(myo::Backend::Gpu(AdapterChoice::Named(device)))),
+            ("auto", None) => Ok(Self(myo::Backend::Auto)),
+            ("cpu", None) => Ok(Self(myo::Backend::Cpu)),
+            ("gpu", None) => Ok(Self(myo::Backend::Gpu(AdapterChoice::Hardware))),
             _ => Err(PyValueError::new_err(format!("backend is {backend:?}; it must be \"auto\", \"cpu\" or \"gpu\""))),
         }
     }
@@ -57,12 +57,12 @@ impl BackendChoice {
     }
 
     /// The same choice without graphics cards where this process cannot have one.
-    fn in_this_process(&self, num_envs: usize) -> PyResult<&myo::Wish> {
+    fn in_this_process(&self, num_envs: usize) -> PyResult<&myo::Backend> {
         match &self.0 {
-            myo::Wish::Cpu => Ok(&self.0),
-            myo::Wish::Auto if num_envs < auto_envs() || check_gpu_process().is_err() => Ok(&myo::Wish::Cpu),
-            myo::Wish::Auto => Ok(&self.0),
-            myo::Wish::Gpu(_) => check_gpu_process().map(|()| &self.0),
+            myo::Backend::Cpu => Ok(&self.0),
+            myo::Backend::Auto if num_envs < auto_envs() || check_gpu_process().is_err() => Ok(&myo::Backend::Cpu),
+            myo::Backend::Auto => Ok(&self.0),
+            myo::Backend::Gpu(_) => check_gpu_process().map(|()| &self.0),
         }
     }
 }

@@ -8,7 +8,7 @@ use myo::train::session::{End, Goal, News, Outcome, Progress};
 use myo::train::{
     Checkpoint, Inherited, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics,
 };
-use myo::{Beginning, Envs, ModelReach, likely_cause};
+use myo::{Envs, ModelReach, Start, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -92,11 +92,11 @@ fn newest_checkpoint(py: Python<'_>, run: &RunFolder) -> PyResult<Option<Checkpo
 fn open(
     env: Envs,
     (model, task): (&myo::model::Model, &myo::tasks::Task),
-    beginning: Beginning<'_>,
+    start: Start<'_>,
     goal: Goal,
 ) -> PyResult<Inner> {
-    let looks = env.for_looks(model, task, beginning.seed()).map_err(error::build)?;
-    env.session(looks, beginning, goal).map_err(error::train)
+    let looks = env.for_looks(model, task, start.seed()).map_err(error::build)?;
+    env.session(looks, start, goal).map_err(error::train)
 }
 
 #[pymethods]
@@ -128,14 +128,14 @@ impl Session {
         let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
         let (task, model) = (task.inner().clone(), model.inner().clone());
         let env = choice.build(py, &pool, (&model, &task), &envs)?;
-        let (place, goal) = (env.place(), Goal { until, steps });
-        let new = Beginning::New { config: &config, seed, from: other.as_ref() };
-        let beginning = again.as_ref().map_or(new, Beginning::Again);
-        let session = compute(py, || pool.install(|| open(env, (&model, &task), beginning, goal)))??;
+        let (device, goal) = (env.device(), Goal { until, steps });
+        let new = Start::New { config: &config, seed, from: other.as_ref() };
+        let start = again.as_ref().map_or(new, Start::Resumed);
+        let session = compute(py, || pool.install(|| open(env, (&model, &task), start, goal)))??;
         let inherited = session.trainer().inherited();
         let live = Mutex::new(Some(Live { session, pool, task, model, claim }));
-        let device = place.device().map(String::from);
-        Ok(Self { live, born: Birthplace::here(), backend: place.backend(), device, inherited })
+        let (backend, device) = (device.backend(), device.card().map(String::from));
+        Ok(Self { live, born: Birthplace::here(), backend, device, inherited })
     }
 
     /// Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained.
@@ -236,6 +236,27 @@ impl Session {
     #[getter]
     fn env_steps(&self) -> PyResult<u64> {
         self.live(|live| Ok(live.session.trainer().env_steps()))
+    }
+
+    /// Why there is nothing left to train, if so: `until` or `steps`.
+    #[getter]
+    fn over(&self) -> PyResult<Option<&'static str>> {
+        self.live(|live| Ok(live.session.over().as_ref().map(End::name)))
+    }
+
+    /// Share of success that confirmed the goal, if an evaluation did.
+    #[getter]
+    fn confirmed_success(&self) -> PyResult<Option<f64>> {
+        self.live(|live| Ok(live.session.confirmed().and_then(|evaluation| evaluation.success)))
+    }
+
+    /// Whether the run that is gone on with has the evaluation of its newest checkpoint.
+    #[getter]
+    fn is_evaluated(&self) -> PyResult<bool> {
+        self.live(|live| {
+            let claim = live.claim.as_ref();
+            claim.map_or(Ok(false), |claim| claim.folder().has_evaluation().map_err(error::run))
+        })
     }
 
     /// Control steps of the training that this one began with, if any.

@@ -91,6 +91,27 @@ def test_ctrl_c_in_the_last_evaluation_keeps_the_policy(tmp_path):
     assert [path.name for path in checkpoints(tmp_path / "run")] == ["step_000000000256.ckpt"]
 
 
+def test_a_last_evaluation_that_was_cut_off_is_made_up_for(tmp_path):
+    script = """
+    def last(metrics):
+        heard.append(metrics)
+        if metrics["updates"] == 2:
+            later(signal.SIGINT)
+    result = myoenv.train("pointing", out=sys.argv[1], until=None, steps=256, callback=last, **SMALL)
+    print(result.stopped_by)
+    """
+    run = tmp_path / "run"
+    assert run_script(script, run).stdout == "interrupt\n" and not (run / "evaluation.json").exists()
+    heard = []
+    resumed = myoenv.train(resume=run, callback=heard.append)
+    assert (resumed.stopped_by, resumed.env_steps, resumed.updates, heard) == ("steps", 256, 2, [])
+    assert json.loads((run / "evaluation.json").read_text()) == resumed.evaluation
+    whole = myoenv.train("pointing", until=None, steps=256, **SMALL)
+    assert resumed.evaluation == whole.evaluation
+    with pytest.raises(ValueError, match="has 256 control steps, and its limit is 256; raise it with steps="):
+        myoenv.train(resume=run)
+
+
 def test_ctrl_c_during_an_update_keeps_those_before_which_the_callback_heard_of(tmp_path):
     script = """
     def hear(metrics):

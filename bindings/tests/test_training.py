@@ -133,6 +133,27 @@ def test_an_easy_task_reaches_its_goal(short_task):
     assert result.stopped_by == "until" and result.evaluation["success"] >= 0.95
 
 
+def test_a_goal_that_was_reached_is_told_and_can_be_raised(short_task, tmp_path):
+    short_task["targets"][0]["radius"] = 1.5
+    folder = tmp_path / "run"
+    done = myoenv.train(short_task, until=0.5, steps=20_000, out=folder, **SMALL)
+    assert done.stopped_by == "until"
+    sentence = (
+        r"has reached its goal with \d+\.\d % success; raise it with until=\.\.\., or take it away with until=None"
+    )
+    with pytest.raises(ValueError, match=sentence):
+        myoenv.train(resume=folder)
+    # More steps do not help: the goal ended the run.
+    with pytest.raises(ValueError, match=sentence):
+        myoenv.train(resume=folder, steps=40_000)
+    more = myoenv.train(resume=folder, until=None, steps=done.env_steps + 128)
+    assert (more.stopped_by, more.updates) == ("steps", done.updates + 1)
+    # Killed between its last checkpoint and its evaluation, where it is the same again.
+    first = (folder / "evaluation.json").read_text()
+    (folder / "evaluation.json").unlink()
+    assert myoenv.train(resume=folder, until=None, steps=1).evaluation == json.loads(first)
+
+
 def rows_without_seconds(run) -> list[dict[str, str]]:
     """The metrics of a run but for how long things took."""
     with open(run / "metrics.csv") as file:

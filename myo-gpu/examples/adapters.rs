@@ -2,13 +2,13 @@
 
 use std::process::ExitCode;
 
-use myo_gpu::{Gpu, Want, adapters};
+use myo_gpu::{AdapterChoice, Gpu, adapters};
 
 fn main() -> ExitCode {
     for (i, adapter) in adapters().iter().enumerate() {
         println!("{i}: {} ({:?}), {}, {}", adapter.name, adapter.kind, adapter.backend, adapter.driver);
     }
-    match Gpu::open(&Want::Any) {
+    match Gpu::open(&AdapterChoice::Any) {
         Ok(_) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");

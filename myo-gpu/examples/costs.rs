@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use myo_gpu::{Access, Gpu, GpuError, Kernel, Source, Want, adapters};
+use myo_gpu::{Access, AdapterChoice, Gpu, GpuError, Kernel, Source, adapters};
 
 fn main() -> Result<(), GpuError> {
     let start = Instant::now();
@@ -13,9 +13,9 @@ fn main() -> Result<(), GpuError> {
         println!("{adapter:?}");
     }
     println!("listing {:.1} ms", ms(start));
-    let want = std::env::args().nth(1).map_or(Want::Any, Want::Named);
+    let choice = std::env::args().nth(1).map_or(AdapterChoice::Any, AdapterChoice::Named);
     let start = Instant::now();
-    let gpu = Gpu::open(&want)?;
+    let gpu = Gpu::open(&choice)?;
     println!("{}: opening {:.1} ms", gpu.adapter().name, ms(start));
     compiling(&gpu)?;
     submitting(&gpu)?;

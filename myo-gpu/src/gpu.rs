@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::adapter::{Adapter, Candidate, candidates};
+use crate::adapter_choice::AdapterChoice;
 use crate::cache;
 use crate::error::GpuError;
 use crate::health::{Fault, Health, guarded};
 use crate::transfer::Staging;
-use crate::want::Want;
 
 /// An open device. Clones are handles on the same one.
 ///
@@ -42,18 +42,18 @@ impl Gpu {
     ///
     /// # Errors
     /// No adapter, none that is wanted, or the driver does not open it.
-    pub fn open(want: &Want) -> Result<Self, GpuError> {
-        Self::open_with_cache(want, cache::default_folder().as_deref())
+    pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
+        Self::open_with_cache(choice, cache::default_folder().as_deref())
     }
 
     /// As [`open`](Self::open), with compiled kernels kept in this folder, or nowhere.
     ///
     /// # Errors
     /// As for [`open`](Self::open); a folder that cannot be written is none, see [`Kernel::cached`](crate::Kernel::cached).
-    pub fn open_with_cache(want: &Want, folder: Option<&Path>) -> Result<Self, GpuError> {
+    pub fn open_with_cache(choice: &AdapterChoice, folder: Option<&Path>) -> Result<Self, GpuError> {
         let mut candidates = candidates();
         let adapters: Vec<_> = candidates.iter().map(|candidate| &candidate.adapter).collect();
-        let number = want.choose(&adapters)?;
+        let number = choice.choose(&adapters)?;
         let open = find_or_open(number, candidates.swap_remove(number))?;
         Ok(Self { open, cache: folder.map(Arc::from) })
     }
@@ -225,11 +225,11 @@ mod tests {
         if alone().is_none() {
             return;
         }
-        let [first, second] = [(); 2].map(|()| Gpu::open_with_cache(&Want::Any, None).unwrap());
+        let [first, second] = [(); 2].map(|()| Gpu::open_with_cache(&AdapterChoice::Any, None).unwrap());
         assert!(std::ptr::eq(first.open, second.open));
         first.device().destroy();
         assert!(second.wait().is_err());
-        let third = Gpu::open_with_cache(&Want::Any, None).unwrap();
+        let third = Gpu::open_with_cache(&AdapterChoice::Any, None).unwrap();
         assert!(!std::ptr::eq(first.open, third.open));
         assert!(calls(&third).iter().all(Result::is_ok));
     }

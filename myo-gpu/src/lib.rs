@@ -4,7 +4,7 @@
 //! [`Batch`] is work in order, submitted at once.
 //!
 //! ```
-//! use myo_gpu::{Access, Gpu, Source, Want};
+//! use myo_gpu::{Access, Gpu, Source, AdapterChoice};
 //!
 //! let double = "
 //!     @group(0) @binding(0) var<storage, read_write> x: array<f32>;
@@ -15,7 +15,7 @@
 //!         if i < arrayLength(&x) { x[i] *= 2.0; }
 //!     }";
 //! # if std::env::var_os("MYO_NO_GPU").is_some() { return Ok(()); }
-//! let gpu = Gpu::open(&Want::Any)?;
+//! let gpu = Gpu::open(&AdapterChoice::Any)?;
 //! let kernel = gpu.compile("double", Source::Wgsl(double), "double", &[Access::ReadWrite])?;
 //! let x = gpu.buffer::<f32>("x", 1000)?;
 //! let bindings = kernel.bind(&[x.binding()])?;
@@ -35,6 +35,7 @@
 //! This crate does not know physics, environments, networks, or how kernels are generated.
 
 mod adapter;
+mod adapter_choice;
 mod batch;
 mod buffer;
 mod cache;
@@ -46,9 +47,9 @@ mod kernel;
 mod source;
 mod timing;
 mod transfer;
-mod want;
 
 pub use adapter::{Adapter, Kind, adapters};
+pub use adapter_choice::AdapterChoice;
 pub use batch::Batch;
 pub use buffer::{Buffer, BufferRef};
 pub use cache::Cached;
@@ -59,4 +60,3 @@ pub use kernel::{Access, Bindings, Kernel, MAX_STORAGE_BUFFERS};
 pub use source::Source;
 pub use timing::{MAX_TIMED, Timing};
 pub use transfer::Read;
-pub use want::Want;

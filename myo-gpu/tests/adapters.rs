@@ -3,7 +3,7 @@
 mod common;
 
 use common::gpu;
-use myo_gpu::{Cached, Gpu, GpuError, Kind, Want, adapters};
+use myo_gpu::{AdapterChoice, Cached, Gpu, GpuError, Kind, adapters};
 
 #[test]
 fn the_best_adapter_comes_first_and_opens() {
@@ -11,8 +11,8 @@ fn the_best_adapter_comes_first_and_opens() {
     let all = adapters();
     assert!(all.is_sorted_by_key(|adapter| adapter.kind));
     assert_eq!(gpu.adapter(), &all[0]);
-    assert_eq!(&all[0], Gpu::open(&Want::Named("0".into())).unwrap().adapter());
-    assert_eq!(&all[0], Gpu::open(&Want::Named(all[0].name.to_uppercase())).unwrap().adapter());
+    assert_eq!(&all[0], Gpu::open(&AdapterChoice::Named("0".into())).unwrap().adapter());
+    assert_eq!(&all[0], Gpu::open(&AdapterChoice::Named(all[0].name.to_uppercase())).unwrap().adapter());
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn adapters_are_written_as_json() {
 #[test]
 fn hardware_is_never_software() {
     let Some(_) = gpu() else { return };
-    match Gpu::open(&Want::Hardware) {
+    match Gpu::open(&AdapterChoice::Hardware) {
         Ok(gpu) => assert_ne!(gpu.adapter().kind, Kind::Software),
         Err(error) => assert!(matches!(error, GpuError::OnlySoftware { .. }), "{error}"),
     }
@@ -36,7 +36,7 @@ fn hardware_is_never_software() {
 #[test]
 fn an_unknown_name_is_refused_with_those_there_are() {
     let Some(gpu) = gpu() else { return };
-    let message = Gpu::open(&Want::Named("voodoo".into())).unwrap_err().to_string();
+    let message = Gpu::open(&AdapterChoice::Named("voodoo".into())).unwrap_err().to_string();
     assert!(message.contains("voodoo") && message.contains(&format!("0: {}", gpu.adapter().name)), "{message}");
 }
 
@@ -45,7 +45,7 @@ fn kernels_are_kept_on_disk_where_that_is_possible() {
     let Some(any) = gpu() else { return };
     let folder = tempfile::tempdir().unwrap();
     let compile = |folder: &std::path::Path| {
-        let gpu = Gpu::open_with_cache(&Want::Any, Some(folder)).unwrap();
+        let gpu = Gpu::open_with_cache(&AdapterChoice::Any, Some(folder)).unwrap();
         common::kernel(&gpu, "x[i] = 1.0;", &[myo_gpu::Access::ReadWrite]).cached().clone()
     };
     if !any.adapter().pipeline_cache {
@@ -67,6 +67,6 @@ fn kernels_are_kept_on_disk_where_that_is_possible() {
 #[test]
 fn without_a_folder_nothing_is_kept() {
     let Some(_) = gpu() else { return };
-    let gpu = Gpu::open_with_cache(&Want::Any, None).unwrap();
+    let gpu = Gpu::open_with_cache(&AdapterChoice::Any, None).unwrap();
     assert_eq!(common::kernel(&gpu, "", &[]).cached(), &Cached::Off);
 }

@@ -1,7 +1,8 @@
 //! Models that come with the program.
 
 use crate::ModelDescription;
-use crate::error::{ModelError, Nearest};
+use crate::error::ModelError;
+use crate::nearest::Nearest;
 
 const MOBL_ARMS: &str = include_str!("../models/mobl-arms.yaml");
 
@@ -24,10 +25,7 @@ pub fn builtin(name: &str) -> Result<ModelDescription, ModelError> {
     match name {
         "mobl-arms" => mobl_arms(),
         "mobl-arms-uitb" => mobl_arms().map(with_published_phantoms),
-        _ => Err(ModelError::UnknownBuiltin {
-            name: name.to_owned(),
-            nearest: Nearest::to(name, builtin_names().iter().copied()),
-        }),
+        _ => Err(ModelError::UnknownBuiltin { name: name.to_owned(), nearest: Nearest::to(name, builtin_names()) }),
     }
 }
 

@@ -2,8 +2,9 @@
 
 use crate::check::{Bound, Check};
 use crate::description::{self as source, ModelDescription, Shape};
-use crate::error::{Element, ElementKind, ModelError, Nearest};
+use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Site, WORLD};
+use crate::nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 
@@ -80,7 +81,7 @@ impl<'a> Index<'a> {
             element: from.clone(),
             wanted: self.kind,
             name: name.to_owned(),
-            nearest: Nearest::to(name, self.names.iter().copied()),
+            nearest: Nearest::to(name, &self.names),
         })
     }
 }

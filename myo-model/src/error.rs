@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::nearest::Nearest;
+
 /// Why a model could not be read or compiled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -11,7 +13,7 @@ pub enum ModelError {
     UnknownBuiltin {
         /// The name asked for.
         name: String,
-        /// Names that exist, the most similar first.
+        /// Names that exist.
         nearest: Nearest,
     },
     /// The text is not YAML, or not a model, or a value lies outside its range.
@@ -66,7 +68,7 @@ pub enum ModelError {
         wanted: ElementKind,
         /// The name that was not found.
         name: String,
-        /// Names that exist, the most similar first.
+        /// Names that exist.
         nearest: Nearest,
     },
     /// A number is NaN or infinite.
@@ -227,31 +229,6 @@ impl fmt::Display for Element {
         match self.name.as_str() {
             "" => write!(f, "{}", self.kind),
             name => write!(f, "{} `{name}`", self.kind),
-        }
-    }
-}
-
-/// The valid names most similar to one that does not exist.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Nearest(pub Vec<String>);
-
-impl Nearest {
-    /// At most three of `valid`, the most similar to `name` first; letter case does not count.
-    pub fn to<'a>(name: &str, valid: impl IntoIterator<Item = &'a str>) -> Self {
-        let name = name.to_lowercase();
-        let likeness = |other: &str| strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase());
-        let mut ranked: Vec<_> = valid.into_iter().map(|other| (likeness(other), other)).collect();
-        ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        Self(ranked.into_iter().take(3).map(|(_, other)| other.to_owned()).collect())
-    }
-}
-
-impl fmt::Display for Nearest {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0.as_slice() {
-            [] => f.write_str("there is none"),
-            [only] => write!(f, "did you mean `{only}`?"),
-            [most @ .., last] => write!(f, "did you mean `{}` or `{last}`?", most.join("`, `")),
         }
     }
 }

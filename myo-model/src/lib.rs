@@ -23,6 +23,7 @@ pub mod description;
 mod error;
 pub mod mjcf;
 pub mod model;
+mod nearest;
 #[cfg(feature = "files")]
 mod text;
 
@@ -30,5 +31,6 @@ mod text;
 pub use builtin::{builtin, builtin_names};
 pub use compile::FORMAT_VERSION;
 pub use description::ModelDescription;
-pub use error::{Element, ElementKind, ModelError, Nearest};
+pub use error::{Element, ElementKind, ModelError};
 pub use model::Model;
+pub use nearest::Nearest;

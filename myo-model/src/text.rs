@@ -1,7 +1,8 @@
 //! Model files: YAML in and out.
 
 use crate::ModelDescription;
-use crate::error::{ModelError, Nearest};
+use crate::error::ModelError;
+use crate::nearest::Nearest;
 use serde_saphyr::path_map::PathKind;
 use serde_saphyr::{Error, MessageFormatter, UserMessageFormatter, ValidationIssue};
 
@@ -48,7 +49,7 @@ fn message(error: &Error, word: &str) -> String {
 }
 
 fn unknown(what: &str, name: &str, valid: &[&str]) -> String {
-    format!("unknown {what} `{name}`; {}", Nearest::to(name, valid.iter().copied()))
+    format!("unknown {what} `{name}`; {}", Nearest::to(name, valid))
 }
 
 /// The first issue in words; the others are counted.

@@ -46,16 +46,12 @@ fn text_errors_point_at_line_and_column() {
 
 #[test]
 fn unknown_keys_come_with_the_nearest_valid_ones() {
-    check_text(
-        "mass: 8.01418",
-        "mas: 8.01418",
-        "arm.yaml:13:105: unknown key `mas`; did you mean `mass`, `pos` or `name`?",
-    );
-    check_text("kind: hinge", "kind: ball", "arm.yaml:33:37: unknown value `ball`; did you mean `hinge` or `slide`?");
+    check_text("mass: 8.01418", "mas: 8.01418", "arm.yaml:13:105: unknown key `mas`; did you mean `mass`?");
+    check_text("kind: hinge", "kind: ball", "arm.yaml:33:37: unknown value `ball`; valid are `hinge`, `slide`");
     check_text(
         "length_range: [0.161563",
         "lengthrange: [0.161563",
-        "arm.yaml:191:5: unknown key `lengthrange`; did you mean `length_range`, `ctrl_range` or `name`?",
+        "arm.yaml:191:5: unknown key `lengthrange`; did you mean `length_range`?",
     );
 }
 
@@ -88,15 +84,12 @@ fn a_file_cut_off_anywhere_is_refused_with_its_place_or_read_as_far_as_it_goes()
 #[test]
 fn unknown_names_come_with_the_nearest_valid_ones() {
     let unknown = builtin("mobl_arm").unwrap_err().to_string();
-    assert_eq!(unknown, "there is no built-in model `mobl_arm`; did you mean `mobl-arms` or `mobl-arms-uitb`?");
+    assert_eq!(unknown, "there is no built-in model `mobl_arm`; did you mean `mobl-arms`?");
     check(
         |arm| arm.joints[14].body = "humeros".into(),
-        "joint `shoulder_rot`: unknown body `humeros`; did you mean `humerus`, `humphant` or `humphant1`?",
+        "joint `shoulder_rot`: unknown body `humeros`; did you mean `humerus`?",
     );
-    check(
-        |arm| arm.bodies[2].parent = "torax".into(),
-        "body `clavicle`: unknown body `torax`; did you mean `thorax`, `world` or `ulna`?",
-    );
+    check(|arm| arm.bodies[2].parent = "torax".into(), "body `clavicle`: unknown body `torax`; did you mean `thorax`?");
     check(
         |arm| arm.couplings[0].independent = Some("shoulder_elf".into()),
         "coupling of joint `sternoclavicular_r2`: unknown joint `shoulder_elf`; did you mean `shoulder_elv`, `shoulder_rot` or `shoulder1_r2`?",
@@ -107,7 +100,7 @@ fn unknown_names_come_with_the_nearest_valid_ones() {
     );
     check(
         |arm| arm.landmarks.fingertip = "finger".into(),
-        "landmarks: unknown site `finger`; did you mean `fingertip`, `TRIlong-P1` or `BIClong-P1`?",
+        "landmarks: unknown site `finger`; did you mean `fingertip`?",
     );
 }
 

@@ -39,7 +39,6 @@ mod range;
 mod report;
 mod rules;
 mod schema;
-mod suggest;
 mod tagged;
 mod target;
 

@@ -2,17 +2,18 @@
 
 use std::path::PathBuf;
 
+use myo_model::Nearest;
+
 use crate::layout::SourceLocation;
 use crate::presets::preset_names;
 use crate::report::TaskError;
-use crate::suggest::hint;
 
 /// Why a task could not be read. Each message is one sentence (one per line for several values).
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
     /// Neither a preset nor a file.
-    #[error("there is no preset and no file called `{name}`; {}", hint(name, &preset_names()))]
+    #[error("there is no preset and no file called `{name}`; {}", Nearest::to(name, &preset_names()))]
     UnknownPreset {
         /// What was asked for.
         name: String,
@@ -27,7 +28,7 @@ pub enum LoadError {
         cause: std::io::Error,
     },
     /// A key that this part of a task does not have.
-    #[error("{place}: unknown key `{key}`{}; {}", in_part(path), hint(key, valid))]
+    #[error("{place}: unknown key `{key}`{}; {}", in_part(path), Nearest::to(key, valid))]
     UnknownKey {
         /// Where the key stands.
         place: SourceLocation,
@@ -39,7 +40,7 @@ pub enum LoadError {
         valid: Vec<&'static str>,
     },
     /// A word that is not among those a key allows.
-    #[error("{place}: unknown value `{value}`{}; {}", in_part(path), hint(value, valid))]
+    #[error("{place}: unknown value `{value}`{}; {}", in_part(path), Nearest::to(value, valid))]
     UnknownValue {
         /// Where the value stands.
         place: SourceLocation,

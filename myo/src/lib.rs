@@ -31,9 +31,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a task ask a model; and [`Wish`], [`Place`]
-//! and [`Envs`], which choose between processor and graphics card and train there; and [`likely_cause`] and
-//! [`most_success`], why a training leads nowhere or cannot reach its goal.
+//! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a
+//! task ask a model; [`Backend`], [`Device`] and [`Envs`], which choose between processor and graphics card and train there;
+//! and [`likely_cause`] and [`most_success`], why a training leads nowhere or cannot reach its goal.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
@@ -44,12 +44,12 @@ pub use myo_tasks as tasks;
 pub use myo_train as train;
 
 mod advice;
+mod backend;
 pub mod picture;
-mod place;
 mod reach;
 
 pub use advice::{likely_cause, most_success};
-pub use place::{AUTO_ENVS_PER_THREAD, Beginning, Envs, Place, Wish, auto_envs};
+pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
 pub use reach::ModelReach;
 
 /// The example on the repository's front page compiles and runs.

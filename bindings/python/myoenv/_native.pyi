@@ -363,6 +363,15 @@ class Session:
     def env_steps(self) -> int:
         """Control steps of all environments since the start."""
     @property
+    def over(self) -> str | None:
+        """Why there is nothing left to train, if so: `until` or `steps`."""
+    @property
+    def confirmed_success(self) -> float | None:
+        """Share of success that confirmed the goal, if an evaluation did."""
+    @property
+    def is_evaluated(self) -> bool:
+        """Whether the run that is gone on with has the evaluation of its newest checkpoint."""
+    @property
     def inherited_env_steps(self) -> int | None:
         """Control steps of the training that this one began with, if any."""
     @property

@@ -71,8 +71,9 @@ def train(
         threads: Threads of the processor, all by default.
         model: Another body than the task's.
         resume: A run folder, of `myo train` or of this function, to go on with from its newest checkpoint, to the bit
-            as if it had never been stopped. `until`, `steps` and the backend are the run's unless others are given, and
-            with another backend or device it is not to the bit; task, model, seed and settings are always the run's.
+            as if it had never been stopped; one that lacks no more than its last evaluation makes that. `until`,
+            `steps` and the backend are the run's unless others are given, and with another backend or device it is not
+            to the bit; task, model, seed and settings are always the run's.
         start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
             its body other muscles: observations and actions are matched by name.
 
@@ -174,12 +175,22 @@ def _open(
             raise
         elsewhere = "to go on elsewhere, name a backend or a device"
         raise DeviceError(f"the run began on {device}, which cannot be had now: {error}; {elsewhere}") from None
-    if resume is not None and session.env_steps >= description.steps:
-        done, limit = session.env_steps, description.steps
-        raise ValueError(
-            f"{fspath(resume)} has {done} control steps, and its limit is {limit}; raise it with steps=..."
-        )
+    if resume is not None:
+        _refuse_if_over(session, fspath(resume), description.steps)
     return session
+
+
+def _refuse_if_over(session: _native.Session, run: str, limit: int) -> None:
+    """Says what would make a training go on whose end is recorded; one that lacks its evaluation goes on to have it."""
+    if session.over is None or not session.is_evaluated:
+        return
+    end, done, success = session.over, session.env_steps, session.confirmed_success
+    # A traceback may hold the session for long; the run is free at once.
+    session.leave()
+    if end == "until" and success is not None:
+        help = "raise it with until=..., or take it away with until=None"
+        raise ValueError(f"{run} has reached its goal with {100 * success:.1f} % success; {help}")
+    raise ValueError(f"{run} has {done} control steps, and its limit is {limit}; raise it with steps=...")
 
 
 def _json(settings: dict[str, Any]) -> str:

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use myo_env::{StepStorage, VectorEnv};
-use myo_gpu::{Gpu, Want};
+use myo_gpu::{AdapterChoice, Gpu};
 use myo_model::{Model, builtin};
 use myo_tasks::{Task, preset};
 
@@ -12,7 +12,7 @@ pub fn arm(task: &Task) -> Model {
 
 /// The best graphics card, or a software driver.
 pub fn gpu() -> Gpu {
-    Gpu::open(&Want::Any).expect("a GPU or a software driver; to skip these tests, set MYO_NO_GPU=1")
+    Gpu::open(&AdapterChoice::Any).expect("a GPU or a software driver; to skip these tests, set MYO_NO_GPU=1")
 }
 
 /// Whether tests on a graphics card are to be left out.

@@ -2,14 +2,14 @@
 
 #![allow(dead_code, reason = "every test file uses a part of this")]
 
-use myo_gpu::{Access, Gpu, Kernel, Source, Want};
+use myo_gpu::{Access, AdapterChoice, Gpu, Kernel, Source};
 
 /// The index of a thread, as `Batch::dispatch` lays workgroups out.
 pub const INDEX: &str = "let i = (group.y * groups.x + group.x) * 64u + local;";
 
 /// Any device. Without one the test fails, unless `MYO_NO_GPU` says that this is meant.
 pub fn gpu() -> Option<Gpu> {
-    match Gpu::open_with_cache(&Want::Any, None) {
+    match Gpu::open_with_cache(&AdapterChoice::Any, None) {
         Ok(gpu) => Some(gpu),
         Err(error) if std::env::var_os("MYO_NO_GPU").is_some_and(|value| value == "1") => {
             println!("skipped: MYO_NO_GPU=1, and {error}");

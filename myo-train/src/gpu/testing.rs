@@ -1,10 +1,10 @@
 //! What the tests share.
 
-use myo_gpu::{Gpu, Want};
+use myo_gpu::{AdapterChoice, Gpu};
 
 /// Any device. Without one the test fails, unless `MYO_NO_GPU` says that this is meant.
 pub fn gpu() -> Option<Gpu> {
-    match Gpu::open_with_cache(&Want::Any, None) {
+    match Gpu::open_with_cache(&AdapterChoice::Any, None) {
         Ok(gpu) => Some(gpu),
         Err(error) if std::env::var("MYO_NO_GPU").as_deref() == Ok("1") => {
             println!("skipped: MYO_NO_GPU=1, and {error}");

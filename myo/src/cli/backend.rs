@@ -2,10 +2,10 @@
 
 use clap::{Args, ValueEnum};
 use myo::env::{BuildError, EnvConfig};
-use myo::gpu::{GpuError, Want};
+use myo::gpu::{AdapterChoice, GpuError};
 use myo::model::Model;
 use myo::tasks::Task;
-use myo::{Envs, Place, Wish};
+use myo::{Backend, Device, Envs};
 
 use super::failure::{Failure, Result, complain};
 
@@ -14,7 +14,7 @@ use super::failure::{Failure, Result, complain};
 pub struct Options {
     /// What computes the physics [default: auto, in benches cpu]
     #[arg(long, value_enum)]
-    pub backend: Option<Backend>,
+    pub backend: Option<BackendName>,
 
     /// Graphics card, by its number or a part of its name, see `myo devices`; a software adapter is taken only if it is named
     #[arg(long, value_name = "NAME")]
@@ -23,7 +23,7 @@ pub struct Options {
 
 /// What computes the physics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Backend {
+pub enum BackendName {
     /// A graphics card where there is one and enough environments for it, else the processor
     Auto,
     /// Processor cores
@@ -38,30 +38,30 @@ impl Options {
         self.backend.is_some() || self.device.is_some()
     }
 
-    /// What they ask for; a named device is a wish for a graphics card.
-    pub fn wish(&self, default: Backend) -> Result<Wish> {
+    /// What they ask for; a named device asks for a graphics card.
+    pub fn choice(&self, default: BackendName) -> Result<Backend> {
         match (self.backend, &self.device) {
-            (Some(Backend::Cpu), Some(name)) => Err(Failure::sentence(format!(
+            (Some(BackendName::Cpu), Some(name)) => Err(Failure::sentence(format!(
                 "`--device {name}` names a graphics card, but `--backend cpu` takes none; leave one of them out"
             ))),
-            (_, Some(name)) => Ok(Wish::Gpu(Want::Named(name.clone()))),
+            (_, Some(name)) => Ok(Backend::Gpu(AdapterChoice::Named(name.clone()))),
             (backend, None) => Ok(match backend.unwrap_or(default) {
-                Backend::Auto => Wish::Auto,
-                Backend::Cpu => Wish::Cpu,
-                Backend::Gpu => Wish::Gpu(Want::Hardware),
+                BackendName::Auto => Backend::Auto,
+                BackendName::Cpu => Backend::Cpu,
+                BackendName::Gpu => Backend::Gpu(AdapterChoice::Hardware),
             }),
         }
     }
 }
 
 /// What is taken for so many environments; tells why a graphics card that is there is not.
-pub fn place(wish: &Wish, num_envs: usize) -> Result<Place> {
-    wish.place(num_envs, &mut warn).map_err(|error| refusal(&error))
+pub fn device(backend: &Backend, num_envs: usize) -> Result<Device> {
+    backend.device(num_envs, &mut warn).map_err(|error| refusal(&error))
 }
 
-/// Environments for a task where they are wished; tells why a graphics card is not taken.
-pub fn build(wish: &Wish, model: &Model, task: &Task, config: &EnvConfig) -> Result<Envs> {
-    wish.build(model, task, config, &mut warn).map_err(|error| match error {
+/// Environments for a task on this backend; tells why a graphics card is not taken.
+pub fn build(backend: &Backend, model: &Model, task: &Task, config: &EnvConfig) -> Result<Envs> {
+    backend.build(model, task, config, &mut warn).map_err(|error| match error {
         BuildError::Gpu(error) => refusal(&error),
         other => other.into(),
     })
@@ -82,9 +82,9 @@ fn refusal(error: &GpuError) -> Failure {
     }
 }
 
-/// A place, for people.
-pub fn sentence(place: &Place) -> String {
-    match place.device() {
+/// A device, for people.
+pub fn sentence(device: &Device) -> String {
+    match device.card() {
         None => format!("the cpu ({} threads)", rayon::current_num_threads()),
         Some(device) => format!("the gpu ({device})"),
     }
@@ -94,18 +94,21 @@ pub fn sentence(place: &Place) -> String {
 mod tests {
     use super::*;
 
-    fn wish(backend: Option<Backend>, device: Option<&str>) -> Result<Wish> {
-        Options { backend, device: device.map(String::from) }.wish(Backend::Auto)
+    fn choice(backend: Option<BackendName>, device: Option<&str>) -> Result<Backend> {
+        Options { backend, device: device.map(String::from) }.choice(BackendName::Auto)
     }
 
     #[test]
-    fn a_device_is_a_wish_for_a_graphics_card() {
-        let named = Wish::Gpu(Want::Named("rtx".into()));
-        assert_eq!(wish(None, Some("rtx")).unwrap(), named);
-        assert_eq!(wish(Some(Backend::Gpu), Some("rtx")).unwrap(), named);
-        assert_eq!(wish(Some(Backend::Gpu), None).unwrap(), Wish::Gpu(Want::Hardware));
-        assert_eq!((wish(None, None).unwrap(), wish(Some(Backend::Cpu), None).unwrap()), (Wish::Auto, Wish::Cpu));
-        match wish(Some(Backend::Cpu), Some("rtx")) {
+    fn a_device_asks_for_a_graphics_card() {
+        let named = Backend::Gpu(AdapterChoice::Named("rtx".into()));
+        assert_eq!(choice(None, Some("rtx")).unwrap(), named);
+        assert_eq!(choice(Some(BackendName::Gpu), Some("rtx")).unwrap(), named);
+        assert_eq!(choice(Some(BackendName::Gpu), None).unwrap(), Backend::Gpu(AdapterChoice::Hardware));
+        assert_eq!(
+            (choice(None, None).unwrap(), choice(Some(BackendName::Cpu), None).unwrap()),
+            (Backend::Auto, Backend::Cpu)
+        );
+        match choice(Some(BackendName::Cpu), Some("rtx")) {
             Err(Failure::Sentence(text)) => assert!(text.contains("leave one of them out"), "{text}"),
             other => panic!("{other:?}"),
         }

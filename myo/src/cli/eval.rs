@@ -12,7 +12,7 @@ use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
 use serde::Serialize;
 
-use super::backend::{Backend, Options, sentence};
+use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{name, print, print_json, rounded};
@@ -96,12 +96,12 @@ pub fn run(args: &Eval) -> Result<()> {
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
     let episodes = usize::try_from(args.episodes)?;
-    let mut env = stage.env(&args.physics.wish(Backend::Auto)?, episodes.min(ENVS), seed)?;
+    let mut env = stage.env(&args.physics.choice(BackendName::Auto)?, episodes.min(ENVS), seed)?;
     let mut policy = match args.task {
         Some(_) => policy_for(&checkpoint.policy(), env.as_env().spec())?,
         None => checkpoint.policy(),
     };
-    let (place, bar) = (env.place(), bar(args.episodes));
+    let (device, bar) = (env.device(), bar(args.episodes));
     let progress = |counted: usize| {
         bar.set_position(counted as u64);
         !interrupt.wanted()
@@ -118,7 +118,7 @@ pub fn run(args: &Eval) -> Result<()> {
     let (task, trained_task) = (&stage.task.name, &trained.task.name);
     if args.json {
         let (run, env_steps) = (args.run.display().to_string(), checkpoint.env_steps());
-        let (backend, device) = (place.backend(), place.device());
+        let (backend, device) = (device.backend(), device.card());
         let evaluation = &evaluation;
         return print_json(&Results { evaluation, run, task, trained_task, env_steps, seed, backend, device });
     }
@@ -127,7 +127,7 @@ pub fn run(args: &Eval) -> Result<()> {
     print(&format!(
         "{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
         report::evaluation(task, &evaluation),
-        sentence(&place)
+        sentence(&device)
     ))
 }
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use myo::Wish;
-use myo::gpu::Want;
+use myo::Backend;
+use myo::gpu::AdapterChoice;
 use myo::model::ModelDescription;
 use myo::tasks::{Anywhere, Task, check};
 use myo::train::session::Goal;
@@ -78,10 +78,10 @@ impl Description {
     }
 
     /// The backend that the run began on, where alone it goes on to the bit.
-    pub fn wish(&self) -> Wish {
+    pub fn choice(&self) -> Backend {
         match &self.device {
-            Some(name) => Wish::Gpu(Want::Named(name.clone())),
-            None => Wish::Cpu,
+            Some(name) => Backend::Gpu(AdapterChoice::Named(name.clone())),
+            None => Backend::Cpu,
         }
     }
 }

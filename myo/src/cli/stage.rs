@@ -5,7 +5,7 @@ use std::path::Path;
 use myo::env::EnvConfig;
 use myo::model::{Model, ModelDescription};
 use myo::tasks::{Report, Source, Task, load};
-use myo::{Envs, ModelReach, Wish, most_success};
+use myo::{Backend, Envs, ModelReach, most_success};
 
 use super::backend;
 use super::failure::{Failure, Mistake, Result, task_mistakes};
@@ -49,8 +49,8 @@ impl Stage {
     }
 
     /// Environments of the task on the backend that is asked for.
-    pub fn env(&self, wish: &Wish, num_envs: usize, seed: u64) -> Result<Envs> {
-        backend::build(wish, &self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })
+    pub fn env(&self, backend: &Backend, num_envs: usize, seed: u64) -> Result<Envs> {
+        backend::build(backend, &self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })
     }
 }
 

@@ -6,14 +6,14 @@ use clap::Args;
 use myo::gpu::Gpu;
 use myo::scalar::Level;
 use myo::scalar::symbolic::Form;
-use myo::{Place, Wish};
+use myo::{Backend, Device};
 use serde::Serialize;
 use serde_json::json;
 
 use super::env_gpu::{self, Measurement, StepPart};
 use super::machine::Machine;
 use super::speed::through_host;
-use crate::cli::backend::{Backend, Options, place};
+use crate::cli::backend::{BackendName, Options, device};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{print, print_json, rounded, row, table};
 use crate::cli::parse;
@@ -85,12 +85,12 @@ pub fn run(args: &EnvArgs) -> Result<()> {
     let stage = Stage::open(&args.task)?;
     let most = args.envs.iter().copied().max().unwrap_or(1);
     let start = Instant::now();
-    match place(&args.physics.wish(Backend::Cpu)?, most)? {
-        Place::Gpu(gpu) => on_gpu(args, &stage, &gpu, start.elapsed().as_secs_f64()),
-        Place::Cpu if args.part != [StepPart::Env] || args.loops => Err(Failure::sentence(
+    match device(&args.physics.choice(BackendName::Cpu)?, most)? {
+        Device::Gpu(gpu) => on_gpu(args, &stage, &gpu, start.elapsed().as_secs_f64()),
+        Device::Cpu if args.part != [StepPart::Env] || args.loops => Err(Failure::sentence(
             "on the cpu there is only `--part env`, without `--loops`; `myo bench physics` measures the physics alone",
         )),
-        Place::Cpu => on_cpu(args, &stage),
+        Device::Cpu => on_cpu(args, &stage),
     }
 }
 
@@ -129,7 +129,7 @@ fn show(args: &EnvArgs, stage: &Stage, rows: &[impl Serialize], cells: Vec<Vec<S
 
 fn measure(stage: &Stage, envs: usize) -> Result<Row> {
     complain(&format!("measuring {envs} environments"));
-    let mut env = stage.env(&Wish::Cpu, envs, 1)?;
+    let mut env = stage.env(&Backend::Cpu, envs, 1)?;
     let (best, median) = through_host(env.as_env())?;
     let substeps = stage.task.substeps(stage.model.options.timestep);
     Ok(Row {

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use clap::Args;
-use myo::Place;
+use myo::Device;
 use myo::env::{EnvSpec, StepStorage};
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::machine::Machine;
 use super::random::Random;
-use crate::cli::backend::{Backend, Options, sentence};
+use crate::cli::backend::{BackendName, Options, sentence};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{duration, grouped, print, print_json, rounded};
 use crate::cli::parse;
@@ -85,8 +85,8 @@ struct First {
 /// Runs `myo bench nan`.
 pub fn run(args: &NanArgs) -> Result<()> {
     let stage = Stage::open(&args.task)?;
-    let mut env = stage.env(&args.physics.wish(Backend::Cpu)?, args.envs, args.seed)?;
-    let place = env.place();
+    let mut env = stage.env(&args.physics.choice(BackendName::Cpu)?, args.envs, args.seed)?;
+    let device = env.device();
     let env = env.as_env();
     let spec = env.spec().clone();
     let mut out = StepStorage::new(&spec);
@@ -111,7 +111,7 @@ pub fn run(args: &NanArgs) -> Result<()> {
             complain(&format!("{done} of {all} control steps"));
         }
     }
-    show(args, &stage, &place, &found, start.elapsed().as_secs_f64())
+    show(args, &stage, &device, &found, start.elapsed().as_secs_f64())
 }
 
 impl Findings {
@@ -143,7 +143,7 @@ fn draw(action: &mut [f32], random: &mut Random) {
     }
 }
 
-fn show(args: &NanArgs, stage: &Stage, place: &Place, found: &Findings, wall_s: f64) -> Result<()> {
+fn show(args: &NanArgs, stage: &Stage, device: &Device, found: &Findings, wall_s: f64) -> Result<()> {
     let task = &stage.task.name;
     let Machine { machine, date, version } = Machine::here();
     if args.json {
@@ -152,7 +152,7 @@ fn show(args: &NanArgs, stage: &Stage, place: &Place, found: &Findings, wall_s: 
             "resets": found.resets,
             "non_finite": found.bad,
             "first": found.first.as_ref().map(|f| json!({"env": f.env, "step": f.step, "what": f.what})),
-            "backend": place.backend(), "device": place.device(),
+            "backend": device.backend(), "device": device.card(),
             "task": task, "seed": args.seed, "envs": args.envs, "wall_s": wall_s,
             "machine": machine, "date": date, "version": version,
         }))?;
@@ -163,7 +163,7 @@ fn show(args: &NanArgs, stage: &Stage, place: &Place, found: &Findings, wall_s: 
              {} in {} environments on {}, seed {}, {machine}, {date}, myo {version}\n",
             duration(wall_s),
             args.envs,
-            sentence(place),
+            sentence(device),
             args.seed,
         ))?;
     }

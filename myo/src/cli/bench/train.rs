@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use clap::Args;
-use myo::Beginning;
+use myo::Start;
 use myo::train::PpoConfig;
 use myo::train::session::{End, Goal};
 use serde::Serialize;
 use serde_json::json;
 
 use super::machine::Machine;
-use crate::cli::backend::{Backend, Options};
+use crate::cli::backend::{BackendName, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
@@ -121,10 +121,10 @@ fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) ->
     let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
     let envs = config.num_envs;
     let start = Instant::now();
-    let env = stage.env(&args.physics.wish(Backend::Cpu)?, envs, seed)?;
+    let env = stage.env(&args.physics.choice(BackendName::Cpu)?, envs, seed)?;
     let goal = Goal { until: args.until.map_or(UNTIL, |goal| goal.0), steps: args.steps.unwrap_or(STEPS) };
-    let ready = Ready::new(stage, env, Beginning::New { config: &config, seed, from: None }, goal)?;
-    let (place, ready_s) = (ready.place.clone(), start.elapsed().as_secs_f64());
+    let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal)?;
+    let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;
     match outcome.end {
         End::Interrupted => return Err(Failure::Interrupted),
@@ -133,8 +133,8 @@ fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) ->
     }
     let wall_s = ready_s + outcome.wall_s;
     Ok(Row {
-        backend: place.backend(),
-        device: place.device().map(String::from),
+        backend: device.backend(),
+        device: device.card().map(String::from),
         task: stage.task.name.clone(),
         seed,
         envs,

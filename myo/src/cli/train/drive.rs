@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use myo::train::session::{Goal, News, Outcome};
 use myo::train::{RunWriter, Session};
-use myo::{Beginning, Envs, ModelReach, Place, likely_cause};
+use myo::{Device, Envs, ModelReach, Start, likely_cause};
 
 use super::progress::Progress;
 use crate::cli::failure::Result;
@@ -15,16 +15,16 @@ use crate::cli::stage::Stage;
 pub struct Ready<'a> {
     stage: &'a Stage,
     /// Where it runs.
-    pub place: Place,
+    pub device: Device,
     /// The training.
     pub session: Session,
 }
 
 impl<'a> Ready<'a> {
     /// A training in these environments.
-    pub fn new(stage: &'a Stage, env: Envs, beginning: Beginning<'_>, goal: Goal) -> Result<Self> {
-        let (place, looks) = (env.place(), env.for_looks(&stage.model, &stage.task, beginning.seed())?);
-        Ok(Self { stage, place, session: env.session(looks, beginning, goal)? })
+    pub fn new(stage: &'a Stage, env: Envs, start: Start<'_>, goal: Goal) -> Result<Self> {
+        let (device, looks) = (env.device(), env.for_looks(&stage.model, &stage.task, start.seed())?);
+        Ok(Self { stage, device, session: env.session(looks, start, goal)? })
     }
 
     /// The same with metrics, checkpoints and evaluation in a run folder.

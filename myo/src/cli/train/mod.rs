@@ -13,10 +13,10 @@ use std::time::Duration;
 use clap::Args;
 use myo::train::session::{End, Outcome};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunWriter, Trainer};
-use myo::{Beginning, Wish};
+use myo::{Backend, Start};
 use serde_json::json;
 
-use super::backend::{Backend, Options, sentence};
+use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, duration, grouped, name, print, print_json, rounded};
@@ -152,9 +152,9 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let stage = Stage::open(task)?;
     let (until, steps) = (args.until.map_or(UNTIL, |goal| goal.0), args.steps.unwrap_or(STEPS));
     warn_of_goal(&stage, until);
-    let wish = args.physics.wish(Backend::Auto)?;
+    let backend = args.physics.choice(BackendName::Auto)?;
     let checkpoint_every = args.checkpoint_every();
-    let training = Training { stage: &stage, config, heritage, wish, until, steps, checkpoint_every };
+    let training = Training { stage: &stage, config, heritage, backend, until, steps, checkpoint_every };
     match seeds {
         Some(seeds) => {
             let folder = args.out.clone().unwrap_or_else(|| free_folder(&run_name(task)));
@@ -202,7 +202,7 @@ struct Training<'a> {
     stage: &'a Stage,
     config: PpoConfig,
     heritage: Option<Heritage>,
-    wish: Wish,
+    backend: Backend,
     until: Option<f64>,
     steps: u64,
     checkpoint_every: Duration,
@@ -216,21 +216,21 @@ impl<'a> Training<'a> {
         make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, Description) -> Result<RunWriter>,
     ) -> Result<Ready<'a>> {
         let stage = self.stage;
-        let env = stage.env(&self.wish, self.config.num_envs, seed)?;
-        let place = env.place();
+        let env = stage.env(&self.backend, self.config.num_envs, seed)?;
+        let device = env.device();
         let description = Description {
             task: stage.task.clone(),
             model: stage.own_model.clone(),
-            backend: place.backend().into(),
-            device: place.device().map(String::from),
+            backend: device.backend().into(),
+            device: device.card().map(String::from),
             version: env!("CARGO_PKG_VERSION").into(),
             until: self.until,
             steps: self.steps,
             from: self.heritage.as_ref().map(Heritage::description),
         };
         let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
-        let beginning = Beginning::New { config: &self.config, seed, from };
-        let ready = Ready::new(stage, env, beginning, description.goal())?;
+        let start = Start::New { config: &self.config, seed, from };
+        let ready = Ready::new(stage, env, start, description.goal())?;
         let (run, trainer) = (serde_json::to_value(&description)?, ready.session.trainer());
         let names = &trainer.spec().episode_names;
         let make = |path: &Path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), names);
@@ -240,7 +240,7 @@ impl<'a> Training<'a> {
             name(&stage.task.name),
             writer.folder().path().display(),
             grouped(trainer.spec().num_envs as u64),
-            sentence(&place)
+            sentence(&device)
         ));
         if let (Some(inherited), Some(heritage)) = (trainer.inherited(), &self.heritage) {
             complain(&heir(heritage, inherited, trainer));
@@ -305,7 +305,7 @@ fn free_folder(name: &str) -> PathBuf {
 
 /// Trains to the end and tells how it went.
 fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt) -> Result<()> {
-    let (seed, until, place) = (ready.session.trainer().seed(), ready.session.goal().until, ready.place.clone());
+    let (seed, until, device) = (ready.session.trainer().seed(), ready.session.goal().until, ready.device.clone());
     let outcome = ready.run(interrupt)?;
     let run = outcome.run.as_deref().unwrap_or(Path::new(""));
     if args.json {
@@ -313,8 +313,8 @@ fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt
             "run": run.display().to_string(),
             "task": stage.task.name,
             "seed": seed,
-            "backend": place.backend(),
-            "device": place.device(),
+            "backend": device.backend(),
+            "device": device.card(),
             "env_steps": outcome.env_steps,
             "updates": outcome.updates,
             "wall_s": outcome.wall_s,

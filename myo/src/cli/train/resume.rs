@@ -4,11 +4,11 @@ use std::path::Path;
 
 use myo::train::session::{End, Goal};
 use myo::train::{RunClaim, Session};
-use myo::{Beginning, Wish};
+use myo::{Backend, Start};
 
 use super::several::{Plan, Several};
 use super::{Heritage, Ready, Train, Training, conclude, open_run};
-use crate::cli::backend::{Backend, place, sentence};
+use crate::cli::backend::{BackendName, device, sentence};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{grouped, name};
@@ -33,7 +33,7 @@ fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> 
         _ => None,
     };
     let training = Training {
-        wish: wish_again(args, &run, ppo.num_envs)?,
+        backend: backend_again(args, &run, ppo.num_envs)?,
         stage: &stage,
         config: ppo,
         heritage,
@@ -64,7 +64,7 @@ fn resume_run<T>(
         .map_or_else(|| goal(args, &description), |training| Goal { until: training.until, steps: training.steps });
     let stage = Stage::of(&description)?;
     let (config, seed) = (run.config().ppo.clone(), run.config().seed);
-    let env = stage.env(&wish_again(args, &description, config.num_envs)?, config.num_envs, seed)?;
+    let env = stage.env(&backend_again(args, &description, config.num_envs)?, config.num_envs, seed)?;
     let checkpoint = newest_checkpoint(run)?;
     // Stopped before its first checkpoint: the same beginning gives the same run.
     let own = match (&checkpoint, planned, &description.from) {
@@ -72,8 +72,8 @@ fn resume_run<T>(
         _ => None,
     };
     let heritage = own.as_ref().or_else(|| planned?.heritage.as_ref());
-    let new = Beginning::New { config: &config, seed, from: heritage.map(|heritage| &heritage.checkpoint) };
-    let ready = Ready::new(&stage, env, checkpoint.as_ref().map_or(new, Beginning::Again), goal)?;
+    let new = Start::New { config: &config, seed, from: heritage.map(|heritage| &heritage.checkpoint) };
+    let ready = Ready::new(&stage, env, checkpoint.as_ref().map_or(new, Start::Resumed), goal)?;
     if planned.is_none() && run.has_evaluation()? {
         refuse_if_over(path, &ready.session)?;
     }
@@ -84,7 +84,7 @@ fn resume_run<T>(
         name(&stage.task.name),
         path.display(),
         grouped(trainer.env_steps()),
-        sentence(&ready.place)
+        sentence(&ready.device)
     ));
     run_on(&stage, ready.recorded_in(writer, args.checkpoint_every())?)
 }
@@ -127,17 +127,17 @@ fn heritage_again(from: &Inheritance) -> Result<Heritage> {
     )))
 }
 
-/// Where a run goes on: where it began, unless another place is asked for.
-fn wish_again(args: &Train, description: &Description, num_envs: usize) -> Result<Wish> {
+/// What a run goes on with: what it began with, unless another backend is asked for.
+fn backend_again(args: &Train, description: &Description, num_envs: usize) -> Result<Backend> {
     if args.physics.is_given() {
-        return args.physics.wish(Backend::Auto);
+        return args.physics.choice(BackendName::Auto);
     }
-    let wish = description.wish();
-    if let (Wish::Gpu(_), Err(Failure::Sentence(reason))) = (&wish, place(&wish, num_envs)) {
+    let backend = description.choice();
+    if let (Backend::Gpu(_), Err(Failure::Sentence(reason))) = (&backend, device(&backend, num_envs)) {
         let device = description.device.as_deref().unwrap_or("a graphics card");
         return Err(Failure::sentence(format!(
             "the run began on {device}, which is not available now: {reason}. To go on elsewhere, add --backend cpu or --device"
         )));
     }
-    Ok(wish)
+    Ok(backend)
 }

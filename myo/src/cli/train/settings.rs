@@ -29,8 +29,8 @@ fn apply(table: &mut Value, change: &str) -> Result<()> {
         )));
     };
     let Some(entry) = table.get_mut(name) else {
-        let valid = table.as_object().into_iter().flat_map(|table| table.keys()).map(String::as_str);
-        return Err(Failure::sentence(format!("unknown setting `{name}`; {}", Nearest::to(name, valid))));
+        let valid: Vec<_> = table.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
+        return Err(Failure::sentence(format!("unknown setting `{name}`; {}", Nearest::to(name, &valid))));
     };
     match serde_json::from_str::<Value>(text) {
         Ok(value) if same_kind(&value, entry) => *entry = value,

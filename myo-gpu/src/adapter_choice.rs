@@ -5,7 +5,7 @@ use crate::error::GpuError;
 
 /// Which adapter to open.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
-pub enum Want {
+pub enum AdapterChoice {
     /// The best one, but no software.
     #[default]
     Hardware,
@@ -16,7 +16,7 @@ pub enum Want {
     Named(String),
 }
 
-impl Want {
+impl AdapterChoice {
     /// Index of the adapter to open, among adapters listed best first.
     pub(crate) fn choose(&self, adapters: &[&Adapter]) -> Result<usize, GpuError> {
         if adapters.is_empty() {
@@ -65,26 +65,27 @@ mod tests {
     }
 
     #[test]
-    fn each_wish_has_its_adapter_or_its_reason() {
+    fn each_choice_has_its_adapter_or_its_reason() {
         let [card, chip, soft] = [("Card", Kind::Discrete), ("Chip 2", Kind::Integrated), ("llvmpipe", Kind::Software)]
             .map(|(name, kind)| adapter(name, kind));
         let all = [&card, &chip, &soft];
-        let named = |name: &str| Want::Named(name.to_owned()).choose(&all);
-        assert_eq!(Want::Hardware.choose(&all), Ok(0));
+        let named = |name: &str| AdapterChoice::Named(name.to_owned()).choose(&all);
+        assert_eq!(AdapterChoice::Hardware.choose(&all), Ok(0));
         assert_eq!([named("LLVM"), named(" 1 "), named("2")], [Ok(2), Ok(1), Ok(2)]);
         assert_eq!(named("7").unwrap_err().to_string(), "there is no GPU 7; there is 0: Card, 1: Chip 2, 2: llvmpipe");
-        assert_eq!(Want::Any.choose(&[&soft]), Ok(0));
-        let message = Want::Hardware.choose(&[&soft]).unwrap_err().to_string();
+        assert_eq!(AdapterChoice::Any.choose(&[&soft]), Ok(0));
+        let message = AdapterChoice::Hardware.choose(&[&soft]).unwrap_err().to_string();
         assert!(message.contains("only software that imitates one: llvmpipe"), "{message}");
-        let message = Want::Any.choose(&[]).unwrap_err().to_string();
+        let message = AdapterChoice::Any.choose(&[]).unwrap_err().to_string();
         assert!(message.contains("mesa-vulkan-drivers"), "{message}");
     }
 
     #[test]
     fn a_number_is_never_part_of_a_name() {
         let [card, chip] = [adapter("Card", Kind::Discrete), adapter("Chip 2", Kind::Integrated)];
-        let named =
-            |name: &str| Want::Named(name.to_owned()).choose(&[&card, &chip]).map_err(|error| error.to_string());
+        let named = |name: &str| {
+            AdapterChoice::Named(name.to_owned()).choose(&[&card, &chip]).map_err(|error| error.to_string())
+        };
         assert_eq!(named("2"), Err("there is no GPU 2; there is 0: Card, 1: Chip 2".into()));
         assert_eq!(named("chip 2"), Ok(1));
     }
@@ -92,19 +93,20 @@ mod tests {
     #[test]
     fn a_name_that_fits_several_is_refused_with_all_of_them() {
         let [first, second, other] = ["Card A", "card B", "Chip"].map(|name| adapter(name, Kind::Discrete));
-        let named =
-            |name: &str| Want::Named(name.to_owned()).choose(&[&first, &second, &other]).map_err(|e| e.to_string());
+        let named = |name: &str| {
+            AdapterChoice::Named(name.to_owned()).choose(&[&first, &second, &other]).map_err(|e| e.to_string())
+        };
         let both =
             "\"card\" is part of the name of several GPUs, 0: Card A, 1: card B; take a number or more of the name";
         assert_eq!(named("card"), Err(both.into()));
         assert_eq!(named("card b"), Ok(1));
         // A whole name is meant, even where it is part of another one.
         let longer = adapter("Chip Pro", Kind::Discrete);
-        assert_eq!(Want::Named("chip".into()).choose(&[&longer, &other]), Ok(1));
+        assert_eq!(AdapterChoice::Named("chip".into()).choose(&[&longer, &other]), Ok(1));
     }
 
     #[test]
     fn an_empty_name_is_no_name() {
-        assert!(Want::Named(" ".to_owned()).choose(&[&adapter("Card", Kind::Discrete)]).is_err());
+        assert!(AdapterChoice::Named(" ".to_owned()).choose(&[&adapter("Card", Kind::Discrete)]).is_err());
     }
 }

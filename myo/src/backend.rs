@@ -1,16 +1,16 @@
-//! Where environments run: what was asked for, what is taken, and training there.
+//! What environments run on: the backend that was asked for, the device that is taken, and training there.
 
 use std::error::Error;
 
 use myo_env::{BuildError, CpuEnv, EnvConfig, GpuEnv, VectorEnv};
-use myo_gpu::{Gpu, GpuError, Want};
+use myo_gpu::{AdapterChoice, Gpu, GpuError};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::gpu::DeviceEvaluator;
 use myo_train::session::{Examiner, Goal};
 use myo_train::{Checkpoint, PpoConfig, Session, TrainError, Trainer};
 
-/// Environments per thread of the processor from which on [`Wish::Auto`] takes a graphics card.
+/// Environments per thread of the processor from which on [`Backend::Auto`] takes a graphics card.
 ///
 /// A step on a card takes as long for one environment as for some thousands, 0.15 ms on an H200, in which two AVX-512 threads
 /// do 110 environments and sixteen 300.
@@ -19,27 +19,27 @@ pub const AUTO_ENVS_PER_THREAD: usize = 64;
 /// Environments for looks at a policy: on the processor enough to occupy it, on a card as many as take no longer than one.
 const LOOK_ENVS: [usize; 2] = [256, 1024];
 
-/// What was asked for.
+/// What was asked for to compute on.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum Backend {
     /// What is faster here.
     Auto,
     /// The processor.
     Cpu,
     /// This adapter.
-    Gpu(Want),
+    Gpu(AdapterChoice),
 }
 
-/// What is taken.
+/// What is taken to compute on.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum Device {
     /// The processor.
     Cpu,
     /// An open graphics card.
     Gpu(Gpu),
 }
 
-/// Environments at a place.
+/// Environments on a device.
 pub enum Envs {
     /// On the processor.
     Cpu(Box<CpuEnv>),
@@ -47,8 +47,8 @@ pub enum Envs {
     Gpu(Box<GpuEnv>),
 }
 
-/// Where a training begins.
-pub enum Beginning<'a> {
+/// How a training starts.
+pub enum Start<'a> {
     /// With a new policy.
     New {
         /// Its settings.
@@ -59,47 +59,47 @@ pub enum Beginning<'a> {
         from: Option<&'a Checkpoint>,
     },
     /// Where it was stopped.
-    Again(&'a Checkpoint),
+    Resumed(&'a Checkpoint),
 }
 
-impl Beginning<'_> {
+impl Start<'_> {
     /// Seed of the training.
     pub fn seed(&self) -> u64 {
         match self {
             Self::New { seed, .. } => *seed,
-            Self::Again(checkpoint) => checkpoint.seed(),
+            Self::Resumed(checkpoint) => checkpoint.seed(),
         }
     }
 }
 
-/// Environments from which on [`Wish::Auto`] takes a graphics card in this pool of threads.
+/// Environments from which on [`Backend::Auto`] takes a graphics card in this pool of threads.
 pub fn auto_envs() -> usize {
     AUTO_ENVS_PER_THREAD * rayon::current_num_threads()
 }
 
-impl Wish {
+impl Backend {
     /// What is taken for so many environments. `notice` hears why a graphics card that is there is not taken.
     ///
     /// # Errors
     /// The card that was asked for cannot be had.
-    pub fn place(&self, num_envs: usize, notice: &mut dyn FnMut(&dyn Error)) -> Result<Place, GpuError> {
+    pub fn device(&self, num_envs: usize, notice: &mut dyn FnMut(&dyn Error)) -> Result<Device, GpuError> {
         match self {
-            Self::Cpu => Ok(Place::Cpu),
-            Self::Gpu(want) => Gpu::open(want).map(Place::Gpu),
-            Self::Auto if num_envs < auto_envs() => Ok(Place::Cpu),
-            Self::Auto => Ok(Gpu::open(&Want::Hardware).map_or_else(
+            Self::Cpu => Ok(Device::Cpu),
+            Self::Gpu(choice) => Gpu::open(choice).map(Device::Gpu),
+            Self::Auto if num_envs < auto_envs() => Ok(Device::Cpu),
+            Self::Auto => Ok(Gpu::open(&AdapterChoice::Hardware).map_or_else(
                 |error| {
                     if !matches!(error, GpuError::NoAdapter | GpuError::OnlySoftware { .. }) {
                         notice(&error);
                     }
-                    Place::Cpu
+                    Device::Cpu
                 },
-                Place::Gpu,
+                Device::Gpu,
             )),
         }
     }
 
-    /// Environments for a task where they are wished. With [`Wish::Auto`], what a graphics card refuses is built on the
+    /// Environments for a task on the backend that was asked for. With [`Backend::Auto`], what a graphics card refuses is built on the
     /// processor, and `notice` hears why.
     ///
     /// # Errors
@@ -111,29 +111,29 @@ impl Wish {
         config: &EnvConfig,
         notice: &mut dyn FnMut(&dyn Error),
     ) -> Result<Envs, BuildError> {
-        let place = self.place(config.num_envs, notice)?;
-        self.build_at(place, notice, |place| Envs::new(place, model, task, config))
+        let device = self.device(config.num_envs, notice)?;
+        self.build_at(device, notice, |device| Envs::new(device, model, task, config))
     }
 
     fn build_at<T>(
         &self,
-        place: Place,
+        device: Device,
         notice: &mut dyn FnMut(&dyn Error),
-        make: impl Fn(&Place) -> Result<T, BuildError>,
+        make: impl Fn(&Device) -> Result<T, BuildError>,
     ) -> Result<T, BuildError> {
-        match make(&place) {
+        match make(&device) {
             Err(
                 error @ (BuildError::TooLargeForGpu { .. } | BuildError::OutOfGpuMemory { .. } | BuildError::Gpu(_)),
             ) if *self == Self::Auto => {
                 notice(&error);
-                make(&Place::Cpu)
+                make(&Device::Cpu)
             }
             made => made,
         }
     }
 }
 
-impl Place {
+impl Device {
     /// Name of the backend, `cpu` or `gpu`.
     pub fn backend(&self) -> &'static str {
         match self {
@@ -143,7 +143,7 @@ impl Place {
     }
 
     /// Name of the graphics card, if it is one.
-    pub fn device(&self) -> Option<&str> {
+    pub fn card(&self) -> Option<&str> {
         match self {
             Self::Cpu => None,
             Self::Gpu(gpu) => Some(&gpu.adapter().name),
@@ -152,22 +152,22 @@ impl Place {
 }
 
 impl Envs {
-    /// Environments for a task at this place.
+    /// Environments for a task on this device.
     ///
     /// # Errors
     /// The task or model cannot be simulated there.
-    pub fn new(place: &Place, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
-        Ok(match place {
-            Place::Cpu => Self::Cpu(Box::new(CpuEnv::new(model, task, config)?)),
-            Place::Gpu(gpu) => Self::Gpu(Box::new(GpuEnv::new(gpu, model, task, config)?)),
+    pub fn new(device: &Device, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
+        Ok(match device {
+            Device::Cpu => Self::Cpu(Box::new(CpuEnv::new(model, task, config)?)),
+            Device::Gpu(gpu) => Self::Gpu(Box::new(GpuEnv::new(gpu, model, task, config)?)),
         })
     }
 
-    /// Where they are.
-    pub fn place(&self) -> Place {
+    /// What they are computed on.
+    pub fn device(&self) -> Device {
         match self {
-            Self::Cpu(_) => Place::Cpu,
-            Self::Gpu(env) => Place::Gpu(env.gpu().clone()),
+            Self::Cpu(_) => Device::Cpu,
+            Self::Gpu(env) => Device::Gpu(env.gpu().clone()),
         }
     }
 
@@ -187,7 +187,7 @@ impl Envs {
         }
     }
 
-    /// Others of the same task and model at the same place, to look at a policy in; `model` and `task` are those of these.
+    /// Others of the same task and model on the same device, to look at a policy in; `model` and `task` are those of these.
     ///
     /// # Errors
     /// As for [`Envs::new`].
@@ -195,7 +195,7 @@ impl Envs {
         let [host, card] = LOOK_ENVS;
         Ok(match self {
             Self::Cpu(_) => {
-                Self::new(&Place::Cpu, model, task, &EnvConfig { num_envs: host, seed, ..EnvConfig::default() })?
+                Self::new(&Device::Cpu, model, task, &EnvConfig { num_envs: host, seed, ..EnvConfig::default() })?
             }
             Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(card, seed)?)),
         })
@@ -206,15 +206,15 @@ impl Envs {
     ///
     /// # Errors
     /// The settings or the checkpoint do not fit, or the card is lost.
-    pub fn session(self, looks: Self, beginning: Beginning<'_>, goal: Goal) -> Result<Session, TrainError> {
-        match beginning {
-            Beginning::New { config, seed, from } => {
+    pub fn session(self, looks: Self, start: Start<'_>, goal: Goal) -> Result<Session, TrainError> {
+        match start {
+            Start::New { config, seed, from } => {
                 let mut trainer = self.train(config.clone(), seed)?;
                 from.map(|other| trainer.warm_start(other)).transpose()?;
                 let examiner = looks.examine(&trainer)?;
                 Session::new(trainer, examiner, goal)
             }
-            Beginning::Again(checkpoint) => {
+            Start::Resumed(checkpoint) => {
                 let trainer = self.go_on(checkpoint)?;
                 let examiner = looks.examine(&trainer)?;
                 Ok(Session::resume(trainer, examiner, goal, checkpoint))
@@ -265,23 +265,24 @@ mod tests {
     #[test]
     fn few_environments_stay_on_the_processor() {
         let mut silent = |error: &dyn Error| panic!("{error}");
-        assert!(matches!(Wish::Auto.place(auto_envs() - 1, &mut silent).unwrap(), Place::Cpu));
+        assert!(matches!(Backend::Auto.device(auto_envs() - 1, &mut silent).unwrap(), Device::Cpu));
     }
 
     #[test]
     fn what_is_too_large_for_a_card_is_built_on_the_processor_only_if_that_was_left_open() {
         let (tries, mut heard) = (Cell::new(0), Vec::new());
-        let make = |place: &Place| {
+        let make = |device: &Device| {
             tries.set(tries.get() + 1);
             if tries.get() % 2 == 1 {
                 Err(BuildError::TooLargeForGpu { operations: 9, most: 1 })
             } else {
-                Ok(place.backend())
+                Ok(device.backend())
             }
         };
-        let made = Wish::Auto.build_at(Place::Cpu, &mut |error| heard.push(error.to_string()), make).unwrap();
+        let made = Backend::Auto.build_at(Device::Cpu, &mut |error| heard.push(error.to_string()), make).unwrap();
         assert_eq!((made, heard.len()), ("cpu", 1));
-        let error = Wish::Gpu(Want::Hardware).build_at(Place::Cpu, &mut |_| unreachable!(), make).unwrap_err();
+        let error =
+            Backend::Gpu(AdapterChoice::Hardware).build_at(Device::Cpu, &mut |_| unreachable!(), make).unwrap_err();
         assert!(error.to_string().contains("9 operations"), "{error}");
     }
 }
