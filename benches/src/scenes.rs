@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use myo_dynamics::{Coupling, Plan, StaticBox};
+use myo_dynamics::{CouplingMode, Plan, StaticBox};
 use myo_model::{Model, builtin};
 use myo_scalar::symbolic::Form;
 use myo_tasks::{Observation, Task};
@@ -58,7 +58,7 @@ enum PlanKind {
 impl PhysicsScene {
     /// The compiled model.
     pub fn plan(&self) -> Plan<f64> {
-        let exact = Plan::exact(&model(&self.model), Coupling::Reduced).expect("built-in models compile");
+        let exact = Plan::exact(&model(&self.model), CouplingMode::Reduced).expect("built-in models compile");
         match self.plan {
             PlanKind::Exact => exact,
             PlanKind::Specialised => exact.specialised(),

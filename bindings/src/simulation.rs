@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use myo::dynamics::{Coupling, Obstacles, Plan, State, Workspace, step};
+use myo::dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
 use myo::env::Tables;
 use numpy::ndarray::Array2;
 use numpy::{
@@ -100,7 +100,7 @@ impl Simulation {
     #[pyo3(signature = (model, task = None))]
     fn new(model: &Model, task: Option<&Task>) -> PyResult<Self> {
         let model = model.inner();
-        let plan = Plan::exact(model, Coupling::Reduced).map_err(error::task)?;
+        let plan = Plan::exact(model, CouplingMode::Reduced).map_err(error::task)?;
         let obstacles = match task {
             Some(task) => Tables::<f64>::new(model, task.inner()).map_err(error::build)?.obstacles,
             None => Obstacles::none(&plan),

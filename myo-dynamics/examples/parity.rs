@@ -7,7 +7,7 @@
 
 use myo_dynamics::spatial::Wrench;
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
-use myo_dynamics::{Batch, Coupling, Obstacles, Plan, State, StaticBox, Surface, Workspace};
+use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace};
 use myo_model::mjcf::{Button, MjcfOptions, to_mjcf};
 use myo_model::{Model, ModelDescription, builtin};
 use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
@@ -34,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let directory = PathBuf::from(std::env::args().nth(1).ok_or("usage: parity DIRECTORY")?);
     std::fs::create_dir_all(&directory)?;
     let model = Model::new(&builtin("mobl-arms")?)?;
-    let arm = Arm { soft: Plan::exact(&model, Coupling::Soft)?, reduced: Plan::exact(&model, Coupling::Reduced)? };
+    let arm =
+        Arm { soft: Plan::exact(&model, CouplingMode::Soft)?, reduced: Plan::exact(&model, CouplingMode::Reduced)? };
     let write = |name: &str, text: String| std::fs::write(directory.join(name), text);
     write("model.xml", to_mjcf(&model, &MjcfOptions::default()))?;
     write("press.xml", to_mjcf(&model, &MjcfOptions { buttons: vec![button()], ..MjcfOptions::default() }))?;
@@ -44,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let description = ModelDescription::from_yaml(include_str!("gadget.yaml"), "gadget.yaml")?;
     let gadget = Model::new(&description)?;
     write("gadget.xml", to_mjcf(&gadget, &MjcfOptions::default()))?;
-    let plan = Plan::exact(&gadget, Coupling::Soft)?;
+    let plan = Plan::exact(&gadget, CouplingMode::Soft)?;
     write("gadget.json", Value::from_iter((0..GADGETS).map(|k| single_step(&plan, Draws::new(4, k)))).to_string())?;
     Ok(())
 }

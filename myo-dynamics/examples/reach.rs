@@ -1,11 +1,11 @@
 //! How much of the plane of the `pointing` task the fingertip reaches, and how long a query takes.
-use myo_dynamics::{Coupling, Plan, ReachableSpace};
+use myo_dynamics::{CouplingMode, Plan, ReachableSpace};
 use myo_model::{Model, builtin};
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::new(&builtin("mobl-arms")?)?;
-    let space = ReachableSpace::new(&Plan::exact(&model, Coupling::Reduced)?.specialised());
+    let space = ReachableSpace::new(&Plan::exact(&model, CouplingMode::Reduced)?.specialised());
     let points: Vec<[f64; 3]> = (0..61)
         .flat_map(|i| (0..61).map(move |j| [0.55, -0.2 + 0.01 * f64::from(i), -0.3 + 0.01 * f64::from(j)]))
         .collect();

@@ -1,10 +1,10 @@
 //! Prints what the built-in arm compiles to.
-use myo_dynamics::{Coupling, Plan};
+use myo_dynamics::{CouplingMode, Plan};
 use myo_model::{Model, builtin};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::new(&builtin("mobl-arms")?)?;
-    let exact = Plan::exact(&model, Coupling::Reduced)?;
+    let exact = Plan::exact(&model, CouplingMode::Reduced)?;
     for (name, plan) in [("exact", &exact), ("specialised", &exact.specialised())] {
         let t = &plan.tendons;
         let straight: usize = t.pairs.iter().map(|p| p.segments.len()).sum();

@@ -4,7 +4,7 @@ use crate::obstacles::{Obstacles, StaticBox, Surface};
 use crate::plan::Plan;
 use crate::step::step;
 use crate::workspace::{SolverCount, State, Workspace};
-use myo_scalar::{Kernel, Level, Scalar, dispatch};
+use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 use rayon::prelude::*;
 
 /// States of many bodies of one plan, in single precision.
@@ -148,7 +148,7 @@ struct Steps<'a> {
     steps: usize,
 }
 
-impl Kernel for Steps<'_> {
+impl LaneTask for Steps<'_> {
     type Output = ();
 
     #[inline(always)]

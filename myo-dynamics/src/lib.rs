@@ -10,16 +10,16 @@
 //!   for bit; other widths of lanes differ by rounding.
 //! - [`ReachableSpace`] tells how far a point is from anything the fingertip can touch.
 //!
-//! Joint couplings are compiled away ([`Coupling::Reduced`]) or kept as MuJoCo's soft constraints ([`Coupling::Soft`]).
+//! Joint couplings are compiled away ([`CouplingMode::Reduced`]) or kept as MuJoCo's soft constraints ([`CouplingMode::Soft`]).
 //! Joint limits and contacts are MuJoCo's soft constraints in both cases, solved to convergence. Positions are relative to
 //! the shoulder centre in the zero pose ([`Plan::origin`] says where that is), x forward, y to the left, z up, in metres.
 //!
 //! ```
-//! use myo_dynamics::{Coupling, Obstacles, Plan, State, Workspace, step};
+//! use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
 //! use myo_model::{Model, builtin};
 //!
 //! let arm = Model::new(&builtin("mobl-arms")?)?;
-//! let plan = Plan::exact(&arm, Coupling::Reduced)?;
+//! let plan = Plan::exact(&arm, CouplingMode::Reduced)?;
 //! let (mut state, mut ws) = (State::<f64>::new(&plan), Workspace::<f64>::new(&plan));
 //! // A tenth of a second with all muscles at a tenth.
 //! let ctrl = vec![0.1; plan.nmuscle()];
@@ -35,11 +35,11 @@
 //! The same on every core, a thousand bodies at once:
 //!
 //! ```
-//! # use myo_dynamics::{Batch, Coupling, Plan};
+//! # use myo_dynamics::{Batch, CouplingMode, Plan};
 //! # use myo_model::{Model, builtin};
 //! use myo_scalar::Level;
 //!
-//! # let plan = Plan::exact(&Model::new(&builtin("mobl-arms")?)?, Coupling::Reduced)?;
+//! # let plan = Plan::exact(&Model::new(&builtin("mobl-arms")?)?, CouplingMode::Reduced)?;
 //! let mut arms = Batch::new(&plan.specialised(), 1000, Level::detect());
 //! arms.set_ctrl(7, &vec![0.5; plan.nmuscle()]);
 //! arms.step(25);
@@ -64,6 +64,6 @@ mod workspace;
 
 pub use batch::Batch;
 pub use obstacles::{Obstacles, StaticBox, Surface};
-pub use plan::{Coupling, Plan, PlanError};
+pub use plan::{CouplingMode, Plan, PlanError};
 pub use reach::ReachableSpace;
 pub use workspace::{SolverCount, SolverTally, State, Workspace};

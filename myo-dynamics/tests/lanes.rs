@@ -3,7 +3,7 @@
 mod common;
 
 use common::{difference, draw, exact, random_state};
-use myo_dynamics::{Batch, Coupling, Obstacles, Plan, State, Workspace, step};
+use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, State, Workspace, step};
 use myo_scalar::Level;
 
 const STEPS: usize = 25;
@@ -36,7 +36,7 @@ fn run(plan: &Plan<f64>, bodies: &[u32], level: Level, threads: usize) -> Vec<Ve
 
 #[test]
 fn lanes_equal_the_reference_at_every_level() {
-    let plan = exact(Coupling::Reduced);
+    let plan = exact(CouplingMode::Reduced);
     let fast = plan.specialised();
     let bodies: Vec<u32> = (0..32).collect();
     for level in Level::available() {
@@ -57,7 +57,7 @@ fn lanes_equal_the_reference_at_every_level() {
 
 #[test]
 fn results_depend_neither_on_place_nor_on_company_nor_on_threads() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let bodies: Vec<u32> = (0..100).collect();
     let backwards: Vec<u32> = (0..100).rev().collect();
     for level in Level::available() {

@@ -5,7 +5,7 @@ mod common;
 use common::{arm, difference, draw, exact, greatest, random_state};
 use myo_dynamics::spatial::{Motion, Vec3, Wrench};
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
-use myo_dynamics::{Coupling, Obstacles, Plan, PlanError, State, Workspace};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, PlanError, State, Workspace};
 use myo_model::description::Shape;
 use myo_model::{Model, ModelDescription};
 
@@ -25,7 +25,7 @@ fn conservative(mut plan: Plan<f64>) -> Plan<f64> {
 fn gadget() -> Plan<f64> {
     let text = include_str!("../examples/gadget.yaml");
     let description = ModelDescription::from_yaml(text, "gadget.yaml").unwrap();
-    Plan::exact(&Model::new(&description).unwrap(), Coupling::Reduced).unwrap()
+    Plan::exact(&Model::new(&description).unwrap(), CouplingMode::Reduced).unwrap()
 }
 
 /// Kinetic energy, and that of gravity and springs (J).
@@ -64,7 +64,7 @@ fn drift(plan: Plan<f64>, timestep: f64) -> f64 {
 
 #[test]
 fn energy_is_conserved_to_first_order_in_the_time_step() {
-    for plan in [exact(Coupling::Reduced), gadget()] {
+    for plan in [exact(CouplingMode::Reduced), gadget()] {
         let (coarse, fine) = (drift(plan.clone(), 1e-4), drift(plan, 5e-5));
         assert!(fine < 0.05, "{fine} J");
         assert!((1.8..2.2).contains(&(coarse / fine)), "{coarse} J at twice the step, {fine} J");
@@ -73,7 +73,7 @@ fn energy_is_conserved_to_first_order_in_the_time_step() {
 
 #[test]
 fn mass_matrix_is_the_inverse_dynamics_of_unit_accelerations() {
-    for coupling in [Coupling::Reduced, Coupling::Soft] {
+    for coupling in [CouplingMode::Reduced, CouplingMode::Soft] {
         let plan = Plan { gravity: [0.0; 3], ..exact(coupling) };
         let (n, mut ws) = (plan.ndof(), Workspace::<f64>::new(&plan));
         let state = State { qvel: vec![0.0; n], ..random_state(&plan, 5) };
@@ -98,7 +98,7 @@ fn mass_matrix_is_the_inverse_dynamics_of_unit_accelerations() {
 
 #[test]
 fn reduced_equations_are_the_full_ones_projected() {
-    let (full, reduced) = (exact(Coupling::Soft), exact(Coupling::Reduced));
+    let (full, reduced) = (exact(CouplingMode::Soft), exact(CouplingMode::Reduced));
     let (mut f, mut r) = (Workspace::<f64>::new(&full), Workspace::<f64>::new(&reduced));
     let (n, m) = (reduced.ndof(), full.ndof());
     for number in 0..100 {
@@ -127,8 +127,8 @@ fn reduced_equations_are_the_full_ones_projected() {
 
 #[test]
 fn limits_push_back() {
-    let plan = conservative(exact(Coupling::Reduced));
-    let limited = Plan { limits: exact(Coupling::Reduced).limits, ..plan.clone() };
+    let plan = conservative(exact(CouplingMode::Reduced));
+    let limited = Plan { limits: exact(CouplingMode::Reduced).limits, ..plan.clone() };
     let (mut free, mut held) = (Workspace::<f64>::new(&plan), Workspace::<f64>::new(&limited));
     for (k, dof) in limited.dofs.iter().enumerate() {
         let [lo, hi] = dof.range.unwrap();
@@ -149,7 +149,7 @@ fn limits_of_curved_joints_feel_the_curvature() {
     const H: f64 = 1e-4;
     let text = include_str!("../examples/gadget.yaml");
     let model = Model::new(&ModelDescription::from_yaml(text, "gadget.yaml").unwrap()).unwrap();
-    let [reduced, soft] = [Coupling::Reduced, Coupling::Soft].map(|c| Plan::exact(&model, c).unwrap());
+    let [reduced, soft] = [CouplingMode::Reduced, CouplingMode::Soft].map(|c| Plan::exact(&model, c).unwrap());
     let (bend, row) = (model.joints.iter().position(|joint| joint.name == "bend").unwrap(), 2);
     let (mut r, mut f) = (Workspace::<f64>::new(&reduced), Workspace::<f64>::new(&soft));
     let (mut active, mut n) = (0, 0);
@@ -193,7 +193,7 @@ fn limits_of_curved_joints_feel_the_curvature() {
 
 #[test]
 fn limits_hold_under_full_activation() {
-    let plan = exact(Coupling::Reduced);
+    let plan = exact(CouplingMode::Reduced);
     let (mut state, mut ws) = (random_state(&plan, 4), Workspace::<f64>::new(&plan));
     for number in 0..20 {
         let ctrl: Vec<f64> = (0..plan.nmuscle()).map(|k| draw(number, k).round()).collect();
@@ -213,9 +213,9 @@ fn automatic_muscle_force_equals_mujocos() {
     // `actuator_acc0` of MuJoCo 3.17.0.
     let acc0 = [(0, 0.5703720182790424), (7, 0.48458461438019523), (13, 1.522256259070472), (25, 0.06943510415051846)];
     let mut model = arm("mobl-arms");
-    let given = Plan::exact(&model, Coupling::Reduced).unwrap();
+    let given = Plan::exact(&model, CouplingMode::Reduced).unwrap();
     model.muscles.iter_mut().for_each(|muscle| muscle.parameters.gain.force = None);
-    let automatic = Plan::exact(&model, Coupling::Reduced).unwrap();
+    let automatic = Plan::exact(&model, CouplingMode::Reduced).unwrap();
     for (k, acc0) in acc0 {
         let parameters = &arm("mobl-arms").muscles[k].parameters;
         let [shortest, longest] = parameters.length_range;
@@ -233,14 +233,14 @@ fn automatic_muscle_force_equals_mujocos() {
 fn models_that_cannot_be_simulated_are_refused_by_name() {
     let mut model = arm("mobl-arms");
     model.geoms[0].shape = Shape::Box { half_size: [0.01; 3] };
-    let refused = Plan::exact(&model, Coupling::Reduced).unwrap_err();
+    let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
     assert_eq!(refused, PlanError::NotASphere { name: "fingertip".into() });
     assert!(refused.to_string().starts_with("geom 'fingertip' is a box"), "{refused}");
 
     let mut model = arm("mobl-arms");
     let second = myo_model::model::Geom { name: "thumb".into(), ..model.geoms[0].clone() };
     model.geoms.push(second);
-    let refused = Plan::exact(&model, Coupling::Reduced).unwrap_err();
+    let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
     assert!(refused.to_string().starts_with("geom 'thumb': only one colliding sphere"), "{refused}");
 
     let mut model = arm("mobl-arms");
@@ -249,13 +249,13 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
     for body in model.bodies.iter_mut().skip(model.joints[last].body) {
         (body.mass, body.inertia) = (0.0, nalgebra::Matrix3::zeros());
     }
-    let refused = Plan::exact(&model, Coupling::Reduced).unwrap_err();
+    let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
     assert!(refused.to_string().starts_with("joint 'pro_sup' moves no mass"), "{refused}");
 }
 
 #[test]
 fn a_step_leaves_nothing_of_the_step_before() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let none = Obstacles::none(&plan);
     let (mut used, mut fresh) = (Workspace::<f64>::new(&plan), Workspace::<f64>::new(&plan));
     step::forward(&plan, &none, &random_state(&plan, 1), &mut used);

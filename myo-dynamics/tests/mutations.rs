@@ -4,7 +4,7 @@
 mod common;
 
 use common::{arm, draw};
-use myo_dynamics::{Batch, Coupling, Plan, PlanError};
+use myo_dynamics::{Batch, CouplingMode, Plan, PlanError};
 use myo_model::{Model, ModelDescription, builtin};
 use myo_scalar::Level;
 use rayon::prelude::*;
@@ -91,7 +91,7 @@ fn changes(name: &str, description: &ModelDescription) -> Vec<Change> {
 fn check(text: &str) -> Result<Plan<f64>, String> {
     let description = ModelDescription::from_yaml(text, "changed.yaml").map_err(|error| error.to_string())?;
     let model = Model::new(&description).map_err(|error| error.to_string())?;
-    let plan = Plan::exact(&model, Coupling::Reduced).map_err(|error| error.to_string())?;
+    let plan = Plan::exact(&model, CouplingMode::Reduced).map_err(|error| error.to_string())?;
     plan.try_out().map_err(|error| error.to_string())?;
     Ok(plan)
 }
@@ -139,7 +139,7 @@ fn what_the_checks_accept_can_be_simulated() {
 #[test]
 fn the_models_that_come_along_are_accepted() {
     for name in ["mobl-arms", "mobl-arms-uitb"] {
-        Plan::exact(&arm(name), Coupling::Reduced).unwrap().try_out().unwrap();
+        Plan::exact(&arm(name), CouplingMode::Reduced).unwrap().try_out().unwrap();
     }
 }
 
@@ -148,7 +148,7 @@ fn refusal(edit: impl FnOnce(&mut ModelDescription)) -> PlanError {
     let mut description = builtin("mobl-arms").unwrap();
     edit(&mut description);
     let model = Model::new(&description).unwrap();
-    Plan::exact(&model, Coupling::Reduced).and_then(|plan| plan.try_out()).unwrap_err()
+    Plan::exact(&model, CouplingMode::Reduced).and_then(|plan| plan.try_out()).unwrap_err()
 }
 
 #[test]
@@ -182,6 +182,6 @@ fn models_that_run_away_are_refused_by_name() {
     let mut description = builtin("mobl-arms").unwrap();
     description.joints[15].damping = 500.0;
     description.options.implicit_joint_damping = true;
-    let plan = Plan::exact(&Model::new(&description).unwrap(), Coupling::Reduced).unwrap();
+    let plan = Plan::exact(&Model::new(&description).unwrap(), CouplingMode::Reduced).unwrap();
     assert_eq!(plan.try_out(), Ok(()));
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::exact;
-use myo_dynamics::{Coupling, Obstacles, Plan, State, StaticBox, Surface, Workspace, step};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace, step};
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -26,7 +26,7 @@ fn press(plan: &Plan<f64>, distances: &[f64]) -> (bool, f64, f64) {
 
 #[test]
 fn nothing_is_felt_outside_the_margins() {
-    let plan = exact(Coupling::Reduced);
+    let plan = exact(CouplingMode::Reduced);
     let margin = 0.002;
     assert_eq!(press(&plan, &[margin + 1e-9]), (false, 0.0, 0.0));
     assert!(press(&plan, &[margin - 1e-9]).0);
@@ -34,14 +34,14 @@ fn nothing_is_felt_outside_the_margins() {
 
 #[test]
 fn force_rises_with_depth() {
-    let plan = exact(Coupling::Reduced);
+    let plan = exact(CouplingMode::Reduced);
     let forces: Vec<f64> = [0.0, -0.001, -0.002, -0.004, -0.008].iter().map(|&d| press(&plan, &[d]).1).collect();
     assert!(forces.windows(2).all(|pair| pair[0] < pair[1]), "{forces:?}");
 }
 
 #[test]
 fn the_nearest_box_is_the_one_that_counts() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let (touches, force, index) = press(&plan, &[0.3, -0.001, 0.5]);
     assert!(touches && force == press(&plan, &[-0.001]).1);
     assert_eq!(index, 1.0);

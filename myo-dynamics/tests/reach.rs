@@ -3,7 +3,7 @@
 mod common;
 
 use common::{draw, exact};
-use myo_dynamics::{Coupling, Plan, ReachableSpace, Workspace, step};
+use myo_dynamics::{CouplingMode, Plan, ReachableSpace, Workspace, step};
 
 /// Fingertips of random poses within the limits.
 fn tips(plan: &Plan<f64>, count: u32) -> Vec<[f64; 3]> {
@@ -29,7 +29,7 @@ fn anywhere(number: u32) -> [f64; 3] {
 
 #[test]
 fn where_the_fingertip_has_been_is_in_reach() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let space = ReachableSpace::new(&plan);
     // Draws that the space has not seen.
     for tip in tips(&plan, 12_000).into_iter().skip(10_000) {
@@ -39,7 +39,7 @@ fn where_the_fingertip_has_been_is_in_reach() {
 
 #[test]
 fn no_random_pose_comes_closer_than_the_distance() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let space = ReachableSpace::new(&plan);
     let tips = tips(&plan, 200_000);
     let mut loosest: f64 = 0.0;
@@ -55,7 +55,7 @@ fn no_random_pose_comes_closer_than_the_distance() {
 
 #[test]
 fn the_arm_reaches_as_far_as_it_is_long() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let farthest = tips(&plan, 20_000).into_iter().map(|tip| distance(tip, [0.0; 3])).fold(0.0, f64::max);
     assert!((0.74..0.80).contains(&farthest), "{farthest}");
     let space = ReachableSpace::new(&plan);
@@ -66,6 +66,6 @@ fn the_arm_reaches_as_far_as_it_is_long() {
     // Far away, a metre more is a metre more.
     assert!((ahead(30.0) - ahead(29.0) - 1.0).abs() < 1e-4);
     // The exact plan reaches as far.
-    let reference = ReachableSpace::new(&exact(Coupling::Reduced));
+    let reference = ReachableSpace::new(&exact(CouplingMode::Reduced));
     assert!((reference.distance_out_of_reach([1.0, 0.0, 0.0]) - beyond).abs() < 1e-4);
 }

@@ -4,9 +4,9 @@ mod common;
 
 use common::{arm, difference, draw, exact, greatest, random_state};
 use myo_dynamics::step::constraint::{self, BLOCK_ROUNDS};
-use myo_dynamics::{Batch, Coupling, Obstacles, Plan, SolverCount, State, StaticBox, Surface, Workspace, step};
+use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, SolverCount, State, StaticBox, Surface, Workspace, step};
 use myo_scalar::symbolic::{Access, Buffer, Column, Sym, trace};
-use myo_scalar::{Kernel, Level, Real, Scalar, Word, dispatch};
+use myo_scalar::{LaneTask, Level, Real, Scalar, Word, dispatch};
 use nalgebra::{DMatrix, DVector};
 
 /// Coordinates and limit rows of a made-up problem; four rows of a contact come on top.
@@ -91,7 +91,7 @@ fn dense(numbers: &[f64]) -> (DMatrix<f64>, DVector<f64>, Vec<DenseRow>) {
 
 /// A plan whose solver takes such problems: two limits on the first coordinate.
 fn plan<C: Real>() -> Plan<C> {
-    let mut plan = exact(Coupling::Reduced);
+    let mut plan = exact(CouplingMode::Reduced);
     assert_eq!(plan.ndof(), N);
     let of = |k: usize| plan.limits.iter().find(|limit| limit.drive.dof == Some(k % N)).expect("it is limited").clone();
     plan.limits = (0..LIMITS).map(of).collect();
@@ -156,7 +156,7 @@ fn random_problems_end_at_the_best_of_all_sets() {
 /// Problems side by side in lanes, some numbers each: their accelerations, and what the solver counted.
 struct Lanes<'a>(&'a [Vec<f64>]);
 
-impl Kernel for Lanes<'_> {
+impl LaneTask for Lanes<'_> {
     type Output = Vec<(Vec<f64>, SolverCount)>;
     #[inline(always)]
     fn run<S: Scalar<Const = f32>>(self) -> Self::Output {
@@ -252,7 +252,7 @@ const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 fn presses_with_joints_beyond_limits_end_at_the_best_of_all_sets() {
     let mut crowded = 0;
     for name in ["mobl-arms", "mobl-arms-uitb"] {
-        let plan = Plan::exact(&arm(name), Coupling::Reduced).unwrap();
+        let plan = Plan::exact(&arm(name), CouplingMode::Reduced).unwrap();
         let mut ws = Workspace::<f64>::new(&plan);
         for number in 0..1500 {
             let mut state = random_state(&plan, number);
@@ -289,7 +289,7 @@ fn presses_with_joints_beyond_limits_end_at_the_best_of_all_sets() {
 fn a_press_that_went_round_in_circles_has_its_force() {
     let found: serde_json::Value = serde_json::from_str(include_str!("fixtures/cycle.json")).unwrap();
     let vector = |x: &serde_json::Value| -> Vec<f64> { serde_json::from_value(x.clone()).unwrap() };
-    let exact = Plan::exact(&arm(found["model"].as_str().unwrap()), Coupling::Reduced).unwrap();
+    let exact = Plan::exact(&arm(found["model"].as_str().unwrap()), CouplingMode::Reduced).unwrap();
     let upright = |button: &serde_json::Value| {
         let (at, size) = (vector(&button["position"]), vector(&button["size"]));
         // The face looks at the user: its normal is -x, its own x axis up.
@@ -313,7 +313,7 @@ fn a_press_that_went_round_in_circles_has_its_force() {
 
 #[test]
 fn batches_count_per_body_and_counts_do_not_saturate() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let mut batch = Batch::new(&plan, 19, Level::detect());
     let free = [0.6, 0.9, -0.5, 1.2, 0.3];
     let [zero, act] = [plan.ndof(), plan.nmuscle()].map(|n| vec![0.0; n]);
@@ -343,7 +343,7 @@ fn batches_count_per_body_and_counts_do_not_saturate() {
 
 #[test]
 fn a_state_of_the_wrong_length_is_refused_and_no_neighbour_touched() {
-    let plan = exact(Coupling::Reduced).specialised();
+    let plan = exact(CouplingMode::Reduced).specialised();
     let mut batch = Batch::new(&plan, 3, Level::detect());
     let right = [plan.ndof(), plan.ndof(), plan.nmuscle(), plan.nmuscle()].map(|n| vec![0.5; n]);
     for wrong in 0..4 {

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{arm, difference, draw, greatest, random_state};
-use myo_dynamics::{Coupling, Obstacles, Plan, State, Workspace, step};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
 
 /// Fits are made to 3e-9 (SI units) each, and a path has up to two fitted segments.
 const LENGTH: f64 = 1e-8;
@@ -21,7 +21,7 @@ const ACCELERATION: f64 = 5e-6;
 #[test]
 fn specialised_plan_equals_exact_plan() {
     for name in ["mobl-arms", "mobl-arms-uitb"] {
-        let exact = Plan::exact(&arm(name), Coupling::Reduced).unwrap();
+        let exact = Plan::exact(&arm(name), CouplingMode::Reduced).unwrap();
         let fast = exact.specialised();
         assert!(fast.links.len() < exact.links.len(), "the shoulder girdle should fold");
         assert!(!fast.tendons.hinge.is_empty() && !fast.tendons.double_hinge.is_empty());
@@ -64,7 +64,7 @@ fn without_limits(plan: &Plan<f64>) -> Plan<f64> {
 #[test]
 fn specialised_plan_equals_exact_plan_far_beyond_limits() {
     for name in ["mobl-arms", "mobl-arms-uitb"] {
-        let exact = without_limits(&Plan::exact(&arm(name), Coupling::Reduced).unwrap());
+        let exact = without_limits(&Plan::exact(&arm(name), CouplingMode::Reduced).unwrap());
         let fast = exact.specialised();
         let (mut a, mut b) = (Workspace::<f64>::new(&exact), Workspace::<f64>::new(&fast));
         let mut worst = [0.0_f64; 7];
@@ -106,7 +106,7 @@ fn moved(state: &State<f64>, time: f64) -> State<f64> {
 #[test]
 fn rates_are_the_derivatives_of_positions_everywhere() {
     const H: f64 = 1e-6;
-    let fast = Plan::exact(&arm("mobl-arms"), Coupling::Reduced).unwrap().specialised();
+    let fast = Plan::exact(&arm("mobl-arms"), CouplingMode::Reduced).unwrap().specialised();
     assert!(!fast.profiled.is_empty());
     let none = Obstacles::none(&fast);
     let mut ws = [0, 1, 2].map(|_| Workspace::<f64>::new(&fast));
@@ -139,7 +139,7 @@ fn rates_are_the_derivatives_of_positions_everywhere() {
 fn energy_stays_the_same_everywhere() {
     const H: f64 = 1e-6;
     // Nothing but inertia.
-    let mut plan = without_limits(&Plan::exact(&arm("mobl-arms"), Coupling::Reduced).unwrap());
+    let mut plan = without_limits(&Plan::exact(&arm("mobl-arms"), CouplingMode::Reduced).unwrap());
     plan.gravity = [0.0; 3];
     plan.muscles.clear();
     plan.tendons.constant.clear();

@@ -3,7 +3,7 @@
 use crate::config::BuildError;
 use crate::tables::Tables;
 use myo_model::Model;
-use myo_scalar::{Kernel, Level, Real, Scalar, dispatch};
+use myo_scalar::{LaneTask, Level, Real, Scalar, dispatch};
 use myo_tasks::Task;
 
 /// A precision that environments can run in.
@@ -53,7 +53,7 @@ impl Precision for f32 {
 
 struct OnLanes<J>(J);
 
-impl<J: Job<f32>> Kernel for OnLanes<J> {
+impl<J: Job<f32>> LaneTask for OnLanes<J> {
     type Output = ();
     #[inline(always)]
     fn run<S: Scalar<Const = f32>>(self) {

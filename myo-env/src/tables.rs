@@ -3,7 +3,7 @@
 use crate::config::BuildError;
 use crate::observe::{self, ObservationPart};
 use crate::saved::Identity;
-use myo_dynamics::{Coupling, Obstacles, Plan, StaticBox, Surface};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, StaticBox, Surface};
 use myo_model::Model;
 use myo_scalar::Real;
 use myo_tasks::logic::CompiledTask;
@@ -63,7 +63,7 @@ impl<C: Real> Tables<C> {
     fn with_plan(model: &Model, task: &Task, plan: impl Fn(&Plan<f64>) -> Plan<C>) -> Result<Self, BuildError> {
         task.check_values()?;
         let task = task.clone().expanded();
-        let exact = Plan::exact(model, Coupling::Reduced)?;
+        let exact = Plan::exact(model, CouplingMode::Reduced)?;
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
         let plan = plan(&exact);
         let noise = &task.noise;

@@ -1,4 +1,4 @@
-//! Which lanes this processor has, and how to run a kernel on them.
+//! Which lanes this processor has, and how to run a task on them.
 
 use crate::scalar::Scalar;
 
@@ -78,37 +78,37 @@ impl Level {
 
 /// Generic code to run on lanes. `run` and everything that it calls must be `#[inline(always)]`: code that is not
 /// inlined into the entry point of its level is compiled without the level's instructions, several times slower.
-pub trait Kernel {
-    /// What the kernel returns.
+pub trait LaneTask {
+    /// What the task returns.
     type Output;
     /// Runs on one lane type.
     fn run<S: Scalar<Const = f32>>(self) -> Self::Output;
 }
 
-/// Runs a kernel on the lanes of a level.
+/// Runs a task on the lanes of a level.
 #[inline]
-pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
+pub fn dispatch<T: LaneTask>(level: Level, task: T) -> T::Output {
     match level.0 {
-        Instructions::Portable => kernel.run::<crate::portable::F32x8>(),
+        Instructions::Portable => task.run::<crate::portable::F32x8>(),
         // SAFETY: a `Level` exists only where its features were detected.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 => unsafe { run_avx2(kernel) },
+        Instructions::Avx2 => unsafe { run_avx2(task) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 => unsafe { run_avx512(kernel) },
+        Instructions::Avx512 => unsafe { run_avx512(task) },
         #[cfg(not(target_arch = "x86_64"))]
-        _ => kernel.run::<crate::portable::F32x8>(),
+        _ => task.run::<crate::portable::F32x8>(),
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<crate::avx2::F32x8>()
+fn run_avx2<T: LaneTask>(task: T) -> T::Output {
+    task.run::<crate::avx2::F32x8>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<crate::avx512::F32x16>()
+fn run_avx512<T: LaneTask>(task: T) -> T::Output {
+    task.run::<crate::avx512::F32x16>()
 }

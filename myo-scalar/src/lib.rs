@@ -13,10 +13,10 @@
 //! [`philox`] draws counter-based random numbers whose integers are the same for every implementation.
 //!
 //! ```
-//! use myo_scalar::{dispatch, Kernel, Level, Scalar};
+//! use myo_scalar::{dispatch, LaneTask, Level, Scalar};
 //!
 //! struct Norm<'a>(&'a [f32], &'a mut [f32]);
-//! impl Kernel for Norm<'_> {
+//! impl LaneTask for Norm<'_> {
 //!     type Output = ();
 //!     #[inline(always)]
 //!     fn run<S: Scalar<Const = f32>>(self) {
@@ -49,7 +49,7 @@ pub mod symbolic;
 mod x86;
 
 pub use carried::{Carried, Visitor};
-pub use level::{Kernel, Level, dispatch};
+pub use level::{LaneTask, Level, dispatch};
 pub use philox::{Counter, normal_pair, philox, seed_words, unit};
 pub use portable::F32x8;
 pub use scalar::{Mask, Real, Scalar, Stage, Word};

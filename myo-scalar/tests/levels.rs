@@ -1,6 +1,6 @@
 //! Every level must agree with the standard library's f64, and all levels draw the same integers.
 
-use myo_scalar::{Counter, Kernel, Level, Mask, Scalar, Word, dispatch, normal_pair, philox, seed_words, unit};
+use myo_scalar::{Counter, LaneTask, Level, Mask, Scalar, Word, dispatch, normal_pair, philox, seed_words, unit};
 use proptest::prelude::*;
 
 /// Applies one function of two numbers to padded slices.
@@ -14,7 +14,7 @@ trait Function {
     fn apply<S: Scalar>(&self, a: S, b: S) -> S;
 }
 
-impl<F: Function> Kernel for Map<'_, F> {
+impl<F: Function> LaneTask for Map<'_, F> {
     type Output = Vec<f32>;
     #[inline(always)]
     fn run<S: Scalar<Const = f32>>(self) -> Vec<f32> {
@@ -97,7 +97,7 @@ struct Draw {
     first_env: u32,
 }
 
-impl Kernel for Draw {
+impl LaneTask for Draw {
     type Output = (Vec<[u32; 4]>, Vec<f32>);
     #[inline(always)]
     fn run<S: Scalar<Const = f32>>(self) -> Self::Output {
@@ -199,7 +199,7 @@ fn masks_answer_any() {
 #[test]
 fn a_level_is_one_that_this_processor_runs() {
     struct Lanes;
-    impl Kernel for Lanes {
+    impl LaneTask for Lanes {
         type Output = usize;
         #[inline(always)]
         fn run<S: Scalar<Const = f32>>(self) -> usize {

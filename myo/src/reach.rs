@@ -1,6 +1,6 @@
 //! The bridge between the body's reach and the checks of a task.
 
-use myo_dynamics::{Coupling, Plan, PlanError, ReachableSpace};
+use myo_dynamics::{CouplingMode, Plan, PlanError, ReachableSpace};
 use myo_model::Model;
 use myo_tasks::Reach;
 
@@ -17,7 +17,7 @@ impl ModelReach {
     /// # Errors
     /// The model cannot be simulated.
     pub fn new(model: &Model) -> Result<Self, PlanError> {
-        let plan = Plan::exact(model, Coupling::Reduced)?;
+        let plan = Plan::exact(model, CouplingMode::Reduced)?;
         plan.try_out()?;
         let plan = plan.specialised();
         Ok(Self { space: ReachableSpace::new(&plan), physics_dt_s: plan.timestep })

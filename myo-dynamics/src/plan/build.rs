@@ -1,7 +1,7 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
 use super::{
-    Body, ContactSphere, Coupling, CurvedJoint, Dof, Drive, Elements, Equality, Form, Limit, Link, LinkMotion,
+    Body, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Equality, Form, Limit, Link, LinkMotion,
     Placement, Plan, PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
 };
 use crate::impedance::Impedance;
@@ -16,7 +16,7 @@ const PARALLEL: f64 = 1e-14;
 
 impl Plan<f64> {
     /// Compiles a model without any shortcut: the reference that everything else is compared with.
-    pub fn exact(model: &Model, coupling: Coupling) -> Result<Self, PlanError> {
+    pub fn exact(model: &Model, coupling: CouplingMode) -> Result<Self, PlanError> {
         check_geoms(model)?;
         if model.muscles.is_empty() {
             return Err(PlanError::NoMuscles);
@@ -51,7 +51,7 @@ impl Plan<f64> {
             muscles: vec![],
             smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
             limits: limits(model, &drives),
-            equalities: if coupling == Coupling::Soft { equalities(model) } else { vec![] },
+            equalities: if coupling == CouplingMode::Soft { equalities(model) } else { vec![] },
             fingertip,
             contact_sphere: sphere,
             joints: drives,
@@ -60,13 +60,13 @@ impl Plan<f64> {
         plan.connect();
         plan.muscles = model.muscles.iter().map(|m| Muscle::new(&m.parameters, 1.0)).collect();
         let reference = match coupling {
-            Coupling::Soft => reference_pose::measure(&plan)?,
-            Coupling::Reduced => reference_pose::measure(&Plan::exact(model, Coupling::Soft)?)?,
+            CouplingMode::Soft => reference_pose::measure(&plan)?,
+            CouplingMode::Reduced => reference_pose::measure(&Plan::exact(model, CouplingMode::Soft)?)?,
         };
         plan.muscles =
             model.muscles.iter().zip(&reference.acc0).map(|(m, &acc0)| Muscle::new(&m.parameters, acc0)).collect();
         plan.weigh_constraints(model, &reference);
-        if coupling == Coupling::Reduced {
+        if coupling == CouplingMode::Reduced {
             plan.check_stability()?;
         }
         Ok(plan)
@@ -128,10 +128,10 @@ fn check_geoms(model: &Model) -> Result<(), PlanError> {
 }
 
 /// Position of every joint as a function of the generalised coordinates.
-fn drives(model: &Model, coupling: Coupling) -> Vec<Drive<f64>> {
+fn drives(model: &Model, coupling: CouplingMode) -> Vec<Drive<f64>> {
     let coupled = |joint: usize| match coupling {
-        Coupling::Reduced => model.couplings.iter().find(|c| c.dependent == joint),
-        Coupling::Soft => None,
+        CouplingMode::Reduced => model.couplings.iter().find(|c| c.dependent == joint),
+        CouplingMode::Soft => None,
     };
     let mut dof_of_joint = vec![None; model.joints.len()];
     let mut count = 0;

@@ -18,7 +18,7 @@ use myo_scalar::{Real, Scalar};
 
 /// What becomes of joint couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Coupling {
+pub enum CouplingMode {
     /// Compiled away: the generalised coordinates are the independent joints.
     #[default]
     Reduced,

@@ -1,7 +1,7 @@
 //! What the tests of this crate share.
 #![allow(dead_code)] // every test file uses a part of it
 
-use myo_dynamics::{Coupling, Plan, State};
+use myo_dynamics::{CouplingMode, Plan, State};
 use myo_model::{Model, builtin};
 use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};
 
@@ -11,7 +11,7 @@ pub fn arm(name: &str) -> Model {
 }
 
 /// The default arm's reference plan.
-pub fn exact(coupling: Coupling) -> Plan<f64> {
+pub fn exact(coupling: CouplingMode) -> Plan<f64> {
     Plan::exact(&arm("mobl-arms"), coupling).unwrap()
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
-use myo::dynamics::{Coupling, Plan};
+use myo::dynamics::{CouplingMode, Plan};
 use myo::model::mjcf::{MjcfOptions, to_mjcf};
 use myo::model::{Model, ModelDescription, builtin, builtin_names};
 
@@ -152,7 +152,7 @@ fn check(name_or_file: &str, json: bool) -> Result<()> {
 fn simulate(name_or_file: &str) -> Result<(Model, Plan<f64>)> {
     let in_file = |error: &dyn std::error::Error| Failure::sentence(format!("{name_or_file}: {error}"));
     let model = Model::new(&describe(name_or_file)?).map_err(|error| in_file(&error))?;
-    let plan = Plan::exact(&model, Coupling::Reduced).map_err(|error| in_file(&error))?;
+    let plan = Plan::exact(&model, CouplingMode::Reduced).map_err(|error| in_file(&error))?;
     plan.try_out().map_err(|error| in_file(&error))?;
     Ok((model, plan))
 }

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use myo_dynamics::{Coupling, Plan, PlanError, Workspace, step};
+use myo_dynamics::{CouplingMode, Plan, PlanError, Workspace, step};
 use myo_env::Snapshot;
 use myo_model::Model;
 use myo_tasks::{Pressing, Target, Task};
@@ -49,7 +49,7 @@ impl Painter {
     /// The model cannot be simulated.
     pub fn new(model: &Model, task: &Task) -> Result<Self, PlanError> {
         Ok(Self {
-            plan: Plan::exact(model, Coupling::Reduced)?,
+            plan: Plan::exact(model, CouplingMode::Reduced)?,
             bones: bones(model),
             paths: model.muscles.iter().map(|muscle| muscle.path.clone()).collect(),
             targets: task.clone().expanded().targets,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use myo::dynamics::{Batch, Coupling, Plan, SolverCount};
+use myo::dynamics::{Batch, CouplingMode, Plan, SolverCount};
 use myo::scalar::Level;
 use serde::Serialize;
 use serde_json::json;
@@ -102,7 +102,7 @@ pub fn run(args: &PhysicsArgs, threads: usize) -> Result<()> {
     let opponent = python.map(|python| Opponent::start(&python, &model, threads == 1)).transpose()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;
-    let plan = Plan::exact(&model, Coupling::Reduced)?.specialised();
+    let plan = Plan::exact(&model, CouplingMode::Reduced)?.specialised();
     let envs = args.envs.unwrap_or(1024 * threads);
     let mut scene = Scene { model: &model.name, plan, envs, pool, opponent, machine };
     let rows = levels.into_iter().map(|level| scene.measure(level)).collect::<Result<Vec<_>>>()?.concat();
