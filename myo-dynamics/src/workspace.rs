@@ -56,8 +56,6 @@ pub struct Row<S: Scalar> {
     pub exists: S::Mask,
     /// Where it pushes in the current round.
     pub active: S::Mask,
-    /// Where it pushed in the round before.
-    pub before: S::Mask,
     /// `D`, the reciprocal regularisation.
     pub weight: S,
     /// Reference acceleration.
@@ -69,7 +67,7 @@ pub struct Row<S: Scalar> {
 impl<S: Scalar> Row<S> {
     fn none() -> Self {
         let no = S::Mask::splat(false);
-        Self { exists: no, active: no, before: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
+        Self { exists: no, active: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
     }
 }
 
@@ -218,8 +216,6 @@ pub struct Workspace<S: Scalar> {
     pub qacc: Vec<S>,
     /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`.
     pub step_qacc: Vec<S>,
-    /// Round that the constraint solver is in, from 1.
-    pub round: S,
     /// Where rows were still wrong in the solver's last round.
     pub unsettled: S::Mask,
     /// What the solver did since this was last taken.
@@ -266,7 +262,6 @@ impl<S: Scalar> Workspace<S> {
             pivot: vec![o; ndof],
             qacc: vec![o; ndof],
             step_qacc: vec![o; ndof],
-            round: o,
             unsettled: S::Mask::splat(false),
             tally: SolverTally::new(),
         }

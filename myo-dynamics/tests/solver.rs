@@ -112,13 +112,13 @@ fn solve<S: Scalar>(plan: &Plan<S::Const>, numbers: &[S], ws: &mut Workspace<S>)
     }
     for row in &mut ws.limit {
         row.exists = is_true(take());
-        (row.active, row.before) = (row.exists, row.exists);
+        row.active = row.exists;
         (row.weight, row.reference, row.slope) = (take(), take(), take());
     }
     ws.contact.exists = is_true(take());
     for row in &mut ws.contact.rows {
         row.exists = ws.contact.exists;
-        (row.active, row.before) = (row.exists, row.exists);
+        row.active = row.exists;
         (row.weight, row.reference) = (take(), take());
     }
     for entry in &mut ws.contact_jacobian {

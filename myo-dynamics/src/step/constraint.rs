@@ -40,7 +40,7 @@ pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Works
             reference -= sign * joint.drift;
         }
         let exists = distance.lt(S::zero());
-        ws.limit[k] = Row { exists, active: exists, before: exists, weight, reference, slope: sign * joint.slope };
+        ws.limit[k] = Row { exists, active: exists, weight, reference, slope: sign * joint.slope };
     }
 }
 
@@ -60,7 +60,7 @@ pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut W
         let velocity = state.qvel[equality.dependent] - leader.rate;
         let (weight, reference) = equality.impedance.row(violation, velocity, S::splat(equality.diagonal));
         let always = S::Mask::splat(true);
-        ws.equality[k] = Row { exists: always, active: always, before: always, weight, reference, slope: S::lit(1.0) };
+        ws.equality[k] = Row { exists: always, active: always, weight, reference, slope: S::lit(1.0) };
     }
 }
 
@@ -71,24 +71,35 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     for row in &ws.limit {
         violated = violated | row.exists;
     }
-    let limited = violated.any();
-    let touching = ws.contact.exists.any();
-    (ws.round, ws.unsettled) = (S::zero(), S::Mask::splat(false));
-    S::repeat_while(MAX_ROUNDS, &mut Round(ws), |Round(ws)| {
-        assemble(plan, ws, limited, touching);
-        cholesky::factor_and_solve(plan.ndof(), &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
-        if limited || touching {
-            ws.round += S::lit(1.0);
-            exchange(plan, ws, touching);
+    let rows = Rows { limited: violated.any(), touching: ws.contact.exists.any() };
+    ws.tally.rounds = ws.tally.rounds + S::Word::splat(1);
+    ws.unsettled = S::Mask::splat(false);
+    S::repeat_while(BLOCK_ROUNDS, &mut Round(ws), |Round(ws)| {
+        accelerate(plan, ws, rows);
+        if rows.limited || rows.touching {
+            exchange_all(plan, ws, rows);
         }
         ws.unsettled
     });
+    S::when(ws.unsettled, &mut Round(ws), |Round(ws)| {
+        S::repeat_while(MAX_ROUNDS - BLOCK_ROUNDS, &mut Round(ws), |Round(ws)| {
+            accelerate(plan, ws, rows);
+            exchange_first(plan, ws, rows);
+            ws.unsettled
+        });
+    });
     let (none, one) = (S::Word::splat(0), S::Word::splat(1));
-    ws.tally.rounds = ws.tally.rounds + one;
     ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
-    if touching {
+    if rows.touching {
         contact_force(plan, ws);
     }
+}
+
+/// Which rows there may be in any lane.
+#[derive(Clone, Copy)]
+struct Rows {
+    limited: bool,
+    touching: bool,
 }
 
 /// What a round hands on: which rows push, the acceleration, and how it went.
@@ -101,19 +112,25 @@ impl<S: Scalar> Carried<S> for Round<'_, S> {
             visitor.mask(&mut row.active);
         }
         visitor.numbers(&mut ws.qacc);
-        visitor.number(&mut ws.round);
         visitor.mask(&mut ws.unsettled);
         visitor.word(&mut ws.tally.rounds);
     }
 }
 
+/// The acceleration with the rows that push.
+#[inline(always)]
+fn accelerate<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
+    assemble(plan, ws, rows);
+    cholesky::factor_and_solve(plan.ndof(), &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
+}
+
 /// `matrix = M + J^T D J` and `qacc = tau + J^T D aref` over the rows that push.
 #[inline(always)]
-fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, limited: bool, touching: bool) {
+fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     let n = plan.ndof();
     ws.matrix.copy_from_slice(&ws.mass);
     ws.qacc.copy_from_slice(&ws.torque);
-    if limited {
+    if rows.limited {
         for (row, limit) in ws.limit.iter().zip(&plan.limits) {
             let Some(dof) = limit.drive.dof else { continue };
             let pull = (row.weight * row.slope).only(row.active);
@@ -121,7 +138,7 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, limited: bo
             ws.qacc[dof] += pull * row.reference;
         }
     }
-    if touching {
+    if rows.touching {
         for (row, jacobian) in ws.contact.rows.iter().zip(ws.contact_jacobian.chunks_exact(n)) {
             add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
         }
@@ -143,86 +160,79 @@ fn add_row<S: Scalar>(n: usize, row: &Row<S>, jacobian: &[S], matrix: &mut [S], 
     }
 }
 
-/// Changes rows that are wrong at the new acceleration; `unsettled` is where there were any.
+/// Changes all rows that are wrong at the new acceleration; `unsettled` is where there were any.
 #[inline(always)]
-fn exchange<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, touching: bool) {
-    let n = plan.ndof();
+fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     let mut changed = S::Mask::splat(false);
     for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
         if let Some(dof) = limit.drive.dof {
             changed = changed | judge(row, ws.qacc[dof] * row.slope);
         }
     }
-    if touching {
-        for (row, jacobian) in ws.contact.rows.iter_mut().zip(ws.contact_jacobian.chunks_exact(n)) {
+    if rows.touching {
+        let jacobians = ws.contact_jacobian.chunks_exact(plan.ndof());
+        for (row, jacobian) in ws.contact.rows.iter_mut().zip(jacobians) {
             changed = changed | judge(row, product(jacobian, &ws.qacc));
         }
     }
-    ws.unsettled = changed;
-    let late = changed & S::lit(BLOCK_ROUNDS as f64).lt(ws.round);
-    S::when(late, &mut Changes(ws), |Changes(ws)| keep_first(plan, late, ws, touching));
-    let (none, one) = (S::Word::splat(0), S::Word::splat(1));
-    ws.tally.rounds = ws.tally.rounds + S::select_word(ws.unsettled, one, none);
+    settle(ws, changed);
 }
 
 /// Decides whether a row pushes; returns where that is news.
 #[inline(always)]
 fn judge<S: Scalar>(row: &mut Row<S>, acceleration: S) -> S::Mask {
-    row.before = row.active;
-    row.active = row.exists & acceleration.lt(row.reference);
-    differ(row.active, row.before)
+    let active = row.exists & acceleration.lt(row.reference);
+    let changed = differ(active, row.active);
+    row.active = active;
+    changed
+}
+
+/// Changes the first row that is wrong by more than rounding; `unsettled` is where there was one.
+#[inline(always)]
+fn exchange_first<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
+    let mut changed = S::Mask::splat(false);
+    for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
+        if let Some(dof) = limit.drive.dof {
+            let acceleration = ws.qacc[dof] * row.slope;
+            change_unless(&mut changed, row, acceleration, acceleration.abs());
+        }
+    }
+    if rows.touching {
+        let jacobians = ws.contact_jacobian.chunks_exact(plan.ndof());
+        for (row, jacobian) in ws.contact.rows.iter_mut().zip(jacobians) {
+            let mut size = S::zero();
+            for (&x, &y) in jacobian.iter().zip(&ws.qacc) {
+                size += (x * y).abs();
+            }
+            change_unless(&mut changed, row, product(jacobian, &ws.qacc), size);
+        }
+    }
+    settle(ws, changed);
+}
+
+/// Changes a row that is clearly wrong where none was `changed` before it. `size` is what rounding of the acceleration is
+/// relative to.
+#[inline(always)]
+fn change_unless<S: Scalar>(changed: &mut S::Mask, row: &mut Row<S>, acceleration: S, size: S) {
+    let rounding = (size + row.reference.abs()) * S::lit(ROUNDING * S::EPSILON);
+    let wrong = differ(row.exists & acceleration.lt(row.reference), row.active)
+        & rounding.lt((acceleration - row.reference).abs());
+    let first = wrong & !*changed;
+    *changed = *changed | first;
+    row.active = differ(row.active, first);
+}
+
+/// Ends a round in which rows changed where the mask is true.
+#[inline(always)]
+fn settle<S: Scalar>(ws: &mut Workspace<S>, changed: S::Mask) {
+    ws.unsettled = changed;
+    let (none, one) = (S::Word::splat(0), S::Word::splat(1));
+    ws.tally.rounds = ws.tally.rounds + S::select_word(changed, one, none);
 }
 
 #[inline(always)]
 fn differ<M: Mask>(a: M, b: M) -> M {
     (a & !b) | (b & !a)
-}
-
-/// What [`keep_first`] changes.
-struct Changes<'a, S: Scalar>(&'a mut Workspace<S>);
-
-impl<S: Scalar> Carried<S> for Changes<'_, S> {
-    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Changes(ws) = self;
-        for row in ws.limit.iter_mut().chain(&mut ws.contact.rows) {
-            visitor.mask(&mut row.active);
-        }
-        visitor.mask(&mut ws.unsettled);
-    }
-}
-
-/// Takes all changes but the first back where `late` is true, and those that are within rounding.
-#[inline(always)]
-fn keep_first<S: Scalar>(plan: &Plan<S::Const>, late: S::Mask, ws: &mut Workspace<S>, touching: bool) {
-    let n = plan.ndof();
-    let mut waiting = late;
-    for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
-        if let Some(dof) = limit.drive.dof {
-            let acceleration = ws.qacc[dof] * row.slope;
-            keep_if_first(row, acceleration, acceleration.abs(), late, &mut waiting);
-        }
-    }
-    if touching {
-        for (row, jacobian) in ws.contact.rows.iter_mut().zip(ws.contact_jacobian.chunks_exact(n)) {
-            let mut size = S::zero();
-            for (&x, &y) in jacobian.iter().zip(&ws.qacc) {
-                size += (x * y).abs();
-            }
-            keep_if_first(row, product(jacobian, &ws.qacc), size, late, &mut waiting);
-        }
-    }
-    ws.unsettled = ws.unsettled & !waiting;
-}
-
-/// Keeps a row's change where `waiting` is true and the row clearly wrong, which ends the waiting there. `size` is what
-/// rounding of the acceleration is relative to.
-#[inline(always)]
-fn keep_if_first<S: Scalar>(row: &mut Row<S>, acceleration: S, size: S, late: S::Mask, waiting: &mut S::Mask) {
-    let rounding = (size + row.reference.abs()) * S::lit(ROUNDING * S::EPSILON);
-    let wrong = differ(row.active, row.before) & rounding.lt((acceleration - row.reference).abs());
-    let first = wrong & *waiting;
-    *waiting = *waiting & !first;
-    row.active = (row.active & (first | !late)) | (row.before & late & !first);
 }
 
 #[inline(always)]

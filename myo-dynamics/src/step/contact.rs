@@ -54,7 +54,6 @@ impl<S: Scalar> Carried<S> for Edges<'_, S> {
         for row in &mut self.0.contact.rows {
             visitor.mask(&mut row.exists);
             visitor.mask(&mut row.active);
-            visitor.mask(&mut row.before);
             visitor.numbers([&mut row.weight, &mut row.reference, &mut row.slope]);
         }
         visitor.numbers(&mut self.0.contact_jacobian);
@@ -140,7 +139,7 @@ fn pyramid<S: Scalar>(
         }
         let (weight, reference) = obstacles.impedance.row(violation, velocity, S::splat(obstacles.diagonal));
         let exists = ws.contact.exists;
-        ws.contact.rows[k] = Row { exists, active: exists, before: exists, weight, reference, slope: S::lit(1.0) };
+        ws.contact.rows[k] = Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
     }
 }
 
