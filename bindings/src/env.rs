@@ -67,14 +67,14 @@ impl Env {
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
         let (task, model) = (task.inner(), model.inner());
         let built = choice.build(py, &pool, (model, task), &config)?;
-        let (place, env) = (built.place(), built.boxed());
+        let (taken, env) = (built.device(), built.boxed());
         let views = (!copy).then(|| Arrays::new(py, env.spec()).into_views());
         let bounds = space::bounds(model, task, &env.spec().observation_names);
         Ok(Self {
             batch: Arc::new(Batch::new(env, pool)),
             views,
-            backend: place.backend(),
-            device: place.device().map(String::from),
+            backend: taken.backend(),
+            device: taken.card().map(String::from),
             bounds,
             tables: Tables::new(model, task).map_err(error::build)?,
             painter: Painter::new(model, task).map_err(error::task)?,
