@@ -16,8 +16,11 @@ const SAMPLE: usize = 40;
 const MARK: f64 = 1.234_567_890_123e299;
 const BODIES: usize = 8;
 
+/// From a number to what becomes of it.
+type Map = fn(f64) -> f64;
+
 /// What becomes of a number; a text where JSON has none for it.
-const NUMBERS: [(&str, fn(f64) -> f64, Option<&str>); 12] = [
+const NUMBERS: [(&str, Map, Option<&str>); 12] = [
     ("times -1", |x| -x, None),
     ("zero", |_| 0.0, None),
     ("a tenth", |x| 0.1 * x, None),
