@@ -72,7 +72,9 @@ def test_training_that_runs_away_leaves_no_checkpoint_of_that(tmp_path, case):
     wild = SMALL | {"settings": SMALL["settings"] | RUNAWAY[case] | {"kl_target": 0.0}}
     with pytest.raises(myoenv.TrainingError, match="training diverged"):
         myoenv.train("pointing-single", out=tmp_path / "run", until=None, steps=10_000, **wild)
-    assert checkpoints(tmp_path / "run") == []
+    # The good state that training went back to, before its first update.
+    assert [path.name for path in checkpoints(tmp_path / "run")] == ["step_000000000000.ckpt"]
+    assert np.isfinite(myoenv.Policy.load(tmp_path / "run")(np.zeros((1, 54), np.float32))).all()
 
 
 def test_ctrl_c_in_the_last_evaluation_keeps_the_policy(tmp_path):
@@ -177,11 +179,14 @@ def test_a_training_that_failed_writes_no_more(tmp_path):
     with pytest.raises(myoenv.TrainingError, match="training diverged"):
         for _ in range(10):
             session.advance()
+    # The good state that training went back to, before its first update.
+    before = [(path.name, path.read_bytes()) for path in checkpoints(tmp_path / "run")]
+    assert [name for name, _ in before] == ["step_000000000000.ckpt"]
     for use in (session.policy, session.advance, lambda: session.conclude("interrupt")):
         with pytest.raises(myoenv.TrainingError, match="the training is over"):
             use()
     session.leave()
-    assert checkpoints(tmp_path / "run") == []
+    assert [(path.name, path.read_bytes()) for path in checkpoints(tmp_path / "run")] == before
 
 
 def test_signals_are_heard_in_the_main_thread_alone(tmp_path):
