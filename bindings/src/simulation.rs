@@ -242,7 +242,7 @@ impl Simulation {
             let mut qvel = vec![0.0; ndof];
             qvel[dof] = 1.0;
             step::kinematics::kinematics(&self.plan, &qpos, &qvel, &mut ws);
-            step::tendon::lengths(&self.plan, &qvel, &mut ws);
+            step::tendon::lengths(&self.plan, &mut ws);
             for (muscle, rate) in ws.tendon_velocity.iter().enumerate() {
                 arms[(muscle, dof)] = -rate;
             }

@@ -47,6 +47,10 @@ pub struct ProfiledState<S: Scalar> {
     pub argument: S,
     /// Where the coordinate is not so far past its limits that they are held.
     pub is_free: S::Mask,
+    /// Speed of the coordinate there, zero where they are held.
+    pub speed: S,
+    /// Torque on the coordinate apart from the profiles' share.
+    pub passive: S,
 }
 
 /// A soft constraint row on one coordinate or on all of them.
@@ -228,11 +232,12 @@ impl<S: Scalar> Workspace<S> {
         let o = S::zero();
         let (nlink, ndof, nmuscle) = (plan.links.len(), plan.ndof(), plan.nmuscle());
         let joint = JointState { position: o, rate: o, slope: o, drift: o, sin: o, cos: o };
+        let profiled = ProfiledState { argument: o, is_free: S::Mask::splat(true), speed: o, passive: o };
         let nscrew = nlink + plan.screws.len();
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
         let massless = Inertia::zero();
         Self {
-            profiled: vec![ProfiledState { argument: o, is_free: S::Mask::splat(true) }; plan.profiled.len()],
+            profiled: vec![profiled; plan.profiled.len()],
             joint: vec![joint; nlink],
             rotation: vec![Rotation::identity(); nlink],
             position: vec![Vec3::zero(); nlink],

@@ -22,7 +22,7 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     let n = plan.ndof();
     let (state, mut ws) = (State::<f64>::new(plan), Workspace::<f64>::new(plan));
     kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
-    tendon::lengths(plan, &state.qvel, &mut ws);
+    tendon::lengths(plan, &mut ws);
     inertia::resist(plan, &mut ws);
     inertia::mass_matrix(plan, &state, &mut ws);
     if let Some(bad) = (0..n).find(|&k| ws.mass[k * n + k] <= 0.0) {

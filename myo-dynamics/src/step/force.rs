@@ -1,12 +1,12 @@
-//! Generalised forces: passive joint forces, and the work of wrenches on screws.
+//! Generalised forces: passive joint forces, what acts along profiles, and the work of wrenches on screws.
 
 use crate::plan::{LinkSet, Plan};
 use crate::spatial::Wrench;
 use crate::step::kinematics::joint_state;
-use crate::workspace::{State, Workspace};
+use crate::workspace::{ProfiledState, State, Workspace};
 use myo_scalar::Scalar;
 
-/// Starts `torque` with springs, dampers, coupled armatures and the energy profiles' share; clears the wrenches.
+/// Starts `torque` with springs, dampers and coupled armatures; clears the wrenches.
 #[inline(always)]
 pub fn passive<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
     ws.wrench.fill(Wrench::zero());
@@ -22,11 +22,27 @@ pub fn passive<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Work
         let dof = joint.drive.dof.expect("curved joints follow a coordinate");
         ws.torque[dof] -= force * j.slope;
     }
+}
+
+/// Adds weight, centrifugal force and muscles along profiles to `torque`: nothing where a coordinate is held.
+#[inline(always)]
+pub fn profiles<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    let dof = |coordinate: usize| plan.profiled[coordinate].dof;
+    for (coordinate, at) in ws.profiled.iter_mut().enumerate() {
+        at.passive = ws.torque[dof(coordinate)];
+    }
     for profile in &plan.energy_profiles {
-        let (dof, at) = (plan.profiled[profile.coordinate].dof, &ws.profiled[profile.coordinate]);
-        let (t, speed) = (at.argument, state.qvel[dof]);
-        let bias = profile.centrifugal.value(t).mul_add(speed * speed, profile.weight.value(t));
-        ws.torque[dof] -= bias.only(at.is_free);
+        let &ProfiledState { argument, speed, .. } = &ws.profiled[profile.coordinate];
+        let bias = profile.centrifugal.value(argument).mul_add(speed * speed, profile.weight.value(argument));
+        ws.torque[dof(profile.coordinate)] -= bias;
+    }
+    for (profile, &slope) in plan.tendons.profiles.iter().zip(&ws.profile_slope) {
+        let torque = &mut ws.torque[dof(profile.coordinate)];
+        *torque = slope.mul_add(ws.muscle_force[profile.muscle], *torque);
+    }
+    for (coordinate, at) in ws.profiled.iter().enumerate() {
+        let torque = &mut ws.torque[dof(coordinate)];
+        *torque = S::select(at.is_free, *torque, at.passive);
     }
 }
 

@@ -11,6 +11,7 @@ use myo_scalar::Scalar;
 pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) {
     for (at, coordinate) in ws.profiled.iter_mut().zip(&plan.profiled) {
         (at.argument, at.is_free) = coordinate.domain.map(qpos[coordinate.dof]);
+        at.speed = qvel[coordinate.dof].only(at.is_free);
     }
     // Gravity acts like an upward acceleration of the world.
     let gravity = Vec3::splat(plan.gravity);
@@ -26,7 +27,10 @@ pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: 
             LinkMotion::Slide(placement) => {
                 slide(index, link, placement, joint_state(&link.drive, qpos, qvel), ws);
             }
-            LinkMotion::Profile(profile) => follow(index, link, profile, qpos, qvel, ws),
+            LinkMotion::Profile(profile) => {
+                let joint = joint_state(&link.drive, qpos, qvel);
+                follow(index, profile, joint, ws);
+            }
         }
     }
     for (k, screw) in plan.screws.iter().enumerate() {
@@ -140,36 +144,25 @@ fn drive<S: Scalar>(
 
 /// A link whose pose is a function of one coordinate: `v = s qvel`, `a = s' qvel^2`, minus gravity.
 #[inline(always)]
-fn follow<S: Scalar>(
-    index: usize,
-    link: &Link<S::Const>,
-    profile: &PoseProfile<S::Const>,
-    qpos: &[S],
-    qvel: &[S],
-    ws: &mut Workspace<S>,
-) {
-    let joint = joint_state(&link.drive, qpos, qvel);
-    let ProfiledState { argument: t, is_free } = ws.profiled[profile.coordinate];
+fn follow<S: Scalar>(index: usize, profile: &PoseProfile<S::Const>, joint: JointState<S>, ws: &mut Workspace<S>) {
+    let ProfiledState { argument: t, is_free, speed, .. } = ws.profiled[profile.coordinate];
     if let Some(axes) = &profile.axes {
         let (x, y) = (vector(&axes[0], t), vector(&axes[1], t));
         ws.rotation[index] = Rotation { x, y, z: x.cross(y) };
     }
     ws.position[index] = vector(&profile.position, t);
-    let screw = motion(&profile.screw, t, is_free);
-    let rate = motion(&profile.screw_rate, t, is_free);
+    let (screw, rate) = (motion(&profile.screw, t), motion(&profile.screw_rate, t));
     ws.joint[index] = joint;
-    ws.screw[index] = screw;
-    ws.velocity[index] = screw.scale(joint.rate);
-    ws.acceleration[index] = rate.mul_add(joint.rate * joint.rate, ws.acceleration[0]);
+    let held = Vec3::zero();
+    ws.screw[index] =
+        Motion { ang: Vec3::select(is_free, screw.ang, held), lin: Vec3::select(is_free, screw.lin, held) };
+    ws.velocity[index] = screw.scale(speed);
+    ws.acceleration[index] = rate.mul_add(speed * speed, ws.acceleration[0]);
 }
 
-/// A screw or its rate; zero where the link is held.
 #[inline(always)]
-fn motion<S: Scalar>(p: &[[Polynomial<S::Const>; 3]; 2], t: S, is_free: S::Mask) -> Motion<S> {
-    Motion {
-        ang: Vec3::select(is_free, vector(&p[0], t), Vec3::zero()),
-        lin: Vec3::select(is_free, vector(&p[1], t), Vec3::zero()),
-    }
+fn motion<S: Scalar>(p: &[[Polynomial<S::Const>; 3]; 2], t: S) -> Motion<S> {
+    Motion { ang: vector(&p[0], t), lin: vector(&p[1], t) }
 }
 
 #[inline(always)]

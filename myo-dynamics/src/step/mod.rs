@@ -74,7 +74,7 @@ impl StepStage for Paths {
     const NAME: &'static str = "muscle paths and forces";
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
-        tendon::lengths(plan, &state.qvel, ws);
+        tendon::lengths(plan, ws);
         muscle_forces(plan, state, ws);
     }
 }
@@ -87,6 +87,7 @@ impl StepStage for Forces {
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
         force::passive(plan, state, ws);
+        force::profiles(plan, ws);
         tendon::pull(plan, ws);
         inertia::resist(plan, ws);
         force::project(plan, ws);

@@ -13,7 +13,7 @@ const SHORTEST_SQUARED: f64 = 1e-20;
 
 /// Fills `tendon_length` and `tendon_velocity`, and the slopes and lines that `pull` needs.
 #[inline(always)]
-pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qvel: &[S], ws: &mut Workspace<S>) {
+pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let tendons = &plan.tendons;
     // Slices of their own here and below: after a store through `ws` the compiler would fetch all addresses anew.
     let (length, rate) = (&mut ws.tendon_length[..], &mut ws.tendon_velocity[..]);
@@ -28,7 +28,7 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qvel: &[S], ws: &mut Workspace<
         let at = &profiled[profile.coordinate];
         (added, *slope) = profile_length(profile, at);
         length[profile.muscle] += added;
-        add_product(&mut rate[profile.muscle], *slope, qvel[plan.profiled[profile.coordinate].dof]);
+        add_product(&mut rate[profile.muscle], *slope, at.speed);
     }
     for (segment, slope) in tendons.hinge.iter().zip(&mut ws.hinge_slope) {
         let joint = &joints[segment.link];
@@ -64,15 +64,12 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, qvel: &[S], ws: &mut Workspace<
     }
 }
 
-/// Adds the muscle forces to `wrench`, `joint_torque` and `torque`.
+/// Adds the muscle forces to `wrench` and `joint_torque`; those along profiles are [`force::profiles`](super::force)'s.
 #[inline(always)]
 pub fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let tendons = &plan.tendons;
     let (force, wrenches) = (&ws.muscle_force[..], &mut ws.wrench[..]);
-    let (torque, joint_torque) = (&mut ws.torque[..], &mut ws.joint_torque[..]);
-    for (profile, &slope) in tendons.profiles.iter().zip(&ws.profile_slope) {
-        add_product(&mut torque[plan.profiled[profile.coordinate].dof], slope, force[profile.muscle]);
-    }
+    let joint_torque = &mut ws.joint_torque[..];
     for (segment, &slope) in tendons.hinge.iter().zip(&ws.hinge_slope) {
         add_product(&mut joint_torque[segment.link], slope, force[segment.muscle]);
     }
@@ -103,7 +100,7 @@ fn add_product<S: Scalar>(sum: &mut S, a: S, b: S) {
 fn profile_length<S: Scalar>(segment: &ProfileSegment<S::Const>, at: &ProfiledState<S>) -> (S, S) {
     let square = segment.square.value(at.argument);
     let inverse = square.rsqrt();
-    (square * inverse, (segment.half_slope.value(at.argument) * inverse).only(at.is_free))
+    (square * inverse, segment.half_slope.value(at.argument) * inverse)
 }
 
 /// Length and its derivative with respect to the hinge angle. It never vanishes, see the plan.

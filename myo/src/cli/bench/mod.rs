@@ -1,5 +1,6 @@
 //! `myo bench`: how fast it is here.
 
+mod curve;
 mod env;
 mod env_gpu;
 mod kernel;
@@ -25,6 +26,8 @@ pub enum Command {
     Env(env::EnvArgs),
     /// Time from the start of training until it is good enough, for several seeds
     Train(train::TrainArgs),
+    /// How good a simulated user is after so many control steps
+    Curve(curve::CurveArgs),
     /// Operations of the kernel that a graphics card runs, and its text
     Kernel(kernel::KernelArgs),
     /// Look for numbers that are not finite in many steps of random actions
@@ -37,6 +40,7 @@ pub fn run(command: &Command, threads: Option<usize>) -> Result<()> {
         Command::Physics(args) => physics::run(args, threads.unwrap_or(1)),
         Command::Env(args) => env::run(args),
         Command::Train(args) => train::run(args),
+        Command::Curve(args) => curve::run(args),
         Command::Kernel(args) => kernel::run(args),
         Command::Nan(args) => nan::run(args),
     }
