@@ -31,3 +31,9 @@ pub fn dispatches(context: Context<'_>, tiles: Tiles) -> Result<(Vec<Dispatch>, 
     let weights = Weights::new(context.layout, context.networks, tiles.matrix_weights);
     Ok((passes.dispatches()?, weights.dispatches(&context, &memory)?))
 }
+
+/// The kernels, of several sizes.
+#[cfg(test)]
+pub fn texts() -> Vec<String> {
+    [passes::texts(), weights::texts()].concat()
+}
