@@ -9,7 +9,7 @@ pub const UNIT: u32 = 16;
 /// numbers, so that the rows lie in different banks.
 pub const STAGE_BYTES: u32 = UNIT * 20 * 4;
 
-/// What all kernels for matrix units begin with.
+/// What all kernels for matrix units have in common.
 pub fn units(subgroups: u32) -> String {
     let common = include_str!("units.wgsl");
     format!("{common}\nconst SUBGROUPS = {subgroups}u;\n")
@@ -42,14 +42,14 @@ impl Matrices {
 
     /// Declares them, zero.
     pub fn zero(self) -> String {
-        self.each(|row, column| format!("        var y_{row}_{column} = coop_mat16x16<f32, C>();\n"))
+        self.each(|row, column| format!("    var y_{row}_{column} = coop_mat16x16<f32, C>();\n"))
     }
 
     /// Adds one product to each.
     pub fn multiply(self) -> String {
         self.each(|row, column| {
             let y = format!("y_{row}_{column}");
-            format!("            {y} = coopMultiplyAdd(w_{row}, x_{column}, {y});\n")
+            format!("        {y} = coopMultiplyAdd(w_{row}, x_{column}, {y});\n")
         })
     }
 
@@ -60,15 +60,15 @@ impl Matrices {
         self.each(|row, column| {
             let [first, second] = [0, 1].map(|half| keep(row, column, half));
             format!(
-                "        {{
-            coopStoreT(y_{row}_{column}, &stage[staged], STAGE_STRIDE);
-            subgroupBarrier();
-            let sum_0 = stage[staged + line * STAGE_STRIDE + quad];
-            let sum_1 = stage[staged + (line + 8u) * STAGE_STRIDE + quad];
-            subgroupBarrier();
-            {first}
-            {second}
-        }}\n"
+                "    {{
+        coopStoreT(y_{row}_{column}, &stage[staged], STAGE_STRIDE);
+        subgroupBarrier();
+        let sum_0 = stage[staged + line * STAGE_STRIDE + quad];
+        let sum_1 = stage[staged + (line + 8u) * STAGE_STRIDE + quad];
+        subgroupBarrier();
+        {first}
+        {second}
+    }}\n"
             )
         })
     }

@@ -1,6 +1,4 @@
-// What all kernels for matrix units have in common; they say how many SUBGROUPS their workgroups have.
-enable f16;
-enable wgpu_cooperative_matrix;
+// What all kernels for matrix units have in common. `units` says how many SUBGROUPS their workgroups have.
 
 const THREADS = 32u * SUBGROUPS;
 // Sums on their way from the matrix units to the threads: 16 rows per subgroup, in groups of four.

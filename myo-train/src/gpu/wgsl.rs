@@ -10,14 +10,14 @@ use super::{Tile, dense, kernels, learn};
 const PARTS: &[(&str, &str)] = &[
     // What a tile is made with, which depends on its sizes (`Tile`), and what its kernels say to that.
     ("tile/tile.wgsl", "THREADS_X"),
-    ("dense.wgsl", "THREADS"),
-    ("learn/product.wgsl", "all"),
+    ("dense.wgsl", "make_tile"),
+    ("learn/product.wgsl", "weight_at"),
     ("learn/outer.wgsl", "TILE_GROUPS"),
     // One of several cases of a kernel.
     ("dense_linear.wgsl", "y"),
     ("dense_silu.wgsl", "y"),
-    ("dense_sample.wgsl", "y"),
-    ("dense_noisy.wgsl", "y"),
+    ("dense_sample.wgsl", "shape"),
+    ("dense_noisy.wgsl", "parameters"),
     ("learn/product_forward.wgsl", "Shape"),
     ("learn/product_backward.wgsl", "Shape"),
     ("learn/gather.wgsl", "Real"),
@@ -32,8 +32,8 @@ const PARTS: &[(&str, &str)] = &[
     ("learn/half/pack.wgsl", "job_of"),
     ("units.wgsl", "SUBGROUPS"),
     // Loops over matrices, which cannot lie in arrays, are written out.
-    ("learn/half/passes.wgsl", "THREADS"),
-    ("learn/half/weights.wgsl", "THREADS"),
+    ("learn/half/passes.wgsl", "COLUMNS"),
+    ("learn/half/weights.wgsl", "TILE_COLUMNS"),
 ];
 
 /// All kernels that are put together, of all kinds and of several sizes.

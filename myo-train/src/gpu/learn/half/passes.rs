@@ -66,7 +66,7 @@ impl Shape {
         const FILES: &str =
             concat!(include_str!("passes.wgsl"), include_str!("../objective.wgsl"), include_str!("../sigmoid.wgsl"));
         let sizes = format!("const COLUMNS = {}u;\nconst ROWS = {}u;\n", self.columns, UNIT * self.rows16);
-        [&units(self.subgroups()), &sizes, FILES, &self.forward(), &self.backward()].concat()
+        [FILES, &units(self.subgroups()), &sizes, &self.forward(), &self.backward()].concat()
     }
 
     /// From what goes into a layer, in `x_tile`, to what goes into the next one, in its place.
@@ -127,7 +127,7 @@ fn backward(layer: Layer, below: Layer, subgroup: u32, lane: u32) {{
     /// Biases of the rows that a thread will keep.
     fn biases(self) -> String {
         let rows = (0..self.matrices().rows).flat_map(|row| [(row, 0), (row, 1)]);
-        let bias = |(row, half)| format!("        let bias_{row}_{half} = bias_of(layer, {});\n", self.line(row, half));
+        let bias = |(row, half)| format!("    let bias_{row}_{half} = bias_of(layer, {});\n", self.line(row, half));
         rows.map(bias).collect()
     }
 
@@ -136,7 +136,7 @@ fn backward(layer: Layer, below: Layer, subgroup: u32, lane: u32) {{
         self.matrices().each(|row, column| {
             let one = |half| {
                 let place = self.place(row, column, half);
-                format!("        let d_{row}_{column}_{half} = derivative_of(below, {place});\n")
+                format!("    let d_{row}_{column}_{half} = derivative_of(below, {place});\n")
             };
             one(0) + &one(1)
         })
@@ -149,21 +149,18 @@ fn backward(layer: Layer, below: Layer, subgroup: u32, lane: u32) {{
         for row in 0..matrices.rows {
             // Beyond the last row the last one again, which nobody keeps.
             let matrix = format!("min(subgroup + {}u, rows16 - 1u)", row * self.subgroups());
-            _ = writeln!(text, "        let line_{row} = weight + {matrix} * depth16 * 64u;");
+            _ = writeln!(text, "    let line_{row} = weight + {matrix} * depth16 * 64u;");
         }
-        text.push_str("        for (var k = 0u; k < depth16; k += 1u) {\n");
+        text.push_str("    for (var k = 0u; k < depth16; k += 1u) {\n");
         for row in 0..matrices.rows {
             let place = format!("line_{row} + 64u * k");
-            _ = writeln!(text, "            let w_{row} = coopLoadT<coop_mat16x16<f16, A>>(&packed[{place}], 4u);");
+            _ = writeln!(text, "        let w_{row} = coopLoadT<coop_mat16x16<f16, A>>(&packed[{place}], 4u);");
         }
         for column in 0..matrices.columns {
             let place = format!("16u * k * STRIDE + {}u", UNIT / 4 * column);
-            _ = writeln!(
-                text,
-                "            let x_{column} = coopLoadT<coop_mat16x16<f16, B>>(&x_tile[{place}], STRIDE);"
-            );
+            _ = writeln!(text, "        let x_{column} = coopLoadT<coop_mat16x16<f16, B>>(&x_tile[{place}], STRIDE);");
         }
-        text + &matrices.multiply() + "        }\n"
+        text + &matrices.multiply() + "    }\n"
     }
 }
 

@@ -6,6 +6,9 @@
 // writes `forward` and `backward`, in which loops over a subgroup's own matrices are written out: these cannot lie in arrays.
 // It writes COLUMNS and ROWS, the greatest number of rows, too.
 
+enable f16;
+enable wgpu_cooperative_matrix;
+
 struct Layer {
     inputs: u32,
     outputs: u32,

@@ -68,7 +68,7 @@ const ROWS_EACH = {rows_each}u;
 const COLUMNS_EACH = {columns_each}u;
 "
         );
-        [&units(self.subgroups()), &sizes, FILES, &self.make_part()].concat()
+        [FILES, &units(self.subgroups()), &sizes, &self.make_part()].concat()
     }
 
     /// What a subgroup makes: the next matrices are loaded while these are multiplied.

@@ -7,6 +7,9 @@
 // `MatrixTile` writes the sizes of the tile, as constants, and `make_part`, in which loops over a subgroup's own matrices are
 // written out: these cannot lie in arrays.
 
+enable f16;
+enable wgpu_cooperative_matrix;
+
 struct Job {
     // Tiles of this job and those before it.
     end: u32,
