@@ -84,7 +84,8 @@ fn forward(layer: Layer, hidden: bool, first_output: u32, subgroup: u32, lane: u
     let depth16 = in_matrices(layer.inputs);
 {biases}{product}    // Everyone has read what went in.
     workgroupBarrier();
-{keep}}}
+{keep}    workgroupBarrier();
+}}
 "
         )
     }
@@ -104,7 +105,8 @@ fn backward(layer: Layer, below: Layer, subgroup: u32, lane: u32) {{
     let rows16 = in_matrices(layer.inputs);
     let depth16 = in_matrices(layer.outputs);
 {product}{derivatives}    workgroupBarrier();
-{keep}}}
+{keep}    workgroupBarrier();
+}}
 "
         )
     }

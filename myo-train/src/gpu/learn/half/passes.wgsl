@@ -217,7 +217,6 @@ fn main(
         let hidden = i < last_layer;
         if hidden && local < GROUPS { keep_ones(layer.h_row + layer.outputs, local); }
         forward(layer, hidden, network * all.actions, subgroup, lane);
-        workgroupBarrier();
     }
 
     let column = local % COLUMNS;
@@ -231,6 +230,5 @@ fn main(
 
     for (var i = last_layer; i > first_layer; i -= 1u) {
         backward(layers[i], layers[i - 1u], subgroup, lane);
-        workgroupBarrier();
     }
 }
