@@ -5,7 +5,7 @@
 // other half of the shared memory, so one barrier per depth is enough. Every thread sums up its own entries of Y in
 // registers, in the order of the inputs: neither the tile nor the place or number of columns changes a bit of the result.
 //
-// The tile and its loops come from `Tile`; one of dense_silu.wgsl, dense_linear.wgsl and dense_sample.wgsl says what `keep`
+// The tile and the loops come from the folder tile; dense_silu.wgsl, dense_linear.wgsl or dense_sample.wgsl says what `keep`
 // makes of a sum.
 
 struct Shape {

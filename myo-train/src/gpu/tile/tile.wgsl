@@ -1,6 +1,6 @@
-// What all kernels have in common that make a product tile by tile. `Tile` writes the sizes of the tile besides, as constants,
-// and `make_tile`, whose loops over a thread's own entries are written out; the kernel says what `shape`, `fetch_w`, `fetch_x`,
-// `fetch_bias` and `keep` are.
+// What all kernels that make a product tile by tile have in common. mod.rs writes the sizes of the tile, as constants, and
+// over_inputs.rs or over_samples.rs writes `make_tile`, where loops over a thread's own entries are written out. The kernel says
+// what `shape`, `fetch_w`, `fetch_x`, `fetch_bias` and `keep` are.
 
 const THREADS = THREADS_X * THREADS_Y;
 

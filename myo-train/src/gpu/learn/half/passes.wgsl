@@ -2,9 +2,9 @@
 // networks. What goes from layer to layer stays in shared memory, rounded to 16 bits; matrix units multiply it with the packed
 // weights and sum up in 32 bits. Activations and gradients are written for the gradients of the weights (weights.wgsl).
 //
-// Subgroup s makes the rows 16 s to 16 s + 15 of a layer, then those 16 SUBGROUPS further, and so on. `Passes`
-// writes `forward` and `backward`, in which loops over a subgroup's own matrices are written out: these cannot lie in arrays.
-// It writes COLUMNS and ROWS, the greatest number of rows, too.
+// Subgroup s makes the rows 16 s to 16 s + 15 of a layer, then those 16 SUBGROUPS further, and so on. shape.rs writes `forward`
+// and `backward`, where loops over a subgroup's own matrices are written out, as these cannot lie in arrays; COLUMNS; and ROWS,
+// of the widest layer.
 
 enable f16;
 enable wgpu_cooperative_matrix;

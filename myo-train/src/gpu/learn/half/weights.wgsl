@@ -4,8 +4,9 @@
 //
 // Samples lie in groups of 16, rows of one group one after the other, so that matrices are loaded from where they are. Rows of a
 // tile are inputs of the layer, columns its outputs. What a tile reads beyond its job belongs to other rows and is left out.
-// `MatrixTile` writes the sizes of the tile, as constants, and `make_part`, in which loops over a subgroup's own matrices are
-// written out: these cannot lie in arrays.
+//
+// weights.rs writes the sizes of the tile, as constants, and `make_part`, where loops over a subgroup's own matrices are written
+// out, as these cannot lie in arrays.
 
 enable f16;
 enable wgpu_cooperative_matrix;
