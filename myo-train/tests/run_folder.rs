@@ -323,7 +323,7 @@ fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
 #[test]
 fn evaluation_counts_equally_many_episodes_of_every_environment() {
     // Episodes of the last environment take eight times as long as those of the first: counted as they end, the first would
-    // give 14 of 40, and the last one.
+    // give 16 of 40.
     let mut env = Staircase::new(8);
     let config = PpoConfig { num_envs: 8, ..config() };
     let trainer = Trainer::new(Box::new(Staircase::new(8)), config, 7).unwrap();

@@ -212,13 +212,8 @@ impl<'a> Weights<'a> {
 /// Kernels of several tiles.
 #[cfg(test)]
 pub fn texts() -> Vec<String> {
-    let small = [((32, 32), (16, 32)), ((64, 64), (32, 32))];
-    let tiles = [TILE].into_iter().chain(
-        small
-            .into_iter()
-            .chain([((128, 64), (32, 64)), ((128, 128), (64, 64))])
-            .map(|(size, each)| MatrixTile::new(size, each)),
-    );
+    let sizes = [((32, 32), (16, 32)), ((64, 64), (32, 32)), ((128, 64), (32, 64)), ((128, 128), (64, 64))];
+    let tiles = sizes.into_iter().map(|(size, each)| MatrixTile::new(size, each)).chain([TILE]);
     tiles.map(MatrixTile::text).collect()
 }
 
