@@ -386,3 +386,71 @@ impl<'a> Reader<'a> {
             .map_err(|error| CheckpointError::Inconsistent { reason: error.to_string() })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checkpoint() -> Checkpoint {
+        let config = PpoConfig { num_envs: 2, policy_hidden: vec![], value_hidden: vec![], ..PpoConfig::default() };
+        // Two weights of the policy and its bias, the logarithm of its standard deviation, and as many of the values.
+        let parameters = vec![0.1; 2 + 1 + 1 + 2 + 1];
+        Checkpoint {
+            config,
+            seed: 1,
+            updates: 0,
+            wall_s: 0.0,
+            learning_rate: 1e-3,
+            observation_names: vec!["a".into(), "b".into()],
+            action_names: vec!["pull".into()],
+            optimizer: Optimizer { mean: parameters.clone(), square: parameters.clone(), steps: 1 },
+            parameters,
+            normalizer: Normalizer::from_parts(5.0, 0.05, 2.0, vec![0.0; 2], vec![1.0; 2]),
+            observation: vec![0.0; 4],
+            env_state: vec![],
+            session: None,
+        }
+    }
+
+    fn memory() -> Memory {
+        let text = r#"{"looks": {"lead": 0.2, "last_look": 0, "wait": 0}, "curve": {"start": 0, "recent": null, "points": []},
+            "evaluations": 0, "tries": 0, "told_flat": false, "evaluation_s": 0, "confirmed": null}"#;
+        serde_json::from_str(text).unwrap()
+    }
+
+    #[test]
+    fn a_checkpoint_whose_numbers_are_not_finite_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ckpt");
+        let whole = checkpoint();
+        whole.write(&path).unwrap();
+        assert_eq!(Checkpoint::read(&path).unwrap(), whole);
+        let bytes = std::fs::read(&path).unwrap();
+        type Change = fn(&mut Checkpoint);
+        let cases: [(Change, &str); 5] = [
+            (|c| c.parameters[3] = f32::NAN, "parameter 3 is NaN"),
+            (|c| c.optimizer.square[6] = f32::INFINITY, "square of the gradient 6 is inf"),
+            (
+                |c| c.normalizer = Normalizer::from_parts(5.0, 0.05, 2.0, vec![0.0, f64::NAN], vec![1.0; 2]),
+                "mean of the observations 1 is NaN",
+            ),
+            (|c| c.learning_rate = f64::NAN, "learning rate 0 is NaN"),
+            (
+                |c| {
+                    let mut good = c.clone();
+                    good.parameters[0] = f32::NEG_INFINITY;
+                    c.session = Some(SessionState { memory: memory(), good: Some(Box::new(good)) });
+                },
+                "parameter 0 is -inf",
+            ),
+        ];
+        for (change, sentence) in cases {
+            let mut wrong = checkpoint();
+            change(&mut wrong);
+            let error = wrong.write(&path).unwrap_err().to_string();
+            assert_eq!(error, format!("the checkpoint cannot be used: {sentence}"));
+            assert!(std::fs::read(&path).unwrap() == bytes, "{sentence}: what was there is gone");
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing half-written beside it");
+    }
+}

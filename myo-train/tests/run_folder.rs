@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::Points;
+use common::{Points, Staircase};
 use myo_env::VectorEnv;
 use myo_train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunFolder, RunWriter, Trainer, evaluate};
 
@@ -89,10 +89,14 @@ fn a_folder_that_exists_is_never_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run");
     drop(start(&path));
+    let files = ["config.json", "metrics.csv"].map(|name| path.join(name));
+    let before = files.each_ref().map(|file| fs::read(file).unwrap());
     fs::create_dir(folder.path().join("run-2")).unwrap();
     let error = RunWriter::create(&path, serde_json::Value::Null, &config(), 1, &[]).unwrap_err().to_string();
     assert!(error.contains("run exists already"), "{error}");
     assert!(error.ends_with("run-3"), "{error}");
+    assert!(files.each_ref().map(|file| fs::read(file).unwrap()) == before);
+    assert!(fs::read_dir(folder.path().join("run-2")).unwrap().next().is_none());
     let error = RunFolder::open(folder.path()).unwrap_err().to_string();
     assert!(error.ends_with("is not a run folder: it has no config.json"), "{error}");
 }
@@ -135,7 +139,7 @@ fn a_damaged_checkpoint_is_refused_and_the_previous_one_used() {
 }
 
 #[test]
-fn a_checkpoint_whose_weights_are_not_finite_is_neither_written_nor_read() {
+fn a_checkpoint_whose_weights_are_not_finite_is_not_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nan.ckpt");
     let checkpoint = Trainer::new(points(), config(), 7).unwrap().save().unwrap();
@@ -148,7 +152,7 @@ fn a_checkpoint_whose_weights_are_not_finite_is_neither_written_nor_read() {
     let error = Checkpoint::from_bytes(&bytes).unwrap_err().to_string();
     assert_eq!(error, "the checkpoint cannot be used: parameter 0 is NaN");
     fs::write(&path, &bytes).unwrap();
-    assert!(Checkpoint::read(&path).is_err());
+    assert_eq!(Checkpoint::read(&path).unwrap_err().to_string(), error);
 }
 
 /// Place of the first parameter: behind the header, the settings (with their length), seed, updates, two numbers (with their
@@ -318,16 +322,35 @@ fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
 
 #[test]
 fn evaluation_counts_equally_many_episodes_of_every_environment() {
+    // Episodes of the last environment take eight times as long as those of the first: counted as they end, the first would
+    // give 16 of 40.
+    let mut env = Staircase::new(8);
+    let config = PpoConfig { num_envs: 8, ..config() };
+    let trainer = Trainer::new(Box::new(Staircase::new(8)), config, 7).unwrap();
+    for (episodes, counts) in [(40, [5; 8]), (20, [3, 3, 3, 3, 2, 2, 2, 2]), (3, [1, 1, 1, 0, 0, 0, 0, 0])] {
+        let evaluation = evaluate(&mut trainer.policy(), &mut env, episodes, 5, |_| true).unwrap();
+        let sum: usize = counts.iter().enumerate().map(|(env, count)| count * (env + 1)).sum();
+        assert_eq!(evaluation.episodes, episodes as u64);
+        assert_eq!(evaluation.episode_return, Some(sum as f64 / episodes as f64), "{episodes} episodes");
+    }
+}
+
+#[test]
+fn an_evaluation_asks_whether_to_go_on_and_stops_when_it_shall() {
     let trainer = Trainer::new(points(), config(), 7).unwrap();
-    let run = |episodes| {
-        let mut calls = 0;
-        let evaluation = evaluate(&mut trainer.policy(), points().as_mut(), episodes, 5, |_| {
-            calls += 1;
-            true
-        });
-        assert!(calls > 0);
-        evaluation.unwrap()
-    };
+    let mut asked = 0;
+    let evaluation = evaluate(&mut trainer.policy(), points().as_mut(), 80, 5, |counted| {
+        asked += 1;
+        counted < 40
+    });
+    let counted = evaluation.unwrap().episodes;
+    assert!((40..80).contains(&counted) && asked > 0, "{counted} after {asked} questions");
+}
+
+#[test]
+fn an_evaluation_goes_out_and_in_under_its_names() {
+    let trainer = Trainer::new(points(), config(), 7).unwrap();
+    let run = |episodes| evaluate(&mut trainer.policy(), points().as_mut(), episodes, 5, |_| true).unwrap();
     let evaluation = run(80);
     assert_eq!(evaluation.episodes, 80);
     assert_eq!(evaluation, run(80), "the same seed gives the same evaluation");

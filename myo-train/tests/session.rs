@@ -249,6 +249,10 @@ fn steps_far_too_long_are_shortened_until_they_fit() {
     let news = news(&told);
     assert!(!news.is_empty() && outcome.end == End::Steps);
     assert!(news.iter().all(|n| matches!(n, News::WentBack { reason, .. } if reason.contains("kl_max"))), "{news:?}");
+    let rates: Vec<f64> =
+        told.iter().filter_map(|progress| progress.metrics.as_ref()).map(|m| m.learning_rate).collect();
+    assert!(rates.is_sorted_by(|a, b| a >= b) && rates.last().is_some_and(|&rate| rate < 0.2), "{rates:?}");
+    assert!(told[told.len() - 10..].iter().all(|progress| progress.news.is_empty()), "they fit in the end");
 }
 
 #[test]
@@ -421,6 +425,7 @@ fn a_loss_before_the_first_checkpoint_leaves_none() {
     let session = recorded(session(Mishap::LostAt(3), config(), steps(u64::MAX)), &place.path().join("run"));
     let (_, outcome) = run(session);
     assert!(matches!(outcome.end, End::DeviceLost { .. }) && outcome.checkpoint.is_none());
+    assert!(RunFolder::open(&place.path().join("run")).unwrap().checkpoints().unwrap().is_empty());
 }
 
 #[test]
@@ -437,13 +442,21 @@ fn a_training_that_failed_leaves_no_checkpoint_of_what_ran_away() {
 #[test]
 fn going_back_repeats_the_training_to_the_bit() {
     let mut trainer = Trainer::new(Box::new(Points::new(ENVS)), config(), 3).unwrap();
+    let bits = |trainer: &Trainer| {
+        let mut checkpoint = trainer.save().unwrap();
+        checkpoint.forget_wall_time();
+        checkpoint.to_bytes()
+    };
     (0..3).for_each(|_| drop(trainer.update().unwrap()));
     let state = trainer.save().unwrap();
     let first = trainer.update().unwrap();
+    let expected = bits(&trainer);
     trainer.update().unwrap();
+    assert!(bits(&trainer) != expected);
     trainer.go_back(&state, 1.0).unwrap();
     let again = trainer.update().unwrap();
     assert_eq!((first.learn, first.env_steps, first.entropy), (again.learn, again.env_steps, again.entropy));
+    assert!(bits(&trainer) == expected);
     assert!(again.wall_s > first.wall_s, "time is not given back");
 }
 

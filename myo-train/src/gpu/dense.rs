@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use myo_gpu::{Access, Batch, Bindings, Buffer, Gpu, GpuError, Kernel, Source};
 
-use super::tile::Tile;
+use super::tile::{Tile, Weights};
 
 /// Columns that lie side by side in one vector of the kernels; strides and first columns are multiples of it.
 pub const GROUP: usize = 4;
@@ -38,7 +38,7 @@ impl<'a> Finish<'a> {
     }
 }
 
-/// A [`Finish`] as far as the kernel's text depends on it.
+/// A [`Finish`] as far as the kernel depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Kind {
     Silu,
@@ -161,9 +161,8 @@ impl DenseKernels {
         let kernel = self.kernel(tile, finish.kind())?;
         let shape = self.gpu.buffer("shape", 16)?;
         self.gpu.write(&shape, 0, &words(layer, x, y, columns, sampling))?;
-        let mut buffers = vec![parameters.binding(), x.buffer.binding(), y.buffer.binding()];
+        let mut buffers = vec![parameters.binding(), x.buffer.binding(), y.buffer.binding(), shape.binding()];
         buffers.extend(sampling.map(|sampling| sampling.env_actions.binding()));
-        buffers.push(shape.binding());
         let bindings = kernel.bind(&buffers)?;
         let threads = tile.workgroups(layer.outputs as u32, columns as u32) * tile.threads();
         Ok(Dispatch { kernel, bindings, threads })
@@ -216,54 +215,31 @@ fn words(
     words
 }
 
-const SILU: &str = "fn silu(z: vec4<f32>) -> vec4<f32> {
-    // Held where the exponential would overflow.
-    return z / (1.0 + exp(-max(z, vec4<f32>(-87.0))));
-}";
-
-const SAMPLE: &str = "fn sample(output: u32, group: u32, mean: vec4<f32>) {
-    let place = output * shape.y_stride + shape.y_first + group;
-    let action = $ACTION;
-    y[place] = action;
-    let mapped = clamp(fma(vec4<f32>(shape.scale), action, vec4<f32>(shape.offset)), vec4<f32>(-1.0), vec4<f32>(1.0));
-    let env = shape.first_env + 4u * group;
-    let first = output * shape.num_envs + env;
-    if env < shape.num_envs { env_actions[first] = mapped.x; }
-    if env + 1u < shape.num_envs { env_actions[first + 1u] = mapped.y; }
-    if env + 2u < shape.num_envs { env_actions[first + 2u] = mapped.z; }
-    if env + 3u < shape.num_envs { env_actions[first + 3u] = mapped.w; }
-}";
-
-const NOISY: &str = "fma(vec4<f32>(exp(parameters[shape.log_std + output])), y[place], mean)";
-
-/// The kernel's text and how it uses its buffers.
-fn source(tile: Tile, kind: Kind) -> (String, Vec<Access>) {
-    let place = "y[output * shape.y_stride + shape.y_first + group]";
-    let sample = "sample(output, group, sum);".to_owned();
-    let (functions, statement) = match kind {
-        Kind::Silu => (SILU.to_owned(), format!("{place} = silu(sum);")),
-        Kind::Linear => (String::new(), format!("{place} = sum;")),
-        Kind::Sample => (SAMPLE.replace("$ACTION", NOISY), sample),
-        Kind::Act => (SAMPLE.replace("$ACTION", "mean"), sample),
+/// The kernel's text.
+fn text(tile: Tile, kind: Kind) -> String {
+    let finish = match kind {
+        Kind::Silu => include_str!("dense_silu.wgsl"),
+        Kind::Linear => include_str!("dense_linear.wgsl"),
+        Kind::Sample => concat!(include_str!("dense_sample.wgsl"), include_str!("dense_noisy.wgsl")),
+        Kind::Act => concat!(include_str!("dense_sample.wgsl"), include_str!("dense_mean.wgsl")),
     };
-    let mut access = vec![Access::Read, Access::Read, Access::ReadWrite];
-    let mut bindings = "";
-    if matches!(kind, Kind::Sample | Kind::Act) {
-        access.push(Access::ReadWrite);
-        bindings = "@group(0) @binding(3) var<storage, read_write> env_actions: array<f32>;";
-    }
-    let template = include_str!("dense.wgsl")
-        .replace("$BINDINGS", bindings)
-        .replace("$SHAPE", &access.len().to_string())
-        .replace("$FUNCTIONS", &functions);
-    access.push(Access::Uniform);
-    (tile.fill_in(&template, &statement), access)
+    [include_str!("dense.wgsl"), finish, &tile.over_inputs(Weights::AsStored)].concat()
 }
 
 fn compile(gpu: &Gpu, tile: Tile, kind: Kind) -> Result<Kernel, GpuError> {
-    let (text, access) = source(tile, kind);
+    use Access::{Read, ReadWrite, Uniform};
+    let access: &[Access] = match kind {
+        Kind::Silu | Kind::Linear => &[Read, Read, ReadWrite, Uniform],
+        Kind::Sample | Kind::Act => &[Read, Read, ReadWrite, Uniform, ReadWrite],
+    };
     let label = format!("layer {kind:?} {}x{} {:?}", tile.outputs, tile.columns, tile.per_thread).to_lowercase();
     // SAFETY: `DenseKernels::layer` checks that every buffer holds what the shape says, and what lies beyond the shape is
     // left out. Shared memory is written before it is read, and the loops end after `inputs` steps at most.
-    unsafe { gpu.compile_trusted(&label, Source::Wgsl(&text), "main", &access) }
+    unsafe { gpu.compile_trusted(&label, Source::Wgsl(&text(tile, kind)), "main", access) }
+}
+
+/// The kernels of a tile.
+#[cfg(test)]
+pub fn texts(tile: Tile) -> Vec<String> {
+    [Kind::Silu, Kind::Linear, Kind::Sample, Kind::Act].map(|kind| text(tile, kind)).to_vec()
 }

@@ -1,12 +1,12 @@
-// Y = finish(W X + b) for columns of samples, four of them to a vector.
+// Y = keep(W X + b) for columns of samples, four of them to a vector.
 //
 // A workgroup makes a tile of TILE_OUTPUTS rows and TILE_GROUPS groups of four columns. Depth by depth it copies the parts of
 // W and X that it needs to its shared memory; those of the next depth are fetched while this one is multiplied, and go to the
 // other half of the shared memory, so one barrier per depth is enough. Every thread sums up its own entries of Y in
 // registers, in the order of the inputs: neither the tile nor the place or number of columns changes a bit of the result.
 //
-// Names with a dollar are replaced before compiling: the sizes of the tile, and loops over a thread's own entries, which are
-// written out because not every driver keeps arrays that loops index in registers.
+// The tile and the loops come from the folder tile; dense_silu.wgsl, dense_linear.wgsl or dense_sample.wgsl says what `keep`
+// makes of a sum.
 
 struct Shape {
     inputs: u32,
@@ -33,10 +33,7 @@ struct Shape {
 @group(0) @binding(0) var<storage, read> parameters: array<f32>;
 @group(0) @binding(1) var<storage, read> x: array<vec4<f32>>;
 @group(0) @binding(2) var<storage, read_write> y: array<vec4<f32>>;
-$BINDINGS
-@group(0) @binding($SHAPE) var<uniform> shape: Shape;
-
-$SIZES
+@group(0) @binding(3) var<uniform> shape: Shape;
 
 fn fetch_w(input: u32, output: u32) -> f32 {
     if input < shape.inputs && output < shape.outputs {
@@ -56,16 +53,12 @@ fn fetch_bias(output: u32) -> f32 {
     return parameters[shape.bias + output];
 }
 
-$FUNCTIONS
-
-@compute @workgroup_size($THREADS)
+@compute @workgroup_size(THREADS)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     // Tiles of the same columns follow each other and share X in the cache.
-    let tile = workgroup.y * workgroups.x + workgroup.x;
-$PLACE
-$PRODUCT
+    make_tile(workgroup.y * workgroups.x + workgroup.x, local);
 }

@@ -61,14 +61,10 @@ impl Kernels {
 /// The card refuses them, or is lost.
 pub fn compile_sums(gpu: &Gpu) -> Result<Kernel, GpuError> {
     use Access::{Read, ReadWrite, Uniform};
-    let text = with_workgroup_sum(include_str!("sums.wgsl"), "f32");
-    gpu.compile("sums", Source::Wgsl(&text), "main", &[Read, ReadWrite, Uniform])
+    gpu.compile("sums", Source::Wgsl(SUMS), "main", &[Read, ReadWrite, Uniform])
 }
 
-/// A kernel's text with the sum over its workgroup, of this type, filled in.
-pub fn with_workgroup_sum(text: &str, kind: &str) -> String {
-    text.replace("$WORKGROUP_SUM", &include_str!("workgroup_sum.wgsl").replace("$KIND", kind))
-}
+pub(super) const SUMS: &str = concat!(include_str!("sums.wgsl"), include_str!("workgroup_sum.wgsl"));
 
 /// Prepares a kernel for these buffers and the words of its uniform `Shape`, which is bound last.
 ///

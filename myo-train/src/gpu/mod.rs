@@ -22,6 +22,8 @@ mod testing;
 mod tests;
 mod tile;
 mod units;
+#[cfg(test)]
+mod wgsl;
 
 pub use buffers::{ALL_FINITE, RolloutBuffers};
 pub(crate) use card::{Card, CardUpdate};

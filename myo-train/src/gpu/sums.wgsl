@@ -13,7 +13,7 @@ struct Shape {
 @group(0) @binding(1) var<storage, read_write> sums: array<f32>;
 @group(0) @binding(2) var<uniform> shape: Shape;
 
-$WORKGROUP_SUM
+alias Summand = f32;
 
 @compute @workgroup_size(256)
 fn main(

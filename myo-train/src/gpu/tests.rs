@@ -140,7 +140,8 @@ fn a_roll_out_on_the_card_is_that_of_the_processor() {
 fn values_after_the_time_limit_are_those_of_the_last_observations() {
     let Some(gpu) = gpu() else { return };
     let envs = 37;
-    let (rollout, _) = roll_out(&gpu, envs, true);
+    let [rollout, host] = [true, false].map(|on_card| roll_out(&gpu, envs, on_card).0);
+    assert_close("next value", &rollout.next_value, &host.next_value, 1e-3);
     let bootstrapped = (0..rollout.reward.len() - envs)
         .filter(|&i| rollout.ended[i] && rollout.next_value[i] != 0.0)
         .inspect(|&i| assert_ne!(rollout.next_value[i], rollout.value[i + envs], "that of the next episode"))

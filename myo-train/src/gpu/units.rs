@@ -9,11 +9,17 @@ pub const UNIT: u32 = 16;
 /// numbers, so that the rows lie in different banks.
 pub const STAGE_BYTES: u32 = UNIT * 20 * 4;
 
-/// A kernel's text with what all kernels for matrix units have in common.
-pub fn with_units(text: &str, subgroups: u32) -> String {
-    let common = include_str!("units.wgsl").replace("$SUBGROUPS", &subgroups.to_string());
-    format!("enable f16;\nenable wgpu_cooperative_matrix;\n\n{}", text.replace("$UNITS", &common))
+/// What all kernels for matrix units have in common.
+pub fn units(subgroups: u32) -> String {
+    let common = include_str!("units.wgsl");
+    format!("{common}\nconst SUBGROUPS = {subgroups}u;\n")
 }
+
+/// What every thread of a subgroup knows about itself: where it finds its sums, as [`Matrices::staged`] calls it.
+pub const THREAD: &str = "    let line = lane / 4u;
+    let quad = lane % 4u;
+    let staged = subgroup * 16u * STAGE_STRIDE;
+";
 
 /// The matrices that a subgroup makes of a product: `y_0_0`, `y_0_1` and so on, from `w_0` and following, and `x_0` and
 /// following.
@@ -36,14 +42,14 @@ impl Matrices {
 
     /// Declares them, zero.
     pub fn zero(self) -> String {
-        self.each(|row, column| format!("        var y_{row}_{column} = coop_mat16x16<f32, C>();\n"))
+        self.each(|row, column| format!("    var y_{row}_{column} = coop_mat16x16<f32, C>();\n"))
     }
 
     /// Adds one product to each.
     pub fn multiply(self) -> String {
         self.each(|row, column| {
             let y = format!("y_{row}_{column}");
-            format!("            {y} = coopMultiplyAdd(w_{row}, x_{column}, {y});\n")
+            format!("        {y} = coopMultiplyAdd(w_{row}, x_{column}, {y});\n")
         })
     }
 
@@ -54,15 +60,15 @@ impl Matrices {
         self.each(|row, column| {
             let [first, second] = [0, 1].map(|half| keep(row, column, half));
             format!(
-                "        {{
-            coopStoreT(y_{row}_{column}, &stage[staged], STAGE_STRIDE);
-            subgroupBarrier();
-            let sum_0 = stage[staged + line * STAGE_STRIDE + quad];
-            let sum_1 = stage[staged + (line + 8u) * STAGE_STRIDE + quad];
-            subgroupBarrier();
-            {first}
-            {second}
-        }}\n"
+                "    {{
+        coopStoreT(y_{row}_{column}, &stage[staged], STAGE_STRIDE);
+        subgroupBarrier();
+        let sum_0 = stage[staged + line * STAGE_STRIDE + quad];
+        let sum_1 = stage[staged + (line + 8u) * STAGE_STRIDE + quad];
+        subgroupBarrier();
+        {first}
+        {second}
+    }}\n"
             )
         })
     }

@@ -1,9 +1,10 @@
+// For kernels that sum up their `Summand`s over workgroups of so many threads.
 const WORKGROUP = 256u;
 
-var<workgroup> shares: array<$KIND, WORKGROUP>;
+var<workgroup> shares: array<Summand, WORKGROUP>;
 
 // The sum of what the threads of a workgroup have, always in the same order. All threads call it together.
-fn workgroup_sum(local: u32, mine: $KIND) -> $KIND {
+fn workgroup_sum(local: u32, mine: Summand) -> Summand {
     // Others may still read the last sum.
     workgroupBarrier();
     shares[local] = mine;

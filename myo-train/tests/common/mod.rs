@@ -235,3 +235,53 @@ impl VectorEnv for Constant {
         Ok(())
     }
 }
+
+/// Episodes of environment `i` take `i + 1` steps and return as much.
+pub struct Staircase {
+    spec: EnvSpec,
+    steps: Vec<usize>,
+}
+
+impl Staircase {
+    pub fn new(num_envs: usize) -> Self {
+        let Constant { spec, .. } = Constant::new(num_envs, num_envs, true);
+        Self { spec, steps: vec![0; num_envs] }
+    }
+}
+
+impl VectorEnv for Staircase {
+    fn spec(&self) -> &EnvSpec {
+        &self.spec
+    }
+
+    fn reset(&mut self, _: Option<u64>, _: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
+        self.steps.fill(0);
+        observation.fill(1.0);
+        Ok(())
+    }
+
+    fn step(&mut self, _: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
+        out.observation.fill(1.0);
+        out.reward.fill(1.0);
+        for (i, steps) in self.steps.iter_mut().enumerate() {
+            *steps += 1;
+            let end = *steps == i + 1;
+            (out.terminated[i], out.truncated[i]) = (end, false);
+            if end {
+                out.final_observation[2 * i..][..2].fill(1.0);
+                out.episode[i] = *steps as f32;
+                *steps = 0;
+            }
+        }
+        Ok(())
+    }
+
+    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
+        Ok(self.steps.iter().map(|&s| s as u8).collect())
+    }
+
+    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
+        self.steps.iter_mut().zip(state).for_each(|(s, &b)| *s = b.into());
+        Ok(())
+    }
+}

@@ -28,7 +28,7 @@ struct Shape {
 @group(0) @binding(6) var<storage, read_write> metrics: array<f32>;
 @group(0) @binding(7) var<uniform> shape: Shape;
 
-$WORKGROUP_SUM
+alias Summand = f32;
 
 @compute @workgroup_size(256)
 fn main(

@@ -1,4 +1,5 @@
-// Brings the samples of a chunk of a minibatch together: one thread per number.
+// Brings the samples of a chunk of a minibatch together: one thread per number. gather_f32.wgsl or gather_f16.wgsl says what
+// activations are and where they lie.
 
 struct Shape {
     num_envs: u32,
@@ -29,7 +30,7 @@ struct Shape {
 // Advantages, then targets.
 @group(0) @binding(4) var<storage, read> estimate: array<f32>;
 @group(0) @binding(5) var<storage, read> scale: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read_write> activation: array<$REAL>;
+@group(0) @binding(6) var<storage, read_write> activation: array<Real>;
 // Action, log-probability, advantage, target, weight: (actions + 4, chunk)
 @group(0) @binding(7) var<storage, read_write> sample: array<f32>;
 @group(0) @binding(8) var<uniform> shape: Shape;
@@ -54,7 +55,7 @@ fn main(
     if row < shape.observations {
         var x = 0.0;
         if used { x = observation[row * shape.record + source]; }
-        activation[$PLACE] = $REAL(x);
+        activation[place_of(row, column, shape.rows, shape.chunk)] = Real(x);
     } else {
         var x = 0.0;
         if used { x = scalar(row - shape.observations, source); }

@@ -25,8 +25,6 @@ struct Shape {
 @group(0) @binding(3) var<storage, read_write> gradient: array<f32>;
 @group(0) @binding(4) var<uniform> shape: Shape;
 
-$OBJECTIVE
-
 fn z(column: u32, i: u32, inverse_std: f32) -> f32 {
     let mean = activation[(shape.observations + shape.mean_row + i) * shape.chunk + column];
     return (sample[i * shape.chunk + column] - mean) * inverse_std;

@@ -17,7 +17,16 @@ mod small;
 mod tests;
 mod update;
 
+#[cfg(test)]
+use super::Tile;
 pub use half::MatrixTile;
 pub use layout::{Layout, Precision};
 pub use memory::LearnMemory;
 pub use update::{DeviceLearner, Settings, Tiles};
+
+/// Kernels, of all kinds and of several sizes.
+#[cfg(test)]
+pub fn texts(tile: Tile) -> Vec<String> {
+    let small = small::TEXTS.map(str::to_owned).to_vec();
+    [small, products::texts(tile), vec![outer::text(tile)], half::texts()].concat()
+}

@@ -122,10 +122,14 @@ impl<'a> Outer<'a> {
     fn compile(&self) -> Result<Kernel, GpuError> {
         use Access::{Read, ReadWrite, Uniform};
         let label = format!("weight gradients {}x{}", self.tile.outputs, self.tile.columns);
-        let text = self.tile.fill_in_turned(include_str!("outer.wgsl"), "keep(output, group, sum);");
         let access = [Read, Read, Read, ReadWrite, Uniform];
         // SAFETY: the jobs are made from the layout that the buffers were made for, in this file; what lies beyond a job is
         // left out. Shared memory is written before it is read. Loops end after the jobs or the samples.
-        unsafe { self.gpu.compile_trusted(&label, Source::Wgsl(&text), "main", &access) }
+        unsafe { self.gpu.compile_trusted(&label, Source::Wgsl(&text(self.tile)), "main", &access) }
     }
+}
+
+/// The kernel.
+pub fn text(tile: Tile) -> String {
+    [include_str!("outer.wgsl"), include_str!("job.wgsl"), &tile.over_samples()].concat()
 }

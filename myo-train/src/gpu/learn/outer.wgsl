@@ -36,7 +36,8 @@ struct Shape {
 @group(0) @binding(3) var<storage, read_write> partial: array<f32>;
 @group(0) @binding(4) var<uniform> all: Shape;
 
-// Rows and columns of the product, as the text of the tile calls them.
+// The job that the tile belongs to, as the functions of the tile call it: rows and columns of the product, and where the
+// gradients go.
 struct Part {
     outputs: u32,
     groups: u32,
@@ -45,10 +46,10 @@ struct Part {
     z_row: u32,
     end: u32,
     first: u32,
+    bias: u32,
 }
 
 var<private> shape: Part;
-$SIZES
 
 fn fetch_w(sample: u32, row: u32) -> vec4<f32> {
     if sample < shape.end && row < shape.outputs {
@@ -77,52 +78,34 @@ fn keep(row: u32, group: u32, sum: vec4<f32>) {
     if left > 3u { partial[place + 3u] = sum.w; }
 }
 
-@compute @workgroup_size($THREADS)
+// The sums of dZ, from those that the threads have of every output.
+fn keep_column_sums(first_group: u32, local: u32) {
+    for (var row = local; row < 4u * TILE_GROUPS; row += THREADS) {
+        let output = 4u * first_group + row;
+        if output < shape.columns {
+            var sum = 0.0;
+            for (var quad = 0u; quad < DEPTH / 4u; quad += 1u) {
+                sum += x_tile[row * (DEPTH / 4u) + quad].x;
+            }
+            partial[shape.bias + output] = sum;
+        }
+    }
+}
+
+@compute @workgroup_size(THREADS)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
     let group = workgroup.y * workgroups.x + workgroup.x;
-    var tile = group / all.splits;
+    let tile = group / all.splits;
     let split = group % all.splits;
-$JOB
+    let found = job_of(tile);
+    let job = jobs[found.index];
     let slot = (all.slot + split) * all.length;
     let end = min((split + 1u) * all.split_groups, all.stride);
-    shape = Part(job.inputs, (job.outputs + 3u) / 4u, job.outputs, job.h_row, job.z_row, end, slot + job.weight);
-    tile -= begin;
-
-$PLACE
-    let start = 4u * split * all.split_groups;
-
-$ZERO
-$NO_SUMS
-$FETCH_FIRST
-    var half = 0u;
-    for (var depth = start; depth < 4u * end; depth += DEPTH) {
-$STORE
-$SUM_X
-        workgroupBarrier();
-$FETCH_NEXT
-$MULTIPLY
-        half = 1u - half;
-    }
-$FINISH
-
-    // The sums of dZ, once per column of tiles.
-    if first_output == 0u {
-        workgroupBarrier();
-$KEEP_SUMS
-        workgroupBarrier();
-        for (var row = local; row < 4u * TILE_GROUPS; row += THREADS) {
-            let output = 4u * first_group + row;
-            if output < shape.columns {
-                var sum = 0.0;
-                for (var quad = 0u; quad < DEPTH / 4u; quad += 1u) {
-                    sum += x_tile[row * (DEPTH / 4u) + quad].x;
-                }
-                partial[slot + job.bias + output] = sum;
-            }
-        }
-    }
+    let groups = (job.outputs + 3u) / 4u;
+    shape = Part(job.inputs, groups, job.outputs, job.h_row, job.z_row, end, slot + job.weight, slot + job.bias);
+    make_tile(tile - found.begin, local, 4u * split * all.split_groups, 4u * end);
 }

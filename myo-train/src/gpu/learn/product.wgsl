@@ -1,5 +1,5 @@
 // Products of layers of both networks in one dispatch: every workgroup makes a tile of one of the jobs. See dense.wgsl for
-// how a tile is made.
+// how a tile is made. product_forward.wgsl or product_backward.wgsl says which product.
 
 struct Job {
     // Workgroups of this job and those before it.
@@ -27,10 +27,8 @@ struct Shape {
 @group(0) @binding(0) var<storage, read> parameters: array<f32>;
 @group(0) @binding(1) var<storage, read> jobs: array<Job>;
 @group(0) @binding(2) var<storage, read_write> gradient: array<vec4<f32>>;
-$BINDINGS
-@group(0) @binding($SHAPE) var<uniform> all: Shape;
 
-
+// The job that the tile belongs to, as the functions of the tile call it.
 struct Part {
     inputs: u32,
     outputs: u32,
@@ -43,35 +41,30 @@ struct Part {
 }
 
 var<private> shape: Part;
-$SIZES
 
 fn fetch_w(input: u32, output: u32) -> f32 {
     if input < shape.inputs && output < shape.outputs {
-        return parameters[$WEIGHT];
+        return parameters[weight_at(input, output)];
     }
     return 0.0;
 }
 
 fn fetch_x(input: u32, group: u32) -> vec4<f32> {
     if input < shape.inputs && group < shape.groups {
-        return $SOURCE[(shape.x_row + input) * shape.groups + group];
+        return entering((shape.x_row + input) * shape.groups + group);
     }
     return vec4<f32>(0.0);
 }
 
-$FUNCTIONS
-
-@compute @workgroup_size($THREADS)
+@compute @workgroup_size(THREADS)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
     @builtin(num_workgroups) workgroups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    var tile = workgroup.y * workgroups.x + workgroup.x;
-$JOB
+    let tile = workgroup.y * workgroups.x + workgroup.x;
+    let found = job_of(tile);
+    let job = jobs[found.index];
     shape = Part(job.inputs, job.outputs, all.groups, job.weight, job.bias, job.x_row, job.y_row, job.hidden);
-    tile -= begin;
-
-$PLACE
-$PRODUCT
+    make_tile(tile - found.begin, local);
 }

@@ -9,6 +9,7 @@ use super::layout::{Layout, Precision};
 use super::memory::LearnMemory;
 use crate::gpu::dense::{Dispatch, tile_for};
 use crate::gpu::kernels::{prepare, table};
+use crate::gpu::tile::Weights;
 use crate::gpu::{Sizes, Tile};
 use crate::networks::Networks;
 
@@ -111,54 +112,30 @@ impl<'a> Products<'a> {
     }
 }
 
-const FORWARD: &str = "fn fetch_bias(output: u32) -> f32 {
-    return parameters[shape.bias + output];
+fn forward_text(tile: Tile) -> String {
+    const FILES: &str = concat!(
+        include_str!("product.wgsl"),
+        include_str!("product_forward.wgsl"),
+        include_str!("sigmoid.wgsl"),
+        include_str!("job.wgsl")
+    );
+    [FILES, &tile.over_inputs(Weights::AsStored)].concat()
 }
 
-fn keep(output: u32, group: u32, z: vec4<f32>) {
-    let place = (shape.y_row + output) * shape.groups + group;
-    let above = all.observations * shape.groups;
-    if shape.hidden == 0u {
-        activation[above + place] = z;
-        return;
-    }
-    let s = sigmoid(z);
-    let h = z * s;
-    activation[above + place] = h;
-    gradient[place] = fma(h, 1.0 - s, s);
+fn backward_text(tile: Tile) -> String {
+    const FILES: &str =
+        concat!(include_str!("product.wgsl"), include_str!("product_backward.wgsl"), include_str!("job.wgsl"));
+    [FILES, &tile.over_inputs(Weights::Transposed)].concat()
 }
-";
-
-const BACKWARD: &str = "fn fetch_bias(output: u32) -> f32 {
-    return 0.0;
-}
-
-fn keep(output: u32, group: u32, sum: vec4<f32>) {
-    gradient[(shape.y_row + output) * shape.groups + group] *= sum;
-}";
 
 fn compile_forward(gpu: &Gpu, tile: Tile) -> Result<Kernel, GpuError> {
-    let text = include_str!("product.wgsl")
-        .replace("$BINDINGS", "@group(0) @binding(3) var<storage, read_write> activation: array<vec4<f32>>;")
-        .replace("$SHAPE", "4")
-        .replace("$WEIGHT", "shape.weight + input * shape.outputs + output")
-        .replace("$SOURCE", "activation")
-        .replace("$FUNCTIONS", &(FORWARD.to_owned() + include_str!("sigmoid.wgsl")));
-    let text = tile.fill_in(&text, "keep(output, group, sum);");
     use Access::{Read, ReadWrite, Uniform};
-    compile(gpu, "forward", tile, &text, &[Read, Read, ReadWrite, ReadWrite, Uniform])
+    compile(gpu, "forward", tile, &forward_text(tile), &[Read, Read, ReadWrite, ReadWrite, Uniform])
 }
 
 fn compile_backward(gpu: &Gpu, tile: Tile) -> Result<Kernel, GpuError> {
-    let text = include_str!("product.wgsl")
-        .replace("$BINDINGS", "")
-        .replace("$SHAPE", "3")
-        .replace("$WEIGHT", "shape.weight + output * shape.inputs + input")
-        .replace("$SOURCE", "gradient")
-        .replace("$FUNCTIONS", BACKWARD);
-    let text = tile.fill_in_transposed(&text, "keep(output, group, sum);");
     use Access::{Read, ReadWrite, Uniform};
-    compile(gpu, "backward", tile, &text, &[Read, Read, ReadWrite, Uniform])
+    compile(gpu, "backward", tile, &backward_text(tile), &[Read, Read, ReadWrite, Uniform])
 }
 
 fn compile(gpu: &Gpu, what: &str, tile: Tile, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {
@@ -166,4 +143,10 @@ fn compile(gpu: &Gpu, what: &str, tile: Tile, text: &str, access: &[Access]) -> 
     // SAFETY: the jobs are made from the layout that the buffers were made for, in this file; what lies beyond a job is
     // left out. Shared memory is written before it is read. Loops end after the jobs or the inputs.
     unsafe { gpu.compile_trusted(&label, Source::Wgsl(text), "main", access) }
+}
+
+/// Both kernels.
+#[cfg(test)]
+pub fn texts(tile: Tile) -> Vec<String> {
+    vec![forward_text(tile), backward_text(tile)]
 }

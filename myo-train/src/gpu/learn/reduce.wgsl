@@ -16,7 +16,7 @@ struct Shape {
 @group(0) @binding(2) var<storage, read_write> squares: array<f32>;
 @group(0) @binding(3) var<uniform> shape: Shape;
 
-$WORKGROUP_SUM
+alias Summand = f32;
 
 @compute @workgroup_size(256)
 fn main(

@@ -16,7 +16,7 @@ struct Shape {
 @group(0) @binding(2) var<storage, read_write> scale: array<vec4<f32>>;
 @group(0) @binding(3) var<uniform> shape: Shape;
 
-$WORKGROUP_SUM
+alias Summand = vec2<f32>;
 
 @compute @workgroup_size(256)
 fn main(

@@ -6,9 +6,20 @@ use super::context::Context;
 use super::layout::{METRICS, Precision, SCALARS};
 use crate::gpu::Sizes;
 use crate::gpu::dense::Dispatch;
-use crate::gpu::kernels::{compile_sums, prepare, with_workgroup_sum};
+use crate::gpu::kernels::{compile_sums, prepare};
 
 use Access::{Read, ReadWrite, Uniform};
+
+const SCALE: &str = concat!(include_str!("scale.wgsl"), include_str!("../workgroup_sum.wgsl"));
+const GATHER_F32: &str = concat!(include_str!("gather_f32.wgsl"), include_str!("gather.wgsl"));
+const GATHER_F16: &str = concat!(include_str!("gather_f16.wgsl"), include_str!("gather.wgsl"));
+const LOSS: &str = concat!(include_str!("loss.wgsl"), include_str!("objective.wgsl"));
+const REDUCE: &str = concat!(include_str!("reduce.wgsl"), include_str!("../workgroup_sum.wgsl"));
+const ADAM: &str = concat!(include_str!("adam.wgsl"), include_str!("../workgroup_sum.wgsl"));
+
+/// All of them that are made of several files.
+#[cfg(test)]
+pub const TEXTS: [&str; 6] = [SCALE, GATHER_F32, GATHER_F16, LOSS, REDUCE, ADAM];
 
 impl Context<'_> {
     fn compile(&self, label: &str, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {
@@ -47,11 +58,7 @@ impl Context<'_> {
     }
 
     fn scale(&self) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile(
-            "advantage scale",
-            &with_workgroup_sum(include_str!("scale.wgsl"), "vec2<f32>"),
-            &[Read, Read, ReadWrite, Uniform],
-        )?;
+        let kernel = self.compile("advantage scale", SCALE, &[Read, Read, ReadWrite, Uniform])?;
         let (sizes, layout) = (self.sizes, self.layout);
         let shape = [
             sizes.envs,
@@ -71,15 +78,11 @@ impl Context<'_> {
     /// The samples of every chunk of every gradient step.
     pub fn gather(&self) -> Result<Vec<Vec<Dispatch>>, GpuError> {
         let access = [Read, Read, Read, Read, Read, Read, ReadWrite, ReadWrite, Uniform];
-        let text = include_str!("gather.wgsl");
         let text = match self.layout.precision {
-            Precision::Single => text.replace("$REAL", "f32").replace("$PLACE", "thread"),
-            Precision::Half => {
-                let place = "(column / 16u * shape.rows + row) * 16u + column % 16u";
-                format!("enable f16;\n\n{}", text.replace("$REAL", "f16").replace("$PLACE", place))
-            }
+            Precision::Single => GATHER_F32,
+            Precision::Half => GATHER_F16,
         };
-        let kernel = self.compile("gather", &text, &access)?;
+        let kernel = self.compile("gather", text, &access)?;
         let (record, memory) = (self.record, self.memory);
         let buffers = [
             memory.order.binding(),
@@ -121,8 +124,7 @@ impl Context<'_> {
 
     /// Gradients with respect to the outputs of both networks, whose first rows are given.
     pub fn loss(&self, [mean_row, value_row]: [usize; 2]) -> Result<Dispatch, GpuError> {
-        let text = include_str!("loss.wgsl").replace("$OBJECTIVE", include_str!("objective.wgsl"));
-        let kernel = self.compile("loss", &text, &[Read, Read, Read, ReadWrite, Uniform])?;
+        let kernel = self.compile("loss", LOSS, &[Read, Read, Read, ReadWrite, Uniform])?;
         let (sizes, layout) = (self.sizes, self.layout);
         let log_std = self.networks.log_std_range().start;
         let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
@@ -136,11 +138,7 @@ impl Context<'_> {
 
     /// The sum of `slots` partial gradients.
     pub fn reduce(&self, slots: usize) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile(
-            "reduce",
-            &with_workgroup_sum(include_str!("reduce.wgsl"), "f32"),
-            &[Read, ReadWrite, ReadWrite, Uniform],
-        )?;
+        let kernel = self.compile("reduce", REDUCE, &[Read, ReadWrite, ReadWrite, Uniform])?;
         let parameters = self.networks.len();
         let length = parameters + METRICS;
         let log_std = self.networks.log_std_range();
@@ -155,7 +153,7 @@ impl Context<'_> {
     /// The Adam step of every gradient step.
     pub fn adam(&self) -> Result<Vec<Dispatch>, GpuError> {
         let access = [Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        let kernel = self.compile("adam", &with_workgroup_sum(include_str!("adam.wgsl"), "f32"), &access)?;
+        let kernel = self.compile("adam", ADAM, &access)?;
         let (memory, config, log_std) = (self.memory, self.config, self.networks.log_std_range());
         let buffers = [
             memory.total.binding(),

@@ -2,6 +2,7 @@
 
 mod memory;
 mod passes;
+mod shape;
 mod weights;
 
 use myo_gpu::GpuError;
@@ -11,7 +12,7 @@ use super::context::Context;
 use crate::gpu::dense::Dispatch;
 use memory::HalfMemory;
 use passes::Passes;
-pub use passes::fits;
+pub use shape::fits;
 use weights::Weights;
 pub use weights::{MatrixTile, TILE_MAX};
 
@@ -30,4 +31,10 @@ pub fn dispatches(context: Context<'_>, tiles: Tiles) -> Result<(Vec<Dispatch>, 
     let passes = Passes { context, memory: &memory, columns: tiles.columns };
     let weights = Weights::new(context.layout, context.networks, tiles.matrix_weights);
     Ok((passes.dispatches()?, weights.dispatches(&context, &memory)?))
+}
+
+/// The kernels, of several sizes.
+#[cfg(test)]
+pub fn texts() -> Vec<String> {
+    [vec![passes::PACK.to_owned()], shape::texts(), weights::texts()].concat()
 }

@@ -1,6 +1,8 @@
 // Packs the weights for the matrix units: rounded to 16 bits, in matrices of 16 lines one after the other, zero where there is
 // no weight. Every layer comes twice: with an output's inputs in a line and with an input's outputs. One thread per four.
 
+enable f16;
+
 struct Job {
     // Groups of four of this job and those before it.
     end: u32,
@@ -32,9 +34,10 @@ fn main(
 ) {
     let place = (workgroup.y * workgroups.x + workgroup.x) * 256u + local;
     var tile = place;
-$JOB
+    let found = job_of(tile);
+    let job = jobs[found.index];
     if tile >= job.end { return; }
-    tile -= begin;
+    tile -= found.begin;
     let matrix = tile / 64u;
     let line = matrix / job.matrices * 16u + tile % 64u / 4u;
     let first = matrix % job.matrices * 16u + tile % 4u * 4u;

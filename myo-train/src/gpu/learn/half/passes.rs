@@ -1,160 +1,19 @@
 //! Both networks and the loss in one kernel, with the products on the matrix units of the card.
 
-use std::fmt::Write;
-
-use myo_gpu::{Access, Adapter, GpuError, Kernel, Source};
+use myo_gpu::{Access, GpuError, Kernel, Source};
 
 use super::super::context::Context;
 use super::super::layers::{LayerRows, layers};
 use super::super::layout::Precision;
 use super::memory::HalfMemory;
+use super::shape::{Shape, columns_for, matrices};
 use crate::gpu::dense::Dispatch;
 use crate::gpu::kernels::{prepare, table};
-use crate::gpu::units::{Matrices, STAGE_BYTES, SUBGROUP, UNIT, with_units};
+use crate::gpu::units::UNIT;
 use crate::networks::Networks;
 
-/// Columns that a workgroup may take: few give more workgroups and share their work among more threads, many use a weight more
-/// often.
-const COLUMNS: [u32; 2] = [32, 64];
-
-/// The better of them on an H200 (`benches/examples/gpu_learner.rs`, `tiles`).
-fn columns_for(networks: &Networks, samples: usize) -> u32 {
-    let [few, many] = COLUMNS;
-    if widest(networks) > 128 && samples >= 4096 { many } else { few }
-}
-
-/// Inputs or outputs of the widest layer.
-fn widest(networks: &Networks) -> usize {
-    let layers = layers(networks, 0, Precision::Half).into_iter().flatten();
-    layers.map(|layer| layer.inputs.max(layer.outputs)).max().unwrap_or(1)
-}
-
-/// Sizes of the kernel.
-#[derive(Clone, Copy, Debug)]
-struct Shape {
-    /// Columns of a workgroup.
-    columns: u32,
-    /// Matrices of 16 rows that the widest layer has.
-    rows16: u32,
-}
-
-impl Shape {
-    fn new(networks: &Networks, columns: u32) -> Self {
-        Self { columns, rows16: matrices(widest(networks)) as u32 }
-    }
-
-    /// A power of two: threads share the columns evenly.
-    fn subgroups(self) -> u32 {
-        let most = if self.columns > 32 { 8 } else { 16 };
-        self.rows16.next_power_of_two().clamp(self.columns / SUBGROUP, most)
-    }
-
-    fn threads(self) -> u32 {
-        SUBGROUP * self.subgroups()
-    }
-
-    fn shared_bytes(self) -> u32 {
-        UNIT * self.rows16 * (self.columns + 8) * 2 + self.subgroups() * STAGE_BYTES
-    }
-
-    /// What a subgroup makes.
-    fn matrices(self) -> Matrices {
-        Matrices { rows: self.rows16.div_ceil(self.subgroups()), columns: self.columns / UNIT }
-    }
-
-    fn text(self) -> String {
-        let matrices = self.matrices();
-        let kept = |call: &'static str| {
-            move |row, column, half| {
-                let call = call.replace("PLACE", &self.place(row, column, half)).replace("SUM", &format!("sum_{half}"));
-                let call = call.replace("BIAS", &format!("bias_{row}_{half}"));
-                let call = call.replace("DERIVATIVE", &format!("vec4<f32>(d_{row}_{column}_{half})"));
-                format!("if subgroup + {}u < rows16 {{ {call} }}", row * self.subgroups())
-            }
-        };
-        let forward = kept("keep_forward(layer, hidden, network * all.actions, PLACE, SUM + BIAS);");
-        let backward = kept("keep_backward(below, PLACE, SUM * DERIVATIVE);");
-        let parts = [
-            ("$OBJECTIVE", include_str!("../objective.wgsl").to_owned()),
-            ("$SIGMOID", include_str!("../sigmoid.wgsl").to_owned()),
-            ("$BIASES", self.biases()),
-            ("$PRODUCT", self.product()),
-            ("$DERIVATIVES", self.derivatives()),
-            ("$KEEP_FORWARD", matrices.staged(forward)),
-            ("$KEEP_BACKWARD", matrices.staged(backward)),
-            ("$COLUMNS", self.columns.to_string()),
-            ("$ROWS", (UNIT * self.rows16).to_string()),
-        ];
-        let text = with_units(include_str!("passes.wgsl"), self.subgroups());
-        parts.iter().fold(text, |text, (name, part)| text.replace(name, part))
-    }
-
-    /// Row of a thread's group of four within the layer.
-    fn line(self, row: u32, half: u32) -> String {
-        format!("16u * (subgroup + {}u) + {}u + line", row * self.subgroups(), 8 * half)
-    }
-
-    /// Row and group of columns of a thread's group of four.
-    fn place(self, row: u32, column: u32, half: u32) -> String {
-        format!("{}, {}u + quad", self.line(row, half), UNIT / 4 * column)
-    }
-
-    /// Biases of the rows that a thread will keep.
-    fn biases(self) -> String {
-        let rows = (0..self.matrices().rows).flat_map(|row| [(row, 0), (row, 1)]);
-        let bias = |(row, half)| format!("        let bias_{row}_{half} = bias_of(layer, {});\n", self.line(row, half));
-        rows.map(bias).collect()
-    }
-
-    /// Derivatives of all that a thread will keep, fetched at once.
-    fn derivatives(self) -> String {
-        self.matrices().each(|row, column| {
-            let one = |half| {
-                let place = self.place(row, column, half);
-                format!("        let d_{row}_{column}_{half} = derivative_of(below, {place});\n")
-            };
-            one(0) + &one(1)
-        })
-    }
-
-    /// The subgroup's matrices of the product of packed weights, from `weight` on, with what goes into the layer.
-    fn product(self) -> String {
-        let matrices = self.matrices();
-        let mut text = matrices.zero();
-        for row in 0..matrices.rows {
-            // Beyond the last row the last one again, which nobody keeps.
-            let matrix = format!("min(subgroup + {}u, rows16 - 1u)", row * self.subgroups());
-            _ = writeln!(text, "        let line_{row} = weight + {matrix} * depth16 * 64u;");
-        }
-        text.push_str("        for (var k = 0u; k < depth16; k += 1u) {\n");
-        for row in 0..matrices.rows {
-            let place = format!("line_{row} + 64u * k");
-            _ = writeln!(text, "            let w_{row} = coopLoadT<coop_mat16x16<f16, A>>(&packed[{place}], 4u);");
-        }
-        for column in 0..matrices.columns {
-            let place = format!("16u * k * STRIDE + {}u", UNIT / 4 * column);
-            _ = writeln!(
-                text,
-                "            let x_{column} = coopLoadT<coop_mat16x16<f16, B>>(&x_tile[{place}], STRIDE);"
-            );
-        }
-        text + &matrices.multiply() + "        }\n"
-    }
-}
-
-/// Whether the networks are narrow enough for a card: what goes into a layer has room in shared memory.
-pub fn fits(networks: &Networks, adapter: &Adapter) -> bool {
-    fits_within(networks, adapter.max_workgroup_bytes, adapter.max_workgroup_threads)
-}
-
-fn fits_within(networks: &Networks, bytes: u32, threads: u32) -> bool {
-    let mut shapes = COLUMNS.iter().map(|&columns| Shape::new(networks, columns));
-    shapes.all(|shape| shape.shared_bytes() <= bytes && shape.threads() <= threads)
-}
-
-fn pack_text() -> String {
-    format!("enable f16;\n\n{}", include_str!("pack.wgsl").replace("$JOB", include_str!("../job.wgsl")))
-}
+/// The kernel that packs the weights.
+pub const PACK: &str = concat!(include_str!("pack.wgsl"), include_str!("../job.wgsl"));
 
 /// Words that the packed weights take: two for a group of four numbers, every layer twice.
 pub fn packed_words(networks: &Networks) -> usize {
@@ -164,11 +23,6 @@ pub fn packed_words(networks: &Networks) -> usize {
 /// Groups of four numbers that one copy of a layer's packed weights takes.
 fn groups(inputs: usize, outputs: usize) -> usize {
     matrices(inputs) * matrices(outputs) * (UNIT * UNIT / 4) as usize
-}
-
-/// Matrices of 16 that hold so many rows or columns.
-fn matrices(size: usize) -> usize {
-    size.div_ceil(UNIT as usize)
 }
 
 /// The kernels of the passes.
@@ -191,7 +45,7 @@ impl Passes<'_> {
     fn pack(&self) -> Result<Dispatch, GpuError> {
         use Access::{Read, ReadWrite, Uniform};
         let Context { gpu, parameters, .. } = self.context;
-        let kernel = gpu.compile("pack", Source::Wgsl(&pack_text()), "main", &[Read, Read, ReadWrite, Uniform])?;
+        let kernel = gpu.compile("pack", Source::Wgsl(PACK), "main", &[Read, Read, ReadWrite, Uniform])?;
         let mut end = 0;
         let mut jobs = Vec::<[u32; 8]>::new();
         for LayerRows { inputs, outputs, weight, .. } in self.layers().into_iter().flatten() {
@@ -260,35 +114,5 @@ impl Passes<'_> {
             [inputs, outputs, weight, weight + groups, bias, h_row, z_row, 0].map(|x| x as u32)
         };
         self.layers().into_iter().flatten().map(place).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Mlp;
-
-    fn networks(policy: &[usize], value: &[usize]) -> Networks {
-        Networks { policy: Mlp::new(55, policy, 26), value: Mlp::new(55, value, 1) }
-    }
-
-    #[test]
-    fn kernels_are_valid() {
-        for networks in [networks(&[128, 128], &[128, 128]), networks(&[33], &[]), networks(&[128; 4], &[256; 5])] {
-            for columns in COLUMNS {
-                crate::gpu::testing::assert_valid(&Shape::new(&networks, columns).text());
-            }
-        }
-        crate::gpu::testing::assert_valid(&pack_text());
-    }
-
-    #[test]
-    fn wide_networks_do_not_fit() {
-        let fits = |networks: &Networks| fits_within(networks, 48 << 10, 1024);
-        assert!(fits(&networks(&[256], &[256])));
-        assert!(!fits(&networks(&[128], &[257])));
-        assert!(!fits(&Networks { policy: Mlp::new(600, &[128], 26), value: Mlp::new(600, &[128], 1) }));
-        assert!(!fits_within(&networks(&[256], &[256]), 16 << 10, 1024));
-        assert!(!fits_within(&networks(&[256], &[256]), 48 << 10, 256));
     }
 }

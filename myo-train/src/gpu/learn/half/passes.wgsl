@@ -2,8 +2,12 @@
 // networks. What goes from layer to layer stays in shared memory, rounded to 16 bits; matrix units multiply it with the packed
 // weights and sum up in 32 bits. Activations and gradients are written for the gradients of the weights (weights.wgsl).
 //
-// Subgroup s makes the rows 16 s to 16 s + 15 of a layer, then those 16 SUBGROUPS further, and so on. Names with a dollar are
-// replaced before compiling: loops over a subgroup's own matrices, which cannot lie in arrays.
+// Subgroup s makes the rows 16 s to 16 s + 15 of a layer, then those 16 SUBGROUPS further, and so on. shape.rs writes `forward`
+// and `backward`, where loops over a subgroup's own matrices are written out, as these cannot lie in arrays; COLUMNS; and ROWS,
+// of the widest layer.
+
+enable f16;
+enable wgpu_cooperative_matrix;
 
 struct Layer {
     inputs: u32,
@@ -50,20 +54,14 @@ struct Shape {
 @group(0) @binding(7) var<storage, read_write> output: array<vec4<f32>>;
 @group(0) @binding(8) var<uniform> all: Shape;
 
-const COLUMNS = $COLUMNSu;
 const GROUPS = COLUMNS / 4u;
 // Groups of four from one row to the next: eight rows lie in different banks.
 const STRIDE = GROUPS + 2u;
 
 // What goes into a layer: (rows, columns)
-var<workgroup> x_tile: array<vec4<f16>, $ROWSu * STRIDE>;
-
-$UNITS
+var<workgroup> x_tile: array<vec4<f16>, ROWS * STRIDE>;
 
 var<private> first_group: u32;
-
-$OBJECTIVE
-$SIGMOID
 
 // Place of row `row` of so many, in group `quad` of this workgroup's columns.
 fn place_of(rows: u32, row: u32, quad: u32) -> u32 {
@@ -203,9 +201,6 @@ fn main(
     let first_layer = network * all.policy_layers;
     let last_layer = select(all.policy_layers, all.policy_layers + all.value_layers, network == 1u) - 1u;
     first_group = (index - network * all.blocks) * GROUPS;
-    let line = lane / 4u;
-    let quad = lane % 4u;
-    let staged = subgroup * 16u * STAGE_STRIDE;
 
     let entering = layers[first_layer].inputs;
     for (var item = local; item < 16u * in_matrices(entering) * GROUPS; item += THREADS) {
@@ -221,15 +216,7 @@ fn main(
         let layer = layers[i];
         let hidden = i < last_layer;
         if hidden && local < GROUPS { keep_ones(layer.h_row + layer.outputs, local); }
-        let weight = layer.weight;
-        let rows16 = in_matrices(layer.outputs);
-        let depth16 = in_matrices(layer.inputs);
-$BIASES
-$PRODUCT
-        // Everyone has read what went in.
-        workgroupBarrier();
-$KEEP_FORWARD
-        workgroupBarrier();
+        forward(layer, hidden, network * all.actions, subgroup, lane);
     }
 
     let column = local % COLUMNS;
@@ -242,15 +229,6 @@ $KEEP_FORWARD
     workgroupBarrier();
 
     for (var i = last_layer; i > first_layer; i -= 1u) {
-        let layer = layers[i];
-        let below = layers[i - 1u];
-        let weight = layer.transposed;
-        let rows16 = in_matrices(layer.inputs);
-        let depth16 = in_matrices(layer.outputs);
-$PRODUCT
-$DERIVATIVES
-        workgroupBarrier();
-$KEEP_BACKWARD
-        workgroupBarrier();
+        backward(layers[i], layers[i - 1u], subgroup, lane);
     }
 }

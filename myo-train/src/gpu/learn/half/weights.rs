@@ -11,7 +11,7 @@ use super::memory::HalfMemory;
 use crate::gpu::Sizes;
 use crate::gpu::dense::Dispatch;
 use crate::gpu::kernels::{prepare, table};
-use crate::gpu::units::{Matrices, SUBGROUP, UNIT, with_units};
+use crate::gpu::units::{Matrices, SUBGROUP, THREAD, UNIT, units};
 use crate::networks::Networks;
 
 /// Workgroups that keep a large card busy.
@@ -58,27 +58,48 @@ impl MatrixTile {
     }
 
     fn text(self) -> String {
+        const FILES: &str = concat!(include_str!("weights.wgsl"), include_str!("../job.wgsl"));
+        let Self { rows: [tile_rows, rows_each], columns: [tile_columns, columns_each] } = self;
+        let sizes = format!(
+            "
+const TILE_ROWS = {tile_rows}u;
+const TILE_COLUMNS = {tile_columns}u;
+const ROWS_EACH = {rows_each}u;
+const COLUMNS_EACH = {columns_each}u;
+"
+        );
+        [FILES, &units(self.subgroups()), &sizes, &self.make_part()].concat()
+    }
+
+    /// What a subgroup makes: the next matrices are loaded while these are multiplied.
+    fn make_part(self) -> String {
         let matrices = self.matrices();
-        let keep = |row, column, half| {
-            let row = format!("first_row + {}u + line", UNIT * row + 8 * half);
-            format!("keep(job, first, {row}, first_column + {}u + 4u * quad, sum_{half});", UNIT * column)
-        };
-        let parts = [
-            ("$JOB", include_str!("../job.wgsl").to_owned()),
-            ("$ZERO", matrices.zero()),
-            ("$FIRST", self.load("var", "")),
-            ("$NEXT", self.load("let", "next_")),
-            ("$MULTIPLY", matrices.multiply()),
-            ("$MOVE", self.step()),
-            ("$KEEP", matrices.staged(keep)),
-            ("$TILE_ROWS", self.rows[0].to_string()),
-            ("$TILE_COLUMNS", self.columns[0].to_string()),
-            ("$ACROSS", self.across().to_string()),
-            ("$ROWS_EACH", self.rows[1].to_string()),
-            ("$COLUMNS_EACH", self.columns[1].to_string()),
-        ];
-        let text = with_units(include_str!("weights.wgsl"), self.subgroups());
-        parts.iter().fold(text, |text, (name, part)| text.replace(name, part))
+        let keep = matrices.staged(|row, column, half| {
+            let row = format!("part.first_row + {}u + line", UNIT * row + 8 * half);
+            let column = format!("part.first_column + {}u + 4u * quad", UNIT * column);
+            format!("keep(job, part.first, {row}, {column}, sum_{half});")
+        });
+        let (zero, multiply, step) = (matrices.zero(), matrices.multiply(), self.step());
+        let [first, next] = [("var", ""), ("let", "next_")].map(|(keyword, prefix)| self.load(keyword, prefix));
+        format!(
+            "
+fn make_part(job: Job, part: Part, subgroup: u32, lane: u32) {{
+{THREAD}{zero}    // Groups of four numbers from 16 samples to the next.
+    let h_step = all.h_rows * 4u;
+    let z_step = all.z_rows * 4u;
+    var h = (part.begin_block * 4u * all.h_rows + job.h_row + part.first_row) * 4u;
+    var z = (part.begin_block * 4u * all.z_rows + job.z_row + part.first_column) * 4u;
+{first}    for (var block = part.begin_block; block < part.end_block; block += 1u) {{
+        for (var samples = 0u; samples < 64u; samples += 16u) {{
+            // After the last ones the last ones again.
+            let more = block + 1u < part.end_block || samples < 48u;
+            h += select(0u, h_step, more);
+            z += select(0u, z_step, more);
+{next}{multiply}{step}        }}
+    }}
+{keep}}}
+"
+        )
     }
 
     /// Loads the matrices of 16 samples into `w_0` and following, `x_0` and following.
@@ -188,6 +209,14 @@ impl<'a> Weights<'a> {
     }
 }
 
+/// Kernels of several tiles.
+#[cfg(test)]
+pub fn texts() -> Vec<String> {
+    let sizes = [((32, 32), (16, 32)), ((64, 64), (32, 32)), ((128, 64), (32, 64)), ((128, 128), (64, 64))];
+    let tiles = sizes.into_iter().map(|(size, each)| MatrixTile::new(size, each)).chain([TILE]);
+    tiles.map(MatrixTile::text).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,13 +227,6 @@ mod tests {
         let networks = Networks { policy: Mlp::new(7, &[5, 3], 2), value: Mlp::new(7, &[4], 1) };
         for layer in layers(&networks, 7, Precision::Half).iter().flatten() {
             assert_eq!(layer.weight + layer.inputs * layer.outputs, layer.bias);
-        }
-    }
-
-    #[test]
-    fn kernels_are_valid() {
-        for tile in [TILE, MatrixTile::new((128, 128), (32, 64))] {
-            crate::gpu::testing::assert_valid(&tile.text());
         }
     }
 }

@@ -4,6 +4,12 @@
 //
 // Samples lie in groups of 16, rows of one group one after the other, so that matrices are loaded from where they are. Rows of a
 // tile are inputs of the layer, columns its outputs. What a tile reads beyond its job belongs to other rows and is left out.
+//
+// weights.rs writes the sizes of the tile, as constants, and `make_part`, where loops over a subgroup's own matrices are written
+// out, as these cannot lie in arrays.
+
+enable f16;
+enable wgpu_cooperative_matrix;
 
 struct Job {
     // Tiles of this job and those before it.
@@ -43,10 +49,18 @@ struct Shape {
 @group(0) @binding(4) var<storage, read_write> partial: array<f32>;
 @group(0) @binding(5) var<uniform> all: Shape;
 
-const TILE_ROWS = $TILE_ROWSu;
-const TILE_COLUMNS = $TILE_COLUMNSu;
+// Subgroups side by side.
+const ACROSS = TILE_COLUMNS / COLUMNS_EACH;
 
-$UNITS
+// What a subgroup makes of a tile: a part of the gradient of these rows and columns, from these blocks of samples.
+struct Part {
+    // Where the gradient of its job begins.
+    first: u32,
+    first_row: u32,
+    first_column: u32,
+    begin_block: u32,
+    end_block: u32,
+}
 
 fn keep(job: Job, first: u32, row: u32, column: u32, scaled: vec4<f32>) {
     if row >= job.inputs || column >= job.outputs { return; }
@@ -70,40 +84,18 @@ fn main(
     // Workgroups after the last tile make it again: they write the same.
     var tile = min(place / all.splits, jobs[all.jobs - 1u].end - 1u);
     let split = place % all.splits;
-$JOB
-    tile -= begin;
+    let found = job_of(tile);
+    let job = jobs[found.index];
+    tile -= found.begin;
     let first = (all.slot + split) * all.length + job.weight;
     let begin_block = split * all.split_blocks;
     let end_block = min(begin_block + all.split_blocks, all.blocks);
-
-    let line = lane / 4u;
-    let quad = lane % 4u;
-    let staged = subgroup * 16u * STAGE_STRIDE;
     let tiles = (job.outputs + TILE_COLUMNS - 1u) / TILE_COLUMNS;
-    let first_row = tile / tiles * TILE_ROWS + subgroup / $ACROSSu * $ROWS_EACHu;
-    let first_column = tile % tiles * TILE_COLUMNS + subgroup % $ACROSSu * $COLUMNS_EACHu;
+    let first_row = tile / tiles * TILE_ROWS + subgroup / ACROSS * ROWS_EACH;
+    let first_column = tile % tiles * TILE_COLUMNS + subgroup % ACROSS * COLUMNS_EACH;
     // Nothing to multiply where only summands are summed up.
     let products_end = select(end_block, begin_block, job.inputs == 0u);
-
-$ZERO
-    // Groups of four numbers from 16 samples to the next.
-    let h_step = all.h_rows * 4u;
-    let z_step = all.z_rows * 4u;
-    var h = (begin_block * 4u * all.h_rows + job.h_row + first_row) * 4u;
-    var z = (begin_block * 4u * all.z_rows + job.z_row + first_column) * 4u;
-$FIRST
-    for (var block = begin_block; block < products_end; block += 1u) {
-        for (var samples = 0u; samples < 64u; samples += 16u) {
-            // After the last ones the last ones again.
-            let more = block + 1u < products_end || samples < 48u;
-            h += select(0u, h_step, more);
-            z += select(0u, z_step, more);
-$NEXT
-$MULTIPLY
-$MOVE
-        }
-    }
-$KEEP
+    make_part(job, Part(first, first_row, first_column, begin_block, products_end), subgroup, lane);
 
     if job.inputs == 0u {
         // Every subgroup takes some rows, every thread some samples.
@@ -112,6 +104,7 @@ $KEEP
             for (var group = begin_block * 16u + lane; group < end_block * 16u; group += 32u) {
                 sum += summand[(job.z_row + row) * all.blocks * 16u + group];
             }
+            let staged = subgroup * 16u * STAGE_STRIDE;
             stage[staged + lane] = sum;
             subgroupBarrier();
             if lane == 0u {
