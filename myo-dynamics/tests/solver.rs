@@ -314,7 +314,7 @@ fn a_press_that_went_round_in_circles_has_its_force() {
 #[test]
 fn batches_count_per_body_and_counts_do_not_saturate() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let mut batch = Batch::new(&plan, 19, Level::detect());
+    let mut batch = Batch::new(&plan, 19, Level::current());
     let free = [0.6, 0.9, -0.5, 1.2, 0.3];
     let [zero, act] = [plan.ndof(), plan.nmuscle()].map(|n| vec![0.0; n]);
     (0..19).for_each(|body| batch.set_state(body, &free, &zero, &act));
@@ -344,7 +344,7 @@ fn batches_count_per_body_and_counts_do_not_saturate() {
 #[test]
 fn a_state_of_the_wrong_length_is_refused_and_no_neighbour_touched() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let mut batch = Batch::new(&plan, 3, Level::detect());
+    let mut batch = Batch::new(&plan, 3, Level::current());
     let right = [plan.ndof(), plan.ndof(), plan.nmuscle(), plan.nmuscle()].map(|n| vec![0.5; n]);
     for wrong in 0..4 {
         for by in [-1, 1] {
