@@ -5,7 +5,7 @@ mod common;
 use common::{arm, difference, draw, exact, greatest, random_state};
 use myo_dynamics::step::constraint::{self, BLOCK_ROUNDS};
 use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, SolverCount, State, StaticBox, Surface, Workspace, step};
-use myo_scalar::symbolic::{Access, Buffer, Column, Sym, trace};
+use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
 use myo_scalar::{LaneTask, Level, Real, Scalar, Word, dispatch};
 use nalgebra::{DMatrix, DVector};
 
@@ -200,7 +200,7 @@ fn lanes_solve_as_the_reference_does_whatever_is_beside_them() {
 #[test]
 fn the_recorded_program_solves_as_the_reference_does() {
     let plan = plan::<f64>();
-    let [input, output, rounds] = [0, 1, 2].map(|binding| Buffer { binding, access: Access::PerEnv });
+    let [input, output, rounds] = [0, 1, 2].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
     let program = trace(|| {
         let numbers: Vec<Sym> = (0..NUMBERS).map(|row| input.number(row)).collect();
         let mut ws = Workspace::<Sym>::new(&plan);
@@ -217,9 +217,9 @@ fn the_recorded_program_solves_as_the_reference_does() {
         let mut count = [SolverCount::default()];
         ws.tally.take(1, &mut count);
         late += u32::from(count[0].rounds > BLOCK_ROUNDS as u64);
-        let mut buffers = [Column::Numbers(numbers), Column::Numbers(vec![f64::NAN; N]), Column::Words(vec![0])];
+        let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; N]), Contents::Words(vec![0])];
         program.interpret(&mut buffers);
-        let [_, Column::Numbers(found), Column::Words(rounds)] = &buffers else { unreachable!("made so") };
+        let [_, Contents::Numbers(found), Contents::Words(rounds)] = &buffers else { unreachable!("made so") };
         assert_eq!(u64::from(rounds[0]), count[0].rounds, "problem {number}");
         assert_close(found, &wanted, 1e-9, &format!("problem {number}"));
     }

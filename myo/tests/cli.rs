@@ -35,6 +35,20 @@ fn assert_refused(output: &Output, sentence: &str) {
     assert!(stderr(output).contains(sentence), "{}", stderr(output));
 }
 
+/// Otherwise the program would compute with another level than it was asked for, and not say so.
+#[test]
+fn every_command_refuses_a_level_that_there_is_not() {
+    let with = |level: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
+        command.args(["task", "list"]).env("MYO_LEVEL", level).output().expect("the program starts")
+    };
+    let sentence =
+        "MYO_LEVEL is \"avx\", which is no level; levels are portable, avx2, avx512, and this processor has portable";
+    assert_refused(&with("avx"), sentence);
+    assert_eq!(with("avx").stdout, b"");
+    assert_eq!(stdout(&with("portable")), stdout(&with("")));
+}
+
 /// Arguments of a training of `updates` updates of 512 control steps each.
 fn short_training<'a>(steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let fixed = ["train", "pointing-single", "--until", "off", "--envs", "32", "--steps", steps];
