@@ -18,7 +18,7 @@ fn an_episode_counts_its_own_rounds_and_no_others() {
     let task = short("mobile-typing");
     let mut env = CpuEnv::new(&arm(&task), &task, &EnvConfig { num_envs: ENVS, ..Default::default() }).unwrap();
     let limit = env.spec().max_episode_steps;
-    let mut before = vec![0; ENVS];
+    let mut before = [0; ENVS];
     for episode in 0..2 {
         let run = rollout(&mut env, limit);
         let last = &run[limit - 1];
