@@ -29,7 +29,7 @@ impl Moving {
     fn new(scene: &PhysicsScene) -> Self {
         let plan = scene.plan();
         let obstacles = Obstacles::new(&plan, &scene.boxes(), Surface::default());
-        let batch = Batch::new(&plan, BODIES, Level::detect()).touching(&scene.boxes(), Surface::default());
+        let batch = Batch::new(&plan, BODIES, Level::current()).touching(&scene.boxes(), Surface::default());
         let mut moving = Self { ctrl: vec![vec![0.0; plan.nmuscle()]; BODIES], plan, obstacles, batch };
         let mut numbers = Numbers(1);
         for _ in 0..WARM_UP {

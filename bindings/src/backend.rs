@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use myo::env::{BuildError, EnvConfig};
-use myo::gpu::{AdapterChoice, GpuError, Kind, adapters};
+use myo::gpu::{AdapterChoice, AdapterKind, GpuError, adapters};
 use myo::model::Model;
 use myo::tasks::Task;
 use myo::{Envs, auto_envs};
@@ -83,6 +83,6 @@ fn no_card(refusal: &GpuError) -> PyErr {
 pub fn devices(py: Python<'_>) -> PyResult<Vec<(String, String)>> {
     check_gpu_process()?;
     let found = error::compute(py, adapters)?;
-    let word = |kind: Kind| format!("{kind:?}").to_lowercase();
+    let word = |kind: AdapterKind| format!("{kind:?}").to_lowercase();
     Ok(found.into_iter().map(|adapter| (adapter.name.clone(), word(adapter.kind))).collect())
 }

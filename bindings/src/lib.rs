@@ -28,11 +28,13 @@ mod task;
 mod train;
 mod xla;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 #[pymodule]
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     error::register(m)?;
+    myo::scalar::Level::detect().map_err(|error| PyValueError::new_err(error.to_string()))?;
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add_class::<task::Task>()?;
     m.add_class::<model::Model>()?;

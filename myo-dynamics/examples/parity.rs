@@ -147,7 +147,7 @@ impl Arm {
         let plan = &self.reduced;
         let fast = plan.specialised();
         let mut state = State { qpos: self.pose(&mut draws, -0.2), ..State::<f64>::new(plan) };
-        let mut lanes = Batch::new(&fast, 1, Level::detect());
+        let mut lanes = Batch::new(&fast, 1, Level::current());
         lanes.set_state(0, &state.qpos, &state.qvel, &state.act);
         let start = state.clone();
         let mut ws = Workspace::<f64>::new(plan);

@@ -40,7 +40,7 @@
 //! use myo_scalar::Level;
 //!
 //! # let plan = Plan::exact(&Model::new(&builtin("mobl-arms")?)?, CouplingMode::Reduced)?;
-//! let mut arms = Batch::new(&plan.specialised(), 1000, Level::detect());
+//! let mut arms = Batch::new(&plan.specialised(), 1000, Level::detect()?);
 //! arms.set_ctrl(7, &vec![0.5; plan.nmuscle()]);
 //! arms.step(25);
 //! assert!(arms.act(7)[0] > 0.4 && arms.act(8)[0] == 0.0);

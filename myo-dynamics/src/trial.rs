@@ -25,7 +25,7 @@ impl Plan<f64> {
     /// # Errors
     /// [`PlanError::Unstable`] names the first coordinate that became faster or went farther than any body does.
     pub fn try_out(&self) -> Result<(), PlanError> {
-        let mut batch = Batch::new(&self.specialised(), BODIES, Level::detect());
+        let mut batch = Batch::new(&self.specialised(), BODIES, Level::current());
         let (still, slack) = (vec![0.0; self.ndof()], vec![0.0; self.nmuscle()]);
         for body in 0..BODIES {
             batch.set_state(body, &self.anywhere(body), &still, &slack);

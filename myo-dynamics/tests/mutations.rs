@@ -101,7 +101,7 @@ fn check(text: &str) -> Result<Plan<f64>, String> {
 
 /// A thousand control steps of other controls than the check's own.
 fn stays_finite(plan: &Plan<f64>) -> bool {
-    let mut batch = Batch::new(&plan.specialised(), BODIES, Level::detect());
+    let mut batch = Batch::new(&plan.specialised(), BODIES, Level::current());
     (0..1000).all(|control| {
         for body in 0..BODIES {
             let ctrl: Vec<f32> =

@@ -5,7 +5,7 @@ mod common;
 use common::{arm, difference, draw, exact, greatest, random_state};
 use myo_dynamics::step::constraint::{self, BLOCK_ROUNDS};
 use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, SolverCount, State, StaticBox, Surface, Workspace, step};
-use myo_scalar::symbolic::{Access, Buffer, Column, Sym, trace};
+use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
 use myo_scalar::{LaneTask, Level, Real, Scalar, Word, dispatch};
 use nalgebra::{DMatrix, DVector};
 
@@ -200,7 +200,7 @@ fn lanes_solve_as_the_reference_does_whatever_is_beside_them() {
 #[test]
 fn the_recorded_program_solves_as_the_reference_does() {
     let plan = plan::<f64>();
-    let [input, output, rounds] = [0, 1, 2].map(|binding| Buffer { binding, access: Access::PerEnv });
+    let [input, output, rounds] = [0, 1, 2].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
     let program = trace(|| {
         let numbers: Vec<Sym> = (0..NUMBERS).map(|row| input.number(row)).collect();
         let mut ws = Workspace::<Sym>::new(&plan);
@@ -217,9 +217,9 @@ fn the_recorded_program_solves_as_the_reference_does() {
         let mut count = [SolverCount::default()];
         ws.tally.take(1, &mut count);
         late += u32::from(count[0].rounds > BLOCK_ROUNDS as u64);
-        let mut buffers = [Column::Numbers(numbers), Column::Numbers(vec![f64::NAN; N]), Column::Words(vec![0])];
+        let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; N]), Contents::Words(vec![0])];
         program.interpret(&mut buffers);
-        let [_, Column::Numbers(found), Column::Words(rounds)] = &buffers else { unreachable!("made so") };
+        let [_, Contents::Numbers(found), Contents::Words(rounds)] = &buffers else { unreachable!("made so") };
         assert_eq!(u64::from(rounds[0]), count[0].rounds, "problem {number}");
         assert_close(found, &wanted, 1e-9, &format!("problem {number}"));
     }
@@ -314,7 +314,7 @@ fn a_press_that_went_round_in_circles_has_its_force() {
 #[test]
 fn batches_count_per_body_and_counts_do_not_saturate() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let mut batch = Batch::new(&plan, 19, Level::detect());
+    let mut batch = Batch::new(&plan, 19, Level::current());
     let free = [0.6, 0.9, -0.5, 1.2, 0.3];
     let [zero, act] = [plan.ndof(), plan.nmuscle()].map(|n| vec![0.0; n]);
     (0..19).for_each(|body| batch.set_state(body, &free, &zero, &act));
@@ -344,7 +344,7 @@ fn batches_count_per_body_and_counts_do_not_saturate() {
 #[test]
 fn a_state_of_the_wrong_length_is_refused_and_no_neighbour_touched() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let mut batch = Batch::new(&plan, 3, Level::detect());
+    let mut batch = Batch::new(&plan, 3, Level::current());
     let right = [plan.ndof(), plan.ndof(), plan.nmuscle(), plan.nmuscle()].map(|n| vec![0.5; n]);
     for wrong in 0..4 {
         for by in [-1, 1] {

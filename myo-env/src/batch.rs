@@ -46,7 +46,7 @@ impl<C: Precision> BatchEnv<C> {
             return Err(BuildError::NoEnvironments);
         }
         let tables = C::tables(model, task)?;
-        let level = config.level.unwrap_or_else(Level::detect);
+        let level = config.level.map_or_else(Level::detect, Ok)?;
         let spec = spec(model, task, &tables, config);
         let rows = StateRows::of(&tables);
         memory::check(config.num_envs, rows.count * size_of::<C>() + 4 * WORDS + spec.bytes_per_env())?;

@@ -3,7 +3,7 @@
 use crate::memory::MOST_ENVS;
 use crate::vector::Autoreset;
 use myo_dynamics::PlanError;
-use myo_scalar::Level;
+use myo_scalar::{Level, LevelError};
 use myo_tasks::InvalidTask;
 use thiserror::Error;
 
@@ -21,7 +21,7 @@ pub struct EnvConfig {
     pub autoreset: Autoreset,
     /// Threads of an own pool, 1 to [`MOST_THREADS`]; without it the caller's rayon pool is used.
     pub threads: Option<usize>,
-    /// Instruction-set level; without it the widest one of the processor.
+    /// Instruction-set level; without it that of [`Level::detect`].
     pub level: Option<Level>,
 }
 
@@ -44,6 +44,9 @@ pub enum BuildError {
     /// The task has values out of bounds.
     #[error(transparent)]
     Task(#[from] InvalidTask),
+    /// `MYO_LEVEL` asks for a level of instructions that there is not.
+    #[error(transparent)]
+    Level(#[from] LevelError),
     /// More environments than are numbered.
     #[error("{num_envs} environments are asked for; one batch has at most {MOST_ENVS}")]
     TooManyEnvironments {

@@ -8,6 +8,15 @@ use myo_tasks::logic::TaskState;
 /// Number of weighted reward terms that are summed up over an episode.
 pub const REWARD_TERMS: usize = 5;
 
+/// Where the other sums over an episode stand behind those of the reward terms.
+pub const EFFORT_SUM: usize = REWARD_TERMS;
+/// See [`EnvState::sums`].
+pub const ROUNDS_SUM: usize = EFFORT_SUM + 1;
+/// See [`EnvState::sums`].
+pub const UNSOLVED_SUM: usize = ROUNDS_SUM + 1;
+/// How many sums there are.
+const SUMS: usize = UNSOLVED_SUM + 1;
+
 /// State of one environment per lane.
 #[derive(Clone, Debug)]
 pub struct EnvState<S: Scalar> {
@@ -23,8 +32,9 @@ pub struct EnvState<S: Scalar> {
     pub touched: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
-    /// Sums over the episode: reward terms, then mean squared controls.
-    pub sums: [S; REWARD_TERMS + 1],
+    /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, and physics steps that
+    /// it left unsolved. Counts are exact up to 2^24.
+    pub sums: [S; SUMS],
     /// Seed, low half first.
     pub seed: [S::Word; 2],
     /// Which environment.
@@ -47,7 +57,7 @@ impl<S: Scalar> EnvState<S> {
             touch: o,
             touched: o,
             pending: o,
-            sums: [o; REWARD_TERMS + 1],
+            sums: [o; SUMS],
             seed: [w; 2],
             env: w,
             episode: w,

@@ -10,7 +10,7 @@ use crate::gpu::MATRIX_FEATURES;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[cfg_attr(test, derive(Default))]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum AdapterKind {
     /// A card with memory of its own.
     #[cfg_attr(test, default)]
     Discrete,
@@ -34,7 +34,10 @@ pub struct Adapter {
     /// The interface it is reached through: `vulkan`, `metal` or `dx12`.
     pub backend: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: AdapterKind,
+    /// Memory of its own, in bytes, all programs together; none where the interface does not tell, which Vulkan does. How
+    /// much of it is free shows only when it is used up.
+    pub memory_bytes: Option<u64>,
     /// Greatest buffer, in bytes.
     pub max_buffer_bytes: u64,
     /// Greatest part of a buffer that a kernel can use, in bytes.
@@ -131,6 +134,7 @@ fn describe(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> Adapter {
         driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
         backend: info.backend.to_str().to_owned(),
         kind: kind(info.device_type),
+        memory_bytes: memory_bytes(raw),
         max_buffer_bytes: limits.max_buffer_size,
         max_binding_bytes: limits.max_storage_buffer_binding_size,
         max_workgroup_threads: limits.max_compute_invocations_per_workgroup,
@@ -143,6 +147,26 @@ fn describe(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> Adapter {
     }
 }
 
+/// The heaps that are local to the device, where its buffers lie.
+#[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
+fn memory_bytes(raw: &wgpu::Adapter) -> Option<u64> {
+    /// `VK_MEMORY_HEAP_DEVICE_LOCAL_BIT`.
+    const DEVICE_LOCAL: u32 = 1;
+    // SAFETY: what it gives is only asked, and dropped before the adapter.
+    let vulkan = unsafe { raw.as_hal::<wgpu::hal::api::Vulkan>() }?;
+    let (instance, device) = (vulkan.shared_instance().raw_instance(), vulkan.raw_physical_device());
+    // SAFETY: this instance listed the device.
+    let properties = unsafe { instance.get_physical_device_memory_properties(device) };
+    let heaps = &properties.memory_heaps[..properties.memory_heap_count as usize];
+    Some(heaps.iter().filter(|heap| heap.flags.as_raw() & DEVICE_LOCAL != 0).map(|heap| heap.size).sum())
+}
+
+/// Metal does not tell.
+#[cfg(not(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd")))]
+fn memory_bytes(_: &wgpu::Adapter) -> Option<u64> {
+    None
+}
+
 /// See [`Adapter::cooperative_matrix`].
 fn multiplies_matrices(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> bool {
     use wgpu::CooperativeScalarType::{F16, F32};
@@ -152,12 +176,12 @@ fn multiplies_matrices(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> bool {
         && offered.iter().any(|m| (m.m_size, m.n_size, m.k_size, m.ab_type, m.cr_type) == (16, 16, 16, F16, F32))
 }
 
-fn kind(device_type: wgpu::DeviceType) -> Kind {
+fn kind(device_type: wgpu::DeviceType) -> AdapterKind {
     match device_type {
-        wgpu::DeviceType::DiscreteGpu => Kind::Discrete,
-        wgpu::DeviceType::IntegratedGpu => Kind::Integrated,
-        wgpu::DeviceType::Cpu => Kind::Software,
-        wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => Kind::Virtual,
+        wgpu::DeviceType::DiscreteGpu => AdapterKind::Discrete,
+        wgpu::DeviceType::IntegratedGpu => AdapterKind::Integrated,
+        wgpu::DeviceType::Cpu => AdapterKind::Software,
+        wgpu::DeviceType::VirtualGpu | wgpu::DeviceType::Other => AdapterKind::Virtual,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which adapter to open.
 
-use crate::adapter::{Adapter, Kind};
+use crate::adapter::{Adapter, AdapterKind};
 use crate::error::GpuError;
 
 /// Which adapter to open.
@@ -24,7 +24,7 @@ impl AdapterChoice {
         }
         match self {
             Self::Any => Ok(0),
-            Self::Hardware if adapters[0].kind == Kind::Software => {
+            Self::Hardware if adapters[0].kind == AdapterKind::Software => {
                 Err(GpuError::OnlySoftware { found: adapters.iter().map(|a| a.name.clone()).collect() })
             }
             Self::Hardware => Ok(0),
@@ -60,14 +60,15 @@ fn named(name: &str, adapters: &[&Adapter]) -> Result<usize, GpuError> {
 mod tests {
     use super::*;
 
-    fn adapter(name: &str, kind: Kind) -> Adapter {
+    fn adapter(name: &str, kind: AdapterKind) -> Adapter {
         Adapter { name: name.to_owned(), kind, ..Adapter::default() }
     }
 
     #[test]
     fn each_choice_has_its_adapter_or_its_reason() {
-        let [card, chip, soft] = [("Card", Kind::Discrete), ("Chip 2", Kind::Integrated), ("llvmpipe", Kind::Software)]
-            .map(|(name, kind)| adapter(name, kind));
+        let [card, chip, soft] =
+            [("Card", AdapterKind::Discrete), ("Chip 2", AdapterKind::Integrated), ("llvmpipe", AdapterKind::Software)]
+                .map(|(name, kind)| adapter(name, kind));
         let all = [&card, &chip, &soft];
         let named = |name: &str| AdapterChoice::Named(name.to_owned()).choose(&all);
         assert_eq!(AdapterChoice::Hardware.choose(&all), Ok(0));
@@ -82,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_number_is_never_part_of_a_name() {
-        let [card, chip] = [adapter("Card", Kind::Discrete), adapter("Chip 2", Kind::Integrated)];
+        let [card, chip] = [adapter("Card", AdapterKind::Discrete), adapter("Chip 2", AdapterKind::Integrated)];
         let named = |name: &str| {
             AdapterChoice::Named(name.to_owned()).choose(&[&card, &chip]).map_err(|error| error.to_string())
         };
@@ -92,7 +93,7 @@ mod tests {
 
     #[test]
     fn a_name_that_fits_several_is_refused_with_all_of_them() {
-        let [first, second, other] = ["Card A", "card B", "Chip"].map(|name| adapter(name, Kind::Discrete));
+        let [first, second, other] = ["Card A", "card B", "Chip"].map(|name| adapter(name, AdapterKind::Discrete));
         let named = |name: &str| {
             AdapterChoice::Named(name.to_owned()).choose(&[&first, &second, &other]).map_err(|e| e.to_string())
         };
@@ -101,12 +102,12 @@ mod tests {
         assert_eq!(named("card"), Err(both.into()));
         assert_eq!(named("card b"), Ok(1));
         // A whole name is meant, even where it is part of another one.
-        let longer = adapter("Chip Pro", Kind::Discrete);
+        let longer = adapter("Chip Pro", AdapterKind::Discrete);
         assert_eq!(AdapterChoice::Named("chip".into()).choose(&[&longer, &other]), Ok(1));
     }
 
     #[test]
     fn an_empty_name_is_no_name() {
-        assert!(AdapterChoice::Named(" ".to_owned()).choose(&[&adapter("Card", Kind::Discrete)]).is_err());
+        assert!(AdapterChoice::Named(" ".to_owned()).choose(&[&adapter("Card", AdapterKind::Discrete)]).is_err());
     }
 }

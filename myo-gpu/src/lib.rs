@@ -48,7 +48,7 @@ mod source;
 mod timing;
 mod transfer;
 
-pub use adapter::{Adapter, Kind, adapters};
+pub use adapter::{Adapter, AdapterKind, adapters};
 pub use adapter_choice::AdapterChoice;
 pub use batch::Batch;
 pub use buffer::{Buffer, BufferRef};

@@ -3,7 +3,7 @@
 mod common;
 
 use common::gpu;
-use myo_gpu::{AdapterChoice, Cached, Gpu, GpuError, Kind, adapters};
+use myo_gpu::{AdapterChoice, AdapterKind, Cached, Gpu, GpuError, adapters};
 
 #[test]
 fn the_best_adapter_comes_first_and_opens() {
@@ -22,13 +22,15 @@ fn adapters_are_written_as_json() {
     let kind = format!("{:?}", gpu.adapter().kind).to_lowercase();
     assert_eq!((&json["name"], &json["kind"]), (&gpu.adapter().name.as_str().into(), &kind.into()));
     assert!(json["max_binding_bytes"].as_u64() >= Some(128 << 20));
+    let memory = json["memory_bytes"].as_u64();
+    assert!(memory >= Some(128 << 20) || gpu.adapter().backend != "vulkan", "{memory:?}");
 }
 
 #[test]
 fn hardware_is_never_software() {
     let Some(_) = gpu() else { return };
     match Gpu::open(&AdapterChoice::Hardware) {
-        Ok(gpu) => assert_ne!(gpu.adapter().kind, Kind::Software),
+        Ok(gpu) => assert_ne!(gpu.adapter().kind, AdapterKind::Software),
         Err(error) => assert!(matches!(error, GpuError::OnlySoftware { .. }), "{error}"),
     }
 }

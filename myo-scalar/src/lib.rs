@@ -27,8 +27,9 @@
 //!     }
 //! }
 //! let (x, mut y) = ([3.0; 16], [0.0; 16]);
-//! dispatch(Level::detect(), Norm(&x, &mut y));
+//! dispatch(Level::detect()?, Norm(&x, &mut y));
 //! assert!((y[0] - 10.0f32.sqrt()).abs() < 1e-6);
+//! # Ok::<(), myo_scalar::LevelError>(())
 //! ```
 //!
 //! This crate does not know muscles, bodies, tasks, threads or files.
@@ -49,7 +50,7 @@ pub mod symbolic;
 mod x86;
 
 pub use carried::{Carried, Visitor};
-pub use level::{LaneTask, Level, dispatch};
-pub use philox::{Counter, normal_pair, philox, seed_words, unit};
+pub use level::{Instructions, LaneTask, Level, LevelError, dispatch};
+pub use philox::{Counter, normal_pair, open_unit, philox, philox_block, seed_words, unit};
 pub use portable::F32x8;
 pub use scalar::{Mask, Real, Scalar, Stage, Word};

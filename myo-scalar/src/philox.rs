@@ -30,8 +30,16 @@ pub fn seed_words<W: Word>(seed: u64) -> [W; 2] {
 /// Four random words per lane.
 #[inline(always)]
 pub fn philox<S: Scalar>(counter: Counter<S::Word>) -> [S::Word; 4] {
+    let Counter { seed, env, episode, step, stream } = counter;
+    philox_block::<S>(seed, [stream, step, episode, env])
+}
+
+/// Four random words per lane, of a key and a counter whose words the caller gives a meaning. Words of both go from
+/// low to high, as in the authors' Random123.
+#[inline(always)]
+pub fn philox_block<S: Scalar>(key: [S::Word; 2], counter: [S::Word; 4]) -> [S::Word; 4] {
     const ROUNDS: usize = 10;
-    let mut state = State { key: counter.seed, words: [counter.stream, counter.step, counter.episode, counter.env] };
+    let mut state = State { key, words: counter };
     S::repeat(ROUNDS, &mut state, State::round);
     state.words
 }
@@ -65,6 +73,12 @@ impl<S: Scalar> Carried<S> for State<S::Word> {
 #[inline(always)]
 pub fn unit<S: Scalar>(word: S::Word) -> S {
     S::from_word(word >> 8) * S::lit(1.0 / 16_777_216.0)
+}
+
+/// Uniform in (0, 1), exact in single precision: the middles of 2^23 equal parts, so that logarithms are finite.
+#[inline(always)]
+pub fn open_unit<S: Scalar>(word: S::Word) -> S {
+    (S::from_word(word >> 9) + S::lit(0.5)) * S::lit(1.0 / 8_388_608.0)
 }
 
 /// Two independent standard normal numbers from two words (Box and Muller 1958, doi 10.1214/aoms/1177706645).

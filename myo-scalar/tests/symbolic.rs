@@ -1,11 +1,11 @@
 //! Recorded programs: what is simplified away, and that the rest computes what the code computes.
 
-use myo_scalar::symbolic::{Access, Buffer, Column, Entries, Program, Sym, trace};
+use myo_scalar::symbolic::{Buffer, Contents, Entries, Program, Sharing, Sym, trace};
 use myo_scalar::{Carried, Counter, Mask, Scalar, Stage, Visitor, Word, normal_pair, philox, seed_words};
 use proptest::prelude::*;
 
-const IN: Buffer = Buffer { binding: 0, access: Access::PerEnv };
-const OUT: Buffer = Buffer { binding: 1, access: Access::PerEnv };
+const IN: Buffer = Buffer { binding: 0, sharing: Sharing::PerEnv };
+const OUT: Buffer = Buffer { binding: 1, sharing: Sharing::PerEnv };
 
 /// Records a function of some numbers.
 fn record(arity: usize, f: impl FnOnce(&[Sym]) -> Vec<Sym>) -> Program {
@@ -18,11 +18,11 @@ fn record(arity: usize, f: impl FnOnce(&[Sym]) -> Vec<Sym>) -> Program {
 }
 
 fn run(program: &Program, inputs: &[f64], outputs: usize) -> Vec<f64> {
-    let mut buffers = [Column::Numbers(inputs.to_vec()), Column::Numbers(vec![f64::NAN; outputs])];
+    let mut buffers = [Contents::Numbers(inputs.to_vec()), Contents::Numbers(vec![f64::NAN; outputs])];
     program.interpret(&mut buffers);
     match &buffers[1] {
-        Column::Numbers(out) => out.clone(),
-        Column::Words(_) => unreachable!("made as numbers"),
+        Contents::Numbers(out) => out.clone(),
+        Contents::Words(_) => unreachable!("made as numbers"),
     }
 }
 
@@ -32,7 +32,7 @@ fn operations(f: impl FnOnce(Sym, Sym) -> Sym) -> usize {
 
 #[test]
 fn a_program_says_which_entries_of_a_buffer_it_touches() {
-    let shared = Buffer { binding: 2, access: Access::Shared };
+    let shared = Buffer { binding: 2, sharing: Sharing::Shared };
     let program = trace(|| {
         let unused = IN.number(9);
         OUT.set_number(3, IN.number(4) + Sym::from_word(shared.word(1)));
@@ -149,16 +149,16 @@ proptest! {
             let (a, b) = normal_pair(words[0], words[1]);
             [a, b, S::from_word(words[3] >> 8)]
         }
-        let words = Buffer { binding: 0, access: Access::PerEnv };
+        let words = Buffer { binding: 0, sharing: Sharing::PerEnv };
         let program = trace(|| {
             for (row, value) in draw::<Sym>(seed, [words.word(0), words.word(1)]).into_iter().enumerate() {
                 OUT.set_number(row, value);
             }
         });
-        let mut buffers = [Column::Words(vec![env, step]), Column::Numbers(vec![0.0; 3])];
+        let mut buffers = [Contents::Words(vec![env, step]), Contents::Numbers(vec![0.0; 3])];
         program.interpret(&mut buffers);
         let want = draw::<f64>(seed, [env, step].map(<f64 as Scalar>::Word::splat));
-        let Column::Numbers(got) = &buffers[1] else { unreachable!("made as numbers") };
+        let Contents::Numbers(got) = &buffers[1] else { unreachable!("made as numbers") };
         // Logarithm, sine and cosine are good to 3e-7 (1 + |value|), see above; the radius is the root of -2 ln u.
         let radius = want[0].hypot(want[1]);
         let bound = 6e-7 * radius + 3e-7 * (1.0 + 0.5 * radius * radius) / radius;
@@ -252,9 +252,9 @@ fn reads_see_what_was_there_before_writes() {
         IN.set_number(0, b);
         IN.set_number(1, a);
     });
-    let mut buffers = [Column::Numbers(vec![1.0, 2.0])];
+    let mut buffers = [Contents::Numbers(vec![1.0, 2.0])];
     program.interpret(&mut buffers);
-    assert_eq!(buffers, [Column::Numbers(vec![2.0, 1.0])]);
+    assert_eq!(buffers, [Contents::Numbers(vec![2.0, 1.0])]);
 }
 
 /// Kernels are valid, and their text is what people read.

@@ -1,8 +1,9 @@
 //! Random numbers that depend on nothing but their address: seed, stream, step and position.
 //!
-//! Philox4x32-10 of Salmon et al. 2011 (doi 10.1145/2063384.2063405): ten rounds of multiply and exchange turn a
-//! 128-bit counter and a 64-bit key into 128 random bits. Any number can be drawn at any time in any order, so results
-//! do not depend on threads and a resumed run needs no more state than its step counter.
+//! The numbers are Philox's, as in the environments ([`myo_scalar::philox_block`]). Any can be drawn at any time in any
+//! order, so results do not depend on threads and a resumed run needs no more state than its step counter.
+
+use myo_scalar::{LaneTask, Level, Scalar, Word, dispatch, open_unit, philox_block, seed_words};
 
 use crate::simd::{kernels, ln, madd, sin_cos_turns};
 
@@ -18,67 +19,93 @@ pub enum Stream {
     Shuffle = 3,
 }
 
-/// Numbers drawn side by side, so that the rounds vectorise.
+/// Blocks of four words that stand side by side in the order of the words.
 const WIDTH: usize = 16;
+/// Groups drawn at once: few calls, little memory.
+const GROUPS: usize = 16;
+/// Word `k` of `WIDTH` consecutive blocks.
+type Group = [[u32; WIDTH]; 4];
 
-/// Ten Philox rounds over `WIDTH` counters that differ in their first word.
-#[inline(always)]
-fn philox(seed: u64, first: u32, counter: [u32; 3]) -> [[u32; WIDTH]; 4] {
-    let mut key = [seed as u32, (seed >> 32) as u32];
-    let [mut x0, mut x1, mut x2, mut x3] = [[0; WIDTH], [counter[0]; WIDTH], [counter[1]; WIDTH], [counter[2]; WIDTH]];
-    for (lane, word) in x0.iter_mut().enumerate() {
-        *word = first.wrapping_add(lane as u32);
-    }
-    for _ in 0..10 {
-        for (((x0, x1), x2), x3) in x0.iter_mut().zip(&mut x1).zip(&mut x2).zip(&mut x3) {
-            let a = u64::from(*x0) * 0xD251_1F53;
-            let b = u64::from(*x2) * 0xCD9E_8D57;
-            *x0 = (b >> 32) as u32 ^ *x1 ^ key[0];
-            *x1 = b as u32;
-            *x2 = (a >> 32) as u32 ^ *x3 ^ key[1];
-            *x3 = a as u32;
-        }
-        key = [key[0].wrapping_add(0x9E37_79B9), key[1].wrapping_add(0xBB67_AE85)];
-    }
-    [x0, x1, x2, x3]
+/// Draws consecutive blocks from `first_block` on.
+struct Draw<'a> {
+    seed: u64,
+    stream: Stream,
+    step: u64,
+    first_block: u32,
+    groups: &'a mut [Group],
 }
 
-/// Uniform in (0, 1), never 0, so that its logarithm is finite.
-#[inline(always)]
-fn open_unit(word: u32) -> f32 {
-    ((word >> 9) as f32 + 0.5) * (1.0 / 8_388_608.0)
+impl LaneTask for Draw<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Scalar<Const = f32>>(self) {
+        let key = seed_words(self.seed);
+        let [low, high] = seed_words(self.step);
+        let stream = S::Word::splat(self.stream as u32);
+        let mut lanes = [0; WIDTH];
+        lanes.iter_mut().zip(0..).for_each(|(lane, number)| *lane = number);
+        let mut first = self.first_block;
+        for group in self.groups {
+            for lane in (0..WIDTH).step_by(S::LANES) {
+                let block = S::Word::load(&lanes[lane..]) + S::Word::splat(first);
+                let words = philox_block::<S>(key, [block, low, high, stream]);
+                for (word, row) in words.into_iter().zip(group.iter_mut()) {
+                    word.store(&mut row[lane..]);
+                }
+            }
+            first = first.wrapping_add(WIDTH as u32);
+        }
+    }
+}
+
+/// Fills `out` with independent standard normal numbers (Box and Muller, doi 10.1214/aoms/1177706645).
+///
+/// Blocks of four numbers are counted from `first_block`, so a long sequence may be filled piece by piece.
+pub fn fill_normal(seed: u64, stream: Stream, step: u64, first_block: u32, out: &mut [f32]) {
+    in_groups(seed, stream, step, first_block, out, normals);
+}
+
+/// Fills `out` with uniform 32-bit words.
+pub fn fill_words(seed: u64, stream: Stream, step: u64, out: &mut [u32]) {
+    in_groups(seed, stream, step, 0, out, |groups, out| {
+        out.copy_from_slice(&groups.as_flattened().as_flattened()[..out.len()]);
+    });
+}
+
+/// Draws groups and lets `write` make numbers of them, piece by piece.
+fn in_groups<T>(
+    seed: u64,
+    stream: Stream,
+    step: u64,
+    mut first_block: u32,
+    out: &mut [T],
+    write: impl Fn(&[Group], &mut [T]),
+) {
+    let mut groups = [[[0; WIDTH]; 4]; GROUPS];
+    for out in out.chunks_mut(GROUPS * 4 * WIDTH) {
+        let groups = &mut groups[..out.len().div_ceil(4 * WIDTH)];
+        dispatch(Level::current(), Draw { seed, stream, step, first_block, groups });
+        write(groups, out);
+        first_block = first_block.wrapping_add((GROUPS * WIDTH) as u32);
+    }
 }
 
 kernels! {
-    /// Fills `out` with independent standard normal numbers (Box and Muller, doi 10.1214/aoms/1177706645).
-    ///
-    /// Blocks of four numbers are counted from `first_block`, so a long sequence may be filled piece by piece.
-    pub fn fill_normal<const FMA: bool>(seed: u64, stream: Stream, step: u64, first_block: u32, out: &mut [f32]) {
-        let counter = [step as u32, (step >> 32) as u32, stream as u32];
-        for (group, out) in out.chunks_mut(4 * WIDTH).enumerate() {
-            let words = philox(seed, first_block.wrapping_add((group * WIDTH) as u32), counter);
+    /// Four normal numbers of every block of words.
+    pub fn normals<const FMA: bool>(groups: &[Group], out: &mut [f32]) {
+        let unit = |word| open_unit::<f32>(<f32 as Scalar>::Word::splat(word));
+        for (words, out) in groups.iter().zip(out.chunks_mut(4 * WIDTH)) {
             let mut normal = [[0.0_f32; 4]; WIDTH];
             for (lane, normal) in normal.iter_mut().enumerate() {
                 for pair in 0..2 {
-                    let radius = (-2.0 * ln::<FMA>(open_unit(words[2 * pair][lane]))).sqrt();
-                    let (sin, cos) = sin_cos_turns::<FMA>(open_unit(words[2 * pair + 1][lane]));
+                    let radius = (-2.0 * ln::<FMA>(unit(words[2 * pair][lane]))).sqrt();
+                    let (sin, cos) = sin_cos_turns::<FMA>(unit(words[2 * pair + 1][lane]));
                     normal[2 * pair] = madd::<FMA>(radius, cos, 0.0);
                     normal[2 * pair + 1] = madd::<FMA>(radius, sin, 0.0);
                 }
             }
             let flat = normal.as_flattened();
             out.copy_from_slice(&flat[..out.len()]);
-        }
-    }
-
-    /// Fills `out` with uniform 32-bit words, counted as in [`fill_normal`].
-    pub fn fill_words<const FMA: bool>(seed: u64, stream: Stream, step: u64, out: &mut [u32]) {
-        let counter = [step as u32, (step >> 32) as u32, stream as u32];
-        for (group, out) in out.chunks_mut(4 * WIDTH).enumerate() {
-            let words = philox(seed, (group * WIDTH) as u32, counter);
-            for (out, word) in out.iter_mut().zip(words.as_flattened()) {
-                *out = *word;
-            }
         }
     }
 }
@@ -99,15 +126,6 @@ pub fn shuffle(seed: u64, step: u64, order: &mut [u32], words: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// First known answer of the authors' test vectors, counters and keys of zeros and of ones.
-    #[test]
-    fn philox_gives_the_published_known_answers() {
-        let zeros = philox(0, 0, [0, 0, 0]);
-        assert_eq!(zeros.map(|w| w[0]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
-        let ones = philox(u64::MAX, u32::MAX, [u32::MAX; 3]);
-        assert_eq!(ones.map(|w| w[0]), [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]);
-    }
 
     #[test]
     fn normal_numbers_have_the_right_moments_and_do_not_depend_on_the_pieces() {

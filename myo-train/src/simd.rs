@@ -1,44 +1,13 @@
 //! Loops over `f32` compiled several times, for the widest instructions the processor has.
 //!
-//! [`kernels!`] turns a plain function into one copy per instruction set and picks a copy when it is called. The bodies
+//! [`kernels!`] turns a plain function into one copy per [`Level`](myo_scalar::Level) and picks a copy when it is called. The bodies
 //! are ordinary branch-free loops that the compiler vectorises; everything they call must be `#[inline(always)]`, or
 //! the call leaves the wide instruction set.
-
-/// Instruction set of the copy that runs. `Portable` on ARM uses NEON, which is part of its baseline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// What every processor of this architecture has.
-    Portable,
-    /// x86-64 with AVX2 and FMA: 8 numbers at a time.
-    Avx2,
-    /// x86-64 with AVX-512 F, BW, DQ and VL: 16 numbers at a time.
-    Avx512,
-}
-
-/// The best level of this processor.
-#[inline]
-pub fn level() -> Level {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let fma = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-        let wide = is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl");
-        if fma && wide {
-            return Level::Avx512;
-        }
-        if fma {
-            return Level::Avx2;
-        }
-    }
-    Level::Portable
-}
 
 /// Whether the portable copy may fuse a product and a sum: without the instruction it would be a library call.
 pub const PORTABLE_FMA: bool = cfg!(target_arch = "aarch64");
 
-/// Compiles each function once per [`Level`]; `FMA` says whether products and sums are fused.
+/// Compiles each function once per [`Level`](myo_scalar::Level); `FMA` says whether products and sums are fused.
 macro_rules! kernels {
     ($($(#[$meta:meta])* pub fn $name:ident<const FMA: bool>($($arg:ident: $ty:ty),* $(,)?) $(-> $ret:ty)? $body:block)*) => { $(
         $(#[$meta])*
@@ -53,12 +22,12 @@ macro_rules! kernels {
                 fn avx512($($arg: $ty),*) $(-> $ret)? { body::<true>($($arg),*) }
                 #[target_feature(enable = "avx2,fma")]
                 fn avx2($($arg: $ty),*) $(-> $ret)? { body::<true>($($arg),*) }
-                match $crate::simd::level() {
-                    // SAFETY: `level` has seen every feature that the function enables.
-                    $crate::simd::Level::Avx512 => return unsafe { avx512($($arg),*) },
+                match myo_scalar::Level::current().instructions() {
+                    // SAFETY: a `Level` exists only where every feature that the function enables was detected.
+                    myo_scalar::Instructions::Avx512 => return unsafe { avx512($($arg),*) },
                     // SAFETY: as above.
-                    $crate::simd::Level::Avx2 => return unsafe { avx2($($arg),*) },
-                    $crate::simd::Level::Portable => {}
+                    myo_scalar::Instructions::Avx2 => return unsafe { avx2($($arg),*) },
+                    myo_scalar::Instructions::Portable => {}
                 }
             }
             body::<{ $crate::simd::PORTABLE_FMA }>($($arg),*)

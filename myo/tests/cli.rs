@@ -35,6 +35,20 @@ fn assert_refused(output: &Output, sentence: &str) {
     assert!(stderr(output).contains(sentence), "{}", stderr(output));
 }
 
+/// Otherwise the program would compute with another level than it was asked for, and not say so.
+#[test]
+fn every_command_refuses_a_level_that_there_is_not() {
+    let with = |level: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
+        command.args(["task", "list"]).env("MYO_LEVEL", level).output().expect("the program starts")
+    };
+    let sentence =
+        "MYO_LEVEL is \"avx\", which is no level; levels are portable, avx2, avx512, and this processor has portable";
+    assert_refused(&with("avx"), sentence);
+    assert_eq!(with("avx").stdout, b"");
+    assert_eq!(stdout(&with("portable")), stdout(&with("")));
+}
+
 /// Arguments of a training of `updates` updates of 512 control steps each.
 fn short_training<'a>(steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let fixed = ["train", "pointing-single", "--until", "off", "--envs", "32", "--steps", steps];
@@ -190,16 +204,22 @@ fn output_that_nobody_reads_is_no_failure() {
 #[test]
 fn training_leaves_a_run_that_can_be_evaluated() {
     let folder = tempfile::tempdir().unwrap();
-    let result = json(&myo(folder.path(), &short_training("2k", &["--json", "--seed", "3"])));
+    let result = json(&myo(folder.path(), &short_training("3k", &["--json", "--seed", "3"])));
     assert_eq!((&result["run"], &result["stopped_by"]), (&"runs/pointing-single-1".into(), &"steps".into()));
-    assert_eq!((&result["env_steps"], &result["seed"]), (&2048.into(), &3.into()));
+    assert_eq!((&result["env_steps"], &result["seed"]), (&3072.into(), &3.into()));
     assert_eq!(result["evaluation"]["episodes"], 1000);
 
     let run = folder.path().join("runs/pointing-single-1");
     for file in ["config.json", "metrics.csv", "evaluation.json", "tensorboard", "checkpoints"] {
         assert!(run.join(file).exists(), "{file}");
     }
-    assert_eq!(std::fs::read_to_string(run.join("metrics.csv")).unwrap().lines().count(), 1 + 4);
+    let metrics = std::fs::read_to_string(run.join("metrics.csv")).unwrap();
+    assert_eq!(metrics.lines().count(), 1 + 6);
+    let rows: Vec<Vec<&str>> = metrics.lines().map(|line| line.split(',').collect()).collect();
+    // All environments that were not done before meet the time limit in the fifth update.
+    let fifth = |name: &str| rows[5][rows[0].iter().position(|column| *column == name).expect(name)].parse::<f64>();
+    assert!((1.0..1.5).contains(&fifth("solver_rounds").unwrap()), "{metrics}");
+    assert_eq!(fifth("solver_unsolved"), Ok(0.0));
     let shown = stdout(&myo(folder.path(), &["task", "show", "runs/pointing-single-1"]));
     assert_eq!(myo::tasks::Task::from_yaml(&shown, "run").unwrap(), myo::tasks::preset("pointing-single").unwrap());
 
@@ -208,7 +228,7 @@ fn training_leaves_a_run_that_can_be_evaluated() {
         json(&myo(folder.path(), &args))
     };
     let evaluation = evaluate(&[]);
-    assert_eq!((&evaluation["episodes"], &evaluation["env_steps"]), (&20.into(), &2048.into()));
+    assert_eq!((&evaluation["episodes"], &evaluation["env_steps"]), (&20.into(), &3072.into()));
     let success = evaluation["success"].as_f64().unwrap();
     assert_eq!(evaluation["targets"][0]["success"].as_f64(), Some(success));
     for key in ["movement_time_s", "movement_time_s_sd"] {

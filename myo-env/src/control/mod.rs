@@ -69,7 +69,7 @@ pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>,
     let progress = logic::advance(&tables.task, &sensed, &mut env.task);
     let effort = sum_of_squares(&ws.ctrl);
     let terms = logic::reward(&tables.task, &progress, distance, effort, sum_of_squares(&env.qacc));
-    summary::add_up(tables, env, &terms, effort);
+    summary::add_up(tables, env, &terms, effort, &ws.physics.tally);
     S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.observation });
     summary::summarise(tables, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }

@@ -3,14 +3,16 @@
 use super::Scratch;
 use crate::state::EnvState;
 use crate::tables::Tables;
-use myo_dynamics::{Workspace, step};
+use myo_dynamics::{SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Visitor};
 
-/// Runs the physics; a short tap between two control steps counts, so the greatest force is kept.
+/// Runs the physics; a short tap between two control steps counts, so the greatest force is kept. The solver's tally is
+/// that of this control step afterwards.
 #[inline(always)]
 pub fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let Scratch { physics, ctrl, .. } = ws;
     (env.touch, env.touched) = (S::zero(), S::lit(-1.0));
+    physics.tally = SolverTally::new();
     S::repeat(tables.substeps as usize, &mut Substep { env, physics }, |Substep { env, physics }| {
         step::step(&tables.plan, &tables.obstacles, ctrl, &mut env.body, physics);
         let contact = &physics.contact;

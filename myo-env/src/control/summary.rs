@@ -1,13 +1,14 @@
 //! What is summed up over an episode, and the summary at its end.
 
 use crate::columns::Column;
-use crate::state::{EnvState, REWARD_TERMS};
+use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM};
 use crate::tables::Tables;
+use myo_dynamics::SolverTally;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
-pub const EPISODE_COLUMNS: [Column; 11] = [
+pub const EPISODE_COLUMNS: [Column; 13] = [
     Column::new("return", "", "Sum of the rewards."),
     Column::new("length", "control steps", "Control steps from reset to end."),
     Column::new("success", "", "1 if every target was done, else 0."),
@@ -19,6 +20,12 @@ pub const EPISODE_COLUMNS: [Column; 11] = [
     Column::new("reward_completion", "", "What was given for the whole task."),
     Column::new("reward_neural_effort", "", "What muscle control cost, negative."),
     Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
+    Column::new(
+        "solver_rounds",
+        "",
+        "Rounds of the constraint solver per physics step, mean; 1 without limits and contact.",
+    ),
+    Column::new("solver_unsolved", "", "Physics steps that the solver gave up on: their forces are not to be trusted."),
 ];
 
 /// Columns of every target `k`, counted from 1, which are called `target_{k}_` and this.
@@ -37,14 +44,22 @@ pub fn episode_names(ntarget: usize) -> Vec<String> {
     EPISODE_COLUMNS.iter().map(|column| column.name.to_owned()).chain(per_target).collect()
 }
 
-/// Adds the reward terms and the effort of a control step.
+/// Adds the reward terms, the effort and the solver's work of a control step.
 #[inline(always)]
-pub fn add_up<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, terms: &RewardTerms<S>, effort: S) {
+pub fn add_up<S: Scalar>(
+    tables: &Tables<S::Const>,
+    env: &mut EnvState<S>,
+    terms: &RewardTerms<S>,
+    effort: S,
+    solver: &SolverTally<S>,
+) {
     let terms = terms.array();
     for (sum, term) in env.sums.iter_mut().zip(terms) {
         *sum += term;
     }
-    env.sums[REWARD_TERMS] += effort * S::lit(1.0 / tables.plan.nmuscle().max(1) as f64);
+    env.sums[EFFORT_SUM] += effort * S::lit(1.0 / tables.plan.nmuscle().max(1) as f64);
+    env.sums[ROUNDS_SUM] += S::from_word(solver.rounds);
+    env.sums[UNSOLVED_SUM] += S::from_word(solver.unsolved);
 }
 
 /// Summary of the episode up to now; meaningful where it just ended.
@@ -67,8 +82,11 @@ pub fn summarise<S: Scalar>(
     out.push(S::indicator(progress.task_done));
     out.push(task.phase);
     out.push(logic::norm(logic::difference(sensed.fingertip, task.centre(0))));
-    out.push(env.sums[REWARD_TERMS] * task.step.recip());
+    let per_step = task.step.recip();
+    out.push(env.sums[EFFORT_SUM] * per_step);
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
+    out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(tables.substeps)));
+    out.push(env.sums[UNSOLVED_SUM]);
     let dt = tables.task.control_dt.to_f64();
     let mut before = S::zero();
     for &done_at in &task.done_at {
@@ -77,5 +95,42 @@ pub fn summarise<S: Scalar>(
         // Time since the target before was done.
         out.push(S::select(done, (done_at - before) * S::lit(dt), S::lit(f64::NAN)));
         before = done_at;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::{Scratch, control_step, reset};
+    use myo_scalar::Word;
+
+    /// No model is known whose steps the solver leaves unsolved, so its tally is made up.
+    #[test]
+    fn steps_left_unsolved_are_summed_up_and_forgotten_with_the_episode() {
+        let task = myo_tasks::preset("pointing-single").unwrap();
+        let model = myo_model::Model::new(&myo_model::builtin(&task.model).unwrap()).unwrap();
+        let tables = Tables::<f64>::exact(&model, &task).unwrap();
+        let (mut env, mut ws) = (EnvState::new(&tables), Scratch::new(&tables));
+        let names = episode_names(tables.task.targets.len());
+        let column = names.iter().position(|name| name == "solver_unsolved").unwrap();
+        let word = <f64 as Scalar>::Word::splat;
+        let (rounds, unsolved) = (word(300), word(2));
+        let nothing =
+            RewardTerms { distance: 0.0, subtask: 0.0, completion: 0.0, neural_effort: 0.0, acceleration_effort: 0.0 };
+
+        reset(&tables, true, &mut env, &mut ws);
+        for _ in 0..3 {
+            add_up(&tables, &mut env, &nothing, 0.0, &SolverTally { rounds, unsolved });
+        }
+        control_step(&tables, &mut env, &mut ws);
+        assert_eq!(ws.episode[column], 6.0);
+        let own = ws.episode[column - 1] - 900.0 / f64::from(tables.substeps);
+        assert!((1.0..2.0).contains(&own), "{own}");
+        assert!(ws.physics.tally.rounds != rounds, "the next step counts anew");
+
+        reset(&tables, true, &mut env, &mut ws);
+        control_step(&tables, &mut env, &mut ws);
+        assert_eq!(ws.episode[column], 0.0);
+        assert!((1.0..2.0).contains(&ws.episode[column - 1]), "{}", ws.episode[column - 1]);
     }
 }

@@ -2,7 +2,7 @@
 
 /// Memory of the host, entries in the order of the card.
 #[derive(Default)]
-pub struct Scratch {
+pub struct HostColumns {
     pub actions: Vec<f32>,
     pub observation: Vec<f32>,
     pub result: Vec<f32>,

@@ -1,6 +1,6 @@
 //! The vectorised environment on a graphics card, seen from the host.
 
-use super::columns::{Scratch, fill_rows, transpose};
+use super::columns::{HostColumns, fill_rows, transpose};
 use super::record::{RESEED, RESET, RESULT_ROWS};
 use super::shard::{GpuOptions, Kernels, Shard};
 use super::size::{check_memory, portable_envs, without_memory};
@@ -30,7 +30,7 @@ pub struct GpuEnv {
     rows: StateRows,
     identity: Identity,
     finished: Finished,
-    scratch: Scratch,
+    scratch: HostColumns,
 }
 
 impl GpuEnv {
@@ -94,8 +94,9 @@ impl GpuEnv {
             .collect::<Result<Vec<_>, GpuError>>()
             .map_err(|error| without_memory(error, gpu, &spec, rows.count))?;
         let (gpu, finished) = (gpu.clone(), Finished::new(&spec));
-        let mut env = Self { gpu, kernels, shards, spec, rows, identity, finished, scratch: Scratch::default() };
-        env.start_episodes(Some(seed), None)?;
+        let mut env = Self { gpu, kernels, shards, spec, rows, identity, finished, scratch: HostColumns::default() };
+        let started = env.start_episodes(Some(seed), None);
+        started.map_err(|error| without_memory(error, &env.gpu, &env.spec, rows.count))?;
         Ok(env)
     }
 
@@ -228,7 +229,7 @@ fn run(
     gpu: &Gpu,
     spec: &EnvSpec,
     shard: &Shard,
-    scratch: &mut Scratch,
+    scratch: &mut HostColumns,
     out: &mut StepBuffers<'_>,
 ) -> Result<(), GpuError> {
     let (n, first) = (shard.num_envs, shard.first);

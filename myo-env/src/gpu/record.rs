@@ -4,7 +4,7 @@ use crate::control::{Scratch, reseed, reset, simulate, step_and_autoreset};
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::Autoreset;
-use myo_scalar::symbolic::{Access, Buffer, Form, Program, Sym, SymMask, SymWord, trace_as};
+use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymMask, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 
 /// Buffers of a step, in the order of their bindings; entries are counted per environment.
@@ -27,7 +27,7 @@ const NUMBERS: Buffer = per_env(0);
 const WORDS: Buffer = per_env(1);
 
 const fn per_env(binding: u32) -> Buffer {
-    Buffer { binding, access: Access::PerEnv }
+    Buffer { binding, sharing: Sharing::PerEnv }
 }
 
 /// One control step with everything that belongs to it.
@@ -53,7 +53,7 @@ pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
 /// A reset by mask, and the observations of all environments.
 pub fn reset_program(tables: &Tables<f64>, form: Form) -> Program {
     let [command, observation] = [2, 3].map(per_env);
-    let seed = Buffer { binding: 4, access: Access::Shared };
+    let seed = Buffer { binding: 4, sharing: Sharing::Shared };
     trace_as(form, || {
         let (mut env, mut ws) = load(tables);
         let command = command.word(0);

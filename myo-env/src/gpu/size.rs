@@ -5,7 +5,7 @@ use crate::config::BuildError;
 use crate::memory;
 use crate::storage::WORDS;
 use crate::vector::EnvSpec;
-use myo_gpu::{Gpu, GpuError, Kind};
+use myo_gpu::{AdapterKind, Gpu, GpuError};
 
 /// Least size (bytes) that every card allows one buffer to have.
 const PORTABLE_BUFFER: usize = 128 << 20;
@@ -16,10 +16,27 @@ fn device_bytes(spec: &EnvSpec, count: usize) -> usize {
     4 * (count + WORDS + seen + RESULT_ROWS + 1)
 }
 
-/// Refuses what the machine has no memory for. How much a card has shows only when it is used up.
+/// Refuses what the machine or the card has no memory for. How much of a card's memory is free shows only when it is used up.
 pub fn check_memory(gpu: &Gpu, spec: &EnvSpec, count: usize) -> Result<(), BuildError> {
-    let on_host = if gpu.adapter().kind == Kind::Software { device_bytes(spec, count) } else { 0 };
-    memory::check(spec.num_envs, on_host + spec.bytes_per_env())
+    let (adapter, each) = (gpu.adapter(), device_bytes(spec, count));
+    let is_software = adapter.kind == AdapterKind::Software;
+    memory::check(spec.num_envs, spec.bytes_per_env() + if is_software { each } else { 0 })?;
+    let memory = adapter.memory_bytes.filter(|_| !is_software);
+    check_device(spec.num_envs, each, memory, &adapter.name)
+}
+
+/// Refuses what is more than all memory that a card has, if that is known.
+fn check_device(num_envs: usize, bytes_each: usize, memory: Option<u64>, device: &str) -> Result<(), BuildError> {
+    let bytes = num_envs as u64 * bytes_each as u64;
+    match memory {
+        Some(memory) if bytes > memory => Err(BuildError::OutOfGpuMemory {
+            num_envs,
+            bytes,
+            device: device.to_owned(),
+            refusal: GpuError::OutOfMemory { what: format!("it has {memory} bytes") },
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Says for how many environments the memory of the card was wanted.
@@ -39,4 +56,19 @@ pub fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, count: usize) 
 pub fn portable_envs(spec: &EnvSpec, count: usize) -> usize {
     let widest = count.max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
     1 << (PORTABLE_BUFFER / (4 * widest)).ilog2()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_a_card_has_is_refused_with_both_sizes_before_any_of_it_is_taken() {
+        let check = |num_envs, memory| check_device(num_envs, 1000, memory, "Card").map_err(|error| error.to_string());
+        let sentence =
+            "1001 environments need 1001000 bytes on Card: the GPU is out of memory (it has 1000000 bytes); take fewer";
+        assert_eq!(check(1001, Some(1_000_000)), Err(sentence.to_owned()));
+        assert_eq!(check(1000, Some(1_000_000)), Ok(()));
+        assert_eq!(check(1 << 31, None), Ok(()));
+    }
 }

@@ -91,7 +91,8 @@ pub fn assert_same_summary(
     let names = &reference.spec().episode_names;
     let row = |out: &StepStorage| out.episode[env * names.len()..(env + 1) * names.len()].to_vec();
     for ((name, x), y) in names.iter().zip(row(got)).zip(row(want)) {
-        let counted = ["length", "success", "targets_done"].contains(&&**name) || name.starts_with("target_");
+        let counted =
+            ["length", "success", "targets_done", "solver_unsolved"].contains(&&**name) || name.starts_with("target_");
         let tolerance = if counted { 1e-6 } else { 2e-3 };
         let same = x.is_nan() && y.is_nan() || (x - y).abs() <= tolerance * (1.0 + y.abs());
         assert!(same, "{context} {name} of environment {env}: {x} for {y}");

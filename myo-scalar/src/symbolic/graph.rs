@@ -23,7 +23,7 @@ pub enum Kind {
 
 /// How the entries of a buffer are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Access {
+pub enum Sharing {
     /// Entry `row` of environment `env` lies at `row * environments + env`.
     PerEnv,
     /// Entry `row` is the same for all environments.
@@ -36,7 +36,7 @@ pub struct Buffer {
     /// Its number among the program's buffers.
     pub binding: u32,
     /// How its entries are counted.
-    pub access: Access,
+    pub sharing: Sharing,
 }
 
 impl Buffer {

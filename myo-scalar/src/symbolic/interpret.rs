@@ -16,14 +16,14 @@ enum Value {
 
 /// What a buffer holds for one environment.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Column {
+pub enum Contents {
     /// Numbers.
     Numbers(Vec<f64>),
     /// Integers.
     Words(Vec<u32>),
 }
 
-impl Column {
+impl Contents {
     fn get(&self, row: usize) -> Value {
         match self {
             Self::Numbers(x) => Value::Number(x[row]),
@@ -44,7 +44,7 @@ impl Program {
     ///
     /// # Panics
     /// If a buffer is missing, too short or of the wrong kind.
-    pub fn interpret(&self, buffers: &mut [Column]) {
+    pub fn interpret(&self, buffers: &mut [Contents]) {
         let mut run = Run {
             program: self,
             order: self.order(),
@@ -59,7 +59,7 @@ impl Program {
 struct Run<'a> {
     program: &'a Program,
     order: Vec<Vec<Item>>,
-    buffers: &'a mut [Column],
+    buffers: &'a mut [Contents],
     values: Vec<Option<Value>>,
     /// Variables of each statement.
     variables: Vec<Vec<Value>>,

@@ -8,9 +8,9 @@
 //!
 //! ```
 //! use myo_scalar::Scalar;
-//! use myo_scalar::symbolic::{Access, Buffer, Sym, trace};
+//! use myo_scalar::symbolic::{Sharing, Buffer, Sym, trace};
 //!
-//! let xs = Buffer { binding: 0, access: Access::PerEnv };
+//! let xs = Buffer { binding: 0, sharing: Sharing::PerEnv };
 //! let program = trace(|| {
 //!     let x: Sym = xs.number(0);
 //!     let y = (x + x * Sym::zero()) * Sym::lit(2.0) * Sym::lit(3.0);
@@ -32,8 +32,8 @@ mod program;
 mod region;
 
 pub use count::StageCount;
-pub use graph::{Access, Buffer, Form, Id, Kind, Node, Op};
-pub use interpret::Column;
+pub use graph::{Buffer, Form, Id, Kind, Node, Op, Sharing};
+pub use interpret::Contents;
 pub use number::{Sym, SymMask, SymWord};
 pub use order::Item;
 pub use program::{Entries, Program};

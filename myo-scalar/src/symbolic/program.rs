@@ -1,6 +1,6 @@
 //! A finished program: what of the graph is needed.
 
-use super::graph::{Access, Buffer, Graph, Id, Node, Op, StageName};
+use super::graph::{Buffer, Graph, Id, Node, Op, Sharing, StageName};
 use super::region::{Carry, Chunks, Region, Statement};
 
 /// What a trace computed and stored, without what no store needs.
@@ -37,9 +37,9 @@ impl Entries {
     }
 
     fn with(self, buffer: Buffer, row: u32) -> Self {
-        match buffer.access {
-            Access::PerEnv => Self { per_env: self.per_env.max(row + 1), ..self },
-            Access::Shared => Self { shared: self.shared.max(row + 1), ..self },
+        match buffer.sharing {
+            Sharing::PerEnv => Self { per_env: self.per_env.max(row + 1), ..self },
+            Sharing::Shared => Self { shared: self.shared.max(row + 1), ..self },
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use myo::auto_envs;
-use myo::gpu::{Adapter, GpuError, Kind, adapters};
+use myo::gpu::{Adapter, AdapterKind, GpuError, adapters};
 use serde_json::json;
 
 use super::failure::Result;
@@ -48,7 +48,7 @@ pub fn run(args: &Devices) -> Result<()> {
 
 /// The adapter that `--backend auto` takes: the best one, if it is a card.
 fn auto(adapters: &[Adapter]) -> Option<usize> {
-    adapters.iter().position(|adapter| adapter.kind != Kind::Software)
+    adapters.iter().position(|adapter| adapter.kind != AdapterKind::Software)
 }
 
 /// What to install, if there is no card.

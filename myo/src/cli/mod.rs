@@ -21,6 +21,7 @@ mod train;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use myo::scalar::Level;
 
 use failure::{Failure, Result};
 
@@ -78,6 +79,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: Cli) -> Result<()> {
+    Level::detect()?;
     if let Some(threads) = cli.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;

@@ -379,7 +379,7 @@ impl<'a> Body<'a> {
 
     fn write_store(&mut self, each: &Store) {
         let value = self.value(each.value);
-        let index = entry(self, each.buffer.access, each.row);
+        let index = entry(self, each.buffer.sharing, each.row);
         let pointer = self.access(self.buffers[each.buffer.binding as usize], index);
         self.store(pointer, value);
     }
@@ -393,7 +393,7 @@ impl<'a> Body<'a> {
         match node.op {
             Op::Number(_) | Op::Word(_) | Op::Truth(_) => unreachable!("constants are declared"),
             Op::Input(buffer, row) => {
-                let index = entry(self, buffer.access, row);
+                let index = entry(self, buffer.sharing, row);
                 let pointer = self.access(self.buffers[buffer.binding as usize], index);
                 let value = self.load(pointer);
                 let name = format!("{}_{row}", self.names[buffer.binding as usize]);

@@ -22,7 +22,7 @@ pub enum Use {
     Read,
     /// Written, and perhaps read.
     Write,
-    /// The constants of [`Kernel::table`].
+    /// The constants of [`KernelSource::table`].
     Table,
     /// The uniform with the number of environments.
     Environments,
@@ -30,7 +30,7 @@ pub enum Use {
 
 /// A kernel.
 #[derive(Clone, Debug)]
-pub struct Kernel {
+pub struct KernelSource {
     /// What a graphics interface compiles.
     pub module: Module,
     /// Use of each binding in order.
@@ -41,12 +41,12 @@ pub struct Kernel {
 
 impl Program {
     /// Prints the program as a kernel. `names` are those of the buffers, by binding.
-    pub fn to_kernel(&self, names: &[&str], workgroup_size: u32) -> Kernel {
+    pub fn to_kernel(&self, names: &[&str], workgroup_size: u32) -> KernelSource {
         shell::print(self, names, workgroup_size)
     }
 }
 
-impl Kernel {
+impl KernelSource {
     /// The kernel as WGSL.
     ///
     /// # Errors

@@ -1,8 +1,8 @@
 //! What is around the computation: types, buffers, the entry point.
 
 use super::body::Body;
-use super::{ENTRY_POINT, Kernel, Use};
-use crate::symbolic::graph::{Access, Kind, Op};
+use super::{ENTRY_POINT, KernelSource, Use};
+use crate::symbolic::graph::{Kind, Op, Sharing};
 use crate::symbolic::program::Program;
 use crate::symbolic::region::Statement;
 use naga::{
@@ -35,7 +35,7 @@ struct BufferUse {
     written: bool,
 }
 
-pub fn print(program: &Program, names: &[&str], workgroup_size: u32) -> Kernel {
+pub fn print(program: &Program, names: &[&str], workgroup_size: u32) -> KernelSource {
     let mut module = Module::default();
     let types = scalar_types(&mut module);
     let uses = buffer_uses(program, names.len());
@@ -52,7 +52,7 @@ pub fn print(program: &Program, names: &[&str], workgroup_size: u32) -> Kernel {
     module.entry_points.push(entry_point(function, workgroup_size));
     let used = uses.iter().map(|each| if each.written { Use::Write } else { Use::Read });
     let bindings = used.chain(has_table.then_some(Use::Table)).chain([Use::Environments]).collect();
-    Kernel { module, bindings, table: program.table.iter().map(|&x| x as f32).collect() }
+    KernelSource { module, bindings, table: program.table.iter().map(|&x| x as f32).collect() }
 }
 
 fn entry_point(function: Function, workgroup_size: u32) -> EntryPoint {
@@ -161,11 +161,11 @@ impl Body<'_> {
 }
 
 /// Position of an entry in a buffer.
-pub fn entry(body: &mut Body<'_>, access: Access, row: u32) -> Handle<Expression> {
+pub fn entry(body: &mut Body<'_>, sharing: Sharing, row: u32) -> Handle<Expression> {
     let row = body.literal_word(row);
-    match access {
-        Access::Shared => row,
-        Access::PerEnv => {
+    match sharing {
+        Sharing::Shared => row,
+        Sharing::PerEnv => {
             let (environment, environments) = body.environment();
             let first = body.binary(BinaryOperator::Multiply, row, environments);
             body.binary(BinaryOperator::Add, first, environment)

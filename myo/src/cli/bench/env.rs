@@ -134,7 +134,7 @@ fn measure(stage: &Stage, envs: usize) -> Result<Row> {
     let substeps = stage.task.substeps(stage.model.options.timestep);
     Ok(Row {
         backend: "cpu",
-        level: Level::detect().name(),
+        level: Level::current().name(),
         task: stage.task.name.clone(),
         envs,
         threads: rayon::current_num_threads(),

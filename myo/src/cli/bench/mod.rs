@@ -15,7 +15,7 @@ mod train;
 use clap::{Subcommand, ValueEnum};
 use myo::scalar::Level;
 
-use super::failure::{Failure, Result};
+use super::failure::Result;
 
 /// What to measure.
 #[derive(Subcommand)]
@@ -65,11 +65,7 @@ impl LevelName {
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
         };
-        if let Some(level) = Level::named(name) {
-            return Ok(level);
-        }
-        let names: Vec<_> = Level::available().into_iter().map(Level::name).collect();
-        Err(Failure::sentence(format!("this processor has no {name}; it has {}", names.join(", "))))
+        Ok(Level::named(name)?)
     }
 }
 

@@ -95,7 +95,7 @@ pub fn run(args: &PhysicsArgs, threads: usize) -> Result<()> {
     // Before this process stays on one core, which is then all that it could tell of.
     let machine = Machine::here();
     let levels = args.level.iter().map(|name| name.level()).collect::<Result<Vec<_>>>()?;
-    let levels = if levels.is_empty() { vec![Level::detect()] } else { levels };
+    let levels = if levels.is_empty() { vec![Level::detect()?] } else { levels };
     let model = model::open(&args.model)?;
     let python = args.against_mujoco.clone().map(|python| python.unwrap_or_else(default_python));
     // Before the threads start, because they stay on the core of the one that starts them.
