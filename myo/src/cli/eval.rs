@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use myo::Envs;
 use myo::env::EnvSpec;
 use myo::train::gpu::DeviceEvaluator;
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
+use myo::{Envs, RunDescription};
 use serde::Serialize;
 
 use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{name, print, print_json, rounded};
-use super::run_config::{Description, existing_checkpoint};
+use super::run_folder::existing_checkpoint;
 use super::stage::Stage;
 use super::train::open_run;
 use super::{parse, report};
@@ -87,7 +87,7 @@ struct Results<'a> {
 /// Runs `myo eval`.
 pub fn run(args: &Eval) -> Result<()> {
     let folder = open_run(&args.run)?;
-    let trained = Description::of(&folder)?;
+    let trained = RunDescription::of(&folder)?;
     let stage = args.task.as_deref().map_or_else(|| Stage::of(&trained), Stage::open)?;
     let checkpoint = match &args.checkpoint {
         Some(which) => checkpoint(&folder, which)?,
