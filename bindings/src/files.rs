@@ -8,7 +8,8 @@ use pyo3::prelude::*;
 
 /// Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
 ///
-/// A link is followed, a file that must not be written is refused, and what is no file, such as a pipe, is written to.
+/// A link is followed, a file that must not be written is refused, and anything else than a regular file, such as a pipe, is
+/// written to directly.
 #[pyfunction]
 pub fn write_whole(py: Python<'_>, path: PathBuf, contents: &[u8]) -> PyResult<()> {
     // Whoever reads a pipe may be a thread of the interpreter.

@@ -2,7 +2,7 @@
 //!
 //! - [`env`]: environments stepped side by side, arrays in and arrays out; [`batch`]: what is behind it, [`arrays`]: NumPy's
 //! - [`train`]: PPO and run folders; [`policy`]: what they leave
-//! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
+//! - [`task`], [`model`]: tasks and the bodies that do them; [`space`]: what an observation can be
 //! - [`backend`]: processor or graphics card; [`process`]: threads and forks; [`signals`]: Ctrl-C
 //! - [`simulation`]: the body alone
 //! - [`files`]: files that are whole or not there

@@ -38,7 +38,7 @@ struct Live {
     pool: Arc<ThreadPool>,
     task: myo::tasks::Task,
     model: myo::model::Model,
-    /// The run that it goes on with, until that is open for writing.
+    /// The run being resumed, until it is open for writing.
     claim: Option<RunClaim>,
 }
 
@@ -53,7 +53,7 @@ struct Setup {
     goal: Goal,
     choice: BackendChoice,
     pool: Arc<ThreadPool>,
-    /// What it begins from, and the networks of that, if they are not in its own checkpoint.
+    /// What it began from, and the networks of that, unless it has a checkpoint of its own.
     from: Option<WarmStart>,
     other: Option<Checkpoint>,
 }
@@ -68,7 +68,7 @@ impl Session {
         }
     }
 
-    /// Records the training in what `open` makes of the run that it goes on with; none if that is none.
+    /// Records the training in the folder that `open` opens, if any; `open` is given the claim on the run being resumed.
     fn record(
         &self,
         open: impl FnOnce(Option<RunClaim>, &Trainer) -> Result<Option<RunWriter>, RunError>,
@@ -155,7 +155,7 @@ impl Setup {
     }
 }
 
-/// The networks that a run was to begin with that was stopped before it had a checkpoint.
+/// The networks that a run was to begin with, for a run that was stopped before its first checkpoint.
 fn other_again(from: &WarmStart) -> PyResult<Checkpoint> {
     let other = checkpoint(&from.run)?;
     from.check(&other).map_err(error::run)?;
@@ -199,8 +199,8 @@ impl Session {
         setup.open(py, None, None)
     }
 
-    /// Goes on with the training of a run folder. Without a backend and a device, it is where it began; `until` counts where
-    /// the run's own is not to be kept.
+    /// Continues the training of a run folder: on the device where it began, unless a backend or a device is given, and with
+    /// its own `until`, unless `keep_until` is false.
     #[staticmethod]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
     #[pyo3(signature = (run, *, backend, device, threads, keep_until, until, steps))]
@@ -261,7 +261,7 @@ impl Session {
         })
     }
 
-    /// Goes on in the run folder that it was resumed from, with the goal that it has now.
+    /// Records in the run folder that it was resumed from, and keeps the goal that it has now there.
     fn record_on(&self) -> PyResult<()> {
         let goal = self.description.goal();
         self.record(|claim, trainer| {
@@ -358,7 +358,7 @@ impl Session {
         self.live(|live| Ok(live.session.confirmed().and_then(|evaluation| evaluation.success)))
     }
 
-    /// Whether the run that is gone on with has the evaluation of its newest checkpoint.
+    /// Whether the run being resumed has the evaluation of its newest checkpoint.
     #[getter]
     fn is_evaluated(&self) -> PyResult<bool> {
         self.live(|live| {

@@ -77,7 +77,8 @@ def run_config(path: str | PathLike[str]) -> str:
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
 
-    A link is followed, a file that must not be written is refused, and what is no file, such as a pipe, is written to.
+    A link is followed, a file that must not be written is refused, and anything else than a regular file, such as a
+    pipe, is written to directly.
     """
 
 def xla_step_handler() -> int:
@@ -358,14 +359,14 @@ class Session:
         until: float | None,
         steps: int | None,
     ) -> Session:
-        """Goes on with the training of a run folder. Without a backend and a device, it is where it began; `until`
-        counts where the run's own is not to be kept."""
+        """Continues the training of a run folder: on the device where it began, unless a backend or a device is given,
+        and with its own `until`, unless `keep_until` is false."""
     def description(self) -> str:
         """What is trained, on what, until when: the parts `run`, `ppo` and `seed` of `config.json`."""
     def record_in(self, path: str | PathLike[str]) -> None:
         """Makes a run folder, where metrics, checkpoints and the evaluation are kept."""
     def record_on(self) -> None:
-        """Goes on in the run folder that it was resumed from, with the goal that it has now."""
+        """Records in the run folder that it was resumed from, and keeps the goal that it has now there."""
     def advance(self) -> dict[str, Any]:
         """One update, its record, and a look at the goal when it is time to.
 
@@ -393,4 +394,4 @@ class Session:
         """Share of success that confirmed the goal, if an evaluation did."""
     @property
     def is_evaluated(self) -> bool:
-        """Whether the run that is gone on with has the evaluation of its newest checkpoint."""
+        """Whether the run being resumed has the evaluation of its newest checkpoint."""

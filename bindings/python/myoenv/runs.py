@@ -41,7 +41,7 @@ class RunDescription:
 
     @property
     def backend(self) -> str:
-        """`cpu` or `gpu`: where it began, and where alone it goes on to the bit."""
+        """`cpu` or `gpu`: where it began; only there does it continue bit for bit."""
         return str(self.run["backend"])
 
     @property

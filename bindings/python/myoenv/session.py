@@ -1,4 +1,4 @@
-"""One training from start, or from a checkpoint, to its end; the loop around updates that are Rust's."""
+"""One training from start, or from a checkpoint, to its end; the loop is here, each update in the compiled half."""
 
 from __future__ import annotations
 

@@ -122,14 +122,14 @@ def train(
 
 
 def _refuse(**given: Any) -> None:
-    """A run goes on as it is."""
+    """Refuses arguments that a resumed run cannot take."""
     for name, value in given.items():
         if value is not None:
             raise ValueError(f"resume goes on with a run as it is; leave out {name}")
 
 
 def _refuse_if_over(session: _native.Session, run: str) -> None:
-    """Says what would make a training go on whose end is recorded; one that lacks its evaluation goes on to have it."""
+    """Refuses a run whose end is recorded, and says what would make it go on. One without its evaluation is not over."""
     if session.over is None or not session.is_evaluated:
         return
     end, done, success = session.over, session.env_steps, session.confirmed_success
