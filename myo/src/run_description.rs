@@ -32,7 +32,7 @@ pub struct RunDescription {
     pub until: Option<f64>,
     /// Control steps of all environments after which training stops in any case, at least 1.
     pub steps: u64,
-    /// What it began from, if not from nothing.
+    /// The run whose networks it started from, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from: Option<WarmStart>,
 }
@@ -47,7 +47,7 @@ pub struct WarmStart {
     pub env_steps: u64,
 }
 
-/// What a warm start was to begin from is no longer there.
+/// The run that a warm start was to begin from has changed since.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "the run was to begin from {} after {} control steps, and was stopped before it did; that run is at {env_steps} now. \
@@ -123,7 +123,7 @@ impl RunDescription {
         Self { until: goal.until, steps: goal.steps, ..self }
     }
 
-    /// The backend that the run began on, where alone it goes on to the bit.
+    /// The backend that the run began on; only there does it continue bit for bit.
     pub fn backend(&self) -> Backend {
         match &self.device {
             Some(name) => Backend::Gpu(AdapterChoice::Named(name.clone())),
@@ -134,7 +134,7 @@ impl RunDescription {
     /// The body.
     ///
     /// # Errors
-    /// It cannot be simulated, or none comes with the program under its name.
+    /// It cannot be simulated, or no model of that name comes with the program.
     pub fn body(&self) -> Result<Model, ModelError> {
         match &self.model {
             Some(own) => Model::new(own),
@@ -142,8 +142,8 @@ impl RunDescription {
         }
     }
 
-    /// Writes the goal of a run into its `config.json`, if it is another than there, so that it holds however often the run
-    /// is stopped.
+    /// Writes the goal of a run into its `config.json` if it differs from the one there, so that it is kept however often
+    /// the run is stopped.
     ///
     /// # Errors
     /// The description cannot be read or written.
@@ -159,10 +159,10 @@ impl RunDescription {
 }
 
 impl WarmStart {
-    /// Refuses another state of the run than the training was to begin from, which would make another training of it.
+    /// Refuses any checkpoint but the one that the training was to begin from: it would make a different training.
     ///
     /// # Errors
-    /// `checkpoint` is of another number of control steps.
+    /// `checkpoint` has another number of control steps.
     pub fn check(&self, checkpoint: &Checkpoint) -> Result<(), WarmStartMoved> {
         if checkpoint.env_steps() == self.env_steps {
             return Ok(());

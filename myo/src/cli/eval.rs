@@ -155,7 +155,7 @@ fn checkpoint_of(run: &RunFolder, steps: u64) -> Result<PathBuf> {
     Err(Failure::sentence(format!("{} has no checkpoint of {steps} control steps; {there}", run.path().display())))
 }
 
-/// The policy for another environment; tells where that observes something else.
+/// The policy for another environment; tells the user where its observations differ.
 fn policy_for(policy: &Policy, spec: &EnvSpec) -> Result<Policy> {
     let (trained, own) = (policy.observation_names(), &spec.observation_names[..]);
     let missing = |from: &[String], to: &[String]| -> Vec<String> {

@@ -11,6 +11,7 @@ fn benches_give_rows() {
             ["backend", "level", "envs", "threads", "physics_steps_per_s", "control_steps_per_s", "machine", "date"]
         {
             assert!(!row[key].is_null(), "{key}: {row}");
+            assert!(!key.ends_with("_per_s") || row[key].as_f64().unwrap() > 0.0, "{key}: {row}");
         }
     }
     assert_refused(&here(&["bench", "physics", "--against-mujoco", "/no/python"]), "cannot run /no/python");

@@ -2,31 +2,33 @@
 
 use crate::{assert_refused, here, stderr, stdout};
 
+/// The commands below one that its help lists; none for one that does something itself.
+fn commands(of: &[String]) -> Vec<Vec<String>> {
+    let help = stdout(&here(&[of.iter().map(String::as_str).collect(), vec!["--help"]].concat()));
+    let listed = help.split_once("Commands:\n").map_or("", |(_, rest)| rest.split("\n\n").next().unwrap());
+    // A long explanation goes on below, further to the right.
+    let names = listed.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names = names.map(|line| line.split_whitespace().next().unwrap()).filter(|name| *name != "help");
+    names.map(|name| [of, &[name.to_owned()]].concat()).collect()
+}
+
 #[test]
 fn every_command_explains_itself_with_an_example() {
-    for command in [
-        "train",
-        "eval",
-        "devices",
-        "task list",
-        "task show",
-        "task check",
-        "task schema",
-        "model list",
-        "model show",
-        "model export",
-        "bench physics",
-        "bench env",
-        "bench train",
-        "bench kernel",
-        "bench nan",
-        "completions",
-        "man",
-    ] {
-        let args: Vec<&str> = command.split(' ').chain(["--help"]).collect();
-        let help = stdout(&here(&args));
-        assert!(help.contains("Example") && help.contains(&format!("myo {command}")), "{command}: {help}");
+    let (mut left, mut explained) = (commands(&[]), Vec::new());
+    while let Some(command) = left.pop() {
+        let below = commands(&command);
+        if below.is_empty() {
+            explained.push(command);
+        }
+        left.extend(below);
     }
+    for command in &explained {
+        let args: Vec<&str> = command.iter().map(String::as_str).chain(["--help"]).collect();
+        let (help, line) = (stdout(&here(&args)), format!("myo {}", command.join(" ")));
+        let (_, examples) = help.split_once("Example").unwrap_or_else(|| panic!("{line} has no example: {help}"));
+        assert!(examples.contains(&line), "{line}: {help}");
+    }
+    assert!(explained.len() >= 17, "{explained:?}");
     assert!(stdout(&here(&["--help"])).contains("myo train pointing"));
 }
 

@@ -40,6 +40,29 @@ fn a_new_goal_is_kept_when_a_run_is_stopped_again() {
     interrupt(folder.path(), &["train", "--resume", "run"], "run");
 }
 
+#[test]
+fn a_warm_start_that_was_stopped_before_its_first_checkpoint_begins_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    stdout(&myo(folder.path(), &short_training("1k", &["--out", "first"])));
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "warm", "--from", "first"])));
+    let (whole, config) = (newest_checkpoint(&at("warm")), std::fs::read_to_string(at("warm/config.json")).unwrap());
+    let resume = |from: &str| {
+        std::fs::remove_dir_all(at("warm/checkpoints")).unwrap();
+        let from = config.replace("\"run\": \"first\"", &format!("\"run\": \"{from}\""));
+        std::fs::write(at("warm/config.json"), from).unwrap();
+        myo(folder.path(), &["train", "--resume", "warm"])
+    };
+    let file = "first/checkpoints/step_000000001024.ckpt";
+    for from in ["first", file] {
+        stdout(&resume(from));
+        assert!(newest_checkpoint(&at("warm")) == whole, "{from}");
+    }
+    std::fs::create_dir_all(at("warm/checkpoints")).unwrap();
+    stdout(&myo(folder.path(), &["train", "--resume", "first", "--steps", "2k"]));
+    assert_refused(&resume("first"), "to begin from first after 1024 control steps, and was stopped before it did");
+}
+
 #[cfg(unix)]
 #[test]
 fn interrupted_training_stops_with_a_checkpoint() {

@@ -46,7 +46,7 @@ fn mistakes_in_a_task_are_told_with_their_place() {
 }
 
 #[test]
-fn presets_can_be_trained() {
+fn presets_pass_their_check() {
     for name in myo::tasks::preset_names() {
         assert!(json(&here(&["task", "check", name, "--json"]))["ok"].as_bool().unwrap(), "{name}");
     }

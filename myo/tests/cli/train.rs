@@ -1,5 +1,8 @@
 //! `myo train`.
 
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
 use serde_json::Value;
 
 use crate::{assert_refused, here, json, myo, short_training, stderr, stdout};
@@ -38,6 +41,20 @@ fn training_leaves_a_run_that_can_be_evaluated() {
     assert_ne!(evaluation["return"], evaluate(&["--seed", "5"])["return"]);
 }
 
+/// All files below a folder.
+fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(contents(&path));
+        } else {
+            found.insert(path.clone(), std::fs::read(path).unwrap());
+        }
+    }
+    found
+}
+
 #[test]
 fn run_folders_are_never_overwritten() {
     let folder = tempfile::tempdir().unwrap();
@@ -45,12 +62,15 @@ fn run_folders_are_never_overwritten() {
     stdout(&train(&[]));
     stdout(&train(&[]));
     assert!(folder.path().join("runs/pointing-single-2").exists());
-    let before = std::fs::read(folder.path().join("runs/pointing-single-1/config.json")).unwrap();
+    let before = contents(&folder.path().join("runs/pointing-single-1"));
+    assert!(before.len() >= 5, "{:?}", before.keys());
     assert_refused(&train(&["--out", "runs/pointing-single-1"]), "never overwritten");
     std::fs::create_dir(folder.path().join("mine")).unwrap();
     std::fs::write(folder.path().join("mine/notes.txt"), "not a run").unwrap();
     assert_refused(&train(&["--out", "mine"]), "mine-2");
-    assert_eq!(before, std::fs::read(folder.path().join("runs/pointing-single-1/config.json")).unwrap());
+    assert!(contents(&folder.path().join("runs/pointing-single-1")) == before, "a file of the run has changed");
+    let mine: Vec<_> = contents(&folder.path().join("mine")).into_iter().collect();
+    assert_eq!(mine, [(folder.path().join("mine/notes.txt"), b"not a run".to_vec())]);
 }
 
 #[test]

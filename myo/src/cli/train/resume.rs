@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use myo::train::session::{End, Goal};
-use myo::train::{RunClaim, Session};
+use myo::train::{Checkpoint, RunClaim, Session};
 use myo::{Backend, RunDescription, Start, WarmStart};
 
 use super::several::{Plan, Several};
@@ -88,12 +88,12 @@ fn resume_run<T>(
     run_on(&stage, ready.recorded_in(writer, args.checkpoint_every())?)
 }
 
-/// The goal of a run with what is asked for now.
+/// The goal of a run, changed by the options of this command.
 fn goal(args: &Train, run: &RunDescription) -> Goal {
     Goal { until: args.until.map_or(run.until, |until| until.0), steps: args.steps.unwrap_or(run.steps) }
 }
 
-/// Says what would make a training go on whose end is recorded.
+/// Refuses a training whose end is recorded, and says what would make it go on.
 fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
     let (path, done, limit) = (path.display(), session.trainer().env_steps(), session.goal().steps);
     let success = session.confirmed().and_then(|evaluation| evaluation.success).unwrap_or_default();
@@ -111,14 +111,18 @@ fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
     }
 }
 
-/// What a run was to begin from that was stopped before it had a checkpoint.
+/// What a run that was stopped before its first checkpoint was to begin from.
 fn heritage_again(from: &WarmStart) -> Result<Heritage> {
-    let heritage = Heritage::open(&from.run)?;
+    let heritage = match from.run.is_file() {
+        // Python takes checkpoints, too.
+        true => Heritage { run: from.run.clone(), checkpoint: Checkpoint::read(&from.run)? },
+        false => Heritage::open(&from.run)?,
+    };
     from.check(&heritage.checkpoint)?;
     Ok(heritage)
 }
 
-/// What a run goes on with: what it began with, unless another backend is asked for.
+/// The backend that a run continues on: the one it began on, unless another is asked for.
 fn backend_again(args: &Train, description: &RunDescription, num_envs: usize) -> Result<Backend> {
     if args.physics.is_given() {
         return args.physics.choice(BackendName::Auto);
