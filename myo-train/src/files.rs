@@ -30,17 +30,18 @@ impl IoError {
 }
 
 /// Writes a file of a folder that no other process writes into: whoever reads `path` finds the old contents or the new
-/// ones, also after a power cut. What a process left that was killed meanwhile is overwritten by the next.
+/// ones, also after a power cut; after a return, the new ones. What a killed process left unfinished is overwritten by the
+/// next.
 pub(crate) fn write_atomically(path: &Path, contents: &[u8]) -> Result<(), IoError> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     let part = path.with_file_name(name);
     let written = File::create(&part).and_then(|file| replace(path, (file, &part), None, contents));
-    written.map_err(|source| IoError::new("write", path, source))
+    written.and_then(|()| sync_folder(path.parent())).map_err(|source| IoError::new("write", path, source))
 }
 
-/// Writes a file anywhere, with the same promise. A link stays, and the file that it leads to is written; a device or a
-/// pipe is written into; permissions are kept.
+/// Writes a file anywhere: whoever reads `path` finds the old contents or the new ones, also after a power cut. A link
+/// stays, and the file that it leads to is written; a device or a pipe is written into; permissions are kept.
 ///
 /// # Errors
 /// The file is read-only, or it cannot be written; the old contents are still there then.
@@ -88,8 +89,7 @@ fn replace(
         permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions))?;
         file.write_all(contents)?;
         file.sync_all()?;
-        fs::rename(part, path)?;
-        sync_folder(path.parent())
+        fs::rename(part, path)
     })();
     // That it cannot be removed, either, is not what went wrong.
     written.inspect_err(|_| drop(fs::remove_file(part)))

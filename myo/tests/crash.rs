@@ -369,6 +369,7 @@ fn an_edited_description_is_checked_as_a_new_task_and_new_options_are() {
         ("/run/until", serde_json::json!(2), "until is 2; it must be a share above 0, at most 1, or null"),
         ("/run/steps", serde_json::json!(0), "steps is 0; it must be at least 1"),
         ("/run/backend", serde_json::json!("tpu"), "backend is \"tpu\"; it must be \"cpu\" or \"gpu\""),
+        ("/run/backend", serde_json::json!("gpu"), "backend is \"gpu\", so device must name the graphics card"),
         ("/run/version", serde_json::json!(["0.1.0"]), "invalid type"),
     ];
     for (key, value, sentence) in edits {

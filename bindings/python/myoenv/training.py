@@ -129,7 +129,7 @@ def _refuse(**given: Any) -> None:
 
 
 def _refuse_if_over(session: _native.Session, run: str) -> None:
-    """Refuses a run whose end is recorded, and says what would make it go on. One without its evaluation is not over."""
+    """Refuses a run whose end is recorded, and says what would make it go on; without its evaluation it is not over."""
     if session.over is None or not session.is_evaluated:
         return
     end, done, success = session.over, session.env_steps, session.confirmed_success
