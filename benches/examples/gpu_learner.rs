@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use myo_benches::{Failure, RollOut, breakdown, seconds};
+use myo_benches::{Arguments, Failure, RollOut, breakdown, seconds};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_train::PpoConfig;
 use myo_train::gpu::{DeviceLearner, MatrixTile, Settings, Tile, Tiles};
@@ -116,9 +116,11 @@ fn products(gpu: &Gpu, config: &PpoConfig, data: &RollOut, tiles: Tiles) -> Resu
 }
 
 fn main() -> Result<(), Failure> {
+    let mut arguments = Arguments::read();
+    let measure = if arguments.takes("tiles") { tiles } else { measure_both };
+    arguments.end()?;
     let gpu = Gpu::open(&AdapterChoice::Any)?;
     println!("{}", gpu.adapter().name);
-    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure_both };
     for num_envs in [2048, 16_384] {
         measure(&gpu, &PpoConfig { num_envs, ..PpoConfig::default() })?;
     }

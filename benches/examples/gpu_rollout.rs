@@ -3,7 +3,7 @@
 //! For every number of environments: one pass of the policy, the values of a whole roll-out, a whole roll-out, and what its
 //! kernels take. With `tiles`, instead: the networks alone, with every tile.
 
-use myo_benches::{Failure, breakdown, seconds};
+use myo_benches::{Arguments, Failure, breakdown, seconds};
 use myo_env::{EnvConfig, GpuEnv, VectorEnv};
 use myo_gpu::{AdapterChoice, Batch, Gpu};
 use myo_model::{Model, builtin};
@@ -90,15 +90,17 @@ fn tiles(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failu
 }
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = std::env::args().skip(1);
-    let sizes = arguments.next().unwrap_or("1024,16384,65536".into());
-    let task = arguments.next().unwrap_or("pointing".into());
-    let task = myo_tasks::preset(&task).ok_or("there is no such task")?;
+    let mut arguments = Arguments::read();
+    let measure = if arguments.takes("tiles") { tiles } else { measure_rollout };
+    let sizes = arguments.numbers()?;
+    let sizes = if sizes.is_empty() { vec![1024, 16_384, 65_536] } else { sizes };
+    let name = arguments.word().unwrap_or("pointing".into());
+    arguments.end()?;
+    let task = myo_tasks::preset(&name).ok_or_else(|| format!("there is no task `{name}`"))?;
     let gpu = Gpu::open(&AdapterChoice::Any)?;
     println!("{} on {}", task.name, gpu.adapter().name);
-    let measure = if std::env::args().any(|argument| argument == "tiles") { tiles } else { measure_rollout };
-    for size in sizes.split(',') {
-        measure(&gpu, &task, size.parse()?)?;
+    for size in sizes {
+        measure(&gpu, &task, size)?;
     }
     Ok(())
 }

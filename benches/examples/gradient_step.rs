@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use myo_benches::{Failure, Idle, RollOut, seconds};
+use myo_benches::{Arguments, Failure, Idle, RollOut, seconds};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_train::gpu::{DeviceLearner, Settings};
 use myo_train::{PpoConfig, Trainer};
@@ -66,9 +66,10 @@ fn row(system: &str, device: &str, samples: usize, best: f64, median: Option<f64
 }
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = std::env::args().skip(1);
-    let place = arguments.next().unwrap_or_default();
-    let sizes = arguments.map(|n| n.parse()).collect::<Result<Vec<usize>, _>>()?;
+    let mut arguments = Arguments::read();
+    let place = arguments.word().unwrap_or_default();
+    let sizes = arguments.numbers()?;
+    arguments.end()?;
     match place.as_str() {
         "processor" => {
             let device = format!("{} threads", rayon::current_num_threads());

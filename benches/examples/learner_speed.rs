@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use faer::{Accum, Mat, Par, linalg::matmul::matmul};
-use myo_benches::Idle;
+use myo_benches::{Arguments, Failure, Idle};
 use myo_train::{Mlp, PpoConfig, Trainer};
 use rayon::prelude::*;
 
@@ -82,8 +82,10 @@ fn networks(config: &PpoConfig) -> (Mlp, Mlp) {
     )
 }
 
-fn main() {
-    let threads = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(rayon::current_num_threads());
+fn main() -> Result<(), Failure> {
+    let mut arguments = Arguments::read();
+    let threads = arguments.numbers()?.first().copied().unwrap_or(rayon::current_num_threads());
+    arguments.end()?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
     pool.install(|| {
         let peak = matmul_peak(threads);
@@ -102,4 +104,5 @@ fn main() {
         }
         update(peak);
     });
+    Ok(())
 }

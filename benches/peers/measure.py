@@ -82,7 +82,7 @@ class Bench:
             return [folder / names[-1]]
         cargo = ["cargo", "run", "--release", "--quiet"]
         if names == ("myo",):
-            return [*cargo, "-p", "myo", "--"]
+            return [*cargo, "-p", "myo-sim", "--"]
         return [*cargo, "-p", "myo-benches", "--example", names[-1], "--"]
 
     def python(self, peer: str) -> list:

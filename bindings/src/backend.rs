@@ -18,6 +18,12 @@ use crate::process::check_gpu_process;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BackendChoice(myo::Backend);
 
+impl From<myo::Backend> for BackendChoice {
+    fn from(backend: myo::Backend) -> Self {
+        Self(backend)
+    }
+}
+
 impl BackendChoice {
     /// From the arguments `backend` and `device`.
     pub fn new(backend: &str, device: Option<String>) -> PyResult<Self> {

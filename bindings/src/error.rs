@@ -62,7 +62,7 @@ pub fn warn(py: Python<'_>, sentence: &str) -> PyResult<()> {
     PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(sentence)?, 3)
 }
 
-/// Something in the way of a task or a model.
+/// A task or model that cannot be used.
 pub fn task(error: impl std::fmt::Display) -> PyErr {
     TaskError::new_err(error.to_string())
 }

@@ -2,9 +2,10 @@
 //!
 //! - [`env`]: environments stepped side by side, arrays in and arrays out; [`batch`]: what is behind it, [`arrays`]: NumPy's
 //! - [`train`]: PPO and run folders; [`policy`]: what they leave
-//! - [`task`], [`model`]: what to do and who does it; [`space`]: what an observation can be
+//! - [`task`], [`model`]: tasks and the bodies that do them; [`space`]: what an observation can be
 //! - [`backend`]: processor or graphics card; [`process`]: threads and forks; [`signals`]: Ctrl-C
 //! - [`simulation`]: the body alone
+//! - [`files`]: files that are whole or not there
 //! - [`xla`]: steps without Python, in programs of JAX
 //! - [`picture`]: one environment drawn
 //!
@@ -17,6 +18,7 @@ mod backend;
 mod batch;
 mod env;
 mod error;
+mod files;
 mod model;
 mod picture;
 mod policy;
@@ -47,6 +49,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(backend::devices, m)?)?;
     m.add_function(wrap_pyfunction!(train::evaluation_seed, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
+    m.add_function(wrap_pyfunction!(files::write_whole, m)?)?;
     m.add_function(wrap_pyfunction!(xla::xla_step_handler, m)?)?;
     m.add_function(wrap_pyfunction!(train::default_settings, m)?)
 }

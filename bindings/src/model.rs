@@ -21,6 +21,12 @@ impl Model {
         &self.model
     }
 
+    /// The description, unless it is that of the body which comes with the library under this name.
+    pub fn unless_built_in(&self, name: &str) -> Option<ModelDescription> {
+        let is_built_in = builtin(name).is_ok_and(|known| known == self.description);
+        (!is_built_in).then(|| self.description.clone())
+    }
+
     fn checked(description: ModelDescription) -> PyResult<Self> {
         let model = myo::model::Model::new(&description).map_err(error::task)?;
         Ok(Self { description, model })

@@ -35,7 +35,7 @@ impl Birthplace {
     }
 }
 
-/// A pool and where its threads live. Never dropped: in a child there is nobody to stop.
+/// A pool and the process that its threads live in. Never dropped: in a forked child there are no threads to stop.
 static POOL: Mutex<Option<(u32, ManuallyDrop<Arc<ThreadPool>>)>> = Mutex::new(None);
 
 /// The threads of this process, one per processor; a forked child gets new ones.
@@ -51,7 +51,7 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
     }
 }
 
-/// So many new threads; as many as there are processors without a number.
+/// A pool of this many new threads; without a number, one per processor.
 pub fn own_pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     built.map(Arc::new).map_err(|error| PyRuntimeError::new_err(format!("threads could not be started: {error}")))

@@ -11,11 +11,11 @@ use rayon::ThreadPool;
 
 use crate::error::panicked;
 
-/// Time between two looks for signals: short for whoever waits, and nothing beside an update.
+/// Time between two checks for signals: short for someone waiting, negligible beside an update.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
 
 /// Runs Rust code in a pool, without the interpreter, while this thread lets Python handle signals. `work` is given a function
-/// that tells whether to go on: no longer once a handler has raised an exception, as that of Ctrl-C does.
+/// that tells whether to go on: false once a handler has raised an exception, as the one for Ctrl-C does.
 ///
 /// Returns what `work` returned, and the exception, which the caller must raise or answer. A panic is an exception like others.
 pub fn interruptible<T: Send>(
@@ -30,7 +30,7 @@ pub fn interruptible<T: Send>(
         let stop = &stop;
         scope.spawn(move |_| {
             let go_on = || !stop.load(Ordering::Relaxed);
-            // Someone waits for it until it is there.
+            // Nobody stops receiving before it is sent.
             let _ = sender.send(catch_unwind(AssertUnwindSafe(|| work(&go_on))));
         });
         loop {

@@ -4,18 +4,19 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
+use myo::model::ModelDescription;
 use myo::train::session::{End, Goal, News, Outcome, Progress};
 use myo::train::{
-    Checkpoint, Inherited, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, UpdateMetrics,
+    Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
-use myo::{Envs, ModelReach, Start, likely_cause};
+use myo::{Envs, ModelReach, RunDescription, Start, WarmStart, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPool;
 
 use crate::backend::BackendChoice;
-use crate::error::{self, BusyError, compute};
+use crate::error::{self, BusyError, DeviceError, compute};
 use crate::model::Model;
 use crate::policy::{Policy, checkpoint};
 use crate::process::{Birthplace, own_pool, pool};
@@ -27,9 +28,9 @@ use crate::task::Task;
 pub struct Session {
     live: Mutex<Option<Live>>,
     born: Birthplace,
-    backend: &'static str,
-    device: Option<String>,
-    inherited: Option<Inherited>,
+    description: RunDescription,
+    config: PpoConfig,
+    seed: u64,
 }
 
 struct Live {
@@ -37,8 +38,24 @@ struct Live {
     pool: Arc<ThreadPool>,
     task: myo::tasks::Task,
     model: myo::model::Model,
-    /// The run that it goes on with, until that is open for writing.
+    /// The run being resumed, until it is open for writing.
     claim: Option<RunClaim>,
+}
+
+/// What a training needs, from its arguments or from its run folder.
+struct Setup {
+    task: myo::tasks::Task,
+    model: myo::model::Model,
+    /// The body, unless it comes with the program.
+    own_model: Option<ModelDescription>,
+    config: PpoConfig,
+    seed: u64,
+    goal: Goal,
+    choice: BackendChoice,
+    pool: Arc<ThreadPool>,
+    /// What it began from, and the networks of that, unless it has a checkpoint of its own.
+    from: Option<WarmStart>,
+    other: Option<Checkpoint>,
 }
 
 impl Session {
@@ -49,6 +66,26 @@ impl Session {
             Err(TryLockError::Poisoned(poisoned)) => work(&mut poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(BusyError::new_err("another thread is using this training")),
         }
+    }
+
+    /// Records the training in the folder that `open` opens, if any; `open` is given the claim on the run being resumed.
+    fn record(
+        &self,
+        open: impl FnOnce(Option<RunClaim>, &Trainer) -> Result<Option<RunWriter>, RunError>,
+    ) -> PyResult<()> {
+        self.with(|live| {
+            let Live { session, pool, task, model, claim } = live.take().ok_or_else(over)?;
+            let writer = open(claim, session.trainer()).map_err(|refusal| match refusal {
+                RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
+                other => error::run(other),
+            })?;
+            let session = match writer {
+                Some(writer) => session.recorded_in(writer).map_err(error::run)?,
+                None => session,
+            };
+            *live = Some(Live { session, pool, task, model, claim: None });
+            Ok(())
+        })
     }
 
     fn live<T>(&self, work: impl FnOnce(&mut Live) -> PyResult<T>) -> PyResult<T> {
@@ -99,11 +136,38 @@ fn open(
     env.session(looks, start, goal).map_err(error::train)
 }
 
+fn threads_or_all(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
+    threads.map_or_else(pool, |threads| own_pool(Some(threads)))
+}
+
+impl Setup {
+    /// Builds environments and opens the training in them.
+    fn open(self, py: Python<'_>, claim: Option<RunClaim>, again: Option<&Checkpoint>) -> PyResult<Session> {
+        let Self { task, model, own_model, config, seed, goal, choice, pool, from, other } = self;
+        let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
+        let env = choice.build(py, &pool, (&model, &task), &envs)?;
+        let description = RunDescription::new(task.clone(), own_model, &env.device(), goal, from);
+        let new = Start::New { config: &config, seed, from: other.as_ref() };
+        let start = again.map_or(new, Start::Resumed);
+        let session = compute(py, || pool.install(|| open(env, (&model, &task), start, goal)))??;
+        let live = Mutex::new(Some(Live { session, pool, task, model, claim }));
+        Ok(Session { live, born: Birthplace::here(), description, config, seed })
+    }
+}
+
+/// The networks that a run was to begin with, for a run that was stopped before its first checkpoint.
+fn other_again(from: &WarmStart) -> PyResult<Checkpoint> {
+    let other = checkpoint(&from.run)?;
+    from.check(&other).map_err(error::run)?;
+    Ok(other)
+}
+
 #[pymethods]
 impl Session {
+    /// A new training. `start_from` is a run folder or a checkpoint.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
-    #[pyo3(signature = (task, model, *, config, seed, backend, device, threads, until, steps, resume, start_from))]
+    #[pyo3(signature = (task, model, *, config, seed, backend, device, threads, until, steps, start_from))]
     fn new(
         py: Python<'_>,
         task: &Task,
@@ -115,51 +179,95 @@ impl Session {
         threads: Option<usize>,
         until: Option<f64>,
         steps: u64,
-        resume: Option<PathBuf>,
         start_from: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let choice = BackendChoice::new(backend, device)?;
-        let other = start_from.map(|run| checkpoint(&run)).transpose()?;
+        let other = start_from.as_deref().map(checkpoint).transpose()?;
         let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
-        let config = settings(config, &base)?;
-        let claim = resume.map(|run| RunClaim::take(&run)).transpose().map_err(error::run)?;
-        let again = claim.as_ref().map_or(Ok(None), |claim| newest_checkpoint(py, claim.folder()))?;
-        let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
-        let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
-        let (task, model) = (task.inner().clone(), model.inner().clone());
-        let env = choice.build(py, &pool, (&model, &task), &envs)?;
-        let (device, goal) = (env.device(), Goal { until, steps });
-        let new = Start::New { config: &config, seed, from: other.as_ref() };
-        let start = again.as_ref().map_or(new, Start::Resumed);
-        let session = compute(py, || pool.install(|| open(env, (&model, &task), start, goal)))??;
-        let inherited = session.trainer().inherited();
-        let live = Mutex::new(Some(Live { session, pool, task, model, claim }));
-        let (backend, device) = (device.backend(), device.card().map(String::from));
-        Ok(Self { live, born: Birthplace::here(), backend, device, inherited })
+        let began = |other: &Checkpoint| Some(WarmStart { run: start_from?, env_steps: other.env_steps() });
+        let setup = Setup {
+            task: task.inner().clone(),
+            model: model.inner().clone(),
+            own_model: model.unless_built_in(&task.inner().model),
+            config: settings(config, &base)?,
+            seed,
+            goal: Goal { until, steps },
+            choice: BackendChoice::new(backend, device)?,
+            pool: threads_or_all(threads)?,
+            from: other.as_ref().and_then(began),
+            other,
+        };
+        setup.open(py, None, None)
     }
 
-    /// Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained.
-    #[pyo3(signature = (path, description, go_on))]
-    fn record_in(&self, path: PathBuf, description: &str, go_on: bool) -> PyResult<()> {
-        let description = serde_json::from_str(description).map_err(error::run)?;
-        self.with(|live| {
-            let Live { session, pool, task, model, claim } = live.take().ok_or_else(over)?;
-            let trainer = session.trainer();
+    /// Continues the training of a run folder: on the device where it began, unless a backend or a device is given, and with
+    /// its own `until`, unless `keep_until` is false.
+    #[staticmethod]
+    #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
+    #[pyo3(signature = (run, *, backend, device, threads, keep_until, until, steps))]
+    fn resume(
+        py: Python<'_>,
+        run: PathBuf,
+        backend: Option<&str>,
+        device: Option<String>,
+        threads: Option<usize>,
+        keep_until: bool,
+        until: Option<f64>,
+        steps: Option<u64>,
+    ) -> PyResult<Self> {
+        let claim = RunClaim::take(&run).map_err(error::run)?;
+        let run = RunDescription::of(claim.folder()).map_err(error::run)?;
+        let again = newest_checkpoint(py, claim.folder())?;
+        let began_on = if backend.is_none() && device.is_none() { run.device.clone() } else { None };
+        let choice = match (backend, device) {
+            (None, None) => run.backend().into(),
+            (backend, device) => BackendChoice::new(backend.unwrap_or("auto"), device)?,
+        };
+        let other = run.from.as_ref().filter(|_| again.is_none()).map(other_again).transpose()?;
+        let setup = Setup {
+            model: run.body().map_err(error::task)?,
+            config: claim.folder().config().ppo.clone(),
+            seed: claim.folder().config().seed,
+            goal: Goal { until: if keep_until { run.until } else { until }, steps: steps.unwrap_or(run.steps) },
+            choice,
+            pool: threads_or_all(threads)?,
+            task: run.task,
+            own_model: run.model,
+            from: run.from,
+            other,
+        };
+        let session = setup.open(py, Some(claim), again.as_ref());
+        session.map_err(|refusal| match began_on {
+            Some(device) if refusal.is_instance_of::<DeviceError>(py) => DeviceError::new_err(format!(
+                "the run began on {device}, which cannot be had now: {}; to go on elsewhere, name a backend or a device",
+                refusal.value(py)
+            )),
+            _ => refusal,
+        })
+    }
+
+    /// What is trained, on what, until when: the parts `run`, `ppo` and `seed` of `config.json`.
+    fn description(&self) -> PyResult<String> {
+        let Self { description, config, seed, .. } = self;
+        serde_json::to_string(&serde_json::json!({ "run": description, "ppo": config, "seed": seed }))
+            .map_err(error::run)
+    }
+
+    /// Makes a run folder, where metrics, checkpoints and the evaluation are kept.
+    fn record_in(&self, path: PathBuf) -> PyResult<()> {
+        let description = serde_json::to_value(&self.description).map_err(error::run)?;
+        self.record(|_, trainer| {
             let names = &trainer.spec().episode_names;
-            let writer = if go_on {
-                claim
-                    .map_or_else(|| RunClaim::take(&path), Ok)
-                    .and_then(|claim| claim.resume(trainer.env_steps(), names))
-            } else {
-                RunWriter::create(&path, description, trainer.config(), trainer.seed(), names)
-            };
-            let writer = writer.map_err(|refusal| match refusal {
-                RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
-                other => error::run(other),
-            })?;
-            let session = session.recorded_in(writer).map_err(error::run)?;
-            *live = Some(Live { session, pool, task, model, claim: None });
-            Ok(())
+            RunWriter::create(&path, description, trainer.config(), trainer.seed(), names).map(Some)
+        })
+    }
+
+    /// Records in the run folder that it was resumed from, and keeps the goal that it has now there.
+    fn record_on(&self) -> PyResult<()> {
+        let goal = self.description.goal();
+        self.record(|claim, trainer| {
+            let Some(mut claim) = claim else { return Ok(None) };
+            RunDescription::aim(&mut claim, goal)?;
+            claim.resume(trainer.env_steps(), &trainer.spec().episode_names).map(Some)
         })
     }
 
@@ -250,29 +358,13 @@ impl Session {
         self.live(|live| Ok(live.session.confirmed().and_then(|evaluation| evaluation.success)))
     }
 
-    /// Whether the run that is gone on with has the evaluation of its newest checkpoint.
+    /// Whether the run being resumed has the evaluation of its newest checkpoint.
     #[getter]
     fn is_evaluated(&self) -> PyResult<bool> {
         self.live(|live| {
             let claim = live.claim.as_ref();
             claim.map_or(Ok(false), |claim| claim.folder().has_evaluation().map_err(error::run))
         })
-    }
-
-    /// Control steps of the training that this one began with, if any.
-    #[getter]
-    fn inherited_env_steps(&self) -> Option<u64> {
-        self.inherited.map(|inherited| inherited.env_steps)
-    }
-
-    #[getter]
-    fn backend(&self) -> &str {
-        self.backend
-    }
-
-    #[getter]
-    fn device(&self) -> Option<&str> {
-        self.device.as_deref()
     }
 }
 
@@ -311,10 +403,11 @@ fn table(outcome: &Outcome) -> serde_json::Value {
     })
 }
 
-/// `config.json` of a run folder.
+/// `config.json` of a run folder, refused if no training could have begun with it.
 #[pyfunction]
 pub fn run_config(path: PathBuf) -> PyResult<String> {
     let folder = RunFolder::open(&path).map_err(error::run)?;
+    RunDescription::of(&folder).map_err(error::run)?;
     serde_json::to_string(folder.config()).map_err(error::run)
 }
 

@@ -206,9 +206,17 @@ def test_a_constructor_that_fails_leaves_nothing_to_close():
 def test_a_finished_environment_is_not_stepped_without_autoreset(make, short_task):
     env = make(short_task, autoreset="disabled")
     env.reset(seed=1)
-    with pytest.raises(myoenv.NeedsResetError, match="reset it"):
-        for _ in range(20):
-            env.step(np.full(env.action_space.shape, -1.0))
+    relax, ended = np.full(env.action_space.shape, -1.0), np.zeros(8, bool)
+    for _ in range(8):
+        if not ended.any():
+            _, _, terminated, truncated, _ = env.step(relax)
+            ended = terminated | truncated
+    assert ended.any()
+    for _ in range(2):
+        with pytest.raises(myoenv.NeedsResetError, match="reset it"):
+            env.step(relax)
+    env.reset(options={"reset_mask": ended})
+    assert env.step(relax)[0].shape[0] == 8
 
 
 def test_two_threads_on_one_environment_are_told(make):

@@ -121,9 +121,13 @@ def test_episode_statistics_agree_with_gymnasium_s_wrapper(make, short_task):
 
 
 def test_gymnasium_s_wrappers_take_it(make):
-    env = NormalizeObservation(make(num_envs=4))
-    env.reset(seed=1)
-    assert np.isfinite(env.step(env.action_space.sample())[0]).all()
+    env, plain = NormalizeObservation(make(num_envs=4)), make(num_envs=4)
+    env.reset(seed=1), plain.reset(seed=1)
+    for _ in range(3):
+        actions = plain.action_space.sample()
+        normalised, observation = env.step(actions)[0], plain.step(actions)[0]
+        expected = (observation - env.obs_rms.mean) / np.sqrt(env.obs_rms.var + env.epsilon)
+        np.testing.assert_allclose(normalised, expected, rtol=1e-4, atol=1e-5)
 
 
 def test_states_go_back_bit_for_bit(make):
@@ -185,7 +189,19 @@ def test_arrays_are_writable_and_go_through_dlpack(make):
     assert np.array_equal(np.from_dlpack(observation), observation)
 
 
-def test_pictures_show_targets_and_arm(make):
+def test_pictures_show_targets(make, short_task):
+    def picture(radius: float) -> np.ndarray:
+        short_task["targets"][0]["radius"] = radius
+        env = make(short_task, 1, render_mode="rgb_array", render_size=(320, 240))
+        env.reset(seed=1)
+        return env.render()[0]
+
+    small, large = ((picture(radius) != picture(0.01)).any(-1).sum() for radius in (0.05, 0.2))
+    # The arm is the same, and the area of a ball grows with the square of its radius; the arm may cover some of it.
+    assert 500 < 4 * small < large < 240 * 320 / 2
+
+
+def test_pictures_show_the_arm(make):
     env = make("ar", 3, seed=1, render_mode="rgb_array", render_size=(320, 240))
     env.reset()
     frames = env.render()

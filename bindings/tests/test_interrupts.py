@@ -172,10 +172,9 @@ def test_a_training_that_failed_writes_no_more(tmp_path):
         threads=1,
         until=None,
         steps=10_000,
-        resume=None,
         start_from=None,
     )
-    session.record_in(str(tmp_path / "run"), json.dumps({}), False)
+    session.record_in(tmp_path / "run")
     with pytest.raises(myoenv.TrainingError, match="training diverged"):
         for _ in range(10):
             session.advance()

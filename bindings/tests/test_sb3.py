@@ -72,9 +72,16 @@ def test_bad_calls_are_told():
         env.reset()
 
 
-def test_ppo_learns_a_little():
-    env = VecNormalize(MyoVecEnv("pointing-single", 32, "cpu", seed=1))
-    model = PPO("MlpPolicy", env, n_steps=8, batch_size=128, n_epochs=1, seed=1, device="cpu")
-    model.learn(512)
+def test_ppo_updates_its_policy(short_task):
+    env = VecNormalize(MyoVecEnv(short_task, 32, "cpu", seed=1))
+    model = PPO("MlpPolicy", env, n_steps=16, batch_size=128, n_epochs=1, seed=1, device="cpu")
+    before = {name: tensor.clone() for name, tensor in model.policy.state_dict().items()}
+    model.learn(1024)
+    assert model.num_timesteps == 1024 and env.obs_rms.count > 1024
+    after = model.policy.state_dict()
+    assert all(tensor.isfinite().all() for tensor in after.values())
+    assert {name for name in after if not after[name].equal(before[name])} == set(after)
+    # Every environment had ended an episode of 8 steps by then.
+    assert len(model.ep_info_buffer) >= 32 and all(0 < info["l"] <= 8 for info in model.ep_info_buffer)
     action, _ = model.predict(env.reset(), deterministic=True)
-    assert action.shape == (32, 26)
+    assert action.shape == (32, 26) and (abs(action) <= 1).all()

@@ -45,7 +45,7 @@ def test_without_ray_it_says_what_to_install(monkeypatch, tmp_path):
 
 def test_a_bad_layout_is_refused_before_anything_is_trained(cluster, tmp_path):
     layouts = {**button_grid(columns=1, rows=1), "far": button_grid(columns=1, rows=1, x=5.0)["r0c0"]}
-    with pytest.raises(TaskError):
+    with pytest.raises(TaskError, match=r"x position of target 1 \(pressing\) is 5 m"):
         sweep(layouts, [1], tmp_path, **SHORT)
     assert not (tmp_path / "trials").exists()
 
@@ -126,7 +126,7 @@ def test_tune_tells_bad_arguments(monkeypatch):
     ):
         with pytest.raises(ValueError, match=sentence):
             trainable(**kwargs)
-    with pytest.raises(TaskError):
+    with pytest.raises(TaskError, match=r"x position of target 1 \(pressing\) is 5 m"):
         trainable(layouts=button_grid(columns=1, rows=1, x=5.0))
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(ImportError, match=r"pip install 'myoenv\[tune\]'"):

@@ -28,7 +28,8 @@ def test_one_task_from_everything(tmp_path, short_task):
 def test_numbers_of_numpy_are_taken(short_task):
     short_task["targets"][0]["radius"] = np.float64(0.3)
     short_task["time_limit_s"] = np.float32(0.4)
-    assert myoenv.to_dict(myoenv.load_task(short_task))["targets"][0]["radius"] == 0.3
+    described = myoenv.to_dict(myoenv.load_task(short_task))
+    assert described["targets"][0]["radius"] == 0.3 and described["time_limit_s"] == float(np.float32(0.4))
 
 
 def test_warnings_are_python_s(short_task):

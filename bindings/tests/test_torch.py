@@ -161,9 +161,13 @@ def test_skrl_takes_the_vector_environment(make):
     pytest.importorskip("skrl", reason="skrl is not installed")
     from skrl.envs.wrappers.torch import wrap_env
 
-    envs = wrap_env(make(seed=1, autoreset="same_step"), wrapper="gymnasium")
-    obs, _ = envs.reset()
-    assert envs.num_envs == 8
-    obs, reward, terminated, truncated, _ = envs.step(torch.zeros(8, *envs.action_space.shape))
-    assert obs.shape == (8, *envs.observation_space.shape)
-    assert reward.shape == terminated.shape == truncated.shape == (8, 1)
+    plain = make(seed=1, autoreset="same_step")
+    envs = wrap_env(plain, wrapper="gymnasium")
+    first, _ = envs.reset()
+    assert first.shape == (8, *envs.observation_space.shape)
+    state, actions = plain.save_state(), torch.from_numpy(actions_like(plain, 1))
+    *wrapped, _ = envs.step(actions)
+    plain.load_state(state)
+    obs, *columns, _ = plain.step(actions.numpy())
+    for got, expected in zip(wrapped, [obs, *(column[:, np.newaxis] for column in columns)], strict=True):
+        np.testing.assert_array_equal(got.numpy(), expected)

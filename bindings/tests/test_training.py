@@ -9,7 +9,6 @@ import pytest
 
 import myoenv
 from myoenv import _native
-from myoenv.runs import RunDescription
 from myoenv.session import Session
 
 SMALL = {
@@ -177,6 +176,25 @@ def test_a_resumed_run_ends_as_if_it_had_never_stopped(run, tmp_path):
     assert resumed.evaluation == run.evaluation
 
 
+def test_a_new_goal_is_kept_when_a_run_is_stopped_again(run, tmp_path):
+    folder = tmp_path / "further"
+    shutil.copytree(run.run, folder)
+
+    def described():
+        return json.loads((folder / "config.json").read_text())
+
+    before = described()
+    with pytest.raises(ValueError, match="its limit is 1024"):
+        myoenv.train(resume=folder, until=0.99)
+    assert described() == before, "what is refused changes nothing"
+    stopped = myoenv.train(resume=folder, steps=1408, until=1.0, callback=lambda metrics: True)
+    assert (stopped.stopped_by, stopped.env_steps) == ("callback", 1152)
+    before["run"] |= {"steps": 1408, "until": 1.0}
+    assert described() == before
+    resumed = myoenv.train(resume=folder)
+    assert (resumed.stopped_by, resumed.env_steps) == ("steps", 1408)
+
+
 def test_a_run_without_a_checkpoint_begins_again(run, tmp_path):
     folder = tmp_path / "killed"
     shutil.copytree(run.run, folder)
@@ -213,6 +231,18 @@ def test_another_body_is_kept_in_the_run(tmp_path):
     assert not np.array_equal(other.policy(observation), whole.policy(observation))
     heavy = myoenv.evaluate(folder, 8, num_envs=8)["final_distance"]
     assert not np.array_equal(heavy, myoenv.evaluate(folder, 8, num_envs=8, model="mobl-arms")["final_distance"])
+
+
+def test_a_body_that_the_task_names_is_kept_in_the_run(tmp_path):
+    heavier = myoenv.to_dict(myoenv.Model())
+    for body in heavier["bodies"]:
+        body["mass"] *= 1.1
+    (tmp_path / "arm.yaml").write_text(json.dumps(heavier))
+    task = myoenv.to_dict(myoenv.load_task("pointing-single")) | {"model": str(tmp_path / "arm.yaml")}
+    first = myoenv.train(task, until=None, steps=128, out=tmp_path / "run", **SMALL)
+    (tmp_path / "arm.yaml").write_text("no body any more")
+    assert myoenv.train(resume=tmp_path / "run", steps=256).updates == 2
+    assert json.loads((first.run / "config.json").read_text())["run"]["model"] == heavier
 
 
 def test_an_error_of_the_callback_leaves_a_checkpoint_and_the_run_free(tmp_path):
@@ -252,8 +282,7 @@ def test_a_lost_card_leaves_a_checkpoint(run):
         def leave(self):
             self.left = True
 
-    description = RunDescription({}, None, 1, {}, "gpu", "card", None, 100)
-    session = Session(Lost(), description)
+    session = Session(Lost(), None)
     with pytest.raises(myoenv.DeviceError, match="unplugged; the run goes on from its checkpoint run/checkpoints"):
         session.run(None)
     assert session.native.left
@@ -275,6 +304,19 @@ def test_a_training_begins_with_what_another_learned(run, tmp_path):
     assert config["ppo"]["policy_hidden"] == [16]
     assert len(list((warm.run / "checkpoints").iterdir())) == 2
     assert myoenv.train(resume=warm.run, steps=256).updates == 2
+    # Killed before its first checkpoint, it begins again with the same networks.
+    killed = tmp_path / "killed"
+    shutil.copytree(warm.run, killed)
+    for path in (killed / "checkpoints").iterdir():
+        path.unlink()
+    again = myoenv.train(resume=killed, steps=128)
+    assert again.evaluation == warm.evaluation
+    config["run"]["from"]["env_steps"] = 512
+    for path in (killed / "checkpoints").iterdir():
+        path.unlink()
+    (killed / "config.json").write_text(json.dumps(config))
+    with pytest.raises(myoenv.TrainingError, match=r"after 512 control steps, and was stopped .* is at 1024 now"):
+        myoenv.train(resume=killed)
     with pytest.raises(myoenv.TrainingError, match="width of the hidden layers"):
         myoenv.train("ar", start_from=run.run, settings={"policy_hidden": [8]})
     with pytest.raises(ValueError, match="leave out start_from"):
@@ -329,7 +371,7 @@ def test_a_run_on_a_card_that_is_gone_says_so(run, tmp_path):
         ({"settings": {1: 2}}, TypeError, "settings has the key 1; keys must be strings"),
         ({"out": ""}, TypeError, "out is ''; it must be a path"),
         ({"out": 3}, TypeError, "out is 3; it must be a path"),
-        ({"resume": 3, "task": None}, TypeError, "run is 3; it must be a path"),
+        ({"resume": 3, "task": None}, TypeError, "resume is 3; it must be a path"),
         ({"resume": "no/such/run", "task": None}, myoenv.TrainingError, "not a run folder"),
         ({"steps": 0}, ValueError, "steps is 0"),
         ({"seed": "one"}, TypeError, "seed is 'one'"),
@@ -355,5 +397,5 @@ def test_what_is_no_run_is_told(tmp_path, run):
     shutil.copytree(run.run, tmp_path / "other")
     config = json.loads((run.run / "config.json").read_text())
     (tmp_path / "other" / "config.json").write_text(json.dumps({**config, "run": None}))
-    with pytest.raises(myoenv.TrainingError, match="does not say what was trained"):
+    with pytest.raises(myoenv.TrainingError, match=r"cannot understand .*config\.json: invalid type: null"):
         myoenv.train(resume=tmp_path / "other")

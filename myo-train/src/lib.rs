@@ -65,7 +65,7 @@ pub use checkpoint::{Checkpoint, CheckpointError};
 pub use config::{ConfigError, PpoConfig};
 pub use error::TrainError;
 pub use evaluate::{Evaluation, TargetEvaluation, evaluate};
-pub use files::IoError;
+pub use files::{IoError, write_whole};
 pub use gae::advantages;
 pub use inherit::Inherited;
 pub use learn::LearnStats;

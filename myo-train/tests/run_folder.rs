@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{Points, Staircase};
 use myo_env::VectorEnv;
-use myo_train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunFolder, RunWriter, Trainer, evaluate};
+use myo_train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunConfig, RunFolder, RunWriter, Trainer, evaluate};
 
 fn config() -> PpoConfig {
     PpoConfig {
@@ -99,6 +99,21 @@ fn a_folder_that_exists_is_never_overwritten() {
     assert!(fs::read_dir(folder.path().join("run-2")).unwrap().next().is_none());
     let error = RunFolder::open(folder.path()).unwrap_err().to_string();
     assert!(error.ends_with("is not a run folder: it has no config.json"), "{error}");
+}
+
+#[test]
+fn a_new_description_is_kept_with_settings_and_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    drop(start(&path));
+    let before = RunFolder::open(&path).unwrap().config().clone();
+    let mut claim = RunClaim::take(&path).unwrap();
+    let description = serde_json::json!({"task": "points", "steps": 2});
+    claim.describe(description.clone()).unwrap();
+    let expected = RunConfig { run: description, ..before };
+    assert_eq!(claim.folder().config(), &expected);
+    assert_eq!(RunFolder::open(&path).unwrap().config(), &expected);
+    assert!(!path.join("config.json.part").exists());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Draws one episode of a trained user as SVG: `cargo run --release -p myo --example picture -- RUN TASK OUT.svg`.
+//! Draws one episode of a trained user as SVG: `cargo run --release -p myo-sim --example picture -- RUN TASK OUT.svg`.
 
 use myo::env::{Autoreset, CpuEnv, EnvConfig, Snapshot, StepStorage, Tables, VectorEnv};
 use myo::model::{Model, builtin};

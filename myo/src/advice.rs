@@ -3,17 +3,17 @@
 use myo_tasks::{Reach, Report, Target, Task, TaskError, TaskWarning, check};
 use myo_train::session::Recent;
 
-/// So near to the edge of reach (m) a pose has little freedom left, and muscles little strength.
+/// Closer to the edge of reach than this (m), a pose has little freedom left and muscles have little strength.
 const EDGE_M: f64 = 0.03;
 
-/// Share of positions at the edge from which on they are the likely cause.
+/// If at least this share of positions is at the edge, that is the likely cause.
 const EDGE_SHARE: f64 = 0.05;
 
-/// Share of the time limit that the mean episode takes from which on time is the likely cause.
+/// If the mean episode takes at least this share of the time limit, lack of time is the likely cause.
 const LATE: f64 = 0.9;
 
-/// The greatest share of episodes that can succeed as far as the check of a task knows: no sphere lies out of reach in them.
-/// Buttons do not count: one of which a part is out of reach can still be pressed elsewhere.
+/// The greatest share of episodes that can succeed, as far as the check of a task can tell: those in which no sphere lies
+/// out of reach. Buttons do not count: one that is partly out of reach can still be pressed elsewhere.
 pub fn most_success(report: &Report) -> f64 {
     let reached = report.warnings.iter().filter_map(|warning| match warning {
         TaskWarning::PartlyOutOfReach { target, fraction, .. } if target.kind == "pointing" => {
@@ -24,7 +24,7 @@ pub fn most_success(report: &Report) -> f64 {
     reached.product()
 }
 
-/// The likely cause that so many episodes fail, and what may help: one sentence.
+/// Why so many episodes probably fail, and what may help: one sentence.
 pub fn likely_cause(task: &Task, reach: &dyn Reach, recent: &Recent) -> String {
     let hardest = hardest(recent);
     let at_edge = at_edge(&check(task, &Nearer(reach)), hardest);
@@ -81,7 +81,7 @@ fn at_edge(report: &Report, index: usize) -> f64 {
     error.or(warning).unwrap_or(0.0)
 }
 
-/// A reach that ends earlier.
+/// The same reach, shorter by [`EDGE_M`].
 struct Nearer<'a>(&'a dyn Reach);
 
 impl Reach for Nearer<'_> {

@@ -1,4 +1,4 @@
-//! What environments run on: the backend that was asked for, the device that is taken, and training there.
+//! What environments run on: the backend that was asked for, the device that is used, and training there.
 
 use std::error::Error;
 
@@ -10,19 +10,19 @@ use myo_train::gpu::DeviceEvaluator;
 use myo_train::session::{Examiner, Goal};
 use myo_train::{Checkpoint, PpoConfig, Session, TrainError, Trainer};
 
-/// Environments per thread of the processor from which on [`Backend::Auto`] takes a graphics card.
+/// [`Backend::Auto`] takes a graphics card from this many environments per thread of the processor.
 ///
-/// A step on a card takes as long for one environment as for some thousands, 0.15 ms on an H200, in which two AVX-512 threads
-/// do 110 environments and sixteen 300.
+/// A step on a card takes as long for one environment as for some thousands: 0.15 ms on an H200. In that time two AVX-512
+/// threads step 110 environments, and sixteen 300.
 pub const AUTO_ENVS_PER_THREAD: usize = 64;
 
-/// Environments for looks at a policy: on the processor enough to occupy it, on a card as many as take no longer than one.
+/// Environments for looks at a policy: on the processor enough to keep it busy, on a card as many as take no longer than one.
 const LOOK_ENVS: [usize; 2] = [256, 1024];
 
-/// What was asked for to compute on.
+/// The backend that was asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Backend {
-    /// What is faster here.
+    /// Whichever is faster on this machine.
     Auto,
     /// The processor.
     Cpu,
@@ -30,7 +30,7 @@ pub enum Backend {
     Gpu(AdapterChoice),
 }
 
-/// What is taken to compute on.
+/// The device that is used.
 #[derive(Clone, Debug)]
 pub enum Device {
     /// The processor.
@@ -55,7 +55,7 @@ pub enum Start<'a> {
         config: &'a PpoConfig,
         /// Seed of everything random.
         seed: u64,
-        /// What it begins with instead of with nothing; see [`Trainer::warm_start`].
+        /// The run whose networks it starts from, if any; see [`Trainer::warm_start`].
         from: Option<&'a Checkpoint>,
     },
     /// Where it was stopped.
@@ -72,16 +72,16 @@ impl Start<'_> {
     }
 }
 
-/// Environments from which on [`Backend::Auto`] takes a graphics card in this pool of threads.
+/// [`Backend::Auto`] takes a graphics card from this many environments, in this pool of threads.
 pub fn auto_envs() -> usize {
     AUTO_ENVS_PER_THREAD * rayon::current_num_threads()
 }
 
 impl Backend {
-    /// What is taken for so many environments. `notice` hears why a graphics card that is there is not taken.
+    /// The device for this many environments. `notice` is told why an available graphics card is not used.
     ///
     /// # Errors
-    /// The card that was asked for cannot be had.
+    /// The card that was asked for is not available.
     pub fn device(&self, num_envs: usize, notice: &mut dyn FnMut(&dyn Error)) -> Result<Device, GpuError> {
         match self {
             Self::Cpu => Ok(Device::Cpu),
@@ -100,10 +100,10 @@ impl Backend {
     }
 
     /// Environments for a task on the backend that was asked for. With [`Backend::Auto`], what a graphics card refuses is built on the
-    /// processor, and `notice` hears why.
+    /// processor, and `notice` is told why.
     ///
     /// # Errors
-    /// The task or model cannot be simulated, or the card that was asked for cannot be had.
+    /// The task or model cannot be simulated, or the card that was asked for is not available.
     pub fn build(
         &self,
         model: &Model,
@@ -187,7 +187,8 @@ impl Envs {
         }
     }
 
-    /// Others of the same task and model on the same device, to look at a policy in; `model` and `task` are those of these.
+    /// More environments of the same task and model on the same device, in which to look at a policy. `model` and `task` must
+    /// be those of these environments.
     ///
     /// # Errors
     /// As for [`Envs::new`].

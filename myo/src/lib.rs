@@ -33,7 +33,7 @@
 //!
 //! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a
 //! task ask a model; [`Backend`], [`Device`] and [`Envs`], which choose between processor and graphics card and train there;
-//! and [`likely_cause`] and [`most_success`], why a training leads nowhere or cannot reach its goal.
+//! [`RunDescription`], what a run folder says about its training; and [`likely_cause`] and [`most_success`], why a training leads nowhere or cannot reach its goal.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
@@ -47,10 +47,12 @@ mod advice;
 mod backend;
 pub mod picture;
 mod reach;
+mod run_description;
 
 pub use advice::{likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
 pub use reach::ModelReach;
+pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
 
 /// The example on the repository's front page compiles and runs.
 #[cfg(doctest)]

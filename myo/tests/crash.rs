@@ -41,6 +41,8 @@ struct Scene {
     training: Vec<String>,
     /// A run that was killed, to go on with in place of a new one.
     begun: Option<PathBuf>,
+    /// Control steps that it is to go on to, if not those that it began with.
+    further: Option<u64>,
     /// Cases of a sample, for each kind of fault.
     sample: usize,
 }
@@ -158,7 +160,7 @@ impl Scene {
         let fixed = ["crash.yaml", "--envs", "32", "--checkpoint-every-s", "0", "--threads", "1"];
         let small = ["--set", "steps_per_update=64", "--set", "policy_hidden=[8]", "--set", "value_hidden=[8]"];
         let training = [&fixed[..], &small, more].concat().into_iter().map(String::from).collect();
-        Self { place, shim, training, begun: None, sample: SAMPLE }
+        Self { place, shim, training, begun: None, further: None, sample: SAMPLE }
     }
 
     /// The same, going on with a run that was killed in the middle.
@@ -170,6 +172,13 @@ impl Scene {
         let output = self.start(&run, &[("FAULT", "kill"), ("FAULT_AT", &at)]);
         assert_eq!(output.status.signal(), Some(SIGKILL));
         Self { begun: Some(run), ..self }
+    }
+
+    /// The same, going on with a run that was over to more control steps.
+    fn further(self, steps: u64) -> Self {
+        let run = self.place.path().join("begun");
+        assert!(self.start(&run, &[]).status.success());
+        Self { begun: Some(run), further: Some(steps), ..self }
     }
 
     /// Runs `myo train` with a run folder and variables of the shim.
@@ -202,7 +211,12 @@ impl Scene {
         if !run.join("config.json").exists() {
             return self.start(run, variables);
         }
-        self.train(&["--resume", run.to_str().unwrap(), "--checkpoint-every-s", "0", "--threads", "1"], run, variables)
+        let resume = ["--resume", run.to_str().unwrap(), "--checkpoint-every-s", "0", "--threads", "1"];
+        // A goal that was taken in holds.
+        let is_new = |steps: &u64| RunFolder::open(run).unwrap().config().run["steps"] != *steps;
+        let steps = self.further.filter(is_new).map(|steps| steps.to_string());
+        let goal = steps.as_ref().map_or(vec![], |steps| vec!["--steps", steps]);
+        self.train(&[&resume[..], &goal].concat(), run, variables)
     }
 
     /// The undisturbed run and its file operations.
@@ -298,6 +312,11 @@ fn going_on_with_a_training_may_be_stopped_at_any_file_operation() {
 }
 
 #[test]
+fn going_on_to_a_new_goal_may_be_stopped_at_any_file_operation() {
+    Scene::new(&["--until", "off", "--steps", "4096"]).further(8192).check_all();
+}
+
+#[test]
 fn a_training_with_a_goal_that_is_stopped_at_any_file_operation_ends_as_one_left_alone() {
     // The first seed that reaches its goal in the middle of its steps.
     let scene = (1..40).find_map(|seed| {
@@ -325,11 +344,11 @@ fn a_warm_start_that_is_stopped_at_any_file_operation_ends_as_one_left_alone() {
     let scene = Scene::new(&["--until", "off", "--steps", "4096"]);
     let source = scene.place.path().join("source");
     assert!(scene.start(&source, &[]).status.success());
-    let Scene { place, shim, mut training, begun, sample } = scene;
+    let Scene { place, shim, mut training, begun, further, sample } = scene;
     training.truncate(7);
     training.extend(["--set", "steps_per_update=64", "--until", "off", "--steps", "4096", "--from"].map(String::from));
     training.push(source.to_str().unwrap().into());
-    Scene { place, shim, training, begun, sample }.check_all();
+    Scene { place, shim, training, begun, further, sample }.check_all();
 }
 
 /// A graphics card that is computed by the processor, if a driver for one is there.
@@ -369,6 +388,7 @@ fn an_edited_description_is_checked_as_a_new_task_and_new_options_are() {
         ("/run/until", serde_json::json!(2), "until is 2; it must be a share above 0, at most 1, or null"),
         ("/run/steps", serde_json::json!(0), "steps is 0; it must be at least 1"),
         ("/run/backend", serde_json::json!("tpu"), "backend is \"tpu\"; it must be \"cpu\" or \"gpu\""),
+        ("/run/backend", serde_json::json!("gpu"), "backend is \"gpu\", so device must name the graphics card"),
         ("/run/version", serde_json::json!(["0.1.0"]), "invalid type"),
     ];
     for (key, value, sentence) in edits {

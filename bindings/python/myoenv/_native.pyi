@@ -29,6 +29,7 @@ __all__ = [
     "model_names",
     "preset_names",
     "run_config",
+    "write_whole",
     "xla_step_handler",
 ]
 
@@ -71,7 +72,14 @@ def default_settings() -> str:
     """The default settings of PPO, as JSON."""
 
 def run_config(path: str | PathLike[str]) -> str:
-    """`config.json` of a run folder."""
+    """`config.json` of a run folder, refused if no training could have begun with it."""
+
+def write_whole(path: str | PathLike[str], contents: bytes) -> None:
+    """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
+
+    A link is followed, a file that must not be written is refused, and anything else than a regular file, such as a
+    pipe, is written to directly.
+    """
 
 def xla_step_handler() -> int:
     """Address of the handler that steps environments in programs of XLA, for `jax.ffi.pycapsule`."""
@@ -324,7 +332,7 @@ class Env:
 
 @final
 class Session:
-    """A training; `myoenv.train` loops over it. `resume` is a run folder, `start_from` that or a checkpoint."""
+    """A training; `myoenv.train` loops over it. `start_from` is a run folder or a checkpoint."""
 
     def __new__(
         cls,
@@ -338,11 +346,27 @@ class Session:
         threads: int | None,
         until: float | None,
         steps: int,
-        resume: str | PathLike[str] | None,
         start_from: str | PathLike[str] | None,
     ) -> Self: ...
-    def record_in(self, path: str | PathLike[str], description: str, go_on: bool) -> None:
-        """Makes a run folder, or goes on with it; `description` is the JSON that tells what is trained."""
+    @staticmethod
+    def resume(
+        run: str | PathLike[str],
+        *,
+        backend: str | None,
+        device: str | None,
+        threads: int | None,
+        keep_until: bool,
+        until: float | None,
+        steps: int | None,
+    ) -> Session:
+        """Continues the training of a run folder: on the device where it began, unless a backend or a device is given,
+        and with its own `until`, unless `keep_until` is false."""
+    def description(self) -> str:
+        """What is trained, on what, until when: the parts `run`, `ppo` and `seed` of `config.json`."""
+    def record_in(self, path: str | PathLike[str]) -> None:
+        """Makes a run folder, where metrics, checkpoints and the evaluation are kept."""
+    def record_on(self) -> None:
+        """Records in the run folder that it was resumed from, and keeps the goal that it has now there."""
     def advance(self) -> dict[str, Any]:
         """One update, its record, and a look at the goal when it is time to.
 
@@ -370,13 +394,4 @@ class Session:
         """Share of success that confirmed the goal, if an evaluation did."""
     @property
     def is_evaluated(self) -> bool:
-        """Whether the run that is gone on with has the evaluation of its newest checkpoint."""
-    @property
-    def inherited_env_steps(self) -> int | None:
-        """Control steps of the training that this one began with, if any."""
-    @property
-    def backend(self) -> str:
-        """`cpu` or `gpu`."""
-    @property
-    def device(self) -> str | None:
-        """Name of the graphics card, if it is one."""
+        """Whether the run being resumed has the evaluation of its newest checkpoint."""

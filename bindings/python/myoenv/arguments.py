@@ -67,7 +67,7 @@ def as_path(name: str, value: Any) -> str:
 
 
 def as_mapping(name: str, value: Any) -> dict[str, Any]:
-    """A dictionary with names as keys, a new one; nothing is an empty one."""
+    """A new dictionary, of one with strings as keys; empty for None."""
     if value is not None and not isinstance(value, Mapping):
         raise TypeError(f"{name} is {value!r}; it must be a dictionary")
     for key in value or ():
@@ -143,7 +143,7 @@ def as_picture_size(value: Any) -> tuple[int, int]:
 
 
 def as_integer(name: str, value: Any) -> int:
-    """A whole number; a boolean is none."""
+    """A whole number; booleans are refused."""
     try:
         if isinstance(value, (bool, np.bool_)):
             raise TypeError

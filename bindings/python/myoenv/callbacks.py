@@ -105,8 +105,7 @@ def _import(module: str, package: str) -> Any:
 
 def _configuration(description: RunDescription) -> dict[str, Any]:
     """Everything that describes a training, the settings of PPO one by one."""
-    whole = description.to_dict()
-    return {"task": whole.pop("task"), "seed": description.seed, **whole, **description.settings}
+    return {"seed": description.seed, **description.run, **description.settings}
 
 
 def _finite(metrics: Metrics) -> Metrics:

@@ -69,7 +69,7 @@ class Pytree:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class EnvState(Pytree):
-    """Which present of the host's environments is meant: the data dependency that puts steps in their order."""
+    """A token for the present state of the host's environments: the data dependency that keeps steps in order."""
 
     #: A number of the environments, and that of their resets and steps so far, `(2,)` int32.
     token: Array
@@ -214,7 +214,7 @@ class _Host:
         return self._next(), obs
 
     def step(self, token: Any, action: Any) -> tuple[EnvState, Step]:
-        """What the handler in XLA does, too."""
+        """The same as the handler in XLA."""
         self.envs._env.check_token(np.asarray(token).tolist())
         obs, reward, terminated, truncated, infos = self.envs.step(np.asarray(action))
         next_obs, summary = obs, self.no_summary

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from myoenv._native import TrainingError, __version__
-from myoenv.files import write_whole
+from myoenv._native import TrainingError, __version__, write_whole
 
 try:
     import onnx

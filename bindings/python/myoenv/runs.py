@@ -8,65 +8,70 @@ from os import PathLike
 from typing import Any
 
 from myoenv import _native
-from myoenv._native import TrainingError
 from myoenv.arguments import as_path
 
 
 @dataclass(frozen=True)
 class RunDescription:
-    """What was trained, on what, until when: `config.json`, as the command line writes and reads it, too."""
+    """What was trained, on what, until when: what `config.json` says, which the compiled half writes and checks."""
 
-    #: The task, with the keys of a task file.
-    task: dict[str, Any]
-    #: Another body than the task's, with the keys of a model file.
-    model: dict[str, Any] | None
+    #: What the properties below are read from, with the keys of `config.json`.
+    run: dict[str, Any]
     #: Seed of everything random.
     seed: int
     #: All settings of PPO.
     settings: dict[str, Any]
-    #: `cpu` or `gpu`: where it began, and where alone it goes on to the bit.
-    backend: str
-    #: Name of the graphics card, if it was one.
-    device: str | None
-    #: Share of fresh episodes in which the deterministic policy must succeed, if any.
-    until: float | None
-    #: Control steps after which to stop in any case.
-    steps: int
-    #: The run that a warm start began with, if any, and its control steps then.
-    start_from: str | None = None
-    inherited_env_steps: int | None = None
 
-    def to_dict(self) -> dict[str, Any]:
-        """The caller's part of `config.json`: seed and settings have places of their own there."""
-        began = {"run": self.start_from, "env_steps": self.inherited_env_steps}
-        optional = {"device": self.device, "model": self.model, "from": None if self.start_from is None else began}
-        return {
-            "task": self.task,
-            "backend": self.backend,
-            **{key: value for key, value in optional.items() if value is not None},
-            "version": _native.__version__,
-            "until": self.until,
-            "steps": self.steps,
-        }
+    @classmethod
+    def from_json(cls, text: str) -> RunDescription:
+        """The description in a `config.json`."""
+        config = json.loads(text)
+        return cls(config["run"], config["seed"], config["ppo"])
+
+    @property
+    def task(self) -> dict[str, Any]:
+        """The task, with the keys of a task file."""
+        task: dict[str, Any] = self.run["task"]
+        return task
+
+    @property
+    def model(self) -> dict[str, Any] | None:
+        """The body, with the keys of a model file, unless it is the one that comes with the library under its name."""
+        return self.run.get("model")
+
+    @property
+    def backend(self) -> str:
+        """`cpu` or `gpu`: where it began; only there does it continue bit for bit."""
+        return str(self.run["backend"])
+
+    @property
+    def device(self) -> str | None:
+        """Name of the graphics card, if it was one."""
+        return self.run.get("device")
+
+    @property
+    def until(self) -> float | None:
+        """Share of fresh episodes in which the deterministic policy must succeed, if any."""
+        return self.run.get("until")
+
+    @property
+    def steps(self) -> int:
+        """Control steps after which to stop in any case."""
+        return int(self.run["steps"])
+
+    @property
+    def start_from(self) -> str | None:
+        """The run that a warm start began with, if any."""
+        began: dict[str, Any] = self.run.get("from", {})
+        return began.get("run")
+
+    @property
+    def inherited_env_steps(self) -> int | None:
+        """Control steps of that run then."""
+        began: dict[str, Any] = self.run.get("from", {})
+        return began.get("env_steps")
 
 
 def read_run(path: str | PathLike[str]) -> RunDescription:
     """Reads the description of a run folder."""
-    folder = as_path("run", path)
-    config = json.loads(_native.run_config(folder))
-    run = config["run"]
-    try:
-        return RunDescription(
-            task=run["task"],
-            model=run.get("model"),
-            seed=config["seed"],
-            settings=config["ppo"],
-            backend=run["backend"],
-            device=run.get("device"),
-            until=run["until"],
-            steps=run["steps"],
-            start_from=run.get("from", {}).get("run"),
-            inherited_env_steps=run.get("from", {}).get("env_steps"),
-        )
-    except (TypeError, AttributeError, KeyError) as error:
-        raise TrainingError(f"{folder}/config.json does not say what was trained: {error}") from None
+    return RunDescription.from_json(_native.run_config(as_path("run", path)))

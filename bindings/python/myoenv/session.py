@@ -1,4 +1,4 @@
-"""One training from start, or from a checkpoint, to its end; the loop around updates that are Rust's."""
+"""One training from start, or from a checkpoint, to its end; the loop is here, each update in the compiled half."""
 
 from __future__ import annotations
 
@@ -54,21 +54,15 @@ class Callback:
 class Session:
     """One training that is about to run."""
 
-    def __init__(self, native: _native.Session, description: RunDescription) -> None:
-        self.native, self.description = native, description
-        self.folder: Path | None = None
-
-    def record_in(self, folder: str, *, go_on: bool) -> None:
-        """Makes a run folder, or goes on with one: metrics, checkpoints and the evaluation are kept there."""
-        self.native.record_in(folder, json.dumps(self.description.to_dict()), go_on)
-        self.folder = Path(folder)
+    def __init__(self, native: _native.Session, folder: Path | None) -> None:
+        self.native, self.folder = native, folder
 
     def run(self, callback: Callable[[Metrics], Any] | None) -> TrainResult:
         """Trains to the end."""
         result: TrainResult | None = None
         try:
             if isinstance(callback, Callback):
-                callback.start(self.description, self.folder)
+                callback.start(RunDescription.from_json(self.native.description()), self.folder)
             result = self._run(callback)
             return result
         finally:

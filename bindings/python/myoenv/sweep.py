@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from myoenv._native import __version__
+from myoenv._native import __version__, write_whole
 from myoenv.arguments import (
     MOST_THREADS,
     as_count,
@@ -33,7 +33,6 @@ from myoenv.arguments import (
     as_seed,
     as_share,
 )
-from myoenv.files import write_whole
 from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
 
 Row = dict[str, Any]

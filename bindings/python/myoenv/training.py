@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from os import PathLike, fspath
+from os import PathLike
+from pathlib import Path
 from types import EllipsisType
 from typing import Any, Literal
 
 from myoenv import _native
-from myoenv._native import DeviceError
 from myoenv.arguments import (
     as_count,
     as_device,
@@ -23,13 +22,10 @@ from myoenv.arguments import (
     as_threads,
 )
 from myoenv.callbacks import as_callback
-from myoenv.runs import RunDescription, read_run
+from myoenv.runs import RunDescription
 from myoenv.session import Callback, Metrics, Session, TrainResult
-from myoenv.tasks import Model, ModelLike, Task, TaskLike, load_model, load_task, task_and_model, to_dict
+from myoenv.tasks import ModelLike, TaskLike, task_and_model
 from myoenv.vector import Backend
-
-# Backend and device, as asked for.
-BackendChoice = tuple[str, str | None]
 
 _UNTIL = 0.95
 _STEPS = 60_000_000
@@ -82,106 +78,58 @@ def train(
     that leads nowhere is noticed; both with a `RuntimeWarning`.
     """
     follow = as_callback(callback)
-    if resume is None:
-        if task is None:
-            raise ValueError("name a task, or a run to resume")
-        task, body = task_and_model(task, model)
-        description = _describe(task, None if model is None else body, seed, settings, num_envs)
-        description = replace(description, start_from=None if start_from is None else as_path("start_from", start_from))
-        choice = _choice(backend, device)
-    else:
-        _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
-        description = read_run(resume)
-        task = load_task(description.task)
-        body = load_model(task.model if description.model is None else description.model)
-        began = (description.backend, description.device)
-        choice = began if backend is None and device is None else _choice(backend, device)
-    if until is not ...:
-        description = replace(description, until=None if until is None else as_share("until", until))
-    if steps is not None:
-        description = replace(description, steps=as_count("steps", steps))
-    native = _open(task, body, description, choice, threads, resume)
-    description = replace(description, backend=native.backend, device=native.device)
-    if resume is None:
-        description = replace(description, inherited_env_steps=native.inherited_env_steps)
-    session = Session(native, description)
+    given_backend, given_device = None if backend is None else as_text("backend", backend), as_device(device)
+    share = None if until is ... or until is None else as_share("until", until)
+    limit = None if steps is None else as_count("steps", steps)
     if resume is not None:
-        session.record_in(as_path("resume", resume), go_on=True)
-    elif out is not None:
-        session.record_in(as_path("out", out), go_on=False)
-    return session.run(follow)
-
-
-def _describe(
-    task: Task,
-    own_model: Model | None,
-    seed: int | None,
-    settings: Mapping[str, Any] | None,
-    num_envs: int | None,
-) -> RunDescription:
-    """A new run; where it takes place is known when it is open."""
+        _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
+        folder = as_path("resume", resume)
+        native = _native.Session.resume(
+            folder,
+            backend=given_backend,
+            device=given_device,
+            threads=as_threads(threads),
+            keep_until=until is ...,
+            until=share,
+            steps=limit,
+        )
+        _refuse_if_over(native, folder)
+        native.record_on()
+        return Session(native, Path(folder)).run(follow)
+    if task is None:
+        raise ValueError("name a task, or a run to resume")
+    task, body = task_and_model(task, model)
     changes = as_mapping("settings", settings)
     if num_envs is not None:
         changes["num_envs"] = as_num_envs(num_envs)
-    return RunDescription(
-        task=to_dict(task),
-        model=None if own_model is None else to_dict(own_model),
+    native = _native.Session(
+        task,
+        body,
+        config=_json(changes),
         seed=1 if seed is None else as_seed(seed),
-        settings=changes,
-        backend="auto",
-        device=None,
-        until=_UNTIL,
-        steps=_STEPS,
+        backend=given_backend or "auto",
+        device=given_device,
+        threads=as_threads(threads),
+        until=_UNTIL if until is ... else share,
+        steps=limit or _STEPS,
+        start_from=None if start_from is None else as_path("start_from", start_from),
     )
+    if out is None:
+        return Session(native, None).run(follow)
+    folder = as_path("out", out)
+    native.record_in(folder)
+    return Session(native, Path(folder)).run(follow)
 
 
 def _refuse(**given: Any) -> None:
-    """A run goes on as it is."""
+    """Refuses arguments that a resumed run cannot take."""
     for name, value in given.items():
         if value is not None:
             raise ValueError(f"resume goes on with a run as it is; leave out {name}")
 
 
-def _choice(backend: Any, device: Any) -> BackendChoice:
-    return as_text("backend", "auto" if backend is None else backend), as_device(device)
-
-
-def _open(
-    task: Task,
-    model: Model,
-    description: RunDescription,
-    choice: BackendChoice,
-    threads: int | None,
-    resume: str | PathLike[str] | None,
-) -> _native.Session:
-    backend, device = choice
-    try:
-        session = _native.Session(
-            task,
-            model,
-            config=_json(description.settings),
-            seed=description.seed,
-            backend=backend,
-            device=device,
-            threads=as_threads(threads),
-            until=description.until,
-            steps=description.steps,
-            resume=resume,
-            # A run that goes on has taken over what it began with.
-            start_from=description.start_from if resume is None else None,
-        )
-    except DeviceError as error:
-        if resume is None or choice != (description.backend, description.device):
-            raise
-        elsewhere = "to go on elsewhere, name a backend or a device"
-        raise DeviceError(f"the run began on {device}, which cannot be had now: {error}; {elsewhere}") from None
-    if resume is not None:
-        _refuse_if_over(session, fspath(resume), description.steps)
-    return session
-
-
-def _refuse_if_over(session: _native.Session, run: str, limit: int) -> None:
-    """Says what would make a training go on whose end is recorded; one that lacks its evaluation goes on to have it."""
+def _refuse_if_over(session: _native.Session, run: str) -> None:
+    """Refuses a run whose end is recorded, and says what would make it go on; without its evaluation it is not over."""
     if session.over is None or not session.is_evaluated:
         return
     end, done, success = session.over, session.env_steps, session.confirmed_success
@@ -190,6 +138,7 @@ def _refuse_if_over(session: _native.Session, run: str, limit: int) -> None:
     if end == "until" and success is not None:
         help = "raise it with until=..., or take it away with until=None"
         raise ValueError(f"{run} has reached its goal with {100 * success:.1f} % success; {help}")
+    limit = RunDescription.from_json(session.description()).steps
     raise ValueError(f"{run} has {done} control steps, and its limit is {limit}; raise it with steps=...")
 
 

@@ -28,6 +28,9 @@ pub use writer::{RunClaim, RunWriter};
 /// The layout of run folders that this program knows.
 const FORMAT: u32 = 1;
 
+/// The file that describes a run.
+const CONFIG: &str = "config.json";
+
 /// What `config.json` holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -153,7 +156,7 @@ impl RunFolder {
     /// # Errors
     /// No run is there, or its description is not one that a training could have begun with.
     pub fn open(path: &Path) -> Result<Self, RunError> {
-        let file = path.join("config.json");
+        let file = path.join(CONFIG);
         let text = match fs::read(&file) {
             Err(source) if source.kind() == ErrorKind::NotFound => {
                 let path = path.to_owned();
@@ -218,7 +221,7 @@ impl RunFolder {
             match Checkpoint::read(&path) {
                 Ok(checkpoint) => {
                     let same = self.config.check_checkpoint(&checkpoint);
-                    let path = self.path.join("config.json");
+                    let path = self.path.join(CONFIG);
                     same.map_err(|reason| RunError::BadConfig { path, reason })?;
                     latest.checkpoint = Some(checkpoint);
                     break;

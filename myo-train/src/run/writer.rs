@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::metrics_file::MetricsFile;
-use super::{FORMAT, RunConfig, RunError, RunFolder};
+use super::{CONFIG, FORMAT, RunConfig, RunError, RunFolder};
 use crate::files::{IoError, remove_if_there, sync_folder, write_json};
 use crate::tensorboard::EventFile;
 use crate::{Checkpoint, CheckpointError, PpoConfig, UpdateMetrics};
@@ -26,14 +26,27 @@ impl RunClaim {
     /// # Errors
     /// As for [`RunFolder::open`], or another process trains there.
     pub fn take(path: &Path) -> Result<Self, RunError> {
-        let folder = RunFolder::open(path)?;
+        // No lock appears where there is no run.
+        RunFolder::open(path)?;
         let lock = lock(path)?;
-        Ok(Self { folder, lock })
+        // Whoever held it before may have changed the description.
+        Ok(Self { folder: RunFolder::open(path)?, lock })
     }
 
     /// The run.
     pub fn folder(&self) -> &RunFolder {
         &self.folder
+    }
+
+    /// Changes the caller's description of the run, `run` in `config.json`; settings and seed stay.
+    ///
+    /// # Errors
+    /// The file cannot be written; the old description is still there then.
+    pub fn describe(&mut self, run: serde_json::Value) -> Result<(), RunError> {
+        let config = RunConfig { run, ..self.folder.config.clone() };
+        write_json(&self.folder.path.join(CONFIG), &config)?;
+        self.folder.config = config;
+        Ok(())
     }
 
     /// Goes on with the run from `env_steps`, the step of the checkpoint that training resumes from (0 without one): what
@@ -81,7 +94,7 @@ impl RunWriter {
         make_folder(path)?;
         let lock = lock(path)?;
         // Between the two, another process may have made a run of it.
-        let file = path.join("config.json");
+        let file = path.join(CONFIG);
         if file.exists() {
             return Err(exists(path));
         }

@@ -54,12 +54,12 @@ impl Options {
     }
 }
 
-/// What is taken for so many environments; tells why a graphics card that is there is not.
+/// The device for this many environments; tells the user why an available graphics card is not used.
 pub fn device(backend: &Backend, num_envs: usize) -> Result<Device> {
     backend.device(num_envs, &mut warn).map_err(|error| refusal(&error))
 }
 
-/// Environments for a task on this backend; tells why a graphics card is not taken.
+/// Environments for a task on this backend; tells the user why a graphics card is not used.
 pub fn build(backend: &Backend, model: &Model, task: &Task, config: &EnvConfig) -> Result<Envs> {
     backend.build(model, task, config, &mut warn).map_err(|error| match error {
         BuildError::Gpu(error) => refusal(&error),

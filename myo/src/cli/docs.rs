@@ -11,7 +11,7 @@ use clap::{CommandFactory, Parser};
 use super::Cli;
 use documented::{commands, documents, filled_in};
 
-/// Refuses words behind `myo` that would not be understood.
+/// Fails for words after `myo` that the command line would not understand.
 fn check(place: &str, words: &[String]) {
     let all = [&["myo".to_owned()], words].concat();
     match Cli::try_parse_from(&all).err().map(|error| (error.kind(), error)) {
@@ -47,7 +47,7 @@ fn examples_in_help_are_understood() {
         let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
         let examples = help.lines().filter_map(|line| line.strip_prefix("  myo "));
         let checked = examples.map(|example| {
-            // What an example is for stands two spaces or more behind it.
+            // An example may be followed by its purpose, two or more spaces away.
             let typed = example.split("  ").next().unwrap().split(['>', '|']).next().unwrap();
             let words = shlex::split(typed).unwrap();
             check(example, &words);

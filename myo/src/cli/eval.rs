@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use myo::Envs;
 use myo::env::EnvSpec;
 use myo::train::gpu::DeviceEvaluator;
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
+use myo::{Envs, RunDescription};
 use serde::Serialize;
 
 use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{name, print, print_json, rounded};
-use super::run_config::{Description, existing_checkpoint};
+use super::run_folder::existing_checkpoint;
 use super::stage::Stage;
 use super::train::open_run;
 use super::{parse, report};
@@ -87,7 +87,7 @@ struct Results<'a> {
 /// Runs `myo eval`.
 pub fn run(args: &Eval) -> Result<()> {
     let folder = open_run(&args.run)?;
-    let trained = Description::of(&folder)?;
+    let trained = RunDescription::of(&folder)?;
     let stage = args.task.as_deref().map_or_else(|| Stage::of(&trained), Stage::open)?;
     let checkpoint = match &args.checkpoint {
         Some(which) => checkpoint(&folder, which)?,
@@ -155,7 +155,7 @@ fn checkpoint_of(run: &RunFolder, steps: u64) -> Result<PathBuf> {
     Err(Failure::sentence(format!("{} has no checkpoint of {steps} control steps; {there}", run.path().display())))
 }
 
-/// The policy for another environment; tells where that observes something else.
+/// The policy for another environment; tells the user where its observations differ.
 fn policy_for(policy: &Policy, spec: &EnvSpec) -> Result<Policy> {
     let (trained, own) = (policy.observation_names(), &spec.observation_names[..]);
     let missing = |from: &[String], to: &[String]| -> Vec<String> {

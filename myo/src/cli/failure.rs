@@ -36,14 +36,14 @@ pub struct Mistake {
     pub message: String,
     /// Where it is; none when it is about the text as a whole.
     pub place: Option<SourceLocation>,
-    /// The text, as far as it is known.
+    /// The text, if it is known.
     pub text: Option<String>,
     /// A warning rather than an error.
     pub warning: bool,
 }
 
 impl Failure {
-    /// A failure told by one sentence.
+    /// A failure described by one sentence.
     pub fn sentence(text: impl Into<String>) -> Self {
         Self::Sentence(text.into())
     }
@@ -70,7 +70,7 @@ impl<E: std::error::Error> From<E> for Failure {
     }
 }
 
-/// Writes a line to standard error. It is no reason to fail when nobody reads it.
+/// Writes a line to standard error; that nobody reads it is not a failure.
 pub fn complain(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", printable(text));
 }

@@ -1,5 +1,5 @@
-//! Ctrl-C: the first stops cleanly, the second at once. What whoever started this process had it ignore, as `nohup` does
-//! with the end of a terminal and a shell with Ctrl-C for what runs in the background, it goes on ignoring.
+//! Ctrl-C: the first stops cleanly, the second at once. Signals that this process was started to ignore stay ignored: `nohup`
+//! asks that for a closed terminal, and shells for Ctrl-C in background jobs.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,7 +54,7 @@ impl Ignored {
     /// Ignores them again.
     fn go_on(&self) {
         for signal in &self.0 {
-            // SAFETY: no handler of ours is called any more, and that of `ctrlc` bears not being called.
+            // SAFETY: no handler of ours is called any more, and that of `ctrlc` need not be called.
             unsafe { libc::signal(*signal, libc::SIG_IGN) };
         }
     }

@@ -12,7 +12,7 @@ mod model;
 mod output;
 mod parse;
 mod report;
-mod run_config;
+mod run_folder;
 mod shell;
 mod stage;
 mod task;

@@ -6,9 +6,10 @@ use clap::{Args, Subcommand, ValueEnum};
 use myo::dynamics::{CouplingMode, Plan};
 use myo::model::mjcf::{MjcfOptions, to_mjcf};
 use myo::model::{Model, ModelDescription, builtin, builtin_names};
+use myo::train::write_whole;
 
 use super::failure::{Failure, Mistake, Result, model_failure};
-use super::output::{print, print_file, print_json, row, table, write_file};
+use super::output::{print, print_file, print_json, row, table};
 use super::task::as_json;
 
 /// What to do with models.
@@ -217,7 +218,7 @@ fn write(export: &Export) -> Result<()> {
         Format::Yaml => description.to_yaml()?,
     };
     match &export.out {
-        Some(path) => write_file(path, &text),
+        Some(path) => Ok(write_whole(path, text.as_bytes())?),
         None => print_file(&text),
     }
 }

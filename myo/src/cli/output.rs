@@ -1,16 +1,12 @@
-//! Output: text, tables, JSON, files, commands to type.
+//! Output: text, tables, JSON, commands to type.
 
 use std::borrow::Cow;
-use std::fs::Permissions;
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 
 use super::failure::{Failure, Result};
-
-/// Links in a row that are followed, as many as Linux follows.
-const MOST_LINKS: usize = 40;
 
 /// Writes text for people to standard output.
 pub fn print(text: &str) -> Result<()> {
@@ -79,60 +75,6 @@ pub fn argument(path: &Path) -> String {
     let text = path.display().to_string();
     // Else it would be taken for an option.
     if text.starts_with('-') { format!("./{text}") } else { text }
-}
-
-/// Writes a file that is whole or not there. A link stays and the file that it leads to is written; a device or pipe is
-/// written into; a file that is read-only is refused.
-pub fn write_file(path: &Path, text: &str) -> Result<()> {
-    write_to(path, text).map_err(|error| Failure::sentence(format!("cannot write {}: {error}", path.display())))
-}
-
-fn write_to(path: &Path, text: &str) -> std::io::Result<()> {
-    let path = behind_links(path)?;
-    let before = match std::fs::metadata(&path) {
-        Ok(before) => Some(before),
-        Err(error) if error.kind() == ErrorKind::NotFound => None,
-        Err(error) => return Err(error),
-    };
-    if before.as_ref().is_some_and(|before| !before.is_file()) {
-        return std::fs::OpenOptions::new().write(true).open(&path)?.write_all(text.as_bytes());
-    }
-    let permissions = before.map(|before| before.permissions());
-    if permissions.as_ref().is_some_and(Permissions::readonly) {
-        return Err(std::io::Error::new(ErrorKind::PermissionDenied, "the file is read-only"));
-    }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = new_file_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    if let Some(permissions) = permissions {
-        file.as_file().set_permissions(permissions)?;
-    }
-    file.persist(path)?;
-    Ok(())
-}
-
-/// A file under another name for now, that others may read as far as this user's files are for them.
-fn new_file_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        tempfile::Builder::new().permissions(Permissions::from_mode(0o666)).tempfile_in(folder)
-    }
-    #[cfg(not(unix))]
-    tempfile::NamedTempFile::new_in(folder)
-}
-
-/// What a path leads to, which need not be there.
-fn behind_links(path: &Path) -> std::io::Result<PathBuf> {
-    let mut path = path.to_owned();
-    for _ in 0..MOST_LINKS {
-        if !std::fs::symlink_metadata(&path).is_ok_and(|found| found.is_symlink()) {
-            return Ok(path);
-        }
-        let to = std::fs::read_link(&path)?;
-        path = path.parent().unwrap_or(Path::new("")).join(to);
-    }
-    Err(std::io::Error::other("links lead round in circles"))
 }
 
 /// Columns as wide as their widest cell, two spaces apart; the first row is the heading. Columns whose cells begin with a
@@ -226,35 +168,6 @@ mod tests {
         }
         assert!(command(&["eval", "runs/my-1"]).ends_with(" eval runs/my-1"), "no quotes where none are needed");
         assert_eq!([Path::new("-x"), Path::new("a/-x")].map(argument), ["./-x", "a/-x"]);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn only_files_are_replaced() {
-        use std::os::unix::fs::{PermissionsExt, symlink};
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        let mode = |name: &str| std::fs::metadata(at(name)).unwrap().permissions().mode() & 0o777;
-        std::fs::write(at("usual"), "").unwrap();
-        write_file(&at("new"), "1").unwrap();
-        assert_eq!(mode("new"), mode("usual"), "as open to others as files are here");
-
-        std::fs::set_permissions(at("new"), Permissions::from_mode(0o640)).unwrap();
-        for (link, target) in [("link", "new"), ("dangling", "later")] {
-            symlink(at(target), at(link)).unwrap();
-            write_file(&at(link), "2").unwrap();
-            assert!(at(link).is_symlink());
-            assert_eq!(std::fs::read_to_string(at(target)).unwrap(), "2");
-        }
-        assert_eq!(mode("new"), 0o640);
-
-        std::fs::set_permissions(at("new"), Permissions::from_mode(0o444)).unwrap();
-        let Err(Failure::Sentence(text)) = write_file(&at("new"), "3") else { panic!("it is read-only") };
-        assert!(text.contains("new: the file is read-only"), "{text}");
-        assert_eq!(std::fs::read_to_string(at("new")).unwrap(), "2");
-        write_file(Path::new("/dev/null"), "4").unwrap();
-        assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
-        assert!(write_file(folder.path(), "5").is_err());
     }
 
     #[test]

@@ -36,19 +36,19 @@ pub fn count(text: &str) -> Result<u64, String> {
 }
 
 /// The share of successful episodes to reach, or `off`.
-pub fn goal(text: &str) -> Result<Goal, String> {
+pub fn until(text: &str) -> Result<Until, String> {
     if text == "off" {
-        return Ok(Goal(None));
+        return Ok(Until(None));
     }
     match text.parse() {
-        Ok(share) if share > 0.0 && share <= 1.0 => Ok(Goal(Some(share))),
+        Ok(share) if share > 0.0 && share <= 1.0 => Ok(Until(Some(share))),
         _ => Err("expected a share above 0 and at most 1, such as 0.95, or `off`".into()),
     }
 }
 
-/// See [`goal`].
+/// See [`until`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Goal(pub Option<f64>);
+pub struct Until(pub Option<f64>);
 
 #[cfg(test)]
 mod tests {
@@ -72,8 +72,8 @@ mod tests {
 
     #[test]
     fn goals_are_shares() {
-        assert_eq!(goal("0.95"), Ok(Goal(Some(0.95))));
-        assert_eq!(goal("off"), Ok(Goal(None)));
-        assert!(["0", "95", "1.01", "nan", ""].iter().all(|text| goal(text).is_err()));
+        assert_eq!(until("0.95"), Ok(Until(Some(0.95))));
+        assert_eq!(until("off"), Ok(Until(None)));
+        assert!(["0", "95", "1.01", "nan", ""].iter().all(|text| until(text).is_err()));
     }
 }

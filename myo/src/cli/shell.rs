@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
+use myo::train::write_whole;
 
 use super::Cli;
 use super::failure::{Failure, Result};
-use super::output::{print_file, write_file};
+use super::output::print_file;
 
 /// Arguments of `myo completions`.
 #[derive(Args)]
@@ -81,7 +82,7 @@ fn page(command: &clap::Command) -> Result<String> {
 
 fn write_pages(command: &clap::Command, folder: &Path) -> Result<()> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name());
-    write_file(&folder.join(format!("{name}.1")), &page(command)?)?;
+    write_whole(&folder.join(format!("{name}.1")), page(command)?.as_bytes())?;
     command.get_subcommands().try_for_each(|command| write_pages(command, folder))
 }
 

@@ -5,18 +5,17 @@ use std::path::Path;
 use myo::env::EnvConfig;
 use myo::model::{Model, ModelDescription};
 use myo::tasks::{Report, Source, Task, load};
-use myo::{Backend, Envs, ModelReach, most_success};
+use myo::{Backend, Envs, ModelReach, RunDescription, most_success};
 
 use super::backend;
-use super::failure::{Failure, Mistake, Result, task_mistakes};
+use super::failure::{Failure, Mistake, Result, model_failure, task_mistakes};
 use super::model;
-use super::run_config::Description;
 
 /// A task and its model.
 pub struct Stage {
     /// What to do.
     pub task: Task,
-    /// Who does it.
+    /// The body that does it.
     pub model: Model,
     /// The description of the model, unless it comes with the program: its file may change.
     pub own_model: Option<ModelDescription>,
@@ -39,13 +38,9 @@ impl Stage {
     }
 
     /// The task and the model of a run.
-    pub fn of(run: &Description) -> Result<Self> {
-        let (task, own_model) = (run.task.clone(), run.model.clone());
-        let model = match &own_model {
-            Some(description) => Model::new(description)?,
-            None => model::open(&task.model)?,
-        };
-        Ok(Self { task, model, own_model, most_success: 1.0 })
+    pub fn of(run: &RunDescription) -> Result<Self> {
+        let model = run.body().map_err(|error| model_failure(&error))?;
+        Ok(Self { task: run.task.clone(), model, own_model: run.model.clone(), most_success: 1.0 })
     }
 
     /// Environments of the task on the backend that is asked for.

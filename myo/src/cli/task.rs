@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::failure::{Failure, Mistake, Result};
 use super::output::{print, print_file, print_json, row, table};
-use super::run_config::run_task;
+use super::run_folder::run_task;
 use super::stage;
 
 /// What to do with tasks.

@@ -1,6 +1,6 @@
 //! The reference pages of `docs/reference` are made from the code and may not drift from it.
 //!
-//! `MYO_BLESS=1 cargo test -p myo --test reference` writes them anew.
+//! `MYO_BLESS=1 cargo test -p myo-sim --test reference` writes them anew.
 
 mod columns;
 mod commands;
@@ -9,7 +9,7 @@ mod schema;
 use std::path::Path;
 
 /// First line of every page, so that nobody mends the wrong file.
-const MADE: &str = "<!-- Made from the code by `MYO_BLESS=1 cargo test -p myo --test reference`. -->";
+const MADE: &str = "<!-- Made from the code by `MYO_BLESS=1 cargo test -p myo-sim --test reference`. -->";
 
 /// Compares a page with its file, or writes the file where that is asked for.
 fn check(page: &str, text: &str) {

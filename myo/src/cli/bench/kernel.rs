@@ -7,10 +7,11 @@ use clap::{Args, ValueEnum};
 use myo::env::gpu::record::{self, PHYSICS_BUFFERS, RESET_BUFFERS, STEP_BUFFERS};
 use myo::env::{Autoreset, Tables};
 use myo::scalar::symbolic::{Form, Program};
+use myo::train::write_whole;
 use serde_json::json;
 
 use crate::cli::failure::{Failure, Result};
-use crate::cli::output::{grouped, print, print_json, row, table, write_file};
+use crate::cli::output::{grouped, print, print_json, row, table};
 use crate::cli::stage::Stage;
 
 /// Threads of a workgroup in the text; it changes nothing else.
@@ -90,7 +91,7 @@ pub fn run(args: &KernelArgs) -> Result<()> {
     let record_s = start.elapsed().as_secs_f64();
     if let Some(path) = &args.wgsl {
         let text = program.to_kernel(args.part.buffers(), WORKGROUP).to_wgsl().map_err(Failure::sentence)?;
-        write_file(path, &text)?;
+        write_whole(path, text.as_bytes())?;
     }
     let part = args.part.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
     let stages: Vec<_> = program.stage_counts().into_iter().map(|s| (s.path.join(" / "), s.operations)).collect();

@@ -30,8 +30,8 @@ pub struct TrainArgs {
     seeds: usize,
 
     /// Share of fresh episodes in which the deterministic policy must succeed [default: 0.95]
-    #[arg(long, value_name = "SHARE", value_parser = parse::goal)]
-    until: Option<parse::Goal>,
+    #[arg(long, value_name = "SHARE", value_parser = parse::until)]
+    until: Option<parse::Until>,
 
     /// Control steps after which a seed has failed [default: 60M]
     #[arg(long, value_name = "N", value_parser = parse::count)]
@@ -122,7 +122,7 @@ fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) ->
     let envs = config.num_envs;
     let start = Instant::now();
     let env = stage.env(&args.physics.choice(BackendName::Cpu)?, envs, seed)?;
-    let goal = Goal { until: args.until.map_or(UNTIL, |goal| goal.0), steps: args.steps.unwrap_or(STEPS) };
+    let goal = Goal { until: args.until.map_or(UNTIL, |until| until.0), steps: args.steps.unwrap_or(STEPS) };
     let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal)?;
     let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;

@@ -11,18 +11,18 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use myo::train::session::{End, Outcome};
+use myo::train::session::{End, Goal, Outcome};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunWriter, Trainer};
-use myo::{Backend, Start};
+use myo::{Backend, RunDescription, Start, WarmStart};
 use serde_json::json;
 
 use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, duration, grouped, name, print, print_json, rounded};
-use super::parse::{self, Goal};
+use super::parse::{self, Until};
 use super::report;
-use super::run_config::{Description, Inheritance, existing_checkpoint};
+use super::run_folder::existing_checkpoint;
 use super::stage::{Stage, run_name};
 use several::{Plan, Several};
 
@@ -52,8 +52,8 @@ pub struct Train {
     steps: Option<u64>,
 
     /// Stop when the deterministic policy succeeds in this share of fresh episodes, or `off` [default: 0.95]
-    #[arg(long, value_name = "SHARE", value_parser = parse::goal)]
-    until: Option<Goal>,
+    #[arg(long, value_name = "SHARE", value_parser = parse::until)]
+    until: Option<Until>,
 
     #[command(flatten)]
     physics: Options,
@@ -150,11 +150,11 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let seed = args.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let stage = Stage::open(task)?;
-    let (until, steps) = (args.until.map_or(UNTIL, |goal| goal.0), args.steps.unwrap_or(STEPS));
-    warn_of_goal(&stage, until);
+    let goal = Goal { until: args.until.map_or(UNTIL, |until| until.0), steps: args.steps.unwrap_or(STEPS) };
+    warn_of_goal(&stage, goal.until);
     let backend = args.physics.choice(BackendName::Auto)?;
     let checkpoint_every = args.checkpoint_every();
-    let training = Training { stage: &stage, config, heritage, backend, until, steps, checkpoint_every };
+    let training = Training { stage: &stage, config, heritage, backend, goal, checkpoint_every };
     match seeds {
         Some(seeds) => {
             let folder = args.out.clone().unwrap_or_else(|| free_folder(&run_name(task)));
@@ -192,8 +192,8 @@ impl Heritage {
         Ok(Self { run: run.to_owned(), checkpoint })
     }
 
-    fn description(&self) -> Inheritance {
-        Inheritance { run: self.run.clone(), env_steps: self.checkpoint.env_steps() }
+    fn description(&self) -> WarmStart {
+        WarmStart { run: self.run.clone(), env_steps: self.checkpoint.env_steps() }
     }
 }
 
@@ -203,8 +203,7 @@ struct Training<'a> {
     config: PpoConfig,
     heritage: Option<Heritage>,
     backend: Backend,
-    until: Option<f64>,
-    steps: u64,
+    goal: Goal,
     checkpoint_every: Duration,
 }
 
@@ -213,24 +212,17 @@ impl<'a> Training<'a> {
     fn ready(
         &self,
         seed: u64,
-        make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, Description) -> Result<RunWriter>,
+        make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, RunDescription) -> Result<RunWriter>,
     ) -> Result<Ready<'a>> {
         let stage = self.stage;
         let env = stage.env(&self.backend, self.config.num_envs, seed)?;
         let device = env.device();
-        let description = Description {
-            task: stage.task.clone(),
-            model: stage.own_model.clone(),
-            backend: device.backend().into(),
-            device: device.card().map(String::from),
-            version: env!("CARGO_PKG_VERSION").into(),
-            until: self.until,
-            steps: self.steps,
-            from: self.heritage.as_ref().map(Heritage::description),
-        };
+        let (task, own_model) = (stage.task.clone(), stage.own_model.clone());
+        let from = self.heritage.as_ref().map(Heritage::description);
+        let description = RunDescription::new(task, own_model, &device, self.goal, from);
         let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
         let start = Start::New { config: &self.config, seed, from };
-        let ready = Ready::new(stage, env, start, description.goal())?;
+        let ready = Ready::new(stage, env, start, self.goal)?;
         let (run, trainer) = (serde_json::to_value(&description)?, ready.session.trainer());
         let names = &trainer.spec().episode_names;
         let make = |path: &Path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), names);

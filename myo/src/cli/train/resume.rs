@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use myo::train::session::{End, Goal};
-use myo::train::{RunClaim, Session};
-use myo::{Backend, Start};
+use myo::train::{Checkpoint, RunClaim, Session};
+use myo::{Backend, RunDescription, Start, WarmStart};
 
 use super::several::{Plan, Several};
 use super::{Heritage, Ready, Train, Training, conclude, open_run};
@@ -12,7 +12,7 @@ use crate::cli::backend::{BackendName, device, sentence};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{grouped, name};
-use crate::cli::run_config::{Description, Inheritance, newest_checkpoint};
+use crate::cli::run_folder::newest_checkpoint;
 use crate::cli::stage::Stage;
 
 /// Goes on with what is in a folder.
@@ -37,8 +37,7 @@ fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> 
         stage: &stage,
         config: ppo,
         heritage,
-        until: run.until,
-        steps: run.steps,
+        goal: run.goal(),
         checkpoint_every: args.checkpoint_every(),
     };
     several.run(args.json, |seed, path| {
@@ -57,11 +56,10 @@ fn resume_run<T>(
     run_on: impl FnOnce(&Stage, Ready<'_>) -> Result<T>,
 ) -> Result<T> {
     open_run(path)?;
-    let claim = RunClaim::take(path)?;
+    let mut claim = RunClaim::take(path)?;
     let run = claim.folder();
-    let description = Description::of(run)?;
-    let goal = planned
-        .map_or_else(|| goal(args, &description), |training| Goal { until: training.until, steps: training.steps });
+    let description = RunDescription::of(run)?;
+    let goal = planned.map_or_else(|| goal(args, &description), |training| training.goal);
     let stage = Stage::of(&description)?;
     let (config, seed) = (run.config().ppo.clone(), run.config().seed);
     let env = stage.env(&backend_again(args, &description, config.num_envs)?, config.num_envs, seed)?;
@@ -77,6 +75,7 @@ fn resume_run<T>(
     if planned.is_none() && run.has_evaluation()? {
         refuse_if_over(path, &ready.session)?;
     }
+    RunDescription::aim(&mut claim, goal)?;
     let trainer = ready.session.trainer();
     let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
     complain(&format!(
@@ -89,12 +88,12 @@ fn resume_run<T>(
     run_on(&stage, ready.recorded_in(writer, args.checkpoint_every())?)
 }
 
-/// The goal of a run with what is asked for now.
-fn goal(args: &Train, run: &Description) -> Goal {
-    Goal { until: args.until.map_or(run.until, |goal| goal.0), steps: args.steps.unwrap_or(run.steps) }
+/// The goal of a run, changed by the options of this command.
+fn goal(args: &Train, run: &RunDescription) -> Goal {
+    Goal { until: args.until.map_or(run.until, |until| until.0), steps: args.steps.unwrap_or(run.steps) }
 }
 
-/// Says what would make a training go on whose end is recorded.
+/// Refuses a training whose end is recorded, and says what would make it go on.
 fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
     let (path, done, limit) = (path.display(), session.trainer().env_steps(), session.goal().steps);
     let success = session.confirmed().and_then(|evaluation| evaluation.success).unwrap_or_default();
@@ -112,27 +111,23 @@ fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
     }
 }
 
-/// What a run was to begin from that was stopped before it had a checkpoint.
-fn heritage_again(from: &Inheritance) -> Result<Heritage> {
-    let heritage = Heritage::open(&from.run)?;
-    if heritage.description() == *from {
-        return Ok(heritage);
-    }
-    Err(Failure::sentence(format!(
-        "the run was to begin from {} after {} control steps, and was stopped before it did; that run is at {} now. Start \
-         it again with --from",
-        from.run.display(),
-        grouped(from.env_steps),
-        grouped(heritage.checkpoint.env_steps())
-    )))
+/// What a run that was stopped before its first checkpoint was to begin from.
+fn heritage_again(from: &WarmStart) -> Result<Heritage> {
+    let heritage = match from.run.is_file() {
+        // Python takes checkpoints, too.
+        true => Heritage { run: from.run.clone(), checkpoint: Checkpoint::read(&from.run)? },
+        false => Heritage::open(&from.run)?,
+    };
+    from.check(&heritage.checkpoint)?;
+    Ok(heritage)
 }
 
-/// What a run goes on with: what it began with, unless another backend is asked for.
-fn backend_again(args: &Train, description: &Description, num_envs: usize) -> Result<Backend> {
+/// The backend that a run continues on: the one it began on, unless another is asked for.
+fn backend_again(args: &Train, description: &RunDescription, num_envs: usize) -> Result<Backend> {
     if args.physics.is_given() {
         return args.physics.choice(BackendName::Auto);
     }
-    let backend = description.choice();
+    let backend = description.backend();
     if let (Backend::Gpu(_), Err(Failure::Sentence(reason))) = (&backend, device(&backend, num_envs)) {
         let device = description.device.as_deref().unwrap_or("a graphics card");
         return Err(Failure::sentence(format!(

@@ -11,17 +11,15 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use myo::RunDescription;
 use myo::train::session::{End, Goal, Outcome};
-use myo::train::{Checkpoint, Evaluation, PpoConfig, RunError, RunFolder};
+use myo::train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunError, RunFolder, write_whole};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::loss;
 use crate::cli::failure::{Failure, Result, complain};
-use crate::cli::output::{
-    argument, command, duration, name, percent, print, print_json, rounded, row, table, write_file,
-};
-use crate::cli::run_config::Description;
+use crate::cli::output::{argument, command, duration, name, percent, print, print_json, rounded, row, table};
 
 const PLAN: &str = "plan.json";
 const FROM: &str = "from.ckpt";
@@ -66,14 +64,14 @@ pub struct Plan {
     /// The last one.
     pub last_seed: u64,
     /// What the runs have in common.
-    pub run: Description,
+    pub run: RunDescription,
     /// Settings of the learner.
     pub ppo: PpoConfig,
 }
 
 impl Plan {
     /// A training with each of these seeds.
-    pub fn new(seeds: RangeInclusive<u64>, run: Description, ppo: PpoConfig) -> Self {
+    pub fn new(seeds: RangeInclusive<u64>, run: RunDescription, ppo: PpoConfig) -> Self {
         Self { format: FORMAT, first_seed: *seeds.start(), last_seed: *seeds.end(), run, ppo }
     }
 
@@ -176,15 +174,23 @@ impl Several {
         self.plan.run.from.as_ref().map(|_| Ok(Checkpoint::read(&self.folder.join(FROM))?)).transpose()
     }
 
+    fn seeds(&self) -> RangeInclusive<u64> {
+        self.plan.first_seed..=self.plan.last_seed
+    }
+
     /// Folder of one of them.
     pub fn run_folder(&self, seed: u64) -> PathBuf {
         self.folder.join(format!("seed-{seed}"))
     }
 
-    /// Sets the goal of all of them. If it is another than before, none of them is over.
+    /// Sets the goal of all of them, in the folders of those that have begun, too: each may go on alone. If it is another
+    /// than before, none of them is over.
     pub fn aim(&mut self, goal: Goal) -> Result<()> {
         if goal != self.plan.run.goal() {
-            (self.plan.run.until, self.plan.run.steps) = (goal.until, goal.steps);
+            for run in self.seeds().map(|seed| self.run_folder(seed)).filter(|run| run.join("config.json").exists()) {
+                RunDescription::aim(&mut RunClaim::take(&run)?, goal)?;
+            }
+            self.plan.run = self.plan.run.clone().with_goal(goal);
             self.rows.clear();
             self.write_results()?;
             write_json(&self.folder.join(PLAN), &self.plan)?;
@@ -194,7 +200,7 @@ impl Several {
 
     /// Trains with the seeds that are not over, one after the other, and reports the results of all.
     pub fn run(mut self, as_json: bool, mut train: impl FnMut(u64, &Path) -> Result<Outcome>) -> Result<()> {
-        for seed in self.plan.first_seed..=self.plan.last_seed {
+        for seed in self.seeds() {
             if self.rows.iter().any(|row| row.seed == seed) {
                 complain(&format!("seed {seed} is done"));
                 continue;
@@ -302,7 +308,8 @@ fn is_over(stopped_by: &str) -> bool {
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    write_file(path, &(serde_json::to_string_pretty(value)? + "\n"))
+    let text = serde_json::to_string_pretty(value)? + "\n";
+    Ok(write_whole(path, text.as_bytes())?)
 }
 
 /// None if the file is not there.

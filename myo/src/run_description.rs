@@ -1,0 +1,172 @@
+//! What a run is about: the caller's part of its `config.json`, written and read here by every interface.
+
+use std::path::PathBuf;
+
+use myo_gpu::AdapterChoice;
+use myo_model::{Model, ModelDescription, ModelError, builtin};
+use myo_tasks::{Anywhere, Task, check};
+use myo_train::session::Goal;
+use myo_train::{Checkpoint, RunClaim, RunConfig, RunError, RunFolder};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{Backend, Device};
+
+/// What was trained, on what, until when.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunDescription {
+    /// The whole task, with the keys of a task file.
+    pub task: Task,
+    /// The body, with the keys of a model file, unless it is the one that comes with the program under the name in the task.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelDescription>,
+    /// What computed the physics when the run began: `cpu` or `gpu`.
+    pub backend: String,
+    /// Name of the graphics card, if it was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
+    /// Version of the program that began the run.
+    pub version: String,
+    /// Share of deterministic success at which training stops, above 0, at most 1; none if only `steps` stop it.
+    pub until: Option<f64>,
+    /// Control steps of all environments after which training stops in any case, at least 1.
+    pub steps: u64,
+    /// The run whose networks it started from, if any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<WarmStart>,
+}
+
+/// The run that a warm start began from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WarmStart {
+    /// Its folder, or one of its checkpoints.
+    pub run: PathBuf,
+    /// Control steps that it had seen.
+    pub env_steps: u64,
+}
+
+/// The run that a warm start was to begin from has changed since.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error(
+    "the run was to begin from {} after {} control steps, and was stopped before it did; that run is at {env_steps} now. \
+     Start it again, from there",
+    from.run.display(),
+    from.env_steps
+)]
+pub struct WarmStartMoved {
+    /// What it was.
+    pub from: WarmStart,
+    /// Control steps that the run has seen now.
+    pub env_steps: u64,
+}
+
+impl RunDescription {
+    /// A new run; `model` is the body unless it comes with the program.
+    pub fn new(
+        task: Task,
+        model: Option<ModelDescription>,
+        device: &Device,
+        goal: Goal,
+        from: Option<WarmStart>,
+    ) -> Self {
+        Self {
+            task,
+            model,
+            backend: device.backend().into(),
+            device: device.card().map(String::from),
+            version: env!("CARGO_PKG_VERSION").into(),
+            until: goal.until,
+            steps: goal.steps,
+            from,
+        }
+    }
+
+    /// What a run is about. A file that was edited is checked as a new task and new options are.
+    ///
+    /// # Errors
+    /// The description is not one that a training could have begun with.
+    pub fn of(run: &RunFolder) -> Result<Self, RunError> {
+        let bad = |reason: String| RunError::BadConfig { path: run.path().join("config.json"), reason };
+        let RunConfig { run: value, .. } = run.config().clone();
+        let description: Self = serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
+        description.check().map_err(bad)?;
+        Ok(description)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if let Some(error) = check(&self.task, &Anywhere).errors.first() {
+            return Err(error.to_string());
+        }
+        if let Some(until) = self.until.filter(|until| !(*until > 0.0 && *until <= 1.0)) {
+            return Err(format!("until is {until}; it must be a share above 0, at most 1, or null"));
+        }
+        match (self.steps, &self.backend[..], &self.device) {
+            (0, ..) => Err("steps is 0; it must be at least 1".into()),
+            (_, "cpu", None) | (_, "gpu", Some(_)) => Ok(()),
+            (_, "cpu", Some(device)) => {
+                Err(format!("device is \"{device}\", but backend \"cpu\" has none; leave it out"))
+            }
+            (_, "gpu", None) => Err("backend is \"gpu\", so device must name the graphics card".into()),
+            (_, other, _) => Err(format!("backend is \"{other}\"; it must be \"cpu\" or \"gpu\"")),
+        }
+    }
+
+    /// When to stop.
+    pub fn goal(&self) -> Goal {
+        Goal { until: self.until, steps: self.steps }
+    }
+
+    /// The same with another goal.
+    pub fn with_goal(self, goal: Goal) -> Self {
+        Self { until: goal.until, steps: goal.steps, ..self }
+    }
+
+    /// The backend that the run began on; only there does it continue bit for bit.
+    pub fn backend(&self) -> Backend {
+        match &self.device {
+            Some(name) => Backend::Gpu(AdapterChoice::Named(name.clone())),
+            None => Backend::Cpu,
+        }
+    }
+
+    /// The body.
+    ///
+    /// # Errors
+    /// It cannot be simulated, or no model of that name comes with the program.
+    pub fn body(&self) -> Result<Model, ModelError> {
+        match &self.model {
+            Some(own) => Model::new(own),
+            None => Model::new(&builtin(&self.task.model)?),
+        }
+    }
+
+    /// Writes the goal of a run into its `config.json` if it differs from the one there, so that it is kept however often
+    /// the run is stopped.
+    ///
+    /// # Errors
+    /// The description cannot be read or written.
+    pub fn aim(claim: &mut RunClaim, goal: Goal) -> Result<(), RunError> {
+        let description = Self::of(claim.folder())?;
+        if description.goal() == goal {
+            return Ok(());
+        }
+        let path = claim.folder().path().join("config.json");
+        let bad = |error: serde_json::Error| RunError::BadConfig { path, reason: error.to_string() };
+        claim.describe(serde_json::to_value(description.with_goal(goal)).map_err(bad)?)
+    }
+}
+
+impl WarmStart {
+    /// Refuses any checkpoint but the one that the training was to begin from: it would make a different training.
+    ///
+    /// # Errors
+    /// `checkpoint` has another number of control steps.
+    pub fn check(&self, checkpoint: &Checkpoint) -> Result<(), WarmStartMoved> {
+        if checkpoint.env_steps() == self.env_steps {
+            return Ok(());
+        }
+        Err(WarmStartMoved { from: self.clone(), env_steps: checkpoint.env_steps() })
+    }
+}
