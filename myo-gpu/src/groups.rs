@@ -94,9 +94,8 @@ impl Gpu {
         plain.write(&uniform, 0, &words)?;
         let entries = [wgpu::BindGroupEntry { binding: 0, resource: uniform.raw().as_entire_binding() }];
         let descriptor = wgpu::BindGroupDescriptor { label: Some("groups"), layout, entries: &entries };
-        let bindings = self
-            .guarded(|| self.device().create_bind_group(&descriptor))
-            .map_err(|fault| fault.during("groups"))?;
+        let bindings =
+            self.guarded(|| self.device().create_bind_group(&descriptor)).map_err(|fault| fault.during("groups"))?;
         Ok(Active { list: list.into(), bindings })
     }
 }
@@ -140,7 +139,8 @@ pub fn kernel_in_groups(source: Source<'_>, entry: &str, bindings: usize) -> Res
     let storage = storage(&module)?;
     let workgroup = workgroup_name(&module, entry)?;
     let names: Vec<&str> = storage.iter().map(|storage| storage.name.as_str()).collect();
-    let shadows = std::iter::chain(module.functions.iter().map(|(_, function)| function), [entry_point(&module, entry)?]);
+    let shadows =
+        std::iter::chain(module.functions.iter().map(|(_, function)| function), [entry_point(&module, entry)?]);
     if let Some(name) = shadows.flat_map(local_names).find(|name| names.contains(name)) {
         return Err(format!("{name} is the name of a buffer and of a variable"));
     }

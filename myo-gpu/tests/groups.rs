@@ -87,7 +87,8 @@ fn kernels_that_cannot_be_rewritten_are_refused() {
         let error = kernel_in_groups(Source::Wgsl(&text), "main", 1).unwrap_err();
         assert!(error.contains(why), "{error}");
     };
-    let (x, group) = ("@group(0) @binding(0) var<storage, read_write> x: array<f32>;", "@builtin(workgroup_id) g: vec3<u32>");
+    let (x, group) =
+        ("@group(0) @binding(0) var<storage, read_write> x: array<f32>;", "@builtin(workgroup_id) g: vec3<u32>");
     refused(x, "", "x[0] = 1.0;", "workgroup_id");
     refused(x, group, "let y = x[0]; { let x = array<f32, 2>(y, y); }", "x is the name of a buffer and of a variable");
     refused("@group(0) @binding(0) var<storage, read_write> x: f32;", group, "x = 1.0;", "x is no array");

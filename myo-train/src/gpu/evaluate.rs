@@ -90,6 +90,23 @@ impl DeviceEvaluator {
         Ok(Self { env, parameters, scaling, observe, pass, results, summaries, layout })
     }
 
+    /// Evaluates the policies of one group, where the environment is of several.
+    ///
+    /// # Errors
+    /// There is no such group, no memory left, or the card is lost.
+    pub fn of(&self, group: usize) -> Result<Self, TrainError> {
+        Ok(Self {
+            env: self.env.of(group)?,
+            parameters: self.parameters.of(group),
+            scaling: self.scaling.of(group),
+            observe: self.observe.clone(),
+            pass: self.pass.clone(),
+            results: self.results.of(group),
+            summaries: self.summaries.of(group),
+            layout: self.layout.clone(),
+        })
+    }
+
     /// The environment.
     pub fn env(&self) -> &GpuEnv {
         &self.env

@@ -15,12 +15,15 @@ mod network;
 #[cfg(test)]
 mod read;
 mod rollout;
+#[cfg(test)]
+mod several;
 mod sizes;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod together;
 mod units;
 #[cfg(test)]
 mod wgsl;
