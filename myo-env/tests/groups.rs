@@ -1,88 +1,40 @@
 //! Environments of several groups on a card: those of each are what they are without the others.
 
-use myo_env::{EnvConfig, GpuEnv, StepBuffers, VectorEnv};
-use myo_gpu::{AdapterChoice, Gpu};
-use myo_model::{Model, builtin};
+mod common;
+
+use common::{arm, gpu, rollout, short, without_gpu};
+use myo_env::{EnvConfig, GpuEnv, StepStorage, VectorEnv};
+use myo_gpu::Gpu;
 
 const ENVS: usize = 10;
 
-fn gpu() -> Option<Gpu> {
-    match Gpu::open_with_cache(&AdapterChoice::Any, None) {
-        Ok(gpu) => Some(gpu),
-        Err(error) if std::env::var("MYO_NO_GPU").as_deref() == Ok("1") => {
-            println!("skipped: MYO_NO_GPU=1, and {error}");
-            None
-        }
-        Err(error) => panic!("{error}. To skip these tests, set MYO_NO_GPU=1."),
-    }
-}
-
 fn env(gpu: &Gpu) -> GpuEnv {
-    let mut task = myo_tasks::preset("pointing-single").unwrap();
-    task.time_limit_s = 0.2;
-    let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
-    GpuEnv::new(gpu, &model, &task, &EnvConfig { num_envs: ENVS, ..EnvConfig::default() }).unwrap()
+    let task = short("pointing-single");
+    GpuEnv::new(gpu, &arm(&task), &task, &EnvConfig { num_envs: ENVS, ..EnvConfig::default() }).unwrap()
 }
 
-/// Bits of what some environments return from `seed` on, over the end of their first episode, and of their state after it.
-fn history(env: &mut GpuEnv, seed: u64) -> Vec<u8> {
-    let spec = env.spec().clone();
-    let mut observation = vec![0.0; ENVS * spec.observation_size()];
+/// What some environments return from `seed` on, over the end of their first episodes, and their state after it.
+fn history(env: &mut GpuEnv, seed: u64) -> (Vec<f32>, Vec<StepStorage>, Vec<u8>) {
+    let mut observation = vec![0.0; ENVS * env.spec().observation_size()];
     env.reset(Some(seed), None, &mut observation).unwrap();
-    let mut all: Vec<u8> = bytes(&observation);
-    for step in 0..6 {
-        let wave = |k: usize| ((k + 7 * step) as f32 * 0.37 + seed as f32).sin();
-        let actions: Vec<f32> = (0..ENVS * spec.action_size()).map(wave).collect();
-        let mut out = Out::new(ENVS, observation.len(), ENVS * spec.episode_size());
-        env.step(&actions, out.buffers()).unwrap();
-        all.extend([bytes(&out.observation), bytes(&out.reward), bytes(&out.last), bytes(&out.episode)].concat());
-        all.extend(out.ended.iter().flatten().map(|&ended| u8::from(ended)));
-    }
-    all.extend(env.save_state().unwrap());
-    all
-}
-
-fn bytes(x: &[f32]) -> Vec<u8> {
-    x.iter().flat_map(|x| x.to_le_bytes()).collect()
-}
-
-struct Out {
-    observation: Vec<f32>,
-    reward: Vec<f32>,
-    ended: [Vec<bool>; 2],
-    last: Vec<f32>,
-    episode: Vec<f32>,
-}
-
-impl Out {
-    fn new(envs: usize, observations: usize, episodes: usize) -> Self {
-        let [observation, last] = [(); 2].map(|()| vec![0.0; observations]);
-        let ended = [(); 2].map(|()| vec![false; envs]);
-        Self { observation, reward: vec![0.0; envs], ended, last, episode: vec![0.0; episodes] }
-    }
-
-    fn buffers(&mut self) -> StepBuffers<'_> {
-        let [terminated, truncated] = &mut self.ended;
-        StepBuffers {
-            observation: &mut self.observation,
-            reward: &mut self.reward,
-            terminated,
-            truncated,
-            final_observation: &mut self.last,
-            episode: &mut self.episode,
-        }
-    }
+    let steps = rollout(env, 12);
+    (observation, steps, env.save_state().unwrap())
 }
 
 #[test]
 fn environments_of_a_group_are_those_of_a_device_without_groups_bit_for_bit() {
-    let Some(gpu) = gpu() else { return };
+    if without_gpu() {
+        return;
+    }
+    let gpu = gpu();
     let seeds = [5, 1 << 40, 6];
     let all = env(&gpu.in_groups(seeds.len()).unwrap());
     let mut groups: Vec<GpuEnv> = (0..seeds.len()).map(|group| all.of(group).unwrap()).collect();
     let mut alone = env(&gpu);
     for (group, &seed) in groups.iter_mut().zip(&seeds) {
-        assert!(history(group, seed) == history(&mut alone, seed), "seed {seed}");
+        let (got, expected) = (history(group, seed), history(&mut alone, seed));
+        assert!(got == expected, "seed {seed}");
+        assert!(got.1.iter().any(|step| step.truncated.contains(&true)), "no episode ended");
     }
     // Those that came later left the first alone, and its state is one of environments without groups.
     let mut before = alone.sibling(ENVS, 0).unwrap();
@@ -97,7 +49,10 @@ fn environments_of_a_group_are_those_of_a_device_without_groups_bit_for_bit() {
 
 #[test]
 fn all_groups_step_at_once_as_each_does_alone() {
-    let Some(gpu) = gpu() else { return };
+    if without_gpu() {
+        return;
+    }
+    let gpu = gpu();
     let all = env(&gpu.in_groups(2).unwrap());
     let seeds = [8, 9];
     let mut envs: Vec<GpuEnv> = (0..2).map(|group| all.of(group).unwrap()).collect();

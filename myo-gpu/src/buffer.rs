@@ -44,7 +44,7 @@ pub(crate) struct Parts {
 impl Parts {
     /// Where the part of a group begins, in bytes; buffers of no groups have one part for all.
     pub fn start(self, group: usize) -> u64 {
-        if self.count == 1 { 0 } else { self.only.unwrap_or(group) as u64 * self.bytes }
+        if self.count == 1 { 0 } else { group as u64 * self.bytes }
     }
 
     /// Where all parts begin that are meant.
@@ -104,8 +104,8 @@ impl<T: Pod> Buffer<T> {
         BufferRef { raw: &self.raw, label: &self.label, bytes, parts: self.parts }
     }
 
-    /// The part of a group: what is written, read or copied through it is of that group alone. A buffer of no groups is the
-    /// same for all.
+    /// The part of a group: what is written and read through it is of that group alone. Bound to a kernel, or in a batch, it is
+    /// the whole buffer: there, the batch tells the groups. A buffer of no groups is the same for all.
     ///
     /// # Panics
     /// The buffer has parts, but none for this group.

@@ -21,7 +21,7 @@ impl<T: Pod> Buffer<T> {
     /// # Errors
     /// [`GpuError::OutOfRange`].
     pub fn part<'a>(&'a self, offset: usize, out: &'a mut [T]) -> Result<Read<'a>, GpuError> {
-        let start = self.bytes(offset, out.len())?.start + self.parts().start(0);
+        let start = self.bytes(offset, out.len())?.start + self.parts().starts().next().unwrap_or(0);
         Ok(Read { raw: self.raw(), start, out: bytemuck::cast_slice_mut(out) })
     }
 }

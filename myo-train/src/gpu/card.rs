@@ -1,13 +1,13 @@
 //! Training on the card: an environment, the policy, and learning, of which the host hears some hundred bytes per update.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{GpuEnv, VectorEnv};
 use myo_gpu::{Buffer, Commands, Gpu, GpuError, Read};
 
 use super::buffers::ALL_FINITE;
-use super::together::Together;
+use super::together::{Together, Work};
 use super::{DeviceLearner, DeviceRollout, LearnMemory, RolloutBuffers, Settings};
 use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::EpisodeSums;
@@ -28,7 +28,8 @@ pub(crate) struct Card {
 
 /// What the trainings on one device share.
 struct Shared {
-    lessons: Together<Lesson>,
+    together: Arc<Together>,
+    lessons: Vec<Mutex<Lesson>>,
     next: Mutex<Option<Next>>,
 }
 
@@ -105,12 +106,19 @@ impl Card {
         };
         let lessons: Vec<_> = rollouts.iter().enumerate().map(lesson).collect();
         let memories: Vec<_> = lessons.iter().map(|lesson| lesson.learner.memory().clone()).collect();
-        let shared = Arc::new(Shared { lessons: Together::new(lessons), next: Mutex::new(None) });
+        let together = Arc::new(Together::new(lessons.len()));
+        let lessons = lessons.into_iter().map(Mutex::new).collect();
+        let shared = Arc::new(Shared { together, lessons, next: Mutex::new(None) });
         let card = |(group, (rollout, memory))| {
             let shared = Arc::clone(&shared);
             Self { group, rollout, memory, gradient_steps: 0, shared }
         };
         Ok(rollouts.into_iter().zip(memories).enumerate().map(card).collect())
+    }
+
+    /// Those who learn on the device.
+    pub fn together(&self) -> &Arc<Together> {
+        &self.shared.together
     }
 
     /// The environment.
@@ -173,43 +181,42 @@ impl Card {
         self.rollout.set_scaling(normalizer)?;
         self.rollout.set_clock(seed, update * self.rollout.sizes().steps as u64)?;
         let settings = Settings { seed, update, learning_rate, gradient_steps: self.gradient_steps };
-        let (steps, result) = self.shared.lessons.meet(
-            self.group,
-            |lesson| lesson.settings = settings,
-            |lessons| self.teach(lessons),
-            |lesson| (lesson.learner.layout().steps(), self.result(normalizer, lesson)),
-        );
-        self.gradient_steps += steps as u64;
-        result
+        self.shared.lesson(self.group).settings = settings;
+        self.shared.together.meet(self.group, Work::Update, |groups| self.teach(groups));
+        let lesson = self.shared.lesson(self.group);
+        self.gradient_steps += lesson.learner.layout().steps() as u64;
+        self.result(normalizer, &lesson)
     }
 
     /// An update of several trainings.
-    fn teach(&self, lessons: &mut [(usize, &mut Lesson)]) {
-        let collect_s = self.update_all(lessons);
-        lessons.iter_mut().for_each(|(_, lesson)| lesson.collect_s.clone_from(&collect_s));
+    fn teach(&self, groups: &[usize]) {
+        // All that they belong to wait.
+        let mut lessons: Vec<_> = groups.iter().map(|&group| self.shared.lesson(group)).collect();
+        let collect_s = self.update_all(groups, &mut lessons);
+        lessons.iter_mut().for_each(|lesson| lesson.collect_s.clone_from(&collect_s));
     }
 
     /// Two submissions, each made ready while the card is busy with the one before. Returns the seconds until the first, the
     /// roll-out, was done.
-    fn update_all(&self, lessons: &mut [(usize, &mut Lesson)]) -> Result<f64, GpuError> {
-        let (start, groups) = (Instant::now(), lessons.iter().map(|(group, _)| *group));
+    fn update_all(&self, groups: &[usize], lessons: &mut [MutexGuard<'_, Lesson>]) -> Result<f64, GpuError> {
+        let start = Instant::now();
         let mut next = self.shared.next.lock().unwrap_or_else(PoisonError::into_inner);
-        let Next { groups, gpu, collecting } = match next.take() {
-            Some(next) if next.groups.iter().copied().eq(groups.clone()) => next,
-            _ => {
-                let groups: Vec<_> = groups.collect();
-                Next { gpu: self.rollout.gpu().for_groups(&groups)?, groups, collecting: None }
-            }
+        let Next { gpu, collecting, .. } = match next.take() {
+            Some(next) if next.groups == groups => next,
+            _ => Next { gpu: self.rollout.gpu().for_groups(groups)?, groups: groups.to_vec(), collecting: None },
         };
         let collected = collecting.map_or_else(|| self.collecting(&gpu), Ok)?.submit()?;
 
         let sizes = self.rollout.sizes();
-        lessons.iter_mut().try_for_each(|(_, lesson)| lesson.learner.prepare(sizes, lesson.settings))?;
+        for lesson in lessons.iter_mut() {
+            let Lesson { learner, settings, .. } = &mut **lesson;
+            learner.prepare(sizes, *settings)?;
+        }
         let mut batch = gpu.batch();
-        lessons.iter().take(1).for_each(|(_, lesson)| lesson.learner.record(&mut batch));
+        lessons.iter().take(1).for_each(|lesson| lesson.learner.record(&mut batch));
         let learning = batch.finish()?;
         let mut reads = Vec::new();
-        for (_, lesson) in lessons {
+        for lesson in lessons {
             reads.extend(lesson.reads()?);
         }
         let meanwhile = || {
@@ -218,7 +225,7 @@ impl Card {
             Ok::<_, GpuError>((collecting, start.elapsed().as_secs_f64()))
         };
         let (collecting, collect_s) = learning.submit_and_read(&mut reads, meanwhile)??;
-        *next = Some(Next { groups, gpu: gpu.clone(), collecting: Some(collecting) });
+        *next = Some(Next { groups: groups.to_vec(), gpu: gpu.clone(), collecting: Some(collecting) });
         Ok(collect_s)
     }
 
@@ -253,7 +260,13 @@ impl Card {
 
 impl Drop for Card {
     fn drop(&mut self) {
-        self.shared.lessons.leave(self.group);
+        self.shared.together.leave(self.group);
+    }
+}
+
+impl Shared {
+    fn lesson(&self, group: usize) -> MutexGuard<'_, Lesson> {
+        self.lessons[group].lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

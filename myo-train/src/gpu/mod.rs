@@ -35,3 +35,4 @@ pub use learn::{DeviceLearner, Layout, LearnMemory, MatrixTile, Precision, Setti
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;
 pub use tile::Tile;
+pub(crate) use together::Together;

@@ -2,84 +2,101 @@
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Members with work of one kind, `W`, each in a thread of its own. One alone need not wait for anyone.
-#[derive(Debug)]
-pub struct Together<W> {
-    seats: Mutex<Vec<Seat<W>>>,
-    changed: Condvar,
+/// What members do together, in the order in which it is done: those who look at their policies go on with an update next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Work {
+    /// Some steps of an evaluation.
+    Look,
+    /// An update.
+    Update,
 }
 
+/// Members, each in a thread of its own. One alone need not wait for anyone.
 #[derive(Debug)]
-struct Seat<W> {
-    work: W,
-    state: State,
+pub struct Together {
+    members: Mutex<Vec<State>>,
+    changed: Condvar,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     /// Busy with something of its own: the others wait.
     Away,
-    /// Its work is to be done.
-    Waiting,
+    /// Has work to do.
+    Waiting(Work),
     /// Its work was done.
     Done,
     /// Never comes back: nobody waits.
     Gone,
 }
 
-impl<W> Together<W> {
-    /// A member for each work.
-    pub fn new(works: Vec<W>) -> Self {
-        let seats = works.into_iter().map(|work| Seat { work, state: State::Away }).collect();
-        Self { seats: Mutex::new(seats), changed: Condvar::new() }
+impl Together {
+    /// So many members.
+    pub fn new(members: usize) -> Self {
+        Self { members: Mutex::new(vec![State::Away; members]), changed: Condvar::new() }
     }
 
-    /// Makes a member's work ready, waits until that of all members is, has `run` do all of it at once, and looks at what has
-    /// become of the member's. It is run by whoever was ready last, for whoever has not left, in the order of the members.
-    pub fn meet<T>(
-        &self,
-        member: usize,
-        prepare: impl FnOnce(&mut W),
-        run: impl FnOnce(&mut [(usize, &mut W)]),
-        look: impl FnOnce(&mut W) -> T,
-    ) -> T {
-        let (mut seats, mut run) = (self.seats(), Some(run));
-        prepare(&mut seats[member].work);
-        seats[member].state = State::Waiting;
-        while seats[member].state != State::Done {
-            let is_ready = |seat: &Seat<W>| matches!(seat.state, State::Waiting | State::Gone);
-            match run.take_if(|_| seats.iter().all(is_ready)) {
-                Some(run) => {
-                    run_all(&mut seats, run);
+    /// How many they were in the beginning.
+    pub fn len(&self) -> usize {
+        self.members().len()
+    }
+
+    /// Waits until no member is busy with something else, and until this work of all who wait for it was done: by `run`, of one
+    /// of them, which is told who they are.
+    pub fn meet(&self, member: usize, work: Work, run: impl FnOnce(&[usize])) {
+        let (mut members, mut run) = (self.members(), Some(run));
+        members[member] = State::Waiting(work);
+        let mut arrived = true;
+        while members[member] != State::Done {
+            let next = next(&members);
+            if next != Some(work) {
+                // Those who wait for other work may have slept since before this member came.
+                if std::mem::take(&mut arrived) && next.is_some() {
                     self.changed.notify_all();
                 }
-                None => seats = self.changed.wait(seats).unwrap_or_else(PoisonError::into_inner),
+            } else if let Some(run) = run.take() {
+                run(&take(&mut members, work));
+                self.changed.notify_all();
+                continue;
             }
+            members = self.changed.wait(members).unwrap_or_else(PoisonError::into_inner);
         }
-        seats[member].state = State::Away;
-        look(&mut seats[member].work)
+        members[member] = State::Away;
     }
 
     /// The others need not wait for this member any more.
     pub fn leave(&self, member: usize) {
-        self.seats()[member].state = State::Gone;
+        self.members()[member] = State::Gone;
         self.changed.notify_all();
     }
 
-    fn seats(&self) -> MutexGuard<'_, Vec<Seat<W>>> {
-        self.seats.lock().unwrap_or_else(PoisonError::into_inner)
+    fn members(&self) -> MutexGuard<'_, Vec<State>> {
+        self.members.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn run_all<W>(seats: &mut [Seat<W>], run: impl FnOnce(&mut [(usize, &mut W)])) {
-    let waiting = seats.iter_mut().enumerate().filter(|(_, seat)| seat.state == State::Waiting);
-    let mut works: Vec<_> = waiting
-        .map(|(member, seat)| {
-            seat.state = State::Done;
-            (member, &mut seat.work)
+/// What is to be done next, if nobody is busy with something else.
+fn next(members: &[State]) -> Option<Work> {
+    let mut first = None;
+    for member in members {
+        match *member {
+            State::Away | State::Done => return None,
+            State::Waiting(work) => first = Some(first.map_or(work, |first: Work| first.min(work))),
+            State::Gone => {}
+        }
+    }
+    first
+}
+
+/// Who waits for this work, which is done from now on.
+fn take(members: &mut [State], work: Work) -> Vec<usize> {
+    let waiting = members.iter_mut().enumerate().filter(|(_, state)| **state == State::Waiting(work));
+    waiting
+        .map(|(member, state)| {
+            *state = State::Done;
+            member
         })
-        .collect();
-    run(&mut works);
+        .collect()
 }
 
 #[cfg(test)]
@@ -87,25 +104,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn work_is_done_for_all_who_are_there_at_once() {
-        // Member k stays for k + 1 rounds.
-        let together = Together::new(vec![Vec::new(); 4]);
+    fn work_is_done_for_all_who_wait_for_it_and_looks_come_before_updates() {
+        // Member k stays for k + 1 updates, and looks k times after the first.
+        let (together, done) = (Together::new(4), Mutex::new(Vec::new()));
+        let meet = |member, work| together.meet(member, work, |all| done.lock().unwrap().push((work, all.to_vec())));
         let attend = |member: usize| {
-            for round in 0..=member {
-                let run = |works: &mut [(usize, &mut Vec<Vec<usize>>)]| {
-                    let members: Vec<_> = works.iter().map(|(member, _)| *member).collect();
-                    works.iter_mut().for_each(|(_, work)| work.push(members.clone()));
-                };
-                let seen = together.meet(member, |work| assert_eq!(work.len(), round), run, |work| work.clone());
-                assert_eq!(seen.len(), round + 1);
-            }
+            meet(member, Work::Update);
+            (0..member).for_each(|_| meet(member, Work::Look));
+            (0..member).for_each(|_| meet(member, Work::Update));
             together.leave(member);
         };
         std::thread::scope(|scope| (0..4).for_each(|member| drop(scope.spawn(move || attend(member)))));
-        let seats = together.seats();
-        for (member, seat) in seats.iter().enumerate() {
-            let expected: Vec<Vec<usize>> = (0..=member).map(|round| (round..4).collect()).collect();
-            assert_eq!(seat.work, expected, "member {member}");
-        }
+        let expected = [
+            (Work::Update, vec![0, 1, 2, 3]),
+            (Work::Look, vec![1, 2, 3]),
+            (Work::Look, vec![2, 3]),
+            (Work::Look, vec![3]),
+            (Work::Update, vec![1, 2, 3]),
+            (Work::Update, vec![2, 3]),
+            (Work::Update, vec![3]),
+        ];
+        assert_eq!(*done.lock().unwrap(), expected);
     }
 }

@@ -2,7 +2,7 @@
 
 mod host;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{EnvSpec, GpuEnv, VectorEnv};
@@ -10,7 +10,7 @@ use myo_env::{EnvSpec, GpuEnv, VectorEnv};
 use crate::checkpoint::Checkpoint;
 use crate::device::TrainingDevice;
 use crate::gaussian::Spread;
-use crate::gpu::CardUpdate;
+use crate::gpu::{CardUpdate, Together};
 use crate::inherit::{Heir, Inherited};
 use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::{EpisodeSums, UpdateMetrics};
@@ -242,6 +242,14 @@ impl Trainer {
         host_state.updates = self.updates;
         host_state.wall_s = self.wall_s;
         (host_state, Ok(()))
+    }
+
+    /// Those who learn together on the card, if it is on one.
+    pub(crate) fn together(&self) -> Option<Arc<Together>> {
+        match &self.device {
+            TrainingDevice::Host(_) => None,
+            TrainingDevice::Card(card) => Some(Arc::clone(card.together())),
+        }
     }
 
     /// Control steps of all environments since the start.
