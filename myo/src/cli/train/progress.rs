@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use myo::train::{UpdateMetrics, session};
 
 use crate::cli::failure::complain;
@@ -18,6 +18,8 @@ const FRESH: f64 = 0.1;
 /// A bar on a terminal, a line every few seconds elsewhere.
 pub struct Progress {
     bar: Option<ProgressBar>,
+    /// What its lines begin with.
+    name: String,
     limit: u64,
     rate: Option<f64>,
     last_line: Instant,
@@ -26,8 +28,17 @@ pub struct Progress {
 impl Progress {
     /// For a training of at most `limit` control steps.
     pub fn new(limit: u64) -> Self {
+        Self::with(String::new(), limit, bar)
+    }
+
+    /// For one of several trainings at once.
+    pub fn among(all: &MultiProgress, seed: u64, limit: u64) -> Self {
+        Self::with(format!("seed {seed}: "), limit, |limit| all.add(bar(limit)))
+    }
+
+    fn with(name: String, limit: u64, bar: impl FnOnce(u64) -> ProgressBar) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| bar(limit));
-        Self { bar, limit, rate: None, last_line: Instant::now() }
+        Self { bar, name, limit, rate: None, last_line: Instant::now() }
     }
 
     /// Shows an update.
@@ -47,6 +58,7 @@ impl Progress {
 
     /// Tells something that is to stay on the screen.
     pub fn tell(&self, text: &str) {
+        let text = &format!("{}{text}", self.name);
         match &self.bar {
             Some(bar) => bar.suspend(|| complain(text)),
             None => complain(text),
@@ -62,7 +74,8 @@ impl Progress {
             _ => format!("at most {} left", duration(limit as f64 / rate)),
         };
         format!(
-            "{} steps, {}/s, success {}, return {}, {left}",
+            "{}{} steps, {}/s, success {}, return {}, {left}",
+            self.name,
             rounded(metrics.env_steps as f64),
             rounded(rate),
             mean(progress.success, percent),
