@@ -229,7 +229,8 @@ fn measurements_on_the_gpu_give_rows() {
     assert!(["warm", "cold", "none"].contains(&rows[0]["kernel_cache"].as_str().unwrap()));
     let all = ["--seeds", "2", "--at-once", "--until", "off", "--steps", "1k", "--envs", "32", "--json"];
     let args = [&["bench", "train", "pointing-single", "--device", "0"], &all[..]].concat();
-    let bench = json(&myo(Path::new("."), &[&args[..], &["--set", "steps_per_update=16"]].concat()));
+    let small = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+    let bench = json(&myo(Path::new("."), &[&args[..], &small].concat()));
     let rows = bench["rows"].as_array().unwrap();
     assert_eq!(rows.iter().map(|row| row["seed"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2]);
     assert!(rows.iter().all(|row| row["env_steps"] == 1024 && row["stopped_by"] == "steps"), "{bench}");

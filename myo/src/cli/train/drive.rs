@@ -71,7 +71,8 @@ impl<'a> Ready<'a> {
             for ready in all {
                 let (seed, limit, tell) = (ready.session.trainer().seed(), ready.session.goal().steps, tell.clone());
                 let shown = Progress::among(&bars, seed, limit);
-                scope.spawn(move || tell.send((seed, ready.run_showing(shown, interrupt))));
+                // Nobody stops listening before all have told.
+                scope.spawn(move || tell.send((seed, ready.run_showing(shown, interrupt))).is_ok());
             }
             drop(tell);
             told.into_iter().for_each(|(seed, outcome)| hear(seed, outcome));
