@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
 use myo::model::ModelDescription;
-use myo::train::session::{End, Goal, News, Outcome, Progress};
+use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError};
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
@@ -93,6 +93,11 @@ impl Session {
     }
 }
 
+/// What a training is for: `plateau`, a share of success, or `off`.
+fn goal_of(until: &str) -> PyResult<Until> {
+    until.parse().map_err(|refusal: UntilError| PyValueError::new_err(format!("until is {until}; {refusal}")))
+}
+
 fn over() -> PyErr {
     error::run("the training is over")
 }
@@ -177,7 +182,7 @@ impl Session {
         backend: &str,
         device: Option<String>,
         threads: Option<usize>,
-        until: Option<f64>,
+        until: &str,
         steps: u64,
         start_from: Option<PathBuf>,
     ) -> PyResult<Self> {
@@ -190,7 +195,7 @@ impl Session {
             own_model: model.unless_built_in(&task.inner().model),
             config: settings(config, &base)?,
             seed,
-            goal: Goal { until, steps },
+            goal: Goal { until: goal_of(until)?, steps },
             choice: BackendChoice::new(backend, device)?,
             pool: threads_or_all(threads)?,
             from: other.as_ref().and_then(began),
@@ -200,18 +205,17 @@ impl Session {
     }
 
     /// Continues the training of a run folder: on the device where it began, unless a backend or a device is given, and with
-    /// its own `until`, unless `keep_until` is false.
+    /// its own `until` and `steps`, unless others are given.
     #[staticmethod]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
-    #[pyo3(signature = (run, *, backend, device, threads, keep_until, until, steps))]
+    #[pyo3(signature = (run, *, backend, device, threads, until, steps))]
     fn resume(
         py: Python<'_>,
         run: PathBuf,
         backend: Option<&str>,
         device: Option<String>,
         threads: Option<usize>,
-        keep_until: bool,
-        until: Option<f64>,
+        until: Option<&str>,
         steps: Option<u64>,
     ) -> PyResult<Self> {
         let claim = RunClaim::take(&run).map_err(error::run)?;
@@ -227,7 +231,7 @@ impl Session {
             model: run.body().map_err(error::task)?,
             config: claim.folder().config().ppo.clone(),
             seed: claim.folder().config().seed,
-            goal: Goal { until: if keep_until { run.until } else { until }, steps: steps.unwrap_or(run.steps) },
+            goal: Goal { until: until.map_or(Ok(run.until), goal_of)?, steps: steps.unwrap_or(run.steps) },
             choice,
             pool: threads_or_all(threads)?,
             task: run.task,
@@ -305,6 +309,7 @@ impl Session {
     fn conclude(&self, py: Python<'_>, end: &str) -> PyResult<(String, Option<PyErr>)> {
         let end = match end {
             "until" => End::Until,
+            "plateau" => End::Plateau,
             "interrupt" => End::Interrupted,
             "device_lost" => End::DeviceLost { reason: String::new() },
             _ => End::Steps,
@@ -346,7 +351,7 @@ impl Session {
         self.live(|live| Ok(live.session.trainer().env_steps()))
     }
 
-    /// Why there is nothing left to train, if so: `until` or `steps`.
+    /// Why there is nothing left to train, if so: `until`, `plateau` or `steps`.
     #[getter]
     fn over(&self) -> PyResult<Option<&'static str>> {
         self.live(|live| Ok(live.session.over().as_ref().map(End::name)))
@@ -398,6 +403,7 @@ fn table(outcome: &Outcome) -> serde_json::Value {
         "env_steps": outcome.env_steps,
         "updates": outcome.updates,
         "wall_s": outcome.wall_s,
+        "trend": outcome.trend,
         "evaluation": outcome.evaluation,
         "checkpoint": outcome.checkpoint,
     })

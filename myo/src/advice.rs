@@ -111,7 +111,11 @@ mod tests {
         let targets_done = target_success.iter().sum();
         let success = *target_success.last().unwrap();
         let target_success = target_success.to_vec();
-        likely_cause(task, &Ball, &Recent { success, targets_done, final_distance, length, target_success })
+        likely_cause(
+            task,
+            &Ball,
+            &Recent { success, targets_done, final_distance, length, episode_return: 0.0, target_success },
+        )
     }
 
     #[test]

@@ -344,7 +344,7 @@ class Session:
         backend: str,
         device: str | None,
         threads: int | None,
-        until: float | None,
+        until: str,
         steps: int,
         start_from: str | PathLike[str] | None,
     ) -> Self: ...
@@ -355,12 +355,11 @@ class Session:
         backend: str | None,
         device: str | None,
         threads: int | None,
-        keep_until: bool,
-        until: float | None,
+        until: str | None,
         steps: int | None,
     ) -> Session:
         """Continues the training of a run folder: on the device where it began, unless a backend or a device is given,
-        and with its own `until`, unless `keep_until` is false."""
+        and with its own `until` and `steps`, unless others are given."""
     def description(self) -> str:
         """What is trained, on what, until when: the parts `run`, `ppo` and `seed` of `config.json`."""
     def record_in(self, path: str | PathLike[str]) -> None:
@@ -388,7 +387,7 @@ class Session:
         """Control steps of all environments since the start."""
     @property
     def over(self) -> str | None:
-        """Why there is nothing left to train, if so: `until` or `steps`."""
+        """Why there is nothing left to train, if so: `until`, `plateau` or `steps`."""
     @property
     def confirmed_success(self) -> float | None:
         """Share of success that confirmed the goal, if an evaluation did."""

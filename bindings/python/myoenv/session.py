@@ -22,7 +22,7 @@ Evaluation = dict[str, Any]
 class TrainResult:
     """How a training went; in a run that was resumed, counts and seconds of before are included."""
 
-    #: `until`, `steps`, `callback` or `interrupt`.
+    #: `until`, `plateau`, `steps`, `callback` or `interrupt`.
     stopped_by: str
     #: Control steps of all environments.
     env_steps: int
@@ -32,6 +32,9 @@ class TrainResult:
     wall_s: float
     #: The deterministic policy on fresh episodes, with the keys of `evaluation.json`; none after an interrupt.
     evaluation: Evaluation | None
+    #: What the last doubling of the training brought: changes of `episode_time` and `return` as shares of themselves and of
+    #: what was gained, of `success` as a share of all episodes, at `env_steps`; none where that cannot be told yet.
+    trend: Metrics | None
     #: The policy.
     policy: Policy = field(repr=False)
     #: The run folder, if the training was recorded.
@@ -94,6 +97,7 @@ class Session:
             updates=outcome["updates"],
             wall_s=outcome["wall_s"],
             evaluation=outcome["evaluation"],
+            trend=outcome["trend"],
             policy=policy,
             run=self.folder,
         )

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -31,9 +31,10 @@ from myoenv.arguments import (
     as_pair,
     as_path,
     as_seed,
-    as_share,
+    as_until,
 )
 from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
+from myoenv.training import STEPS
 
 Row = dict[str, Any]
 
@@ -70,8 +71,8 @@ def sweep(
     seeds: Iterable[int] = (1, 2, 3),
     folder: str | PathLike[str] = "sweep",
     *,
-    until: float | None = 0.95,
-    steps: int = 60_000_000,
+    until: float | Literal["plateau"] | None = "plateau",
+    steps: int = STEPS,
     settings: Mapping[str, Any] | None = None,
     num_envs: int | None = None,
     cpus_per_trial: int = 1,
@@ -89,7 +90,7 @@ def sweep(
         layouts: Tasks by their names in the table; all are checked before the first is trained.
         seeds: Seeds of training.
         folder: Where results are kept, on the machine that calls.
-        until: Share of fresh episodes that must succeed; None trains all `steps`.
+        until: What to train to, as of `myoenv.train`: `"plateau"`, a share of success, or None for all `steps`.
         steps: Control steps of all environments after which a trial stops in any case.
         settings: Settings of PPO that differ from their defaults.
         num_envs: Environments of a trial.
@@ -100,7 +101,7 @@ def sweep(
     """
     ray = _ray()
     options = {
-        "until": None if until is None else as_share("until", until),
+        "until": float(until) if as_until(until) not in ("plateau", "off") else until,
         "steps": as_count("steps", steps),
         "settings": as_mapping("settings", settings),
         "num_envs": None if num_envs is None else as_num_envs(num_envs),

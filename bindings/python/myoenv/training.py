@@ -17,9 +17,9 @@ from myoenv.arguments import (
     as_num_envs,
     as_path,
     as_seed,
-    as_share,
     as_text,
     as_threads,
+    as_until,
 )
 from myoenv.callbacks import as_callback
 from myoenv.runs import RunDescription
@@ -27,15 +27,15 @@ from myoenv.session import Callback, Metrics, Session, TrainResult
 from myoenv.tasks import ModelLike, TaskLike, task_and_model
 from myoenv.vector import Backend
 
-_UNTIL = 0.95
-_STEPS = 60_000_000
+#: Control steps after which to stop in any case.
+STEPS = 200_000_000
 
 
 def train(
     task: TaskLike | None = None,
     *,
     seed: int | None = None,
-    until: float | EllipsisType | None = ...,
+    until: float | Literal["plateau"] | EllipsisType | None = ...,
     steps: int | None = None,
     out: str | PathLike[str] | None = None,
     callback: Callable[[Metrics], Any] | Callback | Literal["wandb", "mlflow"] | None = None,
@@ -53,9 +53,10 @@ def train(
     Args:
         task: A preset's name, a YAML or TOML file, a YAML text, a dictionary, or a `Task`.
         seed: Seed of everything random; 1 by default.
-        until: Share of fresh episodes in which the deterministic policy must succeed, 0.95 by default; None trains all
-            `steps`.
-        steps: Control steps of all environments after which to stop in any case; 60 million by default.
+        until: What to train to: `"plateau"`, the default, where a doubling of the training makes episodes less than 3 %
+            shorter, and success and return hardly better; a share of fresh episodes in which the deterministic policy
+            succeeds, such as 0.95, which is where it has just begun to be good; or None, to train all `steps`.
+        steps: Control steps of all environments after which to stop in any case; 200 million by default.
         out: Run folder to make, as `myo train` makes it; without one nothing is written.
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
             training stops when it returns True. What it raises leaves `train`, after a checkpoint. A `myoenv.Callback`
@@ -79,7 +80,7 @@ def train(
     """
     follow = as_callback(callback)
     given_backend, given_device = None if backend is None else as_text("backend", backend), as_device(device)
-    share = None if until is ... or until is None else as_share("until", until)
+    goal = None if until is ... else as_until(until)
     limit = None if steps is None else as_count("steps", steps)
     if resume is not None:
         _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
@@ -89,8 +90,7 @@ def train(
             backend=given_backend,
             device=given_device,
             threads=as_threads(threads),
-            keep_until=until is ...,
-            until=share,
+            until=goal,
             steps=limit,
         )
         _refuse_if_over(native, folder)
@@ -110,8 +110,8 @@ def train(
         backend=given_backend or "auto",
         device=given_device,
         threads=as_threads(threads),
-        until=_UNTIL if until is ... else share,
-        steps=limit or _STEPS,
+        until=goal or "plateau",
+        steps=limit or STEPS,
         start_from=None if start_from is None else as_path("start_from", start_from),
     )
     if out is None:
@@ -138,6 +138,9 @@ def _refuse_if_over(session: _native.Session, run: str) -> None:
     if end == "until" and success is not None:
         help = "raise it with until=..., or take it away with until=None"
         raise ValueError(f"{run} has reached its goal with {100 * success:.1f} % success; {help}")
+    if end == "plateau":
+        help = "to train on, take until=None and raise steps"
+        raise ValueError(f"{run} has come to its plateau after {done} control steps; {help}")
     limit = RunDescription.from_json(session.description()).steps
     raise ValueError(f"{run} has {done} control steps, and its limit is {limit}; raise it with steps=...")
 

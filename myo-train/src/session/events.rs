@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::curve::Recent;
 use super::recovery;
+use super::trend::Trend;
 use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
 
 /// Why a training ended.
@@ -14,6 +15,8 @@ use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
 pub enum End {
     /// The deterministic policy succeeds often enough.
     Until,
+    /// Nothing improves any more that is worth further training.
+    Plateau,
     /// The steps are used up.
     Steps,
     /// The caller asked for it: Ctrl-C, or `go_on` said no.
@@ -30,6 +33,7 @@ impl End {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Until => "until",
+            Self::Plateau => "plateau",
             Self::Steps => "steps",
             Self::Interrupted => "interrupt",
             Self::DeviceLost { .. } => "device_lost",
@@ -105,6 +109,8 @@ pub struct Outcome {
     pub end: End,
     /// Of the last policy on fresh episodes; none after an interrupt or a loss.
     pub evaluation: Option<Evaluation>,
+    /// What the last doubling of the training brought, if that can be told: a user may still have been improving.
+    pub trend: Option<Trend>,
     /// Control steps of all environments.
     pub env_steps: u64,
     /// Updates of the policy.

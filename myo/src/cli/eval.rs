@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use myo::env::EnvSpec;
 use myo::train::gpu::DeviceEvaluator;
-use myo::train::session::evaluation_seed;
+use myo::train::session::{Trend, evaluation_seed};
 use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
 use myo::{Envs, RunDescription};
 use serde::Serialize;
@@ -67,7 +67,8 @@ observations that the policy was not trained with do not influence it; a body wi
 
 JSON: `success` (share of episodes with every target done), `success_interval` (95 %), `episodes`, `targets`, a list with
 `success`, `movement_time_s` and `movement_time_s_sd` each, `final_distance_m`, `effort`, `episode_length_s`, `return`;
-and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was trained for), `seed`, `backend` (`cpu` or `gpu`) and
+and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was trained for), `trend` (what
+the last doubling of them brought, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
 `device` (its name). Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
 
 /// What `--json` prints.
@@ -79,6 +80,7 @@ struct Results<'a> {
     task: &'a str,
     trained_task: &'a str,
     env_steps: u64,
+    trend: Option<Trend>,
     seed: u64,
     backend: &'a str,
     device: Option<&'a str>,
@@ -117,16 +119,17 @@ pub fn run(args: &Eval) -> Result<()> {
     }
     let (task, trained_task) = (&stage.task.name, &trained.task.name);
     if args.json {
-        let (run, env_steps) = (args.run.display().to_string(), checkpoint.env_steps());
+        let (run, env_steps, trend) = (args.run.display().to_string(), checkpoint.env_steps(), checkpoint.trend());
         let (backend, device) = (device.backend(), device.card());
         let evaluation = &evaluation;
-        return print_json(&Results { evaluation, run, task, trained_task, env_steps, seed, backend, device });
+        return print_json(&Results { evaluation, run, task, trained_task, env_steps, trend, seed, backend, device });
     }
     let steps = rounded(checkpoint.env_steps() as f64);
     let elsewhere = if args.task.is_some() { format!(" on {}", name(trained_task)) } else { String::new() };
     print(&format!(
-        "{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
+        "{}{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
         report::evaluation(task, &evaluation),
+        report::practice(checkpoint.trend()),
         sentence(&device)
     ))
 }

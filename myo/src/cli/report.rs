@@ -1,6 +1,7 @@
 //! Evaluations for people.
 
 use myo::train::Evaluation;
+use myo::train::session::Trend;
 
 use super::output::{grouped, name, percent, row, table};
 
@@ -44,4 +45,14 @@ fn targets(evaluation: &Evaluation) -> String {
         ]
     }));
     table(&rows)
+}
+
+/// Whether the user had finished learning.
+pub fn practice(trend: Option<Trend>) -> String {
+    let sentence = match trend {
+        Some(trend) if trend.is_plateau() => format!("at its plateau: {trend}"),
+        Some(trend) => format!("still improving: {trend}"),
+        None => "too short to tell whether it was still improving".into(),
+    };
+    format!("  practice        {sentence}\n")
 }

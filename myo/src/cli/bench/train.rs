@@ -5,7 +5,7 @@ use std::time::Instant;
 use clap::Args;
 use myo::Start;
 use myo::train::PpoConfig;
-use myo::train::session::{End, Goal};
+use myo::train::session::{End, Goal, Until};
 use serde::Serialize;
 use serde_json::json;
 
@@ -16,7 +16,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
 use crate::cli::stage::Stage;
-use crate::cli::train::{Ready, STEPS, UNTIL, settings};
+use crate::cli::train::{Ready, STEPS, settings};
 
 /// Arguments of `myo bench train`.
 #[derive(Args)]
@@ -29,11 +29,11 @@ pub struct TrainArgs {
     #[arg(long, value_name = "N", default_value = "5", value_parser = parse::positive)]
     seeds: usize,
 
-    /// Share of fresh episodes in which the deterministic policy must succeed [default: 0.95]
-    #[arg(long, value_name = "SHARE", value_parser = parse::until)]
-    until: Option<parse::Until>,
+    /// What to train to: a share of fresh episodes in which the deterministic policy succeeds, or `plateau`
+    #[arg(long, value_name = "GOAL", default_value = "0.95")]
+    until: Until,
 
-    /// Control steps after which a seed has failed [default: 60M]
+    /// Control steps after which a seed has failed [default: 200M]
     #[arg(long, value_name = "N", value_parser = parse::count)]
     steps: Option<u64>,
 
@@ -58,11 +58,11 @@ Examples:
   myo bench train pointing-single
   myo bench train ar --seeds 3 --threads 2 --json
 
-Time runs from opening the device, compiling included, until 1,000 fresh episodes confirm the goal; looking at the goal is
-included. Later seeds find the device open and the kernels compiled. No run folders are left.
+Time runs from opening the device, compiling included, to the end of the training and of an evaluation of 1,000 fresh episodes;
+looking at the goal is included. Later seeds find the device open and the kernels compiled. No run folders are left.
 
 JSON: `rows` of objects with `backend`, `device` (null on the cpu), `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
-`success`, `stopped_by` (`until` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
+`success`, `episode_length_s`, `stopped_by` (`until`, `plateau` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
 reached the goal.";
 
 #[derive(Clone, Debug, Serialize)]
@@ -77,6 +77,7 @@ struct Row {
     env_steps: u64,
     control_steps_per_s: f64,
     success: Option<f64>,
+    episode_length_s: Option<f64>,
     stopped_by: &'static str,
     #[serde(flatten)]
     machine: Machine,
@@ -92,11 +93,11 @@ pub fn run(args: &TrainArgs) -> Result<()> {
         complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
         rows.push(measure(args, &stage, seed, &interrupt)?);
     }
-    let reached = rows.iter().filter(|row| row.stopped_by == End::Until.name()).count();
+    let reached = rows.iter().filter(|row| row.stopped_by != End::Steps.name()).count();
     if args.json {
         return print_json(&json!({"rows": rows, "reached": reached}));
     }
-    let mut cells = vec![row(["seed", "time", "control steps", "control steps/s", "success", "stopped by"])];
+    let mut cells = vec![row(["seed", "time", "control steps", "control steps/s", "success", "episode", "stopped by"])];
     cells.extend(rows.iter().map(|r| {
         row([
             &r.seed.to_string(),
@@ -104,6 +105,7 @@ pub fn run(args: &TrainArgs) -> Result<()> {
             &rounded(r.env_steps as f64),
             &rounded(r.control_steps_per_s),
             &r.success.map_or("-".into(), percent),
+            &r.episode_length_s.map_or("-".into(), |s| format!("{s:.2} s")),
             r.stopped_by,
         ])
     }));
@@ -122,14 +124,14 @@ fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) ->
     let envs = config.num_envs;
     let start = Instant::now();
     let env = stage.env(&args.physics.choice(BackendName::Cpu)?, envs, seed)?;
-    let goal = Goal { until: args.until.map_or(UNTIL, |until| until.0), steps: args.steps.unwrap_or(STEPS) };
+    let goal = Goal { until: args.until, steps: args.steps.unwrap_or(STEPS) };
     let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal)?;
     let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;
     match outcome.end {
         End::Interrupted => return Err(Failure::Interrupted),
         End::DeviceLost { reason } => return Err(Failure::DeviceLost(reason)),
-        End::Until | End::Steps => {}
+        End::Until | End::Plateau | End::Steps => {}
     }
     let wall_s = ready_s + outcome.wall_s;
     Ok(Row {
@@ -142,7 +144,8 @@ fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) ->
         wall_s,
         env_steps: outcome.env_steps,
         control_steps_per_s: outcome.env_steps as f64 / wall_s,
-        success: outcome.evaluation.and_then(|evaluation| evaluation.success),
+        success: outcome.evaluation.as_ref().and_then(|evaluation| evaluation.success),
+        episode_length_s: outcome.evaluation.and_then(|evaluation| evaluation.episode_length_s),
         stopped_by: outcome.end.name(),
         machine: Machine::here(),
     })
