@@ -199,3 +199,54 @@ fn mean(sample: Option<Sample>) -> Option<f64> {
 fn interval(sample: Option<Sample>) -> Option<[f64; 2]> {
     sample.and_then(|x| x.interval)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two targets, four episodes: one does both, two do the first, one does none.
+    #[test]
+    fn times_and_shares_come_with_intervals() {
+        let names = ["length", "success", "target_1_success", "target_1_time", "target_1_movement_time"];
+        let second = ["target_2_success", "target_2_time", "target_2_movement_time"];
+        let spec = EnvSpec {
+            num_envs: 1,
+            observation_names: vec![],
+            action_names: vec![],
+            episode_names: names.iter().chain(&second).map(|&name| name.to_owned()).collect(),
+            control_dt: 0.05,
+            max_episode_steps: 40,
+            autoreset: Autoreset::SameStep,
+        };
+        let nan = f32::NAN;
+        let summaries = [
+            [30.0, 1.0, 1.0, 0.75, 0.5, 1.0, 0.75, 0.25],
+            [40.0, 0.0, 1.0, 1.0, 0.75, 0.0, nan, nan],
+            [40.0, 0.0, 1.0, 1.25, 1.0, 0.0, nan, nan],
+            [40.0, 0.0, 0.0, nan, nan, 0.0, nan, nan],
+        ];
+        let evaluation = Evaluation::new(&spec, 4, summaries.as_flattened());
+        assert_eq!((evaluation.success, evaluation.success_interval), (Some(0.25), Some(wilson_interval(0.25, 4.0))));
+        let [first, second] = &evaluation.targets[..] else { panic!("{evaluation:?}") };
+        assert_eq!((first.success, first.success_interval), (0.75, Some(wilson_interval(0.75, 4.0))));
+        assert_eq!((first.movement_time_s, first.movement_time_s_sd), (Some(0.75), Some(0.25)));
+        assert_eq!((first.time_s, first.time_s_sd), (Some(1.0), Some(0.25)));
+        // Student's quantile for three observations is 4.3027.
+        let half = 4.3027 * 0.25 / 3.0_f64.sqrt();
+        for (interval, mean) in [(first.movement_time_s_interval, 0.75), (first.time_s_interval, 1.0)] {
+            let [low, high] = interval.unwrap();
+            assert!((low - (mean - half)).abs() < 1e-4 && (high - (mean + half)).abs() < 1e-4, "{low} {high}");
+        }
+        assert_eq!((second.movement_time_s, second.time_s), (Some(0.25), Some(0.75)));
+        assert_eq!(
+            (second.movement_time_s_interval, second.time_s_interval),
+            (None, None),
+            "one says nothing about it"
+        );
+        assert_eq!(evaluation.episode_length_s, Some(1.875));
+        let [low, high] = evaluation.episode_length_s_interval.unwrap();
+        // 2.5 steps of 0.05 s and the quantile of four observations, 3.1824.
+        assert!((low - (1.875 - 3.1824 * 0.125)).abs() < 1e-4 && (high - (1.875 + 3.1824 * 0.125)).abs() < 1e-4);
+        assert_eq!((evaluation.effort, evaluation.effort_interval), (None, None));
+    }
+}

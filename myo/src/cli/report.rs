@@ -15,8 +15,7 @@ pub fn evaluation(task: &str, evaluation: &Evaluation) -> String {
             text += &format!("  {quantity:<14}  {}\n", kind.text(value, interval));
         }
     };
-    let (distance, effort, length) =
-        (evaluation.final_distance_m, evaluation.effort, evaluation.episode_length_s);
+    let (distance, effort, length) = (evaluation.final_distance_m, evaluation.effort, evaluation.episode_length_s);
     line("final distance", distance, evaluation.final_distance_m_interval, &CENTIMETRES);
     line("effort", effort, evaluation.effort_interval, &EFFORT);
     line("episode", length, evaluation.episode_length_s_interval, &SECONDS);
