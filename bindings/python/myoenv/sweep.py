@@ -82,9 +82,9 @@ def sweep(
     """Trains every layout with every seed; returns one row for each, in this order, and writes them as `results.csv`.
 
     Columns: `layout`, `seed`, `success`, `return`, `effort`, `final_distance_m`, `episode_length_s` and, for each
-    target, `target_1_success` and `target_1_time_s`, all of 1,000 fresh episodes with the deterministic policy; then
-    `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty where all went well. A trial that failed is tried
-    again by the next call.
+    target, `target_1_success`, `target_1_movement_time_s` (without dwell) and `target_1_time_s` (with it), all of 1,000
+    fresh episodes with the deterministic policy; then `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty
+    where all went well. A trial that failed is tried again by the next call.
 
     Args:
         layouts: Tasks by their names in the table; all are checked before the first is trained.
@@ -233,7 +233,7 @@ def run_trial(trial: Trial, threads: int) -> Row:
     means = ("success", "return", "effort", "final_distance_m", "episode_length_s")
     row: Row = {"layout": trial.layout, "seed": trial.seed, **{name: evaluation.get(name) for name in means}}
     for k, target in enumerate(evaluation.get("targets", ()), start=1):
-        row |= {f"target_{k}_success": target["success"], f"target_{k}_time_s": target["movement_time_s"]}
+        row |= {f"target_{k}_{name}": target[name] for name in ("success", "movement_time_s", "time_s")}
     run = {"env_steps": result.env_steps, "wall_s": round(result.wall_s, 2), "stopped_by": result.stopped_by}
     return row | run | {"error": ""}
 

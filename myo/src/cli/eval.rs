@@ -65,10 +65,14 @@ Examples:
 Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged. With --task,
 observations that the policy was not trained with do not influence it; a body with muscles that it does not know is refused.
 
-JSON: `success` (share of episodes with every target done), `success_interval` (95 %), `episodes`, `targets`, a list with
-`success`, `movement_time_s` and `movement_time_s_sd` each, `final_distance_m`, `effort`, `episode_length_s`, `return`;
-and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was trained for), `trend` (what
-the last doubling of them brought, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
+Movement time is from the start of a target (the end of the one before, or the reset) to the last entry into it or the touch of
+a button: without dwell, to one physics step. With dwell it is the time to the end of the target.
+
+JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
+and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
+with `_interval` behind its name, a list of the two ends of its 95 % confidence interval (Wilson's for shares, Student's for
+means), and times of targets with `_sd` (standard deviation); and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was
+trained for), `trend` (what the last doubling of them brought, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
 `device` (its name). Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
 
 /// What `--json` prints.
