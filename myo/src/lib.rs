@@ -49,7 +49,7 @@ pub mod picture;
 mod reach;
 mod run_description;
 
-pub use advice::{likely_cause, most_success};
+pub use advice::{Body, Place, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};

@@ -1,10 +1,14 @@
-//! The bridge between the body's reach and the checks of a task.
+//! The bridge between the body and the checks of a task: what it reaches, what it can hold, how fast it is.
 
-use myo_dynamics::{CouplingMode, Plan, PlanError, ReachableSpace};
+use myo_dynamics::{CouplingMode, Plan, PlanError, ReachableSpace, Strength};
 use myo_model::Model;
 use myo_tasks::Reach;
 
-/// What a model can reach with its fingertip, for [`myo_tasks::check()`].
+use crate::advice::{Body, Place};
+
+/// What a model can reach with its fingertip, for [`myo_tasks::check()`], and hold there, for [`likely_cause`].
+///
+/// [`likely_cause`]: crate::likely_cause()
 #[derive(Clone, Debug)]
 pub struct ModelReach {
     space: ReachableSpace,
@@ -25,11 +29,65 @@ impl ModelReach {
 }
 
 impl Reach for ModelReach {
-    fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
-        self.space.distance_out_of_reach(point_rel_shoulder)
+    fn nearest_in_reach(&self, point_rel_shoulder: [f64; 3]) -> [f64; 3] {
+        let nearest = self.space.nearest(point_rel_shoulder);
+        if nearest.distance_m == 0.0 { point_rel_shoulder } else { nearest.point }
     }
 
     fn physics_dt_s(&self) -> Option<f64> {
         Some(self.physics_dt_s)
+    }
+}
+
+impl Body for ModelReach {
+    fn can_hold(&self, places: &[Place]) -> Vec<bool> {
+        let strength = Strength::new(&self.space);
+        places.iter().map(|place| strength.holds(place.centre, place.radius)).collect()
+    }
+
+    fn fastest_m_per_s(&self) -> f64 {
+        Strength::new(&self.space).fastest()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use myo_model::builtin;
+    use myo_tasks::{Remedy, Report, Target, Task, TaskError, check};
+
+    use super::*;
+
+    fn sphere(x: f64) -> Task {
+        let text = format!(
+            "version: 1\nname: t\ntargets:\n  - kind: pointing\n    position: {{ x: {x}, y: 0.29, z: -0.1 }}\n    radius: 0.02\n    dwell_s: 0.2\ntime_limit_s: 4\n"
+        );
+        Task::from_yaml(&text, "t").unwrap()
+    }
+
+    /// Places on the left of the chest: the nearer to the shoulder, the farther out of reach.
+    #[test]
+    fn advice_moves_targets_out_of_reach_where_the_body_reaches_and_not_nearer_to_the_shoulder() {
+        let reach = ModelReach::new(&Model::new(&builtin("mobl-arms").unwrap()).unwrap()).unwrap();
+        assert_eq!(check(&sphere(0.55), &reach), Report::default());
+        for (x, expected) in [(0.41, 0.056), (0.35, 0.093), (0.30, 0.115), (0.20, 0.134)] {
+            let mut task = sphere(x);
+            let report = check(&task, &reach);
+            let [error @ TaskError::OutOfReach { beyond_m, remedy, .. }] = &report.errors[..] else {
+                panic!("{report:?}")
+            };
+            assert!((beyond_m - expected).abs() < 0.003, "{x}: {beyond_m}");
+            let Remedy { moved: Some(moved), narrowed: None } = remedy else { panic!("{remedy:?}") };
+            // The centre moves by the radius more than the surface, and two or five millimetres.
+            assert!((moved.length() - beyond_m - 0.02).abs() < 0.006, "{moved:?}");
+            // As far straight towards the shoulder the centre is out of reach still.
+            let place = [x, 0.29, -0.1];
+            let nearer = 1.0 - moved.length() / place.map(|x| x * x).iter().sum::<f64>().sqrt();
+            assert!(reach.distance_out_of_reach(place.map(|x| x * nearer)) > 0.01, "{moved:?}");
+            let text = error.to_string();
+            assert!(text.contains(" forward") && text.contains("to the right") && !text.contains("nearer"), "{text}");
+            let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("a sphere") };
+            sphere.position = moved.to;
+            assert_eq!(check(&task, &reach), Report::default(), "{text}");
+        }
     }
 }

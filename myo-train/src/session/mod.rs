@@ -19,7 +19,7 @@ use crate::{Checkpoint, Evaluation, Policy, RunError, RunWriter, TrainError, Tra
 use record::Record;
 use recovery::Recovery;
 
-pub use curve::Recent;
+pub use curve::{Bottleneck, Recent};
 pub use events::{End, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
 pub(crate) use memory::Memory;
@@ -162,7 +162,8 @@ impl Session {
     /// Adds how it goes.
     fn tell(&self, progress: Progress, end: Option<End>) -> Progress {
         let steps_left = self.goal.until.and_then(|until| self.memory.steps_to(until));
-        Progress { success: self.success(), steps_left, end, ..progress }
+        let bottleneck = self.memory.curve.recent().and_then(Recent::bottleneck);
+        Progress { success: self.success(), bottleneck, steps_left, end, ..progress }
     }
 
     fn update(&mut self, go_on: &dyn Fn() -> bool) -> Result<Updated, SessionError> {
