@@ -9,6 +9,8 @@ use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};
 
 /// Poses tried before a place counts as one that cannot be held.
 const POSES: usize = 64;
+/// Poses tried beside its centre.
+const FEWER_POSES: usize = 16;
 /// Sweeps of the search for activations; a few dozen are usual.
 const MAX_SWEEPS: usize = 1000;
 /// A torque that is left over counts as balanced below this share of what all muscles together can do to the coordinate.
@@ -71,11 +73,21 @@ impl<'a> Strength<'a> {
         })
     }
 
-    /// Whether muscles can hold the fingertip still at most `radius` (m) from a point (m, from the shoulder centre), in
-    /// any of 64 poses.
-    pub fn holds(&self, point_rel_shoulder: [f64; 3], radius: f64) -> bool {
-        let poses = self.space.poses_at(point_rel_shoulder, radius, POSES);
-        poses.iter().any(|pose| self.hold(pose).is_some())
+    /// Whether muscles can hold the fingertip still somewhere in a sphere (m, from the shoulder centre): at its centre in
+    /// any of 64 poses, or two thirds of the way to its surface in any of 16.
+    pub fn holds(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {
+        let can = |point, count| {
+            let poses = self.space.poses_at(point, radius / 3.0, count);
+            poses.iter().any(|pose| self.hold(pose).is_some())
+        };
+        let beside = [0, 1, 2].into_iter().flat_map(|axis| {
+            [-1.0, 1.0].map(|sign| {
+                let mut point = centre_rel_shoulder;
+                point[axis] += sign * radius / 1.5;
+                point
+            })
+        });
+        can(centre_rel_shoulder, POSES) || beside.into_iter().any(|point| can(point, FEWER_POSES))
     }
 
     /// The greatest speed of the fingertip (m/s) in 64 movements, each from another pose, with all muscles fully active
