@@ -172,7 +172,7 @@ fn reachability(task: &Task, reach: &dyn Reach, report: &mut Report) {
             continue;
         }
         let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
-        let remedy = remedy(description, &found, reach);
+        let remedy = Box::new(remedy(description, &found, reach));
         if fraction == 1.0 {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
         } else {

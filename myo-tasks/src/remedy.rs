@@ -95,7 +95,8 @@ fn search(points: &[[f64; 3]], reach: &dyn Reach, margin: f64) -> Option<Vector3
         missed.sort_by(|a, b| b.lack.total_cmp(&a.lack));
         wishes.extend(missed.into_iter().take(LEARNT_FROM));
         moved = shortest(&wishes);
-        if !(moved.norm() < LONGEST_MOVE) {
+        let is_near = moved.norm() < LONGEST_MOVE;
+        if !is_near {
             break;
         }
     }

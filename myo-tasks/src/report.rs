@@ -154,7 +154,7 @@ pub enum TaskError {
         /// How far out of reach the button's face, or the surface of the smallest sphere, is there, in m.
         beyond_m: f64,
         /// What brings all of it into reach.
-        remedy: Remedy,
+        remedy: Box<Remedy>,
     },
 }
 
@@ -210,7 +210,7 @@ pub enum TaskWarning {
         /// How far out of reach the button's face, or the surface of the smallest sphere, is there, in m.
         beyond_m: f64,
         /// What brings all of it into reach.
-        remedy: Remedy,
+        remedy: Box<Remedy>,
     },
     /// A time that is not a whole number of control steps.
     #[error("{what} of {given_s} s is not a whole number of control steps and counts as {used_s:.4} s ({steps} steps)")]

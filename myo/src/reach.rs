@@ -82,7 +82,7 @@ mod tests {
                 panic!("{report:?}")
             };
             assert!((beyond_m - expected).abs() < 0.003, "{x}: {beyond_m}");
-            let Remedy { moved: Some(moved), narrowed: None } = remedy else { panic!("{remedy:?}") };
+            let Remedy { moved: Some(moved), narrowed: None } = &**remedy else { panic!("{remedy:?}") };
             // The centre moves by the radius more than the surface, and two or five millimetres.
             assert!((moved.length() - beyond_m - 0.02).abs() < 0.006, "{moved:?}");
             // As far straight towards the shoulder the centre is out of reach still.
