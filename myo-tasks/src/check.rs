@@ -5,7 +5,7 @@ use garde::Validate;
 use crate::description::{Task, rounded_steps};
 use crate::geometry::{distance, farthest, farthest_at_worst, gap, spread};
 use crate::range::Range;
-use crate::remedy::{Remedy, least_move, reached_part};
+use crate::remedy::{Remedy, least_move, reached_part, shrink_and_move};
 use crate::report::{Element, Report, TaskError, TaskWarning, subject};
 use crate::target::{Pointing, Pressing, Region, Target};
 
@@ -20,6 +20,9 @@ const SAMPLES: u32 = 2048;
 
 /// Positions tried against the model's reach, which may be slow to tell.
 const REACH_SAMPLES: u32 = 504;
+
+/// Looks at smaller and smaller parts of a range before none counts as reached.
+const CLOSER_LOOKS: u32 = 8;
 
 /// What the check of a task asks the model.
 pub trait Reach {
@@ -191,8 +194,6 @@ struct Unreached {
 struct Tried {
     /// Centre of the sphere, or point of the button's face.
     point: [f64; 3],
-    /// The centre in shares of the target's ranges.
-    share: [f64; 3],
     /// How far (m) the face, or the surface of the smallest sphere, is out of reach; negative within the sphere.
     beyond_m: f64,
     is_reached: bool,
@@ -246,7 +247,7 @@ fn look_at_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
         if last.0 != point {
             last = (point, reach.distance_out_of_reach(point));
         }
-        Tried { point, share, beyond_m: last.1 - sphere.radius.min, is_reached: last.1 < radius }
+        Tried { point, beyond_m: last.1 - sphere.radius.min, is_reached: last.1 < radius }
     });
     Unreached { tried: tried.collect() }
 }
@@ -256,7 +257,7 @@ fn look_at_button(button: &Pressing, reach: &dyn Reach) -> Unreached {
     const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
     let tried = GRID.iter().flat_map(|across| GRID.map(|up| button.face_point(*across, up))).map(|point| {
         let beyond_m = reach.distance_out_of_reach(point);
-        Tried { point, share: [0.0; 3], beyond_m, is_reached: beyond_m <= 0.0 }
+        Tried { point, beyond_m, is_reached: beyond_m <= 0.0 }
     });
     Unreached { tried: tried.collect() }
 }
@@ -266,16 +267,25 @@ fn remedy(target: &Target, found: &Unreached, reach: &dyn Reach) -> Remedy {
     let mut points: Vec<_> = found.tried.iter().map(|tried| tried.point).collect();
     points.dedup();
     let moved = least_move(target.region(), &points, reach);
-    let narrowed = match target {
-        Target::Pointing(sphere) if !sphere.position.is_point() => {
-            let places: Vec<_> = found.tried.iter().map(|tried| (tried.share, tried.is_reached)).collect();
-            let narrow = |position: &Region| Pointing { position: *position, ..sphere.clone() };
-            let is_clean = |position: &Region| look_at_sphere(&narrow(position), reach).missed().next().is_none();
-            reached_part(&sphere.position, &places).filter(is_clean)
+    let Target::Pointing(sphere) = target else { return Remedy { moved, narrowed: None } };
+    let narrowed = if sphere.position.is_point() { None } else { narrowed(sphere, found, reach) };
+    let can_shrink = moved.is_none() && narrowed.is_none();
+    Remedy { moved: moved.or_else(|| can_shrink.then(|| shrink_and_move(&sphere.position, reach))?), narrowed }
+}
+
+/// A part of a sphere's range that can be reached, looked at as closely as the whole.
+fn narrowed(sphere: &Pointing, found: &Unreached, reach: &dyn Reach) -> Option<Region> {
+    let place = |tried: &Tried| (tried.point, tried.is_reached);
+    let mut places: Vec<_> = found.tried.iter().map(place).collect();
+    for _ in 0..CLOSER_LOOKS {
+        let part = reached_part(&sphere.position, &places)?;
+        let closer = look_at_sphere(&Pointing { position: part, ..sphere.clone() }, reach);
+        if closer.missed().next().is_none() {
+            return Some(part);
         }
-        _ => None,
-    };
-    Remedy { moved, narrowed }
+        places.extend(closer.tried.iter().map(place));
+    }
+    None
 }
 
 /// Share of evenly spread points of the unit cube for which `test` holds.

@@ -5,6 +5,7 @@ use std::fmt;
 use nalgebra::Vector3;
 
 use crate::check::Reach;
+use crate::geometry::spread;
 use crate::range::Range;
 use crate::target::Region;
 
@@ -19,24 +20,28 @@ const FEW: usize = 64;
 const MARGINS: [f64; 2] = [0.002, 0.005];
 /// A move longer than this (m) helps nobody.
 const LONGEST_MOVE: f64 = 2.0;
-/// Parts that a range is cut in when it is narrowed.
+/// Parts that a range is cut in, at whole millimetres, when it is narrowed.
 const PARTS: u32 = 20;
+/// What ranges are shrunk to that cannot be moved into reach as they are.
+const SCALES: [f64; 4] = [0.5, 0.25, 0.1, 0.0];
 /// Components of a move below this (m) are not worth a word.
 const WORTH_A_WORD: f64 = 0.005;
 
 /// Places or sizes of a target that all are in reach; each was checked after its coordinates were rounded to a millimetre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Remedy {
-    /// The nearest place of the same range in which every centre, or all of a button's face, is in reach; none where none
-    /// was found.
+    /// The nearest place in which every centre, or all of a button's face, is in reach; of a smaller range where none was
+    /// found for all of it, nor a part that can stay.
     pub moved: Option<Move>,
     /// A part of the range that can be reached; none for a single place, or where none was found.
     pub narrowed: Option<Region>,
 }
 
-/// A target moved as it is.
+/// A target moved elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
+    /// What its ranges are shrunk to first, about their middle: 1 leaves them as they are.
+    pub scale: f64,
     /// How far (m), along x, y and z.
     pub by: [f64; 3],
     /// Where it is then (m, relative to the shoulder centre).
@@ -60,10 +65,13 @@ impl fmt::Display for Move {
 impl Remedy {
     /// What to do; a single place is called `it`, such as `its centre`.
     pub(crate) fn advice(&self, it: &str) -> String {
-        let what = |to: &Region| if to.is_point() { it.to_owned() } else { "the range".into() };
         match (&self.moved, &self.narrowed) {
-            (Some(moved), None) => format!("move {} {moved}", what(&moved.to)),
-            (Some(moved), Some(part)) => format!("move {} {moved}; or narrow it to {}", what(&moved.to), Place(part)),
+            (Some(moved), None) if moved.scale < 1.0 => {
+                format!("shrink the range to {:.1} % and move it {moved}", 100.0 * moved.scale)
+            }
+            (Some(moved), None) if moved.to.is_point() => format!("move {it} {moved}"),
+            (Some(moved), None) => format!("move the range {moved}"),
+            (Some(moved), Some(part)) => format!("move the range {moved}; or narrow it to {}", Place(part)),
             (None, Some(part)) => format!("narrow the range to {}; no place was found for all of it", Place(part)),
             (None, None) => "no place was found for it that is in reach as a whole".into(),
         }
@@ -75,7 +83,18 @@ pub(crate) fn least_move(region: Region, points: &[[f64; 3]], reach: &dyn Reach)
     MARGINS.iter().find_map(|&margin| {
         let by = search(points, reach, margin)?.map(|x| (1e3 * x).round() / 1e3);
         let missed = points.iter().any(|&p| reach.distance_out_of_reach((Vector3::from(p) + by).into()) > 0.0);
-        (!missed).then(|| Move { by: by.into(), to: region.moved(by.into()) })
+        (!missed).then(|| Move { scale: 1.0, by: by.into(), to: region.moved(by.into()) })
+    })
+}
+
+/// The least move of a range shrunk as little as need be; the centres of its corners have to be in reach, and some between.
+pub(crate) fn shrink_and_move(region: &Region, reach: &dyn Reach) -> Option<Move> {
+    SCALES.iter().find_map(|&scale| {
+        let shrunk = region.shrunk(scale);
+        let inside = (0..FEW as u32).map(|k| shrunk.at(spread(k)));
+        let mut points: Vec<_> = shrunk.corners().into_iter().chain(inside).collect();
+        points.dedup();
+        Some(Move { scale, ..least_move(shrunk, &points, reach)? })
     })
 }
 
@@ -133,47 +152,50 @@ fn shortest(wishes: &[Wish]) -> Vector3<f64> {
     moved
 }
 
-/// A part of a region without the places that were missed. Each place is three shares of the region's ranges, and whether
-/// it was reached; the cut that loses most of what was missed for what it costs comes first.
+/// A part of a region without the places (m) that were missed; with each place, whether it was reached. The cut that loses
+/// most of what was missed for what it costs comes first.
 pub(crate) fn reached_part(region: &Region, places: &[([f64; 3], bool)]) -> Option<Region> {
-    let wide = [region.x, region.y, region.z].map(|range| range.width() > 0.0);
-    let (mut low, mut high) = ([0.0; 3], [1.0; 3]);
+    let mut part = *region;
     loop {
-        let inside = |t: &[f64; 3]| (0..3).all(|k| !wide[k] || (low[k]..=high[k]).contains(&t[k]));
-        let left: Vec<_> = places.iter().filter(|(t, _)| inside(t)).collect();
+        let left: Vec<_> = places.iter().filter(|(place, _)| part.holds(*place)).collect();
         let missed = left.iter().filter(|(_, is_reached)| !is_reached).count();
         match missed {
             _ if missed == left.len() => return None,
-            0 => return Some(region.part(low, high)),
+            0 => return Some(part),
             _ => {}
         }
-        // Share of what a cut loses that was missed, how much that is, and the cut: axis, side, place.
-        let cuts = (0..3).filter(|&axis| wide[axis]).flat_map(|axis| {
-            (1..PARTS)
-                .map(|k| f64::from(k) / f64::from(PARTS))
-                .flat_map(move |at| [(axis, false, at), (axis, true, at)])
-        });
-        let gain = |&(axis, from_above, at): &(usize, bool, f64)| {
-            let lost = left.iter().filter(|(t, _)| if from_above { t[axis] > at } else { t[axis] < at });
+        // How much of what a cut loses was missed: as a share, and in number.
+        let gain = |cut: &Region| {
+            let lost = left.iter().filter(|(place, _)| !cut.holds(*place));
             let (bad, all) = lost.fold((0, 0), |(bad, all), (_, is_reached)| (bad + u32::from(!is_reached), all + 1));
             (f64::from(bad) / f64::from(all.max(1)), bad)
         };
-        let best = cuts.filter(|&(axis, _, at)| low[axis] < at && at < high[axis]).max_by(|a, b| {
-            let (a, b) = (gain(a), gain(b));
-            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
-        });
-        match best.filter(|cut| gain(cut).1 > 0) {
-            Some((axis, true, at)) => high[axis] = at,
-            Some((axis, false, at)) => low[axis] = at,
-            None => return None,
-        }
+        let cuts = cuts(region, &part).map(|cut| (gain(&cut), cut));
+        let best = cuts.max_by(|((a, m), _), ((b, n), _)| a.total_cmp(b).then(m.cmp(n)));
+        part = best.filter(|((_, bad), _)| *bad > 0)?.1;
     }
+}
+
+/// What is left of `part` after cuts across one axis, from either side, at every twentieth of the region.
+fn cuts(region: &Region, part: &Region) -> impl Iterator<Item = Region> {
+    let (region, part) = (*region, *part);
+    (0..3).filter(move |&axis| region.axes()[axis].width() > 0.0).flat_map(move |axis| {
+        let (whole, now) = (region.axes()[axis], part.axes()[axis]);
+        let places = (1..PARTS).map(move |k| (1e3 * whole.at(f64::from(k) / f64::from(PARTS))).round() / 1e3);
+        let sides = move |at| [Range::new(at, now.max), Range::new(now.min, at)];
+        places.filter(move |at| now.min < *at && *at < now.max).flat_map(sides).map(move |range| {
+            let mut axes = part.axes();
+            axes[axis] = range;
+            let [x, y, z] = axes;
+            Region { x, y, z }
+        })
+    })
 }
 
 impl Region {
     /// Whether it is a single place.
     pub fn is_point(&self) -> bool {
-        [self.x, self.y, self.z].iter().all(|range| range.width() == 0.0)
+        self.axes().iter().all(|range| range.width() == 0.0)
     }
 
     /// The same elsewhere, `by` metres along each axis.
@@ -182,17 +204,21 @@ impl Region {
         Self { x: moved(self.x, by[0]), y: moved(self.y, by[1]), z: moved(self.z, by[2]) }
     }
 
-    /// The part between two shares of each range, cut to whole millimetres.
-    fn part(&self, low: [f64; 3], high: [f64; 3]) -> Self {
-        let part = |range: Range, k: usize| match range.width() > 0.0 {
-            true => {
-                let min = if low[k] > 0.0 { (1e3 * range.at(low[k])).ceil() / 1e3 } else { range.min };
-                let max = if high[k] < 1.0 { (1e3 * range.at(high[k])).floor() / 1e3 } else { range.max };
-                Range::new(min.min(max), max)
-            }
-            false => range,
-        };
-        Self { x: part(self.x, 0), y: part(self.y, 1), z: part(self.z, 2) }
+    /// The same with ranges of this share of their widths about the same middle.
+    fn shrunk(&self, scale: f64) -> Self {
+        let [x, y, z] = self.axes().map(|range| {
+            let half = 0.5 * scale * range.width();
+            Range::new(range.centre() - half, range.centre() + half)
+        });
+        Self { x, y, z }
+    }
+
+    fn holds(&self, place: [f64; 3]) -> bool {
+        self.axes().iter().zip(place).all(|(range, x)| range.min <= x && x <= range.max)
+    }
+
+    fn axes(&self) -> [Range; 3] {
+        [self.x, self.y, self.z]
     }
 }
 

@@ -93,6 +93,20 @@ fn what_cannot_be_moved_into_reach_as_a_whole_is_narrowed() {
 }
 
 #[test]
+fn a_range_that_is_too_large_is_shrunk_and_moved() {
+    let task = task("x: [1.5, 2], y: [-1, 1], z: [-1, 1]");
+    let report = check(&task, &BALL);
+    let Remedy { moved: Some(moved), narrowed: None } = remedy(&report) else { panic!("{report:?}") };
+    assert_eq!((moved.scale, moved.to.y.width()), (0.25, 0.5));
+    assert_eq!(check(&at(&task, moved.to), &BALL), Report::default());
+    assert!(
+        report.errors[0].to_string().contains("; shrink the range to 25.0 % and move it 1"),
+        "{}",
+        report.errors[0]
+    );
+}
+
+#[test]
 fn a_warning_says_which_part_is_out_of_reach() {
     let report = check(&task("x: 0.3, y: [0, 0.6], z: 0"), &BALL);
     let text = report.warnings[0].to_string();
