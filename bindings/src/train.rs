@@ -9,7 +9,7 @@ use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError}
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
-use myo::{Envs, ModelReach, RunDescription, Start, WarmStart, likely_cause};
+use myo::{Envs, ModelReach, ProgressLine, RunDescription, Start, WarmStart, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,6 +38,7 @@ struct Live {
     pool: Arc<ThreadPool>,
     task: myo::tasks::Task,
     model: myo::model::Model,
+    line: ProgressLine,
     /// The run being resumed, until it is open for writing.
     claim: Option<RunClaim>,
 }
@@ -74,7 +75,7 @@ impl Session {
         open: impl FnOnce(Option<RunClaim>, &Trainer) -> Result<Option<RunWriter>, RunError>,
     ) -> PyResult<()> {
         self.with(|live| {
-            let Live { session, pool, task, model, claim } = live.take().ok_or_else(over)?;
+            let Live { session, pool, task, model, line, claim } = live.take().ok_or_else(over)?;
             let writer = open(claim, session.trainer()).map_err(|refusal| match refusal {
                 RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
                 other => error::run(other),
@@ -83,7 +84,7 @@ impl Session {
                 Some(writer) => session.recorded_in(writer).map_err(error::run)?,
                 None => session,
             };
-            *live = Some(Live { session, pool, task, model, claim: None });
+            *live = Some(Live { session, pool, task, model, line, claim: None });
             Ok(())
         })
     }
@@ -155,7 +156,8 @@ impl Setup {
         let new = Start::New { config: &config, seed, from: other.as_ref() };
         let start = again.map_or(new, Start::Resumed);
         let session = compute(py, || pool.install(|| open(env, (&model, &task), start, goal)))??;
-        let live = Mutex::new(Some(Live { session, pool, task, model, claim }));
+        let line = ProgressLine::new(&task, session.goal().steps);
+        let live = Mutex::new(Some(Live { session, pool, task, model, line, claim }));
         Ok(Session { live, born: Birthplace::here(), description, config, seed })
     }
 }
@@ -278,7 +280,7 @@ impl Session {
     /// One update, its record, and a look at the goal when it is time to.
     ///
     /// Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state or was
-    /// interrupted in the update, of which nothing is left then; `news`, sentences; `end`, None until the training is over;
+    /// interrupted in the update, of which nothing is left then; `line`, how it goes, or None likewise; `news`, sentences; `end`, None until the training is over;
     /// `reason`, of the loss of a graphics card; `raised`, what a signal handler raised meanwhile, which is left to the caller.
     /// After an error the training is over and writes nothing more.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -295,6 +297,7 @@ impl Session {
             let out = PyDict::new(py);
             let names = &live.session.trainer().spec().episode_names;
             out.set_item("metrics", progress.metrics.as_ref().map(|m| metrics(py, names, m)).transpose()?)?;
+            out.set_item("line", live.line.after(&progress))?;
             out.set_item("news", news)?;
             out.set_item("end", progress.end.as_ref().map(End::name))?;
             out.set_item("reason", reason(&progress))?;

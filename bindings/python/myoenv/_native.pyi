@@ -370,9 +370,9 @@ class Session:
         """One update, its record, and a look at the goal when it is time to.
 
         Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state;
-        `news`, sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card; `raised`,
-        what a signal handler raised meanwhile, which is left to the caller. After an error the training is over and
-        writes nothing more.
+        `line`, how it goes, or None likewise; `news`, sentences; `end`, None until the training is over; `reason`, of
+        the loss of a graphics card; `raised`, what a signal handler raised meanwhile, which is left to the caller.
+        After an error the training is over and writes nothing more.
         """
     def conclude(self, end: str) -> tuple[str, BaseException | None]:
         """Closes the training after the `end` that `advance` told, or another: a last checkpoint, and, unless it was

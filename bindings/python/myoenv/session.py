@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import sys
+import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,6 +15,9 @@ from myoenv import _native
 from myoenv._native import DeviceError
 from myoenv.policy import Policy
 from myoenv.runs import RunDescription
+
+#: Seconds between two lines of progress.
+_LINE_EVERY = 5.0
 
 Metrics = dict[str, float]
 Evaluation = dict[str, Any]
@@ -57,8 +62,9 @@ class Callback:
 class Session:
     """One training that is about to run."""
 
-    def __init__(self, native: _native.Session, folder: Path | None) -> None:
-        self.native, self.folder = native, folder
+    def __init__(self, native: _native.Session, folder: Path | None, progress: bool = False) -> None:
+        self.native, self.folder, self.progress = native, folder, progress
+        self.last_line = time.monotonic()
 
     def run(self, callback: Callable[[Metrics], Any] | None) -> TrainResult:
         """Trains to the end."""
@@ -108,6 +114,7 @@ class Session:
             progress = self.native.advance()
             for sentence in progress["news"]:
                 warnings.warn(sentence, RuntimeWarning, stacklevel=5)
+            self._show(progress["line"])
             metrics = progress["metrics"]
             stopped = callback is not None and metrics is not None and callback(metrics) is True
             # What a signal handler raised, such as KeyboardInterrupt; only now: the callback hears of every update.
@@ -117,3 +124,9 @@ class Session:
                 return progress["end"], progress["reason"]
             if stopped:
                 return "callback", None
+
+    def _show(self, line: str | None) -> None:
+        """Writes how it goes to standard error, every few seconds."""
+        if self.progress and line is not None and time.monotonic() >= self.last_line + _LINE_EVERY:
+            self.last_line = time.monotonic()
+            print(line, file=sys.stderr, flush=True)

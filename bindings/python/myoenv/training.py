@@ -47,6 +47,7 @@ def train(
     model: ModelLike | None = None,
     resume: str | PathLike[str] | None = None,
     start_from: str | PathLike[str] | None = None,
+    progress: bool = False,
 ) -> TrainResult:
     """Trains a policy with PPO, from the start or from where a run was stopped.
 
@@ -73,6 +74,8 @@ def train(
             to the bit; task, model, seed and settings are always the run's.
         start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
             its body other muscles: observations and actions are matched by name.
+        progress: Whether to write a line to standard error every 5 s, as `myo train` does: steps, success, the target
+            that is missed most, and the time left.
 
     Ctrl-C stops with a checkpoint and returns the result so far, even during the last evaluation; the loss of a
     graphics card stops with a checkpoint, too. Training that runs away goes back to its last good state, and training
@@ -95,7 +98,7 @@ def train(
         )
         _refuse_if_over(native, folder)
         native.record_on()
-        return Session(native, Path(folder)).run(follow)
+        return Session(native, Path(folder), progress).run(follow)
     if task is None:
         raise ValueError("name a task, or a run to resume")
     task, body = task_and_model(task, model)
@@ -115,10 +118,10 @@ def train(
         start_from=None if start_from is None else as_path("start_from", start_from),
     )
     if out is None:
-        return Session(native, None).run(follow)
+        return Session(native, None, progress).run(follow)
     folder = as_path("out", out)
     native.record_in(folder)
-    return Session(native, Path(folder)).run(follow)
+    return Session(native, Path(folder), progress).run(follow)
 
 
 def _refuse(**given: Any) -> None:

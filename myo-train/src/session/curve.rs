@@ -8,6 +8,12 @@ use crate::UpdateMetrics;
 /// Episodes over which success is averaged.
 const MEMORY: f64 = 500.0;
 
+/// A target counts once this share of episodes gets to it.
+const HARDLY_ANY: f64 = 0.02;
+
+/// Targets whose success differs by less are alike.
+const TIE: f64 = 0.02;
+
 /// Control steps between two points that are kept.
 const SPACING: u64 = 65_536;
 
@@ -42,6 +48,15 @@ pub struct Recent {
     pub target_success: Vec<f64>,
 }
 
+/// The target at which a training makes least headway.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bottleneck {
+    /// Index of the target, from 0.
+    pub target: usize,
+    /// Share of the episodes that get to it in which it is done.
+    pub success: f64,
+}
+
 impl Recent {
     /// Of the episodes that ended in an update; none if none ended. All numbers are finite.
     fn of(metrics: &UpdateMetrics) -> Option<Self> {
@@ -54,6 +69,16 @@ impl Recent {
             episode_return: mean("return").unwrap_or(0.0),
             target_success: (1..).map_while(|k| mean(&format!("target_{k}_success"))).collect(),
         })
+    }
+
+    /// The earliest of the targets that the fewest of the episodes that get to them do; none before an episode has ended,
+    /// or where all is done. Targets that hardly any episode gets to do not count.
+    pub fn bottleneck(&self) -> Option<Bottleneck> {
+        let before = [1.0].into_iter().chain(self.target_success.iter().copied());
+        let reached = before.zip(&self.target_success).enumerate().filter(|(_, (before, _))| *before >= HARDLY_ANY);
+        let shares = reached.map(|(target, (before, after))| Bottleneck { target, success: after / before });
+        let least = |least: Bottleneck, next: Bottleneck| if next.success < least.success - TIE { next } else { least };
+        shares.reduce(least).filter(|bottleneck| bottleneck.success < 1.0)
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
@@ -321,6 +346,21 @@ mod tests {
         assert!((curve.recent().unwrap().success - (-1.0_f64).exp()).abs() < 1e-15);
         let text = serde_json::to_string(&curve).unwrap();
         assert_eq!(serde_json::from_str::<Curve>(&text).unwrap(), curve);
+    }
+
+    #[test]
+    fn the_bottleneck_is_the_earliest_target_that_fails_most_of_those_who_get_there() {
+        let bottleneck = |target_success: &[f64]| {
+            let target_success = target_success.to_vec();
+            Recent { success: 0.0, targets_done: 0.0, final_distance: 0.0, length: 0.0, target_success }.bottleneck()
+        };
+        let at = |target, success| Some(Bottleneck { target, success });
+        assert_eq!(bottleneck(&[0.5, 0.1]), at(1, 0.2), "fewer fail there, but of fewer");
+        assert_eq!(bottleneck(&[0.5, 0.25, 0.125]), at(0, 0.5), "the earliest of equals");
+        assert_eq!(bottleneck(&[0.25, 0.2475, 0.125]), at(0, 0.25));
+        assert_eq!(bottleneck(&[0.004, 0.0]), at(0, 0.004), "what nobody gets to is not to blame");
+        assert_eq!(bottleneck(&[1.0, 1.0]), None);
+        assert_eq!(bottleneck(&[]), None);
     }
 
     #[test]

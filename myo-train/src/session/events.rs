@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::curve::Recent;
+use super::curve::{Bottleneck, Recent};
 use super::recovery;
 use super::trend::Trend;
 use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
@@ -92,6 +92,8 @@ pub struct Progress {
     pub metrics: Option<UpdateMetrics>,
     /// Mean success of recent training episodes, whose actions are noisy; none before the first ended.
     pub success: Option<f64>,
+    /// The target that recent training episodes fail at most; none before the first ended.
+    pub bottleneck: Option<Bottleneck>,
     /// Control steps that training may still take until the goal, judged by the learning curve.
     pub steps_left: Option<u64>,
     /// Looks that were taken at the deterministic policy.

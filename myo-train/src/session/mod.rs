@@ -21,7 +21,7 @@ use crate::{Checkpoint, Evaluation, Policy, RunError, RunWriter, TrainError, Tra
 use record::Record;
 use recovery::Recovery;
 
-pub use curve::Recent;
+pub use curve::{Bottleneck, Recent};
 pub use events::{End, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
 pub(crate) use memory::Memory;
@@ -180,7 +180,8 @@ impl Session {
             Until::Plateau => self.trend().map(|trend| trend.steps_left()),
             Until::Off => None,
         };
-        Progress { success: self.success(), steps_left, end, ..progress }
+        let bottleneck = self.memory.curve.recent().and_then(Recent::bottleneck);
+        Progress { success: self.success(), bottleneck, steps_left, end, ..progress }
     }
 
     fn update(&mut self, go_on: &dyn Fn() -> bool) -> Result<Updated, SessionError> {

@@ -35,7 +35,7 @@ impl<'a> Ready<'a> {
     /// Trains to the end.
     pub fn run(self, interrupt: &Interrupt) -> Result<Outcome> {
         let Self { stage, mut session, .. } = self;
-        let mut shown = Progress::new(session.goal().steps);
+        let mut shown = Progress::new(&stage.task, session.goal().steps);
         let go_on = || !interrupt.wanted();
         loop {
             let progress = session.advance(&go_on)?;

@@ -176,8 +176,8 @@ fn warn_of_goal(stage: &Stage, until: Option<f64>) {
     let most = stage.most_success;
     if let Some(until) = until.filter(|until| *until > most) {
         complain(&format!(
-            "warning: at most {:.1} % of the episodes can succeed, since targets lie out of reach, and the goal is {:.1} %: bring them \
-             nearer, or set --until lower",
+            "warning: at most {:.1} % of the episodes can succeed, since targets lie out of reach, and the goal is {:.1} %: move \
+             them as advised above, or set --until lower",
             100.0 * most,
             100.0 * until
         ));
