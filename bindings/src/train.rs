@@ -5,11 +5,11 @@ use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvConfig;
 use myo::model::ModelDescription;
-use myo::train::session::{End, Goal, News, Outcome, Progress};
+use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError};
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
-use myo::{Envs, ModelReach, RunDescription, Start, WarmStart, likely_cause};
+use myo::{Envs, ModelReach, ProgressLine, RunDescription, Start, WarmStart, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -38,6 +38,7 @@ struct Live {
     pool: Arc<ThreadPool>,
     task: myo::tasks::Task,
     model: myo::model::Model,
+    line: ProgressLine,
     /// The run being resumed, until it is open for writing.
     claim: Option<RunClaim>,
 }
@@ -74,7 +75,7 @@ impl Session {
         open: impl FnOnce(Option<RunClaim>, &Trainer) -> Result<Option<RunWriter>, RunError>,
     ) -> PyResult<()> {
         self.with(|live| {
-            let Live { session, pool, task, model, claim } = live.take().ok_or_else(over)?;
+            let Live { session, pool, task, model, line, claim } = live.take().ok_or_else(over)?;
             let writer = open(claim, session.trainer()).map_err(|refusal| match refusal {
                 RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
                 other => error::run(other),
@@ -83,7 +84,7 @@ impl Session {
                 Some(writer) => session.recorded_in(writer).map_err(error::run)?,
                 None => session,
             };
-            *live = Some(Live { session, pool, task, model, claim: None });
+            *live = Some(Live { session, pool, task, model, line, claim: None });
             Ok(())
         })
     }
@@ -91,6 +92,11 @@ impl Session {
     fn live<T>(&self, work: impl FnOnce(&mut Live) -> PyResult<T>) -> PyResult<T> {
         self.with(|live| work(live.as_mut().ok_or_else(over)?))
     }
+}
+
+/// What a training is for: `plateau`, a share of success, or `off`.
+fn goal_of(until: &str) -> PyResult<Until> {
+    until.parse().map_err(|refusal: UntilError| PyValueError::new_err(format!("until is {until}; {refusal}")))
 }
 
 fn over() -> PyErr {
@@ -150,7 +156,8 @@ impl Setup {
         let new = Start::New { config: &config, seed, from: other.as_ref() };
         let start = again.map_or(new, Start::Resumed);
         let session = compute(py, || pool.install(|| open(env, (&model, &task), start, goal)))??;
-        let live = Mutex::new(Some(Live { session, pool, task, model, claim }));
+        let line = ProgressLine::new(&task, session.goal().steps);
+        let live = Mutex::new(Some(Live { session, pool, task, model, line, claim }));
         Ok(Session { live, born: Birthplace::here(), description, config, seed })
     }
 }
@@ -177,7 +184,7 @@ impl Session {
         backend: &str,
         device: Option<String>,
         threads: Option<usize>,
-        until: Option<f64>,
+        until: &str,
         steps: u64,
         start_from: Option<PathBuf>,
     ) -> PyResult<Self> {
@@ -190,7 +197,7 @@ impl Session {
             own_model: model.unless_built_in(&task.inner().model),
             config: settings(config, &base)?,
             seed,
-            goal: Goal { until, steps },
+            goal: Goal { until: goal_of(until)?, steps },
             choice: BackendChoice::new(backend, device)?,
             pool: threads_or_all(threads)?,
             from: other.as_ref().and_then(began),
@@ -200,18 +207,17 @@ impl Session {
     }
 
     /// Continues the training of a run folder: on the device where it began, unless a backend or a device is given, and with
-    /// its own `until`, unless `keep_until` is false.
+    /// its own `until` and `steps`, unless others are given.
     #[staticmethod]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
-    #[pyo3(signature = (run, *, backend, device, threads, keep_until, until, steps))]
+    #[pyo3(signature = (run, *, backend, device, threads, until, steps))]
     fn resume(
         py: Python<'_>,
         run: PathBuf,
         backend: Option<&str>,
         device: Option<String>,
         threads: Option<usize>,
-        keep_until: bool,
-        until: Option<f64>,
+        until: Option<&str>,
         steps: Option<u64>,
     ) -> PyResult<Self> {
         let claim = RunClaim::take(&run).map_err(error::run)?;
@@ -227,7 +233,7 @@ impl Session {
             model: run.body().map_err(error::task)?,
             config: claim.folder().config().ppo.clone(),
             seed: claim.folder().config().seed,
-            goal: Goal { until: if keep_until { run.until } else { until }, steps: steps.unwrap_or(run.steps) },
+            goal: Goal { until: until.map_or(Ok(run.until), goal_of)?, steps: steps.unwrap_or(run.steps) },
             choice,
             pool: threads_or_all(threads)?,
             task: run.task,
@@ -274,7 +280,7 @@ impl Session {
     /// One update, its record, and a look at the goal when it is time to.
     ///
     /// Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state or was
-    /// interrupted in the update, of which nothing is left then; `news`, sentences; `end`, None until the training is over;
+    /// interrupted in the update, of which nothing is left then; `line`, how it goes, or None likewise; `news`, sentences; `end`, None until the training is over;
     /// `reason`, of the loss of a graphics card; `raised`, what a signal handler raised meanwhile, which is left to the caller.
     /// After an error the training is over and writes nothing more.
     fn advance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -291,6 +297,7 @@ impl Session {
             let out = PyDict::new(py);
             let names = &live.session.trainer().spec().episode_names;
             out.set_item("metrics", progress.metrics.as_ref().map(|m| metrics(py, names, m)).transpose()?)?;
+            out.set_item("line", live.line.after(&progress))?;
             out.set_item("news", news)?;
             out.set_item("end", progress.end.as_ref().map(End::name))?;
             out.set_item("reason", reason(&progress))?;
@@ -305,6 +312,7 @@ impl Session {
     fn conclude(&self, py: Python<'_>, end: &str) -> PyResult<(String, Option<PyErr>)> {
         let end = match end {
             "until" => End::Until,
+            "plateau" => End::Plateau,
             "interrupt" => End::Interrupted,
             "device_lost" => End::DeviceLost { reason: String::new() },
             _ => End::Steps,
@@ -346,7 +354,7 @@ impl Session {
         self.live(|live| Ok(live.session.trainer().env_steps()))
     }
 
-    /// Why there is nothing left to train, if so: `until` or `steps`.
+    /// Why there is nothing left to train, if so: `until`, `plateau` or `steps`.
     #[getter]
     fn over(&self) -> PyResult<Option<&'static str>> {
         self.live(|live| Ok(live.session.over().as_ref().map(End::name)))
@@ -398,6 +406,7 @@ fn table(outcome: &Outcome) -> serde_json::Value {
         "env_steps": outcome.env_steps,
         "updates": outcome.updates,
         "wall_s": outcome.wall_s,
+        "trend": outcome.trend,
         "evaluation": outcome.evaluation,
         "checkpoint": outcome.checkpoint,
     })

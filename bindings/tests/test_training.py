@@ -9,6 +9,7 @@ import pytest
 
 import myoenv
 from myoenv import _native
+from myoenv.runs import read_run
 from myoenv.session import Session
 
 SMALL = {
@@ -128,8 +129,17 @@ def test_a_callback_stops(tmp_path):
 
 def test_an_easy_task_reaches_its_goal(short_task):
     short_task["targets"][0]["radius"] = 1.5
-    result = myoenv.train(short_task, steps=20_000, **SMALL)
-    assert result.stopped_by == "until" and result.evaluation["success"] >= 0.95
+    result = myoenv.train(short_task, until=0.95, steps=20_000, **SMALL)
+    assert result.stopped_by == "until" and result.evaluation["success"] >= 0.9
+    # It is over too soon to tell whether the user was still improving.
+    assert result.trend is None
+
+
+def test_a_user_is_trained_to_its_plateau_unless_told_otherwise(short_task, tmp_path):
+    for given, kept in [({}, "plateau"), ({"until": "plateau"}, "plateau"), ({"until": 0.5}, 0.5), ({"until": None}, None)]:
+        folder = tmp_path / f"run-{kept}-{len(given)}"
+        myoenv.train(short_task, steps=128, out=folder, **given, **SMALL)
+        assert read_run(folder).until == kept
 
 
 def test_a_goal_that_was_reached_is_told_and_can_be_raised(short_task, tmp_path):
@@ -360,7 +370,7 @@ def test_a_run_on_a_card_that_is_gone_says_so(run, tmp_path):
         ({"settings": {"discount_per_s": object()}}, ValueError, "bad training setting"),
         ({"task": None}, ValueError, "name a task, or a run to resume"),
         ({"until": 1.5}, ValueError, "until is 1.5"),
-        ({"until": "0.9"}, TypeError, "until is '0.9'; it must be a number"),
+        ({"until": "0.9"}, ValueError, "until is '0.9'; it must be \"plateau\", a share above 0 and at most 1, or None"),
         ({"threads": 0}, ValueError, "threads is 0"),
         ({"threads": 10**6}, ValueError, "threads is 1000000; it must be at most 1024"),
         ({"num_envs": 10**9}, ValueError, "num_envs is 1000000000; it must be at most"),

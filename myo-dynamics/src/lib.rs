@@ -8,7 +8,7 @@
 //! - [`Obstacles`] are boxes to press with the fingertip, the force on them is in [`Workspace::contact`].
 //! - [`Batch`] steps many bodies on all lanes and threads. Its results depend neither on threads nor on a body's place, bit
 //!   for bit; other widths of lanes differ by rounding.
-//! - [`ReachableSpace`] tells how far a point is from anything the fingertip can touch.
+//! - [`ReachableSpace`] tells how near the fingertip comes to a point, [`Strength`] whether muscles can hold it there.
 //!
 //! Joint couplings are compiled away ([`CouplingMode::Reduced`]) or kept as MuJoCo's soft constraints ([`CouplingMode::Soft`]).
 //! Joint limits and contacts are MuJoCo's soft constraints in both cases, solved to convergence. Positions are relative to
@@ -59,11 +59,13 @@ mod polynomial;
 mod reach;
 pub mod spatial;
 pub mod step;
+mod strength;
 mod trial;
 mod workspace;
 
 pub use batch::Batch;
 pub use obstacles::{Obstacles, StaticBox, Surface};
 pub use plan::{CouplingMode, Plan, PlanError};
-pub use reach::ReachableSpace;
+pub use reach::{Nearest, ReachableSpace};
+pub use strength::Strength;
 pub use workspace::{SolverCount, SolverTally, State, Workspace};

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Poses in the cloud that searches start from: one per 6 cm or so of the arm's space.
 const CLOUD: usize = 8192;
 /// Halvings of the space of poses, along one coordinate each.
-const HALVINGS: usize = 4;
+const HALVINGS: usize = 5;
 /// A search starts in each of these regions, because from one alone it may end beside the goal.
 const REGIONS: usize = 1 << HALVINGS;
 /// Nearer than this (m) the fingertip is there: less than any target's size, more than what a search leaves.
@@ -29,10 +29,21 @@ const UNLIMITED: [f64; 2] = [-std::f64::consts::PI, std::f64::consts::PI];
 /// coordinates held in their ranges). The result depends on the plan and the point alone.
 #[derive(Clone, Debug)]
 pub struct ReachableSpace {
-    plan: Plan<f64>,
+    pub(crate) plan: Plan<f64>,
     ranges: Vec<[f64; 2]>,
     /// Pose and fingertip.
     cloud: Vec<(Vec<f64>, Vector3<f64>)>,
+}
+
+/// The pose that brings the fingertip nearest to a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nearest {
+    /// The coordinates, within their limits (rad).
+    pub pose: Vec<f64>,
+    /// Where the fingertip is then (m, from the shoulder centre, world axes).
+    pub point: [f64; 3],
+    /// What is left to the point that was asked for (m): zero where the fingertip can get.
+    pub distance_m: f64,
 }
 
 /// One search: pose, what is left to the goal, and the derivative of the fingertip, one column per coordinate.
@@ -71,19 +82,48 @@ impl ReachableSpace {
         self.ranges.iter().enumerate().map(|(k, [lo, hi])| lo + (hi - lo) * share(k)).collect()
     }
 
-    /// How far (m) a point stays from the fingertip at best, zero where the fingertip can get. The point is relative to
-    /// the shoulder centre, in world axes.
-    pub fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+    /// The pose, within the joint limits, that brings the fingertip nearest to a point, which is relative to the shoulder
+    /// centre, in world axes. Less than a millimetre away counts as there.
+    pub fn nearest(&self, point_rel_shoulder: [f64; 3]) -> Nearest {
         let goal = Vector3::from(point_rel_shoulder);
         let mut search = Search::new(self);
-        let mut best = f64::INFINITY;
-        for pose in self.starts(goal) {
-            best = best.min(search.refine(goal, pose.clone()));
-            if best < THERE {
-                return 0.0;
+        let mut best = Nearest { pose: vec![], point: [f64::NAN; 3], distance_m: f64::INFINITY };
+        for start in self.starts(goal) {
+            let found = search.refine(goal, start.clone());
+            if found.distance_m < best.distance_m {
+                best = found;
+            }
+            if best.distance_m < THERE {
+                return Nearest { distance_m: 0.0, ..best };
             }
         }
         best
+    }
+
+    /// How far (m) a point stays from the fingertip at best, zero where the fingertip can get. The point is relative to
+    /// the shoulder centre, in world axes.
+    pub fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+        self.nearest(point_rel_shoulder).distance_m
+    }
+
+    /// Up to `count` poses with the fingertip at most `radius` (m) from a point, as unlike each other as those sampled
+    /// near it are; none where it is out of reach.
+    pub fn poses_at(&self, point_rel_shoulder: [f64; 3], radius: f64, count: usize) -> Vec<Vec<f64>> {
+        let goal = Vector3::from(point_rel_shoulder);
+        let mut search = Search::new(self);
+        let mut nearest: Vec<_> = self.cloud.iter().map(|(pose, tip)| ((tip - goal).norm_squared(), pose)).collect();
+        let count = count.min(nearest.len());
+        nearest.select_nth_unstable_by(count.saturating_sub(1), |a, b| a.0.total_cmp(&b.0));
+        nearest.truncate(count);
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let near = nearest.into_iter().map(|(_, pose)| pose);
+        let found = self.starts(goal).into_iter().chain(near).map(|pose| search.refine(goal, pose.clone()));
+        found.filter(|found| found.distance_m <= radius.max(THERE)).map(|found| found.pose).take(count).collect()
+    }
+
+    /// A sampled pose and its fingertip; every number below a few thousand has another, from all regions in turn.
+    pub(crate) fn sampled(&self, number: usize) -> &(Vec<f64>, Vector3<f64>) {
+        &self.cloud[(number % REGIONS * (CLOUD / REGIONS) + number / REGIONS) % CLOUD]
     }
 
     /// From each region of the poses the one whose fingertip is nearest to a point, nearest first.
@@ -119,8 +159,8 @@ impl<'a> Search<'a> {
         plan.links[plan.fingertip.link].screw_of_dof.iter().map(|&screw| column(screw).into()).collect()
     }
 
-    /// Distance that remains after moving from `pose` towards the goal as far as possible.
-    fn refine(&mut self, goal: Vector3<f64>, mut pose: Vec<f64>) -> f64 {
+    /// Moves from `pose` towards the goal as far as possible.
+    fn refine(&mut self, goal: Vector3<f64>, mut pose: Vec<f64>) -> Nearest {
         let mut tip = self.tip(&pose);
         let mut jacobian = self.jacobian(tip);
         let mut left = (goal - tip).norm_squared();
@@ -147,7 +187,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        left.sqrt()
+        Nearest { pose, point: tip.into(), distance_m: left.sqrt() }
     }
 
     /// A step `J^T (J J^T + damping)^-1 way` of the coordinates that are not held by a limit, cut at the limits.

@@ -54,6 +54,41 @@ fn no_random_pose_comes_closer_than_the_distance() {
 }
 
 #[test]
+fn the_nearest_point_is_one_that_its_pose_reaches() {
+    let plan = exact(CouplingMode::Reduced).specialised();
+    let space = ReachableSpace::new(&plan);
+    let (still, mut ws) = (vec![0.0; plan.ndof()], Workspace::<f64>::new(&plan));
+    for point in (0..200).map(anywhere) {
+        let nearest = space.nearest(point);
+        step::kinematics::kinematics(&plan, &nearest.pose, &still, &mut ws);
+        assert_eq!(step::fingertip(&plan, &ws), nearest.point, "{point:?}");
+        let within = |(q, range): (&f64, [f64; 2])| (range[0]..=range[1]).contains(q);
+        assert!(nearest.pose.iter().zip(plan.dofs.iter().map(|dof| dof.range.unwrap())).all(within), "{point:?}");
+        assert_eq!(space.distance_out_of_reach(nearest.point), 0.0, "{point:?}");
+        let left = distance(point, nearest.point);
+        assert!(if left < 1e-3 { nearest.distance_m == 0.0 } else { (left - nearest.distance_m).abs() < 1e-12 });
+    }
+}
+
+#[test]
+fn poses_at_a_point_differ_and_are_there() {
+    let plan = exact(CouplingMode::Reduced).specialised();
+    let space = ReachableSpace::new(&plan);
+    let (still, mut ws) = (vec![0.0; plan.ndof()], Workspace::<f64>::new(&plan));
+    let (point, radius) = ([0.45, 0.0, -0.1], 0.02);
+    let poses = space.poses_at(point, radius, 48);
+    assert_eq!(poses.len(), 48);
+    for pose in &poses {
+        step::kinematics::kinematics(&plan, pose, &still, &mut ws);
+        assert!(distance(step::fingertip(&plan, &ws), point) <= radius);
+    }
+    // The elbow can be high or low with the fingertip in one place.
+    let spread = |k: usize| poses.iter().map(|q| q[k]).fold((f64::MAX, f64::MIN), |(a, b), q| (a.min(q), b.max(q)));
+    assert!((0..plan.ndof()).any(|k| spread(k).1 - spread(k).0 > 0.5), "{:?}", (0..5).map(spread).collect::<Vec<_>>());
+    assert_eq!(space.poses_at([2.0, 0.0, 0.0], 0.1, 48), Vec::<Vec<f64>>::new());
+}
+
+#[test]
 fn the_arm_reaches_as_far_as_it_is_long() {
     let plan = exact(CouplingMode::Reduced).specialised();
     let farthest = tips(&plan, 20_000).into_iter().map(|tip| distance(tip, [0.0; 3])).fold(0.0, f64::max);

@@ -30,6 +30,9 @@ pub struct EnvState<S: Scalar> {
     pub touch: S,
     /// The button that it acted on; meaningless where there was no force.
     pub touched: S,
+    /// Physics steps from the onset of the contact that pressed the current button in the last control step to its end; zero
+    /// without one.
+    pub pressed: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
     /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, and physics steps that
@@ -56,6 +59,7 @@ impl<S: Scalar> EnvState<S> {
             qacc: vec![o; tables.plan.ndof()],
             touch: o,
             touched: o,
+            pressed: o,
             pending: o,
             sums: [o; SUMS],
             seed: [w; 2],
@@ -75,10 +79,11 @@ impl<S: Scalar> EnvState<S> {
     pub fn numbers(&mut self) -> impl Iterator<Item = &mut S> {
         let (body, task) = (&mut self.body, &mut self.task);
         let body = body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act).chain(&mut self.qacc);
-        let targets = task.position.iter_mut().flatten().chain(&mut task.size).chain(&mut task.done_at);
-        let counters =
-            [&mut task.phase, &mut task.dwell, &mut task.step, &mut self.touch, &mut self.touched, &mut self.pending];
-        body.chain(targets).chain(counters).chain(&mut self.sums)
+        let targets = task.position.iter_mut().flatten().chain(&mut task.size);
+        let times = task.done_at.iter_mut().chain(&mut task.reached_at);
+        let counters = [&mut task.phase, &mut task.dwell, &mut task.held, &mut task.step];
+        let contact = [&mut self.touch, &mut self.touched, &mut self.pressed];
+        body.chain(targets).chain(times).chain(counters).chain(contact).chain([&mut self.pending]).chain(&mut self.sums)
     }
 
     /// Every integer, in a fixed order.

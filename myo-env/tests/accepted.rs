@@ -51,8 +51,8 @@ impl Random {
 struct Body(f64);
 
 impl Reach for Body {
-    fn distance_out_of_reach(&self, _: [f64; 3]) -> f64 {
-        0.0
+    fn nearest_in_reach(&self, point: [f64; 3]) -> [f64; 3] {
+        point
     }
     fn physics_dt_s(&self) -> Option<f64> {
         Some(self.0)

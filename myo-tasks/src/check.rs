@@ -4,8 +4,10 @@ use garde::Validate;
 
 use crate::description::{Task, rounded_steps};
 use crate::geometry::{distance, farthest, farthest_at_worst, gap, spread};
+use crate::range::Range;
+use crate::remedy::{Remedy, least_move, reached_part, shrink_and_move};
 use crate::report::{Element, Report, TaskError, TaskWarning, subject};
-use crate::target::{Pointing, Pressing, Target};
+use crate::target::{Pointing, Pressing, Region, Target};
 
 /// Contact begins so far in m from a button's surface.
 pub const CONTACT_MARGIN: f64 = 0.002;
@@ -19,10 +21,19 @@ const SAMPLES: u32 = 2048;
 /// Positions tried against the model's reach, which may be slow to tell.
 const REACH_SAMPLES: u32 = 504;
 
+/// Looks at smaller and smaller parts of a range before none counts as reached.
+const CLOSER_LOOKS: u32 = 8;
+
 /// What the check of a task asks the model.
 pub trait Reach {
-    /// How far a point, in m relative to the shoulder centre, is from the nearest point in reach; 0 when it is in reach.
-    fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64;
+    /// The point in reach that is nearest to a point, both in m relative to the shoulder centre; that point itself when it
+    /// is in reach.
+    fn nearest_in_reach(&self, point_rel_shoulder: [f64; 3]) -> [f64; 3];
+
+    /// How far (m) a point is from the nearest one in reach; 0 when it is in reach.
+    fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+        distance(point_rel_shoulder, self.nearest_in_reach(point_rel_shoulder))
+    }
 
     /// Seconds of one physics step, which control steps must be whole multiples of. `None`, the default, where no model is
     /// known: then control steps are not checked.
@@ -36,8 +47,8 @@ pub trait Reach {
 pub struct Anywhere;
 
 impl Reach for Anywhere {
-    fn distance_out_of_reach(&self, _: [f64; 3]) -> f64 {
-        0.0
+    fn nearest_in_reach(&self, point: [f64; 3]) -> [f64; 3] {
+        point
     }
 }
 
@@ -159,68 +170,122 @@ fn buttons(task: &Task, report: &mut Report) {
 /// Spheres and buttons against the model's reach.
 fn reachability(task: &Task, reach: &dyn Reach, report: &mut Report) {
     for (target, description) in runs(task) {
-        let found = match description {
-            Target::Pointing(sphere) => unreached_sphere(sphere, reach),
-            Target::Pressing(button) => unreached_button(button, reach),
-        };
-        let (fraction, worst, beyond_m) = (found.fraction(), found.worst, found.beyond_m);
-        if found.missed == found.tried {
-            report.errors.push(TaskError::OutOfReach { target, worst, beyond_m });
-        } else if found.missed > 0 {
-            report.warnings.push(TaskWarning::PartlyOutOfReach { target, fraction, worst, beyond_m });
+        let found = look(description, reach);
+        if found.missed().next().is_none() {
+            continue;
+        }
+        let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
+        let remedy = Box::new(remedy(description, &found, reach));
+        if fraction == 1.0 {
+            report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
+        } else {
+            let missed = found.missed_region();
+            report.warnings.push(TaskWarning::PartlyOutOfReach { target, fraction, missed, worst, beyond_m, remedy });
         }
     }
 }
 
-/// How much of a target cannot be reached.
-#[derive(Default)]
+/// What came of trying places of a target.
 struct Unreached {
-    tried: u32,
-    missed: u32,
-    worst: [f64; 3],
+    tried: Vec<Tried>,
+}
+
+/// A place of a target.
+struct Tried {
+    /// Centre of the sphere, or point of the button's face.
+    point: [f64; 3],
+    /// How far (m) the face, or the surface of the smallest sphere, is out of reach; negative within the sphere.
     beyond_m: f64,
+    is_reached: bool,
 }
 
 impl Unreached {
-    /// Counts a point that is so far out of reach; `hit` says whether that is near enough.
-    fn count(&mut self, point: [f64; 3], beyond_m: f64, hit: bool) {
-        self.tried += 1;
-        self.missed += u32::from(!hit);
-        if beyond_m > self.beyond_m {
-            (self.worst, self.beyond_m) = (point, beyond_m);
-        }
+    fn missed(&self) -> impl Iterator<Item = &Tried> {
+        self.tried.iter().filter(|tried| !tried.is_reached)
     }
 
     fn fraction(&self) -> f64 {
-        f64::from(self.missed) / f64::from(self.tried)
+        self.missed().count() as f64 / self.tried.len() as f64
+    }
+
+    /// The point that is farthest out, and how far (m).
+    fn worst(&self) -> ([f64; 3], f64) {
+        let farthest =
+            self.tried.iter().reduce(|worst, tried| if tried.beyond_m > worst.beyond_m { tried } else { worst });
+        farthest.map_or(([0.0; 3], 0.0), |tried| (tried.point, tried.beyond_m))
+    }
+
+    /// The box around all that was missed.
+    fn missed_region(&self) -> Region {
+        let [x, y, z] = [0, 1, 2].map(|k| {
+            let least = self.missed().map(|tried| tried.point[k]).fold(f64::INFINITY, f64::min);
+            Range::new(least, self.missed().map(|tried| tried.point[k]).fold(least, f64::max))
+        });
+        Region { x, y, z }
+    }
+}
+
+fn look(target: &Target, reach: &dyn Reach) -> Unreached {
+    match target {
+        Target::Pointing(sphere) => look_at_sphere(sphere, reach),
+        Target::Pressing(button) => look_at_button(button, reach),
     }
 }
 
 /// A sphere counts as reached when the fingertip gets inside it: its centre may be out of reach by less than the radius.
-fn unreached_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
-    let mut found = Unreached::default();
+fn look_at_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
     // Evenly spread points never lie on the corners, where a target is farthest out or just within reach.
-    let corners = sphere.position.corners().map(|p| (p, sphere.radius.max));
+    let corners = Region::corner_shares().map(|share| (share, sphere.radius.max));
     let inside = (0..REACH_SAMPLES).map(|k| {
         let [a, b, c, r] = spread(k);
-        (sphere.position.at([a, b, c]), sphere.radius.at(r))
+        ([a, b, c], sphere.radius.at(r))
     });
-    for (centre, radius) in corners.into_iter().chain(inside) {
-        let out = reach.distance_out_of_reach(centre);
-        found.count(centre, out - sphere.radius.min, out < radius);
-    }
-    found
+    let mut last = ([f64::NAN; 3], f64::NAN);
+    let tried = corners.into_iter().chain(inside).map(|(share, radius)| {
+        let point = sphere.position.at(share);
+        // All places of a fixed sphere are one.
+        if last.0 != point {
+            last = (point, reach.distance_out_of_reach(point));
+        }
+        Tried { point, beyond_m: last.1 - sphere.radius.min, is_reached: last.1 < radius }
+    });
+    Unreached { tried: tried.collect() }
 }
 
 /// A button counts as reached when the fingertip gets to some point of its face.
-fn unreached_button(button: &Pressing, reach: &dyn Reach) -> Unreached {
+fn look_at_button(button: &Pressing, reach: &dyn Reach) -> Unreached {
     const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let mut found = Unreached::default();
-    for point in GRID.iter().flat_map(|across| GRID.map(|up| button.face_point(*across, up))) {
-        let out = reach.distance_out_of_reach(point);
-        found.count(point, out, out <= 0.0);
+    let tried = GRID.iter().flat_map(|across| GRID.map(|up| button.face_point(*across, up))).map(|point| {
+        let beyond_m = reach.distance_out_of_reach(point);
+        Tried { point, beyond_m, is_reached: beyond_m <= 0.0 }
+    });
+    Unreached { tried: tried.collect() }
+}
+
+/// What brings all of a target into reach.
+fn remedy(target: &Target, found: &Unreached, reach: &dyn Reach) -> Remedy {
+    let mut points: Vec<_> = found.tried.iter().map(|tried| tried.point).collect();
+    points.dedup();
+    let moved = least_move(target.region(), &points, reach);
+    let Target::Pointing(sphere) = target else { return Remedy { moved, narrowed: None } };
+    let narrowed = if sphere.position.is_point() { None } else { narrowed(sphere, found, reach) };
+    let can_shrink = moved.is_none() && narrowed.is_none();
+    Remedy { moved: moved.or_else(|| can_shrink.then(|| shrink_and_move(&sphere.position, reach))?), narrowed }
+}
+
+/// A part of a sphere's range that can be reached, looked at as closely as the whole.
+fn narrowed(sphere: &Pointing, found: &Unreached, reach: &dyn Reach) -> Option<Region> {
+    let place = |tried: &Tried| (tried.point, tried.is_reached);
+    let mut places: Vec<_> = found.tried.iter().map(place).collect();
+    for _ in 0..CLOSER_LOOKS {
+        let part = reached_part(&sphere.position, &places)?;
+        let closer = look_at_sphere(&Pointing { position: part, ..sphere.clone() }, reach);
+        if closer.missed().next().is_none() {
+            return Some(part);
+        }
+        places.extend(closer.tried.iter().map(place));
     }
-    found
+    None
 }
 
 /// Share of evenly spread points of the unit cube for which `test` holds.

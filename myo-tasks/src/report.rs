@@ -4,6 +4,8 @@ use std::fmt;
 
 use crate::check::CONTACT_MARGIN;
 use crate::description::Task;
+use crate::remedy::{Place, Remedy};
+use crate::target::Region;
 
 /// What is wrong with a task and what is odd about it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -141,8 +143,8 @@ pub enum TaskError {
     },
     /// No part of the target can be reached.
     #[error(
-        "{target} is out of reach of the model: at ({:.2}, {:.2}, {:.2}) m by {:.1} cm; move it nearer to the shoulder",
-        worst[0], worst[1], worst[2], 100.0 * beyond_m
+        "{target} {} out of reach of the model: at ({:.2}, {:.2}, {:.2}) m {} by {:.1} cm; {}",
+        is_or_are(target), worst[0], worst[1], worst[2], hull(target), 100.0 * beyond_m, advice(target, remedy)
     )]
     OutOfReach {
         /// The target.
@@ -151,6 +153,8 @@ pub enum TaskError {
         worst: [f64; 3],
         /// How far out of reach the button's face, or the surface of the smallest sphere, is there, in m.
         beyond_m: f64,
+        /// What brings all of it into reach.
+        remedy: Box<Remedy>,
     },
 }
 
@@ -190,18 +194,23 @@ pub enum TaskWarning {
     },
     /// Part of a target's range cannot be reached.
     #[error(
-        "{:.1} % of the range of {target} is out of reach of the model, most at ({:.2}, {:.2}, {:.2}) m by {:.1} cm",
-        100.0 * fraction, worst[0], worst[1], worst[2], 100.0 * beyond_m
+        "{:.1} % of {}{target} is out of reach of the model, {}most at ({:.2}, {:.2}, {:.2}) m, {} by {:.1} cm; {}",
+        100.0 * fraction, part_of(target), within(missed), worst[0], worst[1], worst[2], hull(target), 100.0 * beyond_m,
+        advice(target, remedy)
     )]
     PartlyOutOfReach {
         /// The target.
         target: Element,
-        /// Share of positions and sizes that cannot be reached.
+        /// Share of positions and sizes, or of a button's face, that cannot be reached.
         fraction: f64,
+        /// A box around all positions that cannot be reached, in m relative to the shoulder centre.
+        missed: Region,
         /// The place that is farthest out, in m relative to the shoulder centre.
         worst: [f64; 3],
         /// How far out of reach the button's face, or the surface of the smallest sphere, is there, in m.
         beyond_m: f64,
+        /// What brings all of it into reach.
+        remedy: Box<Remedy>,
     },
     /// A time that is not a whole number of control steps.
     #[error("{what} of {given_s} s is not a whole number of control steps and counts as {used_s:.4} s ({steps} steps)")]
@@ -245,6 +254,28 @@ impl TaskWarning {
             Self::Rounded { path, .. } => path.clone(),
         }
     }
+}
+
+fn is_or_are(element: &Element) -> &'static str {
+    if element.first == element.last { "is" } else { "are" }
+}
+
+/// What of it the distance out of reach is measured to.
+fn hull(element: &Element) -> &'static str {
+    if element.kind == "pressing" { "its face" } else { "its surface" }
+}
+
+fn advice(element: &Element, remedy: &Remedy) -> String {
+    remedy.advice(if element.kind == "pressing" { "it" } else { "its centre" })
+}
+
+fn part_of(element: &Element) -> &'static str {
+    if element.kind == "pressing" { "the face of " } else { "the range of " }
+}
+
+/// Where the places lie that cannot be reached, unless they are one.
+fn within(missed: &Region) -> String {
+    if missed.is_point() { String::new() } else { format!("within {}, ", Place(missed)) }
 }
 
 fn nearest_steps([shorter, longer]: &[f64; 2]) -> String {

@@ -192,7 +192,12 @@ impl Region {
 
     /// The eight corners, some equal where an axis is fixed.
     pub fn corners(&self) -> [[f64; 3]; 8] {
-        std::array::from_fn(|bits| self.at([0, 1, 2].map(|axis| f64::from((bits >> axis) as u32 & 1))))
+        Self::corner_shares().map(|share| self.at(share))
+    }
+
+    /// The eight corners as shares of the intervals.
+    pub(crate) fn corner_shares() -> [[f64; 3]; 8] {
+        std::array::from_fn(|bits| [0, 1, 2].map(|axis| f64::from((bits >> axis) as u32 & 1)))
     }
 }
 

@@ -251,8 +251,8 @@ fn texts_that_a_terminal_would_obey_are_refused() {
 struct Step(f64);
 
 impl Reach for Step {
-    fn distance_out_of_reach(&self, _: [f64; 3]) -> f64 {
-        0.0
+    fn nearest_in_reach(&self, point: [f64; 3]) -> [f64; 3] {
+        point
     }
     fn physics_dt_s(&self) -> Option<f64> {
         Some(self.0)
@@ -454,8 +454,9 @@ fn buttons_that_could_be_touched_at_once() {
 struct Ball(f64);
 
 impl Reach for Ball {
-    fn distance_out_of_reach(&self, [x, y, z]: [f64; 3]) -> f64 {
-        (f64::hypot(f64::hypot(x, y), z) - self.0).max(0.0)
+    fn nearest_in_reach(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let share = (self.0 / f64::hypot(f64::hypot(x, y), z)).min(1.0);
+        [x * share, y * share, z * share]
     }
 }
 
@@ -465,15 +466,19 @@ fn targets_out_of_reach_say_which_and_how_far() {
         "position: [0.4, 0.1, -0.2]",
         "position: [0.9, 0.01, 0]",
         &Ball(0.8),
-        &["my.yaml:12:15: target 2 (pressing) is out of reach of the model: at (0.91, 0.04, 0.02) m by 10.8 cm; \
-         move it nearer to the shoulder"],
+        &[
+            "my.yaml:12:15: target 2 (pressing) is out of reach of the model: at (0.91, 0.04, 0.02) m its face by 10.8 cm; \
+         move it 11.0 cm to (0.79, 0.006, -0.003) m, that is 11.0 cm back",
+        ],
     );
     checked(
         "x: 0.4",
         "x: [1, 1.1]",
         &Ball(0.8),
-        &["my.yaml:6:7: target 1 (pointing) is out of reach of the model: at (1.10, -0.10, -0.30) m by 30.5 cm; \
-         move it nearer to the shoulder"],
+        &[
+            "my.yaml:6:7: target 1 (pointing) is out of reach of the model: at (1.10, -0.10, -0.30) m its surface by 30.5 cm; \
+         move the range 36.7 cm to x 0.633 to 0.733, y -0.1 to 0.1, z -0.3 to 0.3 m, that is 36.7 cm back",
+        ],
     );
 }
 

@@ -38,12 +38,12 @@ fn start(task: &Task) -> (CompiledTask<f64>, TaskState<f64>) {
 
 /// The fingertip at a point, touching nothing.
 fn at(fingertip: [f64; 3]) -> Sensed<f64> {
-    Sensed { fingertip, touch_force: 0.0, touched: -1.0 }
+    Sensed { fingertip, touch_force: 0.0, touched: -1.0, reached_at: 0.0 }
 }
 
 /// The fingertip pressing a button.
 fn pressing(button: usize, touch_force: f64) -> Sensed<f64> {
-    Sensed { fingertip: [0.0; 3], touch_force, touched: button as f64 }
+    Sensed { touch_force, touched: button as f64, ..at([0.0; 3]) }
 }
 
 #[track_caller]

@@ -13,7 +13,7 @@ use crate::files::{IoError, write_atomically};
 use crate::learn::Optimizer;
 use crate::networks::Networks;
 use crate::normalizer::Normalizer;
-use crate::session::Memory;
+use crate::session::{Memory, Trend};
 use crate::{Mlp, Policy, PpoConfig};
 
 const MAGIC: &[u8; 8] = b"MYOCKPT\n";
@@ -127,6 +127,11 @@ impl Checkpoint {
     /// Control steps of all environments done.
     pub fn env_steps(&self) -> u64 {
         self.updates * self.config.batch_size() as u64
+    }
+
+    /// What the last doubling of the training brought, if a session wrote it and that can be told.
+    pub fn trend(&self) -> Option<Trend> {
+        self.session.as_ref()?.memory.curve.trend()
     }
 
     /// Sets the time spent to zero: the one thing in which equal runs differ.

@@ -3,39 +3,68 @@
 use myo_env::{Autoreset, EnvSpec, StepStorage, VectorEnv};
 use serde::{Deserialize, Serialize};
 
+use crate::statistics::{Sample, wilson_interval};
 use crate::{Policy, TrainError};
 
 /// Result of [`evaluate`]. The keys of its JSON form are stable; quantities that do not exist are `null`.
+///
+/// Every mean comes with an interval that holds the policy's true mean, over all episodes that there could be, with 95 %
+/// confidence: Student's for means, whose episodes are independent, Wilson's (1927, doi 10.1080/01621459.1927.10502953) for
+/// shares. They tell how well this policy is known, not how much another training of it would differ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// Share of episodes in which every target was done.
     pub success: Option<f64>,
-    /// 95 % confidence interval of `success` (Wilson 1927, doi 10.1080/01621459.1927.10502953).
+    /// 95 % confidence interval of `success`.
     pub success_interval: Option<[f64; 2]>,
     /// Episodes counted.
     pub episodes: u64,
     /// One entry per target, in order.
     pub targets: Vec<TargetEvaluation>,
-    /// Mean distance to the last target at the end, in metres.
+    /// Mean distance from the fingertip to the centre of the current target at the end, in metres: of the last target where
+    /// all are done.
     pub final_distance_m: Option<f64>,
+    /// 95 % confidence interval of it.
+    pub final_distance_m_interval: Option<[f64; 2]>,
     /// Mean squared control.
     pub effort: Option<f64>,
+    /// 95 % confidence interval of it.
+    pub effort_interval: Option<[f64; 2]>,
     /// Mean duration of an episode, in seconds.
     pub episode_length_s: Option<f64>,
+    /// 95 % confidence interval of it.
+    pub episode_length_s_interval: Option<[f64; 2]>,
     /// Mean sum of rewards of an episode.
     #[serde(rename = "return")]
     pub episode_return: Option<f64>,
+    /// 95 % confidence interval of it.
+    #[serde(rename = "return_interval")]
+    pub episode_return_interval: Option<[f64; 2]>,
 }
 
-/// One target's part of an [`Evaluation`].
+/// One target's part of an [`Evaluation`]. Times are those of the episodes in which it was done.
+///
+/// Movement time is the field's: from the start signal, here the end of the target before or the reset, to the last entry
+/// into the target or to the touch of a button, without dwell (Soukoreff & MacKenzie 2004, doi 10.1016/j.ijhcs.2004.09.001; ISO
+/// 9241-411). It is known to one physics step. The policy has no reaction time of its own: it perceives the start at once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetEvaluation {
     /// Share of all episodes in which the target was done.
     pub success: f64,
-    /// Mean time from the target's start to its end where it was done, in seconds.
+    /// 95 % confidence interval of it.
+    pub success_interval: Option<[f64; 2]>,
+    /// Mean movement time, without dwell, in seconds.
     pub movement_time_s: Option<f64>,
     /// Standard deviation of these times, in seconds.
     pub movement_time_s_sd: Option<f64>,
+    /// 95 % confidence interval of their mean, in seconds.
+    pub movement_time_s_interval: Option<[f64; 2]>,
+    /// Mean time from the target's start to its end, dwell included, in seconds; each is a whole number of control steps.
+    pub time_s: Option<f64>,
+    /// Standard deviation of these times, in seconds.
+    pub time_s_sd: Option<f64>,
+    /// 95 % confidence interval of their mean, in seconds.
+    pub time_s_interval: Option<[f64; 2]>,
 }
 
 /// Runs the mean actions of `policy` in `env` until `episodes` episodes have ended.
@@ -126,65 +155,98 @@ impl Evaluation {
             let index = spec.episode_names.iter().position(|n| n == name)?;
             Some(summaries.iter().skip(index).step_by(spec.episode_size()).map(|&x| f64::from(x)).collect::<Vec<_>>())
         };
-        let mean = |name: &str| column(name).and_then(|x| mean_and_sd(&x)).map(|(mean, _)| mean);
+        let sample = |name: &str| column(name).and_then(|x| Sample::of(&x));
+        let share = |name: &str| sample(name).map(|x| (x.mean, wilson_interval(x.mean, episodes as f64)));
         let target = |i: usize| {
-            let success = mean(&format!("target_{i}_success"))?;
-            let times = column(&format!("target_{i}_time")).and_then(|x| mean_and_sd(&x));
-            let (movement_time_s, movement_time_s_sd) = (times.map(|(mean, _)| mean), times.map(|(_, sd)| sd));
-            Some(TargetEvaluation { success, movement_time_s, movement_time_s_sd })
+            let of = |name: &str| format!("target_{i}_{name}");
+            let (success, success_interval) = share(&of("success"))?;
+            let (movement, time) = (sample(&of("movement_time")), sample(&of("time")));
+            Some(TargetEvaluation {
+                success,
+                success_interval: Some(success_interval),
+                movement_time_s: mean(movement),
+                movement_time_s_sd: movement.map(|x| x.sd),
+                movement_time_s_interval: interval(movement),
+                time_s: mean(time),
+                time_s_sd: time.map(|x| x.sd),
+                time_s_interval: interval(time),
+            })
         };
-        let success = mean("success");
+        let success = share("success");
+        let (distance, effort, episode_return) = (sample("final_distance"), sample("effort"), sample("return"));
+        let length = sample("length").map(|steps| steps.times(spec.control_dt));
         Self {
-            success,
-            success_interval: success.map(|share| wilson_interval(share, episodes as f64)),
+            success: success.map(|(share, _)| share),
+            success_interval: success.map(|(_, interval)| interval),
             episodes: episodes as u64,
             targets: (1..).map_while(target).collect(),
-            final_distance_m: mean("final_distance"),
-            effort: mean("effort"),
-            episode_length_s: mean("length").map(|steps| steps * spec.control_dt),
-            episode_return: mean("return"),
+            final_distance_m: mean(distance),
+            final_distance_m_interval: interval(distance),
+            effort: mean(effort),
+            effort_interval: interval(effort),
+            episode_length_s: mean(length),
+            episode_length_s_interval: interval(length),
+            episode_return: mean(episode_return),
+            episode_return_interval: interval(episode_return),
         }
     }
 }
 
-/// Mean and standard deviation (of the sample) of the entries that are not NaN.
-fn mean_and_sd(x: &[f64]) -> Option<(f64, f64)> {
-    let x = || x.iter().copied().filter(|x| !x.is_nan());
-    let n = x().count() as f64;
-    if n == 0.0 {
-        return None;
-    }
-    let mean = x().sum::<f64>() / n;
-    let squares: f64 = x().map(|x| (x - mean) * (x - mean)).sum();
-    Some((mean, (squares / (n - 1.0).max(1.0)).sqrt()))
+fn mean(sample: Option<Sample>) -> Option<f64> {
+    sample.map(|x| x.mean)
 }
 
-/// Interval that holds a true share with 95 % confidence when a share `p` of `n` trials succeeded.
-fn wilson_interval(p: f64, n: f64) -> [f64; 2] {
-    let z = 1.959_963_985;
-    let centre = p + z * z / (2.0 * n);
-    let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
-    let scale = 1.0 + z * z / n;
-    [((centre - half) / scale).max(0.0), ((centre + half) / scale).min(1.0)]
+fn interval(sample: Option<Sample>) -> Option<[f64; 2]> {
+    sample.and_then(|x| x.interval)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Two targets, four episodes: one does both, two do the first, one does none.
     #[test]
-    fn wilson_interval_of_known_cases() {
-        // 81 of 263, a textbook case: 0.2553 to 0.3662
-        let [low, high] = wilson_interval(81.0 / 263.0, 263.0);
-        assert!((low - 0.2553).abs() < 1e-4 && (high - 0.3662).abs() < 1e-4, "{low} {high}");
-        let [low, high] = wilson_interval(1.0, 100.0);
-        assert!((low - 0.9630).abs() < 1e-4 && high == 1.0, "{low} {high}");
-    }
-
-    #[test]
-    fn times_of_targets_never_reached_are_left_out() {
-        assert_eq!(mean_and_sd(&[f64::NAN, 1.0, 3.0]), Some((2.0, 2.0_f64.sqrt())));
-        assert_eq!(mean_and_sd(&[f64::NAN]), None);
-        assert_eq!(mean_and_sd(&[4.0]), Some((4.0, 0.0)));
+    fn times_and_shares_come_with_intervals() {
+        let names = ["length", "success", "target_1_success", "target_1_time", "target_1_movement_time"];
+        let second = ["target_2_success", "target_2_time", "target_2_movement_time"];
+        let spec = EnvSpec {
+            num_envs: 1,
+            observation_names: vec![],
+            action_names: vec![],
+            episode_names: names.iter().chain(&second).map(|&name| name.to_owned()).collect(),
+            control_dt: 0.05,
+            max_episode_steps: 40,
+            autoreset: Autoreset::SameStep,
+        };
+        let nan = f32::NAN;
+        let summaries = [
+            [30.0, 1.0, 1.0, 0.75, 0.5, 1.0, 0.75, 0.25],
+            [40.0, 0.0, 1.0, 1.0, 0.75, 0.0, nan, nan],
+            [40.0, 0.0, 1.0, 1.25, 1.0, 0.0, nan, nan],
+            [40.0, 0.0, 0.0, nan, nan, 0.0, nan, nan],
+        ];
+        let evaluation = Evaluation::new(&spec, 4, summaries.as_flattened());
+        assert_eq!((evaluation.success, evaluation.success_interval), (Some(0.25), Some(wilson_interval(0.25, 4.0))));
+        let [first, second] = &evaluation.targets[..] else { panic!("{evaluation:?}") };
+        assert_eq!((first.success, first.success_interval), (0.75, Some(wilson_interval(0.75, 4.0))));
+        assert_eq!((first.movement_time_s, first.movement_time_s_sd), (Some(0.75), Some(0.25)));
+        assert_eq!((first.time_s, first.time_s_sd), (Some(1.0), Some(0.25)));
+        // Student's quantile for three observations is 4.3027.
+        let half = 4.3027 * 0.25 / 3.0_f64.sqrt();
+        for (interval, mean) in [(first.movement_time_s_interval, 0.75), (first.time_s_interval, 1.0)] {
+            let [low, high] = interval.unwrap();
+            assert!((low - (mean - half)).abs() < 1e-4 && (high - (mean + half)).abs() < 1e-4, "{low} {high}");
+        }
+        assert_eq!((second.movement_time_s, second.time_s), (Some(0.25), Some(0.75)));
+        assert_eq!(
+            (second.movement_time_s_interval, second.time_s_interval),
+            (None, None),
+            "one says nothing about it"
+        );
+        assert_eq!(evaluation.episode_length_s, Some(1.875));
+        let [low, high] = evaluation.episode_length_s_interval.unwrap();
+        // 2.5 steps of 0.05 s and the quantile of four observations, 3.1824.
+        assert!((low - (1.875 - 3.1824 * 0.125)).abs() < 1e-4 && (high - (1.875 + 3.1824 * 0.125)).abs() < 1e-4);
+        assert_eq!((evaluation.effort, evaluation.effort_interval), (None, None));
     }
 }

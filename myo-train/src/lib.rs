@@ -10,7 +10,7 @@
 //! use std::path::Path;
 //!
 //! use myo_env::VectorEnv;
-//! use myo_train::session::{Examiner, Goal};
+//! use myo_train::session::{Examiner, Goal, Until};
 //! use myo_train::{PpoConfig, RunWriter, Session, Trainer};
 //!
 //! fn train(
@@ -22,7 +22,7 @@
 //!     let episode_names = trainer.spec().episode_names.clone();
 //!     let description = serde_json::json!({ "task": "pointing" });
 //!     let run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, &episode_names)?;
-//!     let goal = Goal { until: Some(0.95), steps: 10_000_000 };
+//!     let goal = Goal { until: Until::Success(0.95), steps: 10_000_000 };
 //!     let mut session = Session::new(trainer, Examiner::on_host(fresh_env, seed), goal)?.recorded_in(run)?;
 //!     let end = loop {
 //!         let progress = session.advance(&|| true)?;
@@ -57,6 +57,7 @@ mod rollout;
 mod run;
 pub mod session;
 mod simd;
+mod statistics;
 mod tensorboard;
 mod trainer;
 mod weights;

@@ -379,10 +379,14 @@ fn an_evaluation_goes_out_and_in_under_its_names() {
     keys.sort_unstable();
     let expected = [
         "effort",
+        "effort_interval",
         "episode_length_s",
+        "episode_length_s_interval",
         "episodes",
         "final_distance_m",
+        "final_distance_m_interval",
         "return",
+        "return_interval",
         "success",
         "success_interval",
         "targets",
@@ -390,7 +394,17 @@ fn an_evaluation_goes_out_and_in_under_its_names() {
     assert_eq!(keys, expected);
     let mut keys: Vec<_> = json["targets"][0].as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
-    assert_eq!(keys, ["movement_time_s", "movement_time_s_sd", "success"]);
+    let expected = [
+        "movement_time_s",
+        "movement_time_s_interval",
+        "movement_time_s_sd",
+        "success",
+        "success_interval",
+        "time_s",
+        "time_s_interval",
+        "time_s_sd",
+    ];
+    assert_eq!(keys, expected);
 
     let folder = tempfile::tempdir().unwrap();
     let (_, run) = start(&folder.path().join("run"));

@@ -9,7 +9,7 @@ use std::time::Duration;
 use common::Points;
 use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_gpu::GpuError;
-use myo_train::session::{End, Examiner, Goal, News, Outcome, Progress};
+use myo_train::session::{End, Examiner, Goal, News, Outcome, Progress, Until};
 use myo_train::{Checkpoint, PpoConfig, RunFolder, RunWriter, Session, Trainer};
 
 const ENVS: usize = 256;
@@ -130,10 +130,10 @@ fn news(told: &[Progress]) -> Vec<&News> {
     told.iter().flat_map(|progress| &progress.news).collect()
 }
 
-const REACH: Goal = Goal { until: Some(0.95), steps: 3_000_000 };
+const REACH: Goal = Goal { until: Until::Success(0.95), steps: 3_000_000 };
 
 fn steps(steps: u64) -> Goal {
-    Goal { until: None, steps }
+    Goal { until: Until::Off, steps }
 }
 
 #[test]
@@ -267,7 +267,8 @@ fn a_training_that_nothing_heals_ends_with_the_reason() {
 #[test]
 fn a_training_that_leads_nowhere_is_told_once() {
     let config = PpoConfig { policy_hidden: vec![2], value_hidden: vec![2], epochs: 1, ..config() };
-    let (told, outcome) = run(session(Mishap::Unreachable, config, Goal { until: Some(0.95), steps: 8_000_000 }));
+    let (told, outcome) =
+        run(session(Mishap::Unreachable, config, Goal { until: Until::Success(0.95), steps: 8_000_000 }));
     let [News::Flat { env_steps, recent }] = news(&told)[..] else { panic!("{:?}", news(&told)) };
     assert!(*env_steps >= 6_000_000 && recent.success == 0.0, "{env_steps} {recent:?}");
     assert_eq!(outcome.end, End::Steps);
@@ -325,12 +326,40 @@ fn check_that_no_stop_is_seen(config: PpoConfig, goal: Goal, stride: usize, look
 
 #[test]
 fn a_training_with_a_goal_that_was_stopped_ends_as_one_left_alone() {
-    let goal = |steps| Goal { until: Some(0.9), steps };
+    let goal = |steps| Goal { until: Until::Success(0.9), steps };
     let told = check_that_no_stop_is_seen(config(), goal(3_000_000), 9, Mishap::None);
     assert_eq!(told.last().unwrap().end, Some(End::Until));
     // Looks in vain, too.
     let told = check_that_no_stop_is_seen(config(), goal(400_000), 19, Mishap::Unreachable);
     assert!(told.iter().filter(|progress| !progress.looks.is_empty()).count() > 1);
+}
+
+#[test]
+fn a_training_to_its_plateau_ends_when_more_of_it_brings_nothing() {
+    let plateau = Goal { until: Until::Plateau, steps: 40_000_000 };
+    let (told, outcome) = run(session(Mishap::None, config(), plateau));
+    let trend = outcome.trend.unwrap();
+    assert_eq!((&outcome.end, trend.is_plateau()), (&End::Plateau, true));
+    assert!(told[..told.len() - 1].iter().all(|progress| progress.end.is_none()), "it ends at once");
+    let seconds = |outcome: &Outcome| outcome.evaluation.as_ref().unwrap().episode_length_s.unwrap();
+    let (_, later) = run(session(Mishap::None, config(), steps(4 * outcome.env_steps)));
+    assert!(seconds(&later) > 0.97 * seconds(&outcome), "{} {}", seconds(&later), seconds(&outcome));
+}
+
+#[test]
+fn a_training_to_its_plateau_that_was_stopped_ends_as_one_left_alone() {
+    let told =
+        check_that_no_stop_is_seen(config(), Goal { until: Until::Plateau, steps: 40_000_000 }, 97, Mishap::None);
+    assert_eq!(told.last().unwrap().end, Some(End::Plateau));
+}
+
+#[test]
+fn the_evaluation_that_is_reported_had_no_say_in_when_to_stop() {
+    let (told, outcome) = run(session(Mishap::None, config(), REACH));
+    let evaluation = outcome.evaluation.unwrap();
+    let looks: Vec<_> = told.iter().flat_map(|progress| &progress.looks).collect();
+    assert!(looks.len() >= 2 && looks.last().unwrap().episodes == evaluation.episodes);
+    assert!(looks.iter().all(|look| **look != evaluation), "{looks:?}");
 }
 
 #[test]
@@ -343,7 +372,7 @@ fn a_training_that_ran_away_and_was_stopped_ends_as_one_left_alone() {
 #[test]
 fn a_look_that_was_cut_off_is_taken_when_the_training_goes_on() {
     let place = tempfile::tempdir().unwrap();
-    let goal = Goal { until: Some(0.9), steps: 3_000_000 };
+    let goal = Goal { until: Until::Success(0.9), steps: 3_000_000 };
     let (told, outcome) = run(session(Mishap::None, config(), goal));
     let first_look = told.iter().position(|progress| !progress.looks.is_empty()).unwrap();
     // As Ctrl-C in the middle of the first look.
@@ -370,7 +399,7 @@ fn a_look_that_was_cut_off_is_taken_when_the_training_goes_on() {
 #[test]
 fn a_training_that_is_over_is_left_as_it_is_and_its_evaluation_made_again() {
     let place = tempfile::tempdir().unwrap();
-    for (name, goal) in [("steps", steps(8192)), ("until", Goal { until: Some(0.9), steps: 3_000_000 })] {
+    for (name, goal) in [("steps", steps(8192)), ("until", Goal { until: Until::Success(0.9), steps: 3_000_000 })] {
         let (whole, again) = (place.path().join(name), place.path().join(format!("{name}-again")));
         let (_, outcome) = run(recorded(session(Mishap::None, config(), goal), &whole));
         // As one killed before it could evaluate.
@@ -388,12 +417,13 @@ fn a_training_that_is_over_is_left_as_it_is_and_its_evaluation_made_again() {
 fn a_goal_that_was_reached_and_is_higher_now_is_sought_again() {
     let place = tempfile::tempdir().unwrap();
     let goal = |until| Goal { until, steps: 3_000_000 };
-    let (_, outcome) = run(recorded(session(Mishap::None, config(), goal(Some(0.5))), &place.path().join("low")));
+    let (_, outcome) =
+        run(recorded(session(Mishap::None, config(), goal(Until::Success(0.5))), &place.path().join("low")));
     let success = outcome.evaluation.unwrap().success.unwrap();
     let over =
         |until, name: &str| resumed(&newest(&place.path().join("low")), goal(until), &place.path().join(name)).over();
-    assert_eq!(over(Some(success), "same"), Some(End::Until));
-    assert_eq!((over(Some(0.999), "higher"), over(None, "off")), (None, None));
+    assert_eq!(over(Until::Success(success), "same"), Some(End::Until));
+    assert_eq!((over(Until::Success(0.999), "higher"), over(Until::Off, "off")), (None, None));
 }
 
 #[test]

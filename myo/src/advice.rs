@@ -1,16 +1,45 @@
-//! Why a training that leads nowhere may do so, as far as its task and its episodes tell.
+//! Why a training that leads nowhere may do so: only what was tested is claimed.
 
-use myo_tasks::{Reach, Report, Target, Task, TaskError, TaskWarning, check};
-use myo_train::session::Recent;
+use myo_tasks::{Element, Pointing, Reach, Report, Target, Task, TaskError, TaskWarning, check};
+use myo_train::session::{Bottleneck, Recent};
 
-/// Closer to the edge of reach than this (m), a pose has little freedom left and muscles have little strength.
-const EDGE_M: f64 = 0.03;
+/// A finding explains a failure when it concerns at least this share of what fails.
+const EXPLAINS: f64 = 0.5;
 
-/// If at least this share of positions is at the edge, that is the likely cause.
-const EDGE_SHARE: f64 = 0.05;
+/// Places of a sphere at which the muscles are tested.
+const PLACES: u32 = 32;
 
-/// If the mean episode takes at least this share of the time limit, lack of time is the likely cause.
-const LATE: f64 = 0.9;
+/// Episodes over which the way between targets is averaged.
+const WAYS: u32 = 512;
+
+/// How far (m) from a place that cannot be held another is looked for.
+const AROUND: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
+
+/// What the tests ask the body, besides what it [reaches](Reach).
+pub trait Body: Reach {
+    /// Of each place, whether muscles can hold the fingertip still there in some pose that was tried.
+    fn can_hold(&self, places: &[Place]) -> Vec<bool>;
+
+    /// The greatest speed of the fingertip (m/s) in some movements with muscles either slack or fully active.
+    fn fastest_m_per_s(&self) -> f64;
+}
+
+/// A sphere that the fingertip is to be in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Its centre, in m relative to the shoulder centre.
+    pub centre: [f64; 3],
+    /// Its radius in m.
+    pub radius: f64,
+}
+
+/// What a test came to.
+enum Finding {
+    /// It concerns the share of the episodes that get to the target; the sentence says what was found and what helps.
+    Wrong(f64, String),
+    /// Nothing is wrong; what was tested, in words.
+    Fine(String),
+}
 
 /// The greatest share of episodes that can succeed, as far as the check of a task can tell: those in which no sphere lies
 /// out of reach. Buttons do not count: one that is partly out of reach can still be pressed elsewhere.
@@ -24,72 +53,166 @@ pub fn most_success(report: &Report) -> f64 {
     reached.product()
 }
 
-/// Why so many episodes probably fail, and what may help: one sentence.
-pub fn likely_cause(task: &Task, reach: &dyn Reach, recent: &Recent) -> String {
-    let hardest = hardest(recent);
-    let at_edge = at_edge(&check(task, &Nearer(reach)), hardest);
-    let limit = f64::from(task.time_limit_steps());
-    let (number, count) = (hardest + 1, recent.target_success.len());
-    if at_edge >= EDGE_SHARE {
-        return format!(
-            "likely cause: {:.0} % of the positions of target {number} lie within {:.0} cm of the edge of reach or beyond; \
-             bring them nearer to the shoulder or make them larger",
-            100.0 * at_edge,
-            100.0 * EDGE_M
-        );
+/// At which target so many episodes fail, and why, where a test tells: whether it can be reached, whether muscles can hold
+/// the fingertip there, and whether the time suffices. One sentence; where no test finds a cause, it says so.
+pub fn likely_cause(task: &Task, body: &dyn Body, recent: &Recent) -> String {
+    let Some(Bottleneck { target, success }) = recent.bottleneck() else {
+        return "no target is missed by recent episodes, so there is no cause to look for".into();
+    };
+    let task = task.clone().expanded();
+    let Some(label) = task.targets.get(target).map(|description| description.label(target)) else {
+        return "the task has fewer targets than the training".into();
+    };
+    let findings = [reach(&task, body, target), hold(&task, body, target), time(&task, body)];
+    let (mut causes, mut lesser, mut fine) = (Vec::new(), Vec::new(), Vec::new());
+    for finding in findings.into_iter().flatten() {
+        match finding {
+            Finding::Wrong(share, text) if share >= EXPLAINS * (1.0 - success) => causes.push(text),
+            Finding::Wrong(_, text) => lesser.push(text),
+            Finding::Fine(text) => fine.push(text),
+        }
     }
-    if hardest > 0 && recent.length >= LATE * limit {
-        return format!(
-            "likely cause: time; when the {} s are over, {:.1} of {count} targets are done; raise time_limit_s",
-            task.time_limit_s, recent.targets_done
-        );
+    let head = format!("{label} is the bottleneck, {:.0} % of the episodes that get to it do it", 100.0 * success);
+    if !causes.is_empty() {
+        return format!("{head}; likely cause: {}", causes.join("; and "));
     }
-    if let Some(Target::Pointing(sphere)) = task.clone().expanded().targets.get(hardest)
-        && recent.final_distance < sphere.radius.centre()
-    {
-        return format!(
-            "likely cause: the dwell of target {number}; the fingertip ends {:.1} cm from its centre, but does not stay inside \
-             for {} s; shorten dwell_s or enlarge the radius",
-            100.0 * recent.final_distance,
-            sphere.dwell_s
-        );
-    }
+    let lesser = lesser.iter().map(|text| format!("; {text}, which explains less than half of what fails"));
     format!(
-        "target {number} is missed most often, and nothing in its description says why; another seed, more environments \
-         (--envs 4096) or a larger distance weight may help"
+        "{head}; no cause was found{}{}{}; a training with another seed shows whether it was chance",
+        if fine.is_empty() { "" } else { ": " },
+        fine.join(", "),
+        lesser.collect::<String>()
     )
 }
 
-/// The target at which most episodes end.
-fn hardest(recent: &Recent) -> usize {
-    let before = [1.0].into_iter().chain(recent.target_success.iter().copied());
-    let lost = before.zip(&recent.target_success).map(|(before, after)| before - after);
-    lost.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
-}
-
-/// Share of the positions of a target that a check found out of reach.
-fn at_edge(report: &Report, index: usize) -> f64 {
-    let holds = |first, last| (first..=last).contains(&index);
+/// Whether the target can be reached, as the check of the task finds it.
+fn reach(task: &Task, body: &dyn Body, target: usize) -> Option<Finding> {
+    let report = check(task, body);
+    let concerns = |element: &Element| (element.first..=element.last).contains(&target);
     let error = report.errors.iter().find_map(|error| match error {
-        TaskError::OutOfReach { target, .. } if holds(target.first, target.last) => Some(1.0),
+        TaskError::OutOfReach { target, .. } if concerns(target) => Some(Finding::Wrong(1.0, error.to_string())),
         _ => None,
     });
     let warning = report.warnings.iter().find_map(|warning| match warning {
-        TaskWarning::PartlyOutOfReach { target, fraction, .. } if holds(target.first, target.last) => Some(*fraction),
+        // A button can be pressed elsewhere.
+        TaskWarning::PartlyOutOfReach { target, fraction, .. } if concerns(target) && target.kind == "pointing" => {
+            Some(Finding::Wrong(*fraction, warning.to_string()))
+        }
         _ => None,
     });
-    error.or(warning).unwrap_or(0.0)
+    Some(error.or(warning).unwrap_or_else(|| Finding::Fine("it can be reached".into())))
 }
 
-/// The same reach, shorter by [`EDGE_M`].
-struct Nearer<'a>(&'a dyn Reach);
-
-impl Reach for Nearer<'_> {
-    fn distance_out_of_reach(&self, point: [f64; 3]) -> f64 {
-        let length = point.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let further = 1.0 + EDGE_M / length.max(EDGE_M);
-        self.0.distance_out_of_reach(point.map(|x| x * further))
+/// Whether muscles can hold the fingertip in a sphere. One that is done in a single control step needs no hold.
+fn hold(task: &Task, body: &dyn Body, target: usize) -> Option<Finding> {
+    let Target::Pointing(sphere) = &task.targets[target] else { return None };
+    if task.dwell_steps(target) < 2 {
+        return None;
     }
+    let mut places: Vec<Place> = (0..PLACES).map(|k| place(sphere, k)).collect();
+    places.dedup();
+    // What is out of reach is another finding.
+    places.retain(|place| body.distance_out_of_reach(place.centre) < place.radius);
+    let can_hold = body.can_hold(&places);
+    let lost: Vec<_> = places.iter().zip(&can_hold).filter(|(_, can)| !**can).map(|(place, _)| place).collect();
+    let Some(first) = lost.first() else {
+        let tried = places.len();
+        let all = if tried == 1 { String::new() } else { format!(" at all of {tried} places tried") };
+        return (tried > 0).then(|| Finding::Fine(format!("muscles can hold the fingertip still there{all}")));
+    };
+    let share = lost.len() as f64 / places.len() as f64;
+    let [x, y, z] = first.centre;
+    let text = format!(
+        "muscles cannot hold the fingertip still at {:.0} % of the places tried of target {}, such as ({x:.2}, {y:.2}, {z:.2}) m, \
+         so that it has to pass through and needs {} s inside; {}",
+        100.0 * share,
+        target + 1,
+        sphere.dwell_s,
+        held_nearby(body, first).unwrap_or_else(|| "nor at any place tried up to 20 cm away".into())
+    );
+    Some(Finding::Wrong(share, text))
+}
+
+/// Where muscles can hold the fingertip next to a place where they cannot.
+fn held_nearby(body: &dyn Body, place: &Place) -> Option<String> {
+    const WAYS: [(usize, f64, &str); 6] = [
+        (0, -1.0, "farther back"),
+        (0, 1.0, "farther forward"),
+        (1, -1.0, "farther to the right"),
+        (1, 1.0, "farther to the left"),
+        (2, -1.0, "lower"),
+        (2, 1.0, "higher"),
+    ];
+    AROUND.iter().flat_map(|way| WAYS.map(|(axis, sign, word)| (axis, sign * way, word))).find_map(
+        |(axis, way, word)| {
+            let mut moved = *place;
+            moved.centre[axis] += way;
+            let [x, y, z] = moved.centre;
+            let is_held = body.distance_out_of_reach(moved.centre) == 0.0 && body.can_hold(&[moved]) == [true];
+            is_held.then(|| format!("they can {:.0} cm {word}, at ({x:.2}, {y:.2}, {z:.2}) m", 100.0 * way.abs()))
+        },
+    )
+}
+
+/// Whether dwells, and the ways between the targets at the arm's greatest speed, fit into the time limit.
+fn time(task: &Task, body: &dyn Body) -> Option<Finding> {
+    let spheres = (0..task.targets.len()).filter(|&k| matches!(task.targets[k], Target::Pointing(_)));
+    let dwells_s = spheres.map(|k| f64::from(task.dwell_steps(k)) * task.control_dt_s).sum::<f64>();
+    let (way_m, speed) = (way(task), body.fastest_m_per_s());
+    let (needed_s, limit_s) = (dwells_s + way_m / speed, task.time_limit_s);
+    let figures = format!(
+        "dwells of {dwells_s:.2} s and {way_m:.2} m at {speed:.0} m/s, the greatest speed of the arm in tests, take {needed_s:.2} \
+         of {limit_s} s"
+    );
+    if needed_s > limit_s {
+        // On average; a good half of the episodes cannot be done.
+        return Some(Finding::Wrong(1.0, format!("time: {figures}; raise time_limit_s")));
+    }
+    Some(Finding::Fine(figures))
+}
+
+/// The least way (m) of the fingertip from the first target to the last, on average: from surface to surface.
+fn way(task: &Task) -> f64 {
+    let between = |pair: &[Target]| {
+        let [a, b] = pair else { return 0.0 };
+        let ways = (0..WAYS).filter_map(|k| {
+            let way = distance(spot(a, 2 * k + 1), spot(b, 3 * k + 2));
+            (way >= b.min_distance().unwrap_or(0.0)).then(|| (way - size(a) - size(b)).max(0.0))
+        });
+        let (count, sum) = ways.fold((0_u32, 0.0), |(count, sum), way| (count + 1, sum + way));
+        sum / f64::from(count.max(1))
+    };
+    task.targets.windows(2).map(between).sum()
+}
+
+/// How far (m) from its centre a target can be done.
+fn size(target: &Target) -> f64 {
+    match target {
+        Target::Pointing(sphere) => sphere.radius.max,
+        Target::Pressing(button) => 0.5 * distance(button.size, [0.0; 3]),
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// A centre of a target; others for other numbers.
+fn spot(target: &Target, number: u32) -> [f64; 3] {
+    target.region().at(shares(number))
+}
+
+fn place(sphere: &Pointing, number: u32) -> Place {
+    Place { centre: sphere.position.at(shares(number)), radius: sphere.radius.at(fraction(number, 0.754_877_666)) }
+}
+
+/// Shares of three ranges, spread evenly over them by multiples of irrational numbers (Roberts 2018).
+fn shares(number: u32) -> [f64; 3] {
+    [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|step| fraction(number, step))
+}
+
+fn fraction(number: u32, step: f64) -> f64 {
+    (0.5 + f64::from(number) * step).fract()
 }
 
 #[cfg(test)]
@@ -98,46 +221,138 @@ mod tests {
 
     use super::*;
 
-    /// Half a metre in every direction.
-    struct Ball;
+    /// Reaches half a metre in every direction; holds what lies lower than this (m), and moves this fast (m/s).
+    struct Doll {
+        holds_below: f64,
+        fastest: f64,
+    }
 
-    impl Reach for Ball {
-        fn distance_out_of_reach(&self, point: [f64; 3]) -> f64 {
-            (point.iter().map(|x| x * x).sum::<f64>().sqrt() - 0.5).max(0.0)
+    const ABLE: Doll = Doll { holds_below: 1.0, fastest: 10.0 };
+
+    impl Reach for Doll {
+        fn nearest_in_reach(&self, point: [f64; 3]) -> [f64; 3] {
+            let share = 0.5 / distance(point, [0.0; 3]);
+            if share < 1.0 { point.map(|x| x * share * (1.0 - 1e-12)) } else { point }
         }
     }
 
-    fn cause(task: &Task, target_success: &[f64], length: f64, final_distance: f64) -> String {
+    impl Body for Doll {
+        fn can_hold(&self, places: &[Place]) -> Vec<bool> {
+            places.iter().map(|place| place.centre[2] < self.holds_below).collect()
+        }
+
+        fn fastest_m_per_s(&self) -> f64 {
+            self.fastest
+        }
+    }
+
+    fn cause(task: &Task, body: &dyn Body, target_success: &[f64], length: f64, final_distance: f64) -> String {
         let targets_done = target_success.iter().sum();
         let success = *target_success.last().unwrap();
         let target_success = target_success.to_vec();
-        likely_cause(task, &Ball, &Recent { success, targets_done, final_distance, length, target_success })
+        likely_cause(
+            task,
+            body,
+            &Recent { success, targets_done, final_distance, length, episode_return: 0.0, target_success },
+        )
+    }
+
+    /// The preset with all of its spheres changed.
+    fn typing(change: impl Fn(&mut Pointing)) -> Task {
+        let mut task = preset("mobile-typing").unwrap();
+        for target in &mut task.targets {
+            let Target::Pointing(sphere) = target else { panic!("a sphere") };
+            change(sphere);
+        }
+        task
+    }
+
+    /// The same with one sphere only.
+    fn tap(change: impl Fn(&mut Pointing)) -> Task {
+        let mut task = typing(change);
+        task.targets.truncate(1);
+        let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("a sphere") };
+        sphere.repeat = 1;
+        task
     }
 
     #[test]
     fn spheres_out_of_reach_bound_the_success() {
-        let mut task = preset("mobile-typing").unwrap();
-        assert_eq!(most_success(&check(&task, &Ball)), 1.0);
-        let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("spheres") };
-        sphere.position.x.max = 0.45;
-        let most = most_success(&check(&task, &Ball));
+        assert_eq!(most_success(&check(&typing(|_| {}), &ABLE)), 1.0);
+        let most = most_success(&check(&tap(|sphere| sphere.position.x.max = 0.45), &ABLE));
         // x below 0.41, of 0.225 to 0.45.
         assert!((most - 0.185 / 0.225).abs() < 0.02, "{most}");
     }
 
     #[test]
-    fn each_cause_is_named_with_its_figures() {
-        let mut task = preset("mobile-typing").unwrap();
-        let text = cause(&task, &[0.9, 0.8, 0.7, 0.3, 0.2], 75.0, 0.1);
-        assert!(text.contains("when the 4 s are over, 2.9 of 5 targets are done"), "{text}");
-        let text = cause(&task, &[0.9, 0.8, 0.7, 0.3, 0.2], 40.0, 0.005);
-        assert!(text.contains("dwell of target 4") && text.contains("0.5 cm"), "{text}");
-        let text = cause(&task, &[0.1, 0.1, 0.1, 0.1, 0.1], 40.0, 0.3);
-        assert!(text.contains("target 1 is missed most often"), "{text}");
-        task.targets.truncate(1);
-        let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("spheres") };
-        sphere.position.x.max = 0.45;
-        let text = cause(&task, &[0.6], 40.0, 0.3);
-        assert!(text.contains("% of the positions of target 1 lie within 3 cm of the edge of reach"), "{text}");
+    fn neither_dwell_nor_time_are_blamed_where_nothing_tested_is_wrong() {
+        let task = typing(|sphere| sphere.dwell_s = 0.2);
+        // Episodes to the last moment, a fingertip that ends near the target or far: what was once taken for a cause.
+        for (length, final_distance) in [(80.0, 0.1), (80.0, 0.005), (40.0, 0.005), (40.0, 0.3)] {
+            for success in [[0.9, 0.8, 0.7, 0.3, 0.2], [0.1, 0.1, 0.1, 0.1, 0.1], [0.9, 0.9, 0.9, 0.9, 0.2]] {
+                let text = cause(&task, &ABLE, &success, length, final_distance);
+                assert!(text.contains("is the bottleneck") && text.contains("no cause was found"), "{text}");
+                assert!(
+                    !text.contains("likely cause") && !text.contains("raise") && !text.contains("shorten"),
+                    "{text}"
+                );
+                assert!(text.contains("it can be reached") && text.contains("hold the fingertip still"), "{text}");
+            }
+        }
+        let text = cause(&task, &ABLE, &[0.9, 0.8, 0.7, 0.3, 0.2], 75.0, 0.1);
+        assert!(
+            text.starts_with("target 4 (pointing) is the bottleneck, 43 % of the episodes that get to it do it"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_target_out_of_reach_is_the_cause_where_it_explains_what_fails() {
+        let task = tap(|sphere| sphere.position.x.max = 0.45);
+        let text = cause(&task, &ABLE, &[0.75], 40.0, 0.3);
+        assert!(text.contains("likely cause: 1") && text.contains("is out of reach of the model"), "{text}");
+        assert!(text.contains("; move the range ") && text.contains(" back"), "{text}");
+        let text = cause(&task, &ABLE, &[0.1], 40.0, 0.3);
+        assert!(text.contains("no cause was found") && text.contains("which explains less than half"), "{text}");
+        let task = tap(|sphere| sphere.position.x = 0.9.into());
+        let text = cause(&task, &ABLE, &[0.0], 40.0, 0.3);
+        assert!(text.contains("likely cause: target 1 (pointing) is out of reach of the model"), "{text}");
+    }
+
+    #[test]
+    fn what_muscles_cannot_hold_is_the_cause_and_where_they_can_is_told() {
+        let high = |sphere: &mut Pointing| sphere.position.z = myo_tasks::Range::new(-0.3, -0.1);
+        let task = tap(|sphere| {
+            high(sphere);
+            sphere.dwell_s = 0.2;
+        });
+        let weak = Doll { holds_below: -0.28, fastest: 10.0 };
+        let text = cause(&task, &weak, &[0.1], 40.0, 0.05);
+        assert!(text.contains("likely cause: muscles cannot hold the fingertip still at 9"), "{text}");
+        assert!(text.contains("they can ") && text.contains(" cm lower, at ("), "{text}");
+        // A sphere that is done as soon as it is touched needs no hold.
+        let text = cause(&tap(high), &weak, &[0.1], 40.0, 0.05);
+        assert!(text.contains("no cause was found") && !text.contains("muscles"), "{text}");
+    }
+
+    #[test]
+    fn time_is_blamed_only_where_dwells_and_the_fastest_movements_take_longer() {
+        let shares = [0.9, 0.8, 0.7, 0.3, 0.2];
+        let slow = Doll { fastest: 0.01, ..ABLE };
+        let text = cause(&typing(|_| {}), &slow, &shares, 40.0, 0.1);
+        assert!(text.contains("likely cause: time: dwells of ") && text.contains("raise time_limit_s"), "{text}");
+        let brief = |dwell_s: f64| Task { time_limit_s: 1.0, ..typing(|sphere| sphere.dwell_s = dwell_s) };
+        let text = cause(&brief(0.1), &ABLE, &shares, 20.0, 0.1);
+        assert!(
+            text.contains("no cause was found: it can be reached, ") && text.contains("dwells of 0.50 s"),
+            "{text}"
+        );
+        let text = cause(&brief(0.25), &ABLE, &shares, 20.0, 0.1);
+        assert!(text.contains("likely cause: time: dwells of 1.25 s"), "{text}");
+    }
+
+    #[test]
+    fn a_training_that_misses_nothing_has_no_cause() {
+        assert!(cause(&typing(|_| {}), &ABLE, &[1.0; 5], 20.0, 0.0).contains("no target is missed"));
     }
 }

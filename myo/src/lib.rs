@@ -33,7 +33,8 @@
 //!
 //! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a
 //! task ask a model; [`Backend`], [`Device`] and [`Envs`], which choose between processor and graphics card and train there;
-//! [`RunDescription`], what a run folder says about its training; and [`likely_cause`] and [`most_success`], why a training leads nowhere or cannot reach its goal.
+//! [`RunDescription`], what a run folder says about its training; [`ProgressLine`], how a training goes; and [`likely_cause`] and
+//! [`most_success`], why it leads nowhere or cannot reach its goal.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
@@ -46,11 +47,13 @@ pub use myo_train as train;
 mod advice;
 mod backend;
 pub mod picture;
+pub mod progress;
 mod reach;
 mod run_description;
 
-pub use advice::{likely_cause, most_success};
+pub use advice::{Body, Place, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
+pub use progress::ProgressLine;
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use myo_gpu::AdapterChoice;
 use myo_model::{Model, ModelDescription, ModelError, builtin};
 use myo_tasks::{Anywhere, Task, check};
-use myo_train::session::Goal;
+use myo_train::session::{Goal, Until};
 use myo_train::{Checkpoint, RunClaim, RunConfig, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -28,8 +28,8 @@ pub struct RunDescription {
     pub device: Option<String>,
     /// Version of the program that began the run.
     pub version: String,
-    /// Share of deterministic success at which training stops, above 0, at most 1; none if only `steps` stop it.
-    pub until: Option<f64>,
+    /// What ends the training before its steps do: `plateau`, a share of deterministic success above 0 and at most 1, or null.
+    pub until: Until,
     /// Control steps of all environments after which training stops in any case, at least 1.
     pub steps: u64,
     /// The run whose networks it started from, if any.
@@ -98,9 +98,6 @@ impl RunDescription {
     fn check(&self) -> Result<(), String> {
         if let Some(error) = check(&self.task, &Anywhere).errors.first() {
             return Err(error.to_string());
-        }
-        if let Some(until) = self.until.filter(|until| !(*until > 0.0 && *until <= 1.0)) {
-            return Err(format!("until is {until}; it must be a share above 0, at most 1, or null"));
         }
         match (self.steps, &self.backend[..], &self.device) {
             (0, ..) => Err("steps is 0; it must be at least 1".into()),

@@ -385,7 +385,11 @@ fn an_edited_description_is_checked_as_a_new_task_and_new_options_are() {
             serde_json::json!(1e308),
             "`time_limit_s` is 1e308 s; it must be from 0.001 to 600 s",
         ),
-        ("/run/until", serde_json::json!(2), "until is 2; it must be a share above 0, at most 1, or null"),
+        (
+            "/run/until",
+            serde_json::json!(2),
+            "until is 2; it must be \"plateau\", a share above 0 and at most 1, or null",
+        ),
         ("/run/steps", serde_json::json!(0), "steps is 0; it must be at least 1"),
         ("/run/backend", serde_json::json!("tpu"), "backend is \"tpu\"; it must be \"cpu\" or \"gpu\""),
         ("/run/backend", serde_json::json!("gpu"), "backend is \"gpu\", so device must name the graphics card"),

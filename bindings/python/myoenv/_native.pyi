@@ -344,7 +344,7 @@ class Session:
         backend: str,
         device: str | None,
         threads: int | None,
-        until: float | None,
+        until: str,
         steps: int,
         start_from: str | PathLike[str] | None,
     ) -> Self: ...
@@ -355,12 +355,11 @@ class Session:
         backend: str | None,
         device: str | None,
         threads: int | None,
-        keep_until: bool,
-        until: float | None,
+        until: str | None,
         steps: int | None,
     ) -> Session:
         """Continues the training of a run folder: on the device where it began, unless a backend or a device is given,
-        and with its own `until`, unless `keep_until` is false."""
+        and with its own `until` and `steps`, unless others are given."""
     def description(self) -> str:
         """What is trained, on what, until when: the parts `run`, `ppo` and `seed` of `config.json`."""
     def record_in(self, path: str | PathLike[str]) -> None:
@@ -371,9 +370,9 @@ class Session:
         """One update, its record, and a look at the goal when it is time to.
 
         Keys: `metrics`, what `metrics.csv` has as columns, or None when the training went back to an earlier state;
-        `news`, sentences; `end`, None until the training is over; `reason`, of the loss of a graphics card; `raised`,
-        what a signal handler raised meanwhile, which is left to the caller. After an error the training is over and
-        writes nothing more.
+        `line`, how it goes, or None likewise; `news`, sentences; `end`, None until the training is over; `reason`, of
+        the loss of a graphics card; `raised`, what a signal handler raised meanwhile, which is left to the caller.
+        After an error the training is over and writes nothing more.
         """
     def conclude(self, end: str) -> tuple[str, BaseException | None]:
         """Closes the training after the `end` that `advance` told, or another: a last checkpoint, and, unless it was
@@ -388,7 +387,7 @@ class Session:
         """Control steps of all environments since the start."""
     @property
     def over(self) -> str | None:
-        """Why there is nothing left to train, if so: `until` or `steps`."""
+        """Why there is nothing left to train, if so: `until`, `plateau` or `steps`."""
     @property
     def confirmed_success(self) -> float | None:
         """Share of success that confirmed the goal, if an evaluation did."""

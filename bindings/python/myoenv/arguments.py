@@ -160,6 +160,17 @@ def as_share(name: str, value: Any) -> float:
     return number
 
 
+def as_until(value: Any) -> str:
+    """What a training is for: `"plateau"`, a share above 0 and up to 1, or None; as the compiled half reads it."""
+    if value is None:
+        return "off"
+    if isinstance(value, str):
+        if value != "plateau":
+            raise ValueError(f'until is {value!r}; it must be "plateau", a share above 0 and at most 1, or None')
+        return value
+    return repr(as_share("until", value))
+
+
 def as_seed(seed: Any) -> int:
     """A seed, from 0 to 2**64 - 1."""
     number = as_integer("seed", seed)

@@ -114,10 +114,19 @@ def _finite(metrics: Metrics) -> Metrics:
 
 
 def evaluation_columns(result: TrainResult) -> Metrics:
-    """The evaluation as a flat table: `evaluation/success`, `evaluation/target_1_success`, ...; what there is of it."""
+    """The evaluation as a flat table: `evaluation/success`, `evaluation/target_1_success`, ...; what there is of it.
+
+    Intervals become two columns, `evaluation/success_low` and `evaluation/success_high`.
+    """
     evaluation = dict(result.evaluation or {})
     for k, target in enumerate(evaluation.pop("targets", ()), start=1):
         evaluation |= {f"target_{k}_{name}": value for name, value in target.items()}
-    low, high = evaluation.pop("success_interval", None) or (None, None)
-    evaluation |= {"success_low": low, "success_high": high}
-    return {f"evaluation/{name}": float(value) for name, value in evaluation.items() if value is not None}
+    columns: dict[str, Any] = {}
+    for name, value in evaluation.items():
+        if name.endswith("_interval"):
+            low, high = value or (None, None)
+            what = name.removesuffix("_interval")
+            columns |= {f"{what}_low": low, f"{what}_high": high}
+        else:
+            columns[name] = value
+    return {f"evaluation/{name}": float(value) for name, value in columns.items() if value is not None}

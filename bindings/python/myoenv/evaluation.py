@@ -35,8 +35,10 @@ def evaluate(
     """Runs a policy, ours or anybody's, on fresh episodes; returns one array per quantity, one entry per episode.
 
     `pandas.DataFrame(evaluate("runs/pointing-1"))` is a table. Columns: `return`, `length` (control steps), `success`,
-    `targets_done`, `final_distance` (m), `effort`, the parts of the reward, and for each target `target_1_success` and
-    `target_1_time` (s, NaN where it was not done).
+    `targets_done`, `final_distance` (m), `effort`, the parts of the reward, and for each target `target_1_success`,
+    `target_1_movement_time` (s: from the end of the target before it, or the reset, to the last entry or the touch, without
+    dwell, in whole physics steps) and `target_1_time` (s: to its own end, dwell included, in whole control steps), both NaN
+    where it was not done.
 
     Args:
         run: A run folder or a `Policy`, of which the mean actions are taken, or any function that makes actions

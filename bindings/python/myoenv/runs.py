@@ -50,8 +50,8 @@ class RunDescription:
         return self.run.get("device")
 
     @property
-    def until(self) -> float | None:
-        """Share of fresh episodes in which the deterministic policy must succeed, if any."""
+    def until(self) -> float | str | None:
+        """`"plateau"`, a share of fresh episodes in which the deterministic policy must succeed, or None."""
         return self.run.get("until")
 
     @property

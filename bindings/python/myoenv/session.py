@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import sys
+import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -14,6 +16,9 @@ from myoenv._native import DeviceError
 from myoenv.policy import Policy
 from myoenv.runs import RunDescription
 
+#: Seconds between two lines of progress.
+_LINE_EVERY = 5.0
+
 Metrics = dict[str, float]
 Evaluation = dict[str, Any]
 
@@ -22,7 +27,7 @@ Evaluation = dict[str, Any]
 class TrainResult:
     """How a training went; in a run that was resumed, counts and seconds of before are included."""
 
-    #: `until`, `steps`, `callback` or `interrupt`.
+    #: `until`, `plateau`, `steps`, `callback` or `interrupt`.
     stopped_by: str
     #: Control steps of all environments.
     env_steps: int
@@ -32,6 +37,9 @@ class TrainResult:
     wall_s: float
     #: The deterministic policy on fresh episodes, with the keys of `evaluation.json`; none after an interrupt.
     evaluation: Evaluation | None
+    #: What the last doubling of the training brought: changes of `episode_time` and `return` as shares of themselves and of
+    #: what was gained, of `success` as a share of all episodes, at `env_steps`; none where that cannot be told yet.
+    trend: Metrics | None
     #: The policy.
     policy: Policy = field(repr=False)
     #: The run folder, if the training was recorded.
@@ -54,8 +62,9 @@ class Callback:
 class Session:
     """One training that is about to run."""
 
-    def __init__(self, native: _native.Session, folder: Path | None) -> None:
-        self.native, self.folder = native, folder
+    def __init__(self, native: _native.Session, folder: Path | None, progress: bool = False) -> None:
+        self.native, self.folder, self.progress = native, folder, progress
+        self.last_line = time.monotonic()
 
     def run(self, callback: Callable[[Metrics], Any] | None) -> TrainResult:
         """Trains to the end."""
@@ -94,6 +103,7 @@ class Session:
             updates=outcome["updates"],
             wall_s=outcome["wall_s"],
             evaluation=outcome["evaluation"],
+            trend=outcome["trend"],
             policy=policy,
             run=self.folder,
         )
@@ -104,6 +114,7 @@ class Session:
             progress = self.native.advance()
             for sentence in progress["news"]:
                 warnings.warn(sentence, RuntimeWarning, stacklevel=5)
+            self._show(progress["line"])
             metrics = progress["metrics"]
             stopped = callback is not None and metrics is not None and callback(metrics) is True
             # What a signal handler raised, such as KeyboardInterrupt; only now: the callback hears of every update.
@@ -113,3 +124,9 @@ class Session:
                 return progress["end"], progress["reason"]
             if stopped:
                 return "callback", None
+
+    def _show(self, line: str | None) -> None:
+        """Writes how it goes to standard error, every few seconds."""
+        if self.progress and line is not None and time.monotonic() >= self.last_line + _LINE_EVERY:
+            self.last_line = time.monotonic()
+            print(line, file=sys.stderr, flush=True)

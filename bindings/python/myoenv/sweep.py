@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -31,9 +31,10 @@ from myoenv.arguments import (
     as_pair,
     as_path,
     as_seed,
-    as_share,
+    as_until,
 )
 from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
+from myoenv.training import STEPS
 
 Row = dict[str, Any]
 
@@ -70,8 +71,8 @@ def sweep(
     seeds: Iterable[int] = (1, 2, 3),
     folder: str | PathLike[str] = "sweep",
     *,
-    until: float | None = 0.95,
-    steps: int = 60_000_000,
+    until: float | Literal["plateau"] | None = "plateau",
+    steps: int = STEPS,
     settings: Mapping[str, Any] | None = None,
     num_envs: int | None = None,
     cpus_per_trial: int = 1,
@@ -81,15 +82,15 @@ def sweep(
     """Trains every layout with every seed; returns one row for each, in this order, and writes them as `results.csv`.
 
     Columns: `layout`, `seed`, `success`, `return`, `effort`, `final_distance_m`, `episode_length_s` and, for each
-    target, `target_1_success` and `target_1_time_s`, all of 1,000 fresh episodes with the deterministic policy; then
-    `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty where all went well. A trial that failed is tried
-    again by the next call.
+    target, `target_1_success`, `target_1_movement_time_s` (without dwell) and `target_1_time_s` (with it), all of 1,000
+    fresh episodes with the deterministic policy; then `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty
+    where all went well. A trial that failed is tried again by the next call.
 
     Args:
         layouts: Tasks by their names in the table; all are checked before the first is trained.
         seeds: Seeds of training.
         folder: Where results are kept, on the machine that calls.
-        until: Share of fresh episodes that must succeed; None trains all `steps`.
+        until: What to train to, as of `myoenv.train`: `"plateau"`, a share of success, or None for all `steps`.
         steps: Control steps of all environments after which a trial stops in any case.
         settings: Settings of PPO that differ from their defaults.
         num_envs: Environments of a trial.
@@ -100,7 +101,7 @@ def sweep(
     """
     ray = _ray()
     options = {
-        "until": None if until is None else as_share("until", until),
+        "until": float(until) if as_until(until) not in ("plateau", "off") else until,
         "steps": as_count("steps", steps),
         "settings": as_mapping("settings", settings),
         "num_envs": None if num_envs is None else as_num_envs(num_envs),
@@ -232,7 +233,7 @@ def run_trial(trial: Trial, threads: int) -> Row:
     means = ("success", "return", "effort", "final_distance_m", "episode_length_s")
     row: Row = {"layout": trial.layout, "seed": trial.seed, **{name: evaluation.get(name) for name in means}}
     for k, target in enumerate(evaluation.get("targets", ()), start=1):
-        row |= {f"target_{k}_success": target["success"], f"target_{k}_time_s": target["movement_time_s"]}
+        row |= {f"target_{k}_{name}": target[name] for name in ("success", "movement_time_s", "time_s")}
     run = {"env_steps": result.env_steps, "wall_s": round(result.wall_s, 2), "stopped_by": result.stopped_by}
     return row | run | {"error": ""}
 

@@ -17,9 +17,9 @@ from myoenv.arguments import (
     as_num_envs,
     as_path,
     as_seed,
-    as_share,
     as_text,
     as_threads,
+    as_until,
 )
 from myoenv.callbacks import as_callback
 from myoenv.runs import RunDescription
@@ -27,15 +27,15 @@ from myoenv.session import Callback, Metrics, Session, TrainResult
 from myoenv.tasks import ModelLike, TaskLike, task_and_model
 from myoenv.vector import Backend
 
-_UNTIL = 0.95
-_STEPS = 60_000_000
+#: Control steps after which to stop in any case.
+STEPS = 200_000_000
 
 
 def train(
     task: TaskLike | None = None,
     *,
     seed: int | None = None,
-    until: float | EllipsisType | None = ...,
+    until: float | Literal["plateau"] | EllipsisType | None = ...,
     steps: int | None = None,
     out: str | PathLike[str] | None = None,
     callback: Callable[[Metrics], Any] | Callback | Literal["wandb", "mlflow"] | None = None,
@@ -47,15 +47,17 @@ def train(
     model: ModelLike | None = None,
     resume: str | PathLike[str] | None = None,
     start_from: str | PathLike[str] | None = None,
+    progress: bool = False,
 ) -> TrainResult:
     """Trains a policy with PPO, from the start or from where a run was stopped.
 
     Args:
         task: A preset's name, a YAML or TOML file, a YAML text, a dictionary, or a `Task`.
         seed: Seed of everything random; 1 by default.
-        until: Share of fresh episodes in which the deterministic policy must succeed, 0.95 by default; None trains all
-            `steps`.
-        steps: Control steps of all environments after which to stop in any case; 60 million by default.
+        until: What to train to: `"plateau"`, the default, where a doubling of the training makes episodes less than 3 %
+            shorter, and success and return hardly better; a share of fresh episodes in which the deterministic policy
+            succeeds, such as 0.95, which is where it has just begun to be good; or None, to train all `steps`.
+        steps: Control steps of all environments after which to stop in any case; 200 million by default.
         out: Run folder to make, as `myo train` makes it; without one nothing is written.
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
             training stops when it returns True. What it raises leaves `train`, after a checkpoint. A `myoenv.Callback`
@@ -72,6 +74,8 @@ def train(
             to the bit; task, model, seed and settings are always the run's.
         start_from: A run folder or checkpoint whose networks to begin with; its task may have had other targets, and
             its body other muscles: observations and actions are matched by name.
+        progress: Whether to write a line to standard error every 5 s, as `myo train` does: steps, success, the target
+            that is missed most, and the time left.
 
     Ctrl-C stops with a checkpoint and returns the result so far, even during the last evaluation; the loss of a
     graphics card stops with a checkpoint, too. Training that runs away goes back to its last good state, and training
@@ -79,7 +83,7 @@ def train(
     """
     follow = as_callback(callback)
     given_backend, given_device = None if backend is None else as_text("backend", backend), as_device(device)
-    share = None if until is ... or until is None else as_share("until", until)
+    goal = None if until is ... else as_until(until)
     limit = None if steps is None else as_count("steps", steps)
     if resume is not None:
         _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
@@ -89,13 +93,12 @@ def train(
             backend=given_backend,
             device=given_device,
             threads=as_threads(threads),
-            keep_until=until is ...,
-            until=share,
+            until=goal,
             steps=limit,
         )
         _refuse_if_over(native, folder)
         native.record_on()
-        return Session(native, Path(folder)).run(follow)
+        return Session(native, Path(folder), progress).run(follow)
     if task is None:
         raise ValueError("name a task, or a run to resume")
     task, body = task_and_model(task, model)
@@ -110,15 +113,15 @@ def train(
         backend=given_backend or "auto",
         device=given_device,
         threads=as_threads(threads),
-        until=_UNTIL if until is ... else share,
-        steps=limit or _STEPS,
+        until=goal or "plateau",
+        steps=limit or STEPS,
         start_from=None if start_from is None else as_path("start_from", start_from),
     )
     if out is None:
-        return Session(native, None).run(follow)
+        return Session(native, None, progress).run(follow)
     folder = as_path("out", out)
     native.record_in(folder)
-    return Session(native, Path(folder)).run(follow)
+    return Session(native, Path(folder), progress).run(follow)
 
 
 def _refuse(**given: Any) -> None:
@@ -138,6 +141,9 @@ def _refuse_if_over(session: _native.Session, run: str) -> None:
     if end == "until" and success is not None:
         help = "raise it with until=..., or take it away with until=None"
         raise ValueError(f"{run} has reached its goal with {100 * success:.1f} % success; {help}")
+    if end == "plateau":
+        help = "to train on, take until=None and raise steps"
+        raise ValueError(f"{run} has come to its plateau after {done} control steps; {help}")
     limit = RunDescription.from_json(session.description()).steps
     raise ValueError(f"{run} has {done} control steps, and its limit is {limit}; raise it with steps=...")
 

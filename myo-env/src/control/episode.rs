@@ -40,7 +40,7 @@ pub fn draw_episode<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &m
     draw_body(tables, mask, env);
     logic::draw_targets(&tables.task, mask, env.counter(), &mut env.task);
     env.task.restart(mask);
-    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
+    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pressed, &mut env.pending]);
     for x in counters {
         *x = S::select(mask, S::zero(), *x);
     }

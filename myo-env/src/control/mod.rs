@@ -16,7 +16,7 @@ use crate::tables::Tables;
 use crate::vector::Autoreset;
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
-use myo_tasks::logic::{self, Sensed};
+use myo_tasks::logic::{self, Sensed, Stay};
 
 /// Scratch memory and results of one control step.
 pub struct Scratch<S: Scalar> {
@@ -75,12 +75,15 @@ pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>,
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }
 
-/// Where the fingertip is at the state reached, and what it touched on the way.
+/// Where the fingertip is at the state reached, what it touched on the way, and when it came to its target. The control step
+/// is not counted yet.
 #[inline(always)]
 fn sense<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, physics: &mut Workspace<S>) -> Sensed<S> {
     let mut fingertip = [S::zero(); 3];
     S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
-    Sensed { fingertip, touch_force: env.touch, touched: env.touched }
+    let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(tables.substeps));
+    let reached_at = now - Stay { held: env.task.held, pressed: env.pressed }.since_arrival();
+    Sensed { fingertip, touch_force: env.touch, touched: env.touched, reached_at }
 }
 
 #[inline(always)]

@@ -29,12 +29,20 @@ pub const EPISODE_COLUMNS: [Column; 13] = [
 ];
 
 /// Columns of every target `k`, counted from 1, which are called `target_{k}_` and this.
-pub const TARGET_COLUMNS: [Column; 2] = [
+pub const TARGET_COLUMNS: [Column; 3] = [
     Column::new("success", "", "1 if the target was done, else 0."),
     Column::new(
         "time",
         "s",
-        "From the end of the target before it, or from the reset, to its own end, dwell included; NaN if it was not done.",
+        "From the start of the target, which is the end of the one before it or the reset, to its own end, dwell included, in \
+         whole control steps; NaN if it was not done.",
+    ),
+    Column::new(
+        "movement_time",
+        "s",
+        "From the start of the target to the last entry into the sphere, after which the dwell ran through, or to the onset of \
+         the contact that pressed the button: without dwell, in whole physics steps; 0 if the fingertip was there at the start, \
+         NaN if the target was not done.",
     ),
 ];
 
@@ -87,14 +95,16 @@ pub fn summarise<S: Scalar>(
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
     out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
-    let dt = tables.task.control_dt.to_f64();
-    let mut before = S::zero();
-    for &done_at in &task.done_at {
+    let (dt, timestep) = (tables.task.control_dt.to_f64(), tables.plan.timestep.to_f64());
+    let substeps = S::lit(f64::from(tables.substeps));
+    let mut start = S::zero();
+    for (&done_at, &reached_at) in task.done_at.iter().zip(&task.reached_at) {
         let done = S::zero().lt(done_at);
+        let where_done = |time| S::select(done, time, S::lit(f64::NAN));
         out.push(S::indicator(done));
-        // Time since the target before was done.
-        out.push(S::select(done, (done_at - before) * S::lit(dt), S::lit(f64::NAN)));
-        before = done_at;
+        out.push(where_done((done_at - start) * S::lit(dt)));
+        out.push(where_done((reached_at - start * substeps) * S::lit(timestep)));
+        start = done_at;
     }
 }
 

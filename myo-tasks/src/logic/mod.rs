@@ -3,11 +3,13 @@
 //!
 //! No branch depends on the state: every lane computes every target and selects its own.
 
+mod arrival;
 mod compile;
 mod progress;
 mod reward;
 mod sample;
 
+pub use arrival::{Aim, Contact, Stay};
 pub use compile::{Button, CompiledTask, Sphere, TargetKind, Weights};
 pub use progress::{Progress, Sensed, advance, inside};
 pub use reward::{RewardTerms, distance_to_target, remaining_path, reward};
@@ -32,10 +34,15 @@ pub struct TaskState<S> {
     pub phase: S,
     /// Control steps inside the current target without a break.
     pub dwell: S,
+    /// Physics steps on the current target without a break, up to the end of the last control step.
+    pub held: S,
     /// Control steps since the episode began.
     pub step: S,
     /// Per target: the control step at which it was done; negative if it was not.
     pub done_at: Vec<S>,
+    /// Per target: the physics step, counted from the reset, at which the fingertip last came to it, see [`advance`];
+    /// negative if it did not.
+    pub reached_at: Vec<S>,
 }
 
 impl<S: Scalar> TaskState<S> {
@@ -48,19 +55,21 @@ impl<S: Scalar> TaskState<S> {
             size: vec![o; ntarget],
             phase: o,
             dwell: o,
+            held: o,
             step: o,
             done_at: vec![o; ntarget],
+            reached_at: vec![o; ntarget],
         }
     }
 
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        for counter in [&mut self.phase, &mut self.dwell, &mut self.step] {
+        for counter in [&mut self.phase, &mut self.dwell, &mut self.held, &mut self.step] {
             *counter = S::select(mask, S::zero(), *counter);
         }
-        for done_at in &mut self.done_at {
-            *done_at = S::select(mask, S::lit(-1.0), *done_at);
+        for at in self.done_at.iter_mut().chain(&mut self.reached_at) {
+            *at = S::select(mask, S::lit(-1.0), *at);
         }
     }
 

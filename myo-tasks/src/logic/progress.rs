@@ -12,6 +12,9 @@ pub struct Sensed<S> {
     pub touch_force: S,
     /// Number of the button that it acted on.
     pub touched: S,
+    /// Physics step, counted from the reset, at which the fingertip came to the current target; meaningless where it is not
+    /// on it. [`Aim`](super::Aim) tells.
+    pub reached_at: S,
 }
 
 /// What happened in a control step.
@@ -27,22 +30,34 @@ pub struct Progress<S: Scalar> {
 
 /// Counts the step, judges the current target, and moves on to the next one when it is done. The dwell counter starts
 /// again whenever the fingertip leaves and with every new target.
+///
+/// A target is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it or
+/// touches a button for the press that counts. Where that dwell begins is judged with it, at the end of a control step: what
+/// the fingertip does between two such ends while a dwell goes on, a slip out and back in, breaks neither.
 #[inline(always)]
 pub fn advance<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sensed<S>, state: &mut TaskState<S>) -> Progress<S> {
     let one = S::lit(1.0);
-    let longer = (state.dwell + one).only(inside(sensed, state));
+    let is_inside = inside(sensed, state);
+    let enters = is_inside & state.dwell.lt(S::lit(0.5));
+    let longer = (state.dwell + one).only(is_inside);
     state.step += one;
     let mut target_done = S::Mask::splat(false);
     for (index, target) in task.targets.iter().enumerate() {
-        let done = state.is_current(index)
-            & match target {
-                TargetKind::Sphere(sphere) => S::splat(sphere.dwell).le(longer),
-                TargetKind::Button(button) => is_pressed(button.number, button.min_force, sensed),
-            };
+        let current = state.is_current(index);
+        let (reached, done) = match target {
+            TargetKind::Sphere(sphere) => (enters, S::splat(sphere.dwell).le(longer)),
+            TargetKind::Button(button) => {
+                let pressed = is_pressed(button.number, button.min_force, sensed);
+                (pressed, pressed)
+            }
+        };
+        let done = current & done;
+        state.reached_at[index] = S::select(current & reached, sensed.reached_at, state.reached_at[index]);
         state.done_at[index] = S::select(done, state.step, state.done_at[index]);
         target_done = target_done | done;
     }
     state.dwell = S::select(target_done, S::zero(), longer);
+    state.held = S::select(target_done, S::zero(), state.held);
     state.phase += S::indicator(target_done);
     let task_done = S::lit(task.targets.len() as f64 - 0.5).lt(state.phase);
     let timed_out = S::splat(task.time_limit).le(state.step) & !task_done;

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::curve::Recent;
+use super::curve::{Bottleneck, Recent};
 use super::recovery;
+use super::trend::Trend;
 use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
 
 /// Why a training ended.
@@ -14,6 +15,8 @@ use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
 pub enum End {
     /// The deterministic policy succeeds often enough.
     Until,
+    /// Nothing improves any more that is worth further training.
+    Plateau,
     /// The steps are used up.
     Steps,
     /// The caller asked for it: Ctrl-C, or `go_on` said no.
@@ -30,6 +33,7 @@ impl End {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Until => "until",
+            Self::Plateau => "plateau",
             Self::Steps => "steps",
             Self::Interrupted => "interrupt",
             Self::DeviceLost { .. } => "device_lost",
@@ -88,6 +92,8 @@ pub struct Progress {
     pub metrics: Option<UpdateMetrics>,
     /// Mean success of recent training episodes, whose actions are noisy; none before the first ended.
     pub success: Option<f64>,
+    /// The target that recent training episodes fail at most; none before the first ended.
+    pub bottleneck: Option<Bottleneck>,
     /// Control steps that training may still take until the goal, judged by the learning curve.
     pub steps_left: Option<u64>,
     /// Looks that were taken at the deterministic policy.
@@ -105,6 +111,8 @@ pub struct Outcome {
     pub end: End,
     /// Of the last policy on fresh episodes; none after an interrupt or a loss.
     pub evaluation: Option<Evaluation>,
+    /// What the last doubling of the training brought, if that can be told: a user may still have been improving.
+    pub trend: Option<Trend>,
     /// Control steps of all environments.
     pub env_steps: u64,
     /// Updates of the policy.

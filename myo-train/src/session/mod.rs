@@ -8,6 +8,8 @@ mod looks;
 mod memory;
 mod record;
 mod recovery;
+mod trend;
+mod until;
 
 use std::time::{Duration, Instant};
 
@@ -19,19 +21,24 @@ use crate::{Checkpoint, Evaluation, Policy, RunError, RunWriter, TrainError, Tra
 use record::Record;
 use recovery::Recovery;
 
-pub use curve::Recent;
+pub use curve::{Bottleneck, Recent};
 pub use events::{End, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
 pub(crate) use memory::Memory;
+pub use trend::Trend;
+pub use until::{Until, UntilError};
 
 /// Episodes that confirm a quick look, and of the last evaluation.
 const EPISODES: usize = 1000;
 
+/// Share of training episodes that succeed from which on it needs no word if nothing improves.
+const GOOD: f64 = 0.9;
+
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// When the deterministic policy succeeds in this share of fresh episodes, if at all.
-    pub until: Option<f64>,
+    /// What ends it before the steps do.
+    pub until: Until,
     /// After this many control steps of all environments in any case.
     pub steps: u64,
 }
@@ -104,20 +111,27 @@ impl Session {
         self.goal
     }
 
-    /// Why there is nothing left to train, if so: the goal was confirmed, or the steps are used up. Only the last
-    /// evaluation may be missing; see [`Session::conclude`].
+    /// Why there is nothing left to train, if so: the goal was confirmed, nothing improves any more, or the steps are used up.
+    /// Only the last evaluation may be missing; see [`Session::conclude`].
     pub fn over(&self) -> Option<End> {
         let used_up = self.trainer.env_steps() >= self.goal.steps;
-        match self.confirmed() {
-            Some(_) => Some(End::Until),
-            None if used_up && !self.look_is_due() => Some(End::Steps),
-            None => None,
+        let has_settled = || self.trend().is_some_and(|trend| trend.is_plateau());
+        match self.goal.until {
+            Until::Success(_) if self.confirmed().is_some() => Some(End::Until),
+            Until::Plateau if has_settled() => Some(End::Plateau),
+            _ if used_up && !self.look_is_due() => Some(End::Steps),
+            _ => None,
         }
+    }
+
+    /// What the last doubling of training brought, if that can be told.
+    pub fn trend(&self) -> Option<Trend> {
+        self.memory.curve.trend()
     }
 
     /// The evaluation that confirmed the goal, if one did.
     pub fn confirmed(&self) -> Option<&Evaluation> {
-        let until = self.goal.until?;
+        let until = self.goal.until.share()?;
         self.memory.confirmed.as_ref().filter(|evaluation| evaluation.success.is_some_and(|success| success >= until))
     }
 
@@ -161,8 +175,13 @@ impl Session {
 
     /// Adds how it goes.
     fn tell(&self, progress: Progress, end: Option<End>) -> Progress {
-        let steps_left = self.goal.until.and_then(|until| self.memory.steps_to(until));
-        Progress { success: self.success(), steps_left, end, ..progress }
+        let steps_left = match self.goal.until {
+            Until::Success(share) => self.memory.steps_to(share),
+            Until::Plateau => self.trend().map(|trend| trend.steps_left()),
+            Until::Off => None,
+        };
+        let bottleneck = self.memory.curve.recent().and_then(Recent::bottleneck);
+        Progress { success: self.success(), bottleneck, steps_left, end, ..progress }
     }
 
     fn update(&mut self, go_on: &dyn Fn() -> bool) -> Result<Updated, SessionError> {
@@ -200,8 +219,13 @@ impl Session {
 
     /// Tells once when nothing improves any more and the goal is out of sight.
     fn flat(&mut self) -> Option<News> {
-        let (until, success) = (self.goal.until?, self.success()?);
-        if self.memory.told_flat || success >= self.memory.looks.threshold(until) {
+        let success = self.success()?;
+        let enough = match self.goal.until {
+            Until::Success(share) => self.memory.looks.threshold(share),
+            Until::Plateau => GOOD,
+            Until::Off => return None,
+        };
+        if self.memory.told_flat || success >= enough {
             return None;
         }
         let curve = &self.memory.curve;
@@ -213,13 +237,13 @@ impl Session {
     /// Whether to look at the goal now.
     fn look_is_due(&self) -> bool {
         let is_due = |until| self.memory.looks.is_due(until, self.trainer.env_steps(), self.success());
-        self.confirmed().is_none() && self.goal.until.is_some_and(is_due)
+        self.confirmed().is_none() && self.goal.until.share().is_some_and(is_due)
     }
 
     /// Whether the goal is reached, looked at when it is time to: quickly first, then on enough other episodes to be sure.
     /// A look that is cut off leaves nothing behind, so that it is taken again when the training goes on.
     fn look(&mut self, go_on: &dyn Fn() -> bool) -> Result<Vec<Evaluation>, SessionError> {
-        let Some(until) = self.goal.until.filter(|_| self.look_is_due()) else { return Ok(Vec::new()) };
+        let Some(until) = self.goal.until.share().filter(|_| self.look_is_due()) else { return Ok(Vec::new()) };
         let (mut policy, mut taken) = (self.trainer.policy(), Vec::new());
         for episodes in [self.examiner.quick_episodes(), EPISODES] {
             let number = self.memory.evaluations + taken.len() as u64 + 1;
@@ -267,7 +291,7 @@ impl Session {
         Ok(record.checkpoint(&checkpoint)?)
     }
 
-    /// Closes the training: a last checkpoint, and, where it was not the goal that ended it, a last evaluation. After a loss
+    /// Closes the training: a last checkpoint, and an evaluation that had no say in when to stop. After a loss
     /// of the card, or an error, the newest checkpoint is left as it is: the run goes on from there as if it had never
     /// stopped.
     ///
@@ -277,7 +301,7 @@ impl Session {
         let (end, evaluation) = match self.finish(&end, go_on) {
             Err(SessionError::Train(error)) => (lost(error)?, None),
             // Stopped in the last evaluation: the training is whole, its evaluation is not.
-            Ok(None) if matches!(end, End::Until | End::Steps) => (End::Interrupted, None),
+            Ok(None) if !matches!(end, End::Interrupted | End::DeviceLost { .. }) => (End::Interrupted, None),
             finished => (end, finished?),
         };
         let folder = self.record.as_ref().map(Record::folder);
@@ -285,6 +309,7 @@ impl Session {
         Ok(Outcome {
             end,
             evaluation,
+            trend: self.trend(),
             env_steps: self.trainer.env_steps(),
             updates: self.trainer.updates(),
             wall_s: self.trainer.wall_s() + self.memory.evaluation_s,
@@ -299,15 +324,12 @@ impl Session {
             return Ok(None);
         }
         self.checkpoint()?;
-        let evaluation = match (end, self.confirmed().cloned()) {
-            (End::Interrupted, _) => None,
-            (_, Some(evaluation)) => Some(evaluation),
-            // Of a number that is not used up: the same evaluation ends a training that went on from here.
-            _ => {
-                let number = self.memory.evaluations + 1;
-                self.evaluate(&mut self.trainer.policy(), EPISODES, number, go_on)?
-            }
-        };
+        if *end == End::Interrupted {
+            return Ok(None);
+        }
+        // Of a number that is not used up: the same evaluation ends a training that went on from here.
+        let number = self.memory.evaluations + 1;
+        let evaluation = self.evaluate(&mut self.trainer.policy(), EPISODES, number, go_on)?;
         if let (Some(record), Some(evaluation)) = (&self.record, &evaluation) {
             record.folder().write_evaluation(evaluation)?;
         }

@@ -7,7 +7,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use myo::env::EnvSpec;
 use myo::train::gpu::DeviceEvaluator;
-use myo::train::session::evaluation_seed;
+use myo::train::session::{Trend, evaluation_seed};
 use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
 use myo::{Envs, RunDescription};
 use serde::Serialize;
@@ -65,9 +65,14 @@ Examples:
 Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged. With --task,
 observations that the policy was not trained with do not influence it; a body with muscles that it does not know is refused.
 
-JSON: `success` (share of episodes with every target done), `success_interval` (95 %), `episodes`, `targets`, a list with
-`success`, `movement_time_s` and `movement_time_s_sd` each, `final_distance_m`, `effort`, `episode_length_s`, `return`;
-and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was trained for), `seed`, `backend` (`cpu` or `gpu`) and
+Movement time is from the start of a target (the end of the one before, or the reset) to the last entry into it or the touch of
+a button: without dwell, to one physics step. With dwell it is the time to the end of the target.
+
+JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
+and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
+with `_interval` behind its name, a list of the two ends of its 95 % confidence interval (Wilson's for shares, Student's for
+means), and times of targets with `_sd` (standard deviation); and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was
+trained for), `trend` (what the last doubling of them brought, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
 `device` (its name). Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
 
 /// What `--json` prints.
@@ -79,6 +84,7 @@ struct Results<'a> {
     task: &'a str,
     trained_task: &'a str,
     env_steps: u64,
+    trend: Option<Trend>,
     seed: u64,
     backend: &'a str,
     device: Option<&'a str>,
@@ -117,16 +123,17 @@ pub fn run(args: &Eval) -> Result<()> {
     }
     let (task, trained_task) = (&stage.task.name, &trained.task.name);
     if args.json {
-        let (run, env_steps) = (args.run.display().to_string(), checkpoint.env_steps());
+        let (run, env_steps, trend) = (args.run.display().to_string(), checkpoint.env_steps(), checkpoint.trend());
         let (backend, device) = (device.backend(), device.card());
         let evaluation = &evaluation;
-        return print_json(&Results { evaluation, run, task, trained_task, env_steps, seed, backend, device });
+        return print_json(&Results { evaluation, run, task, trained_task, env_steps, trend, seed, backend, device });
     }
     let steps = rounded(checkpoint.env_steps() as f64);
     let elsewhere = if args.task.is_some() { format!(" on {}", name(trained_task)) } else { String::new() };
     print(&format!(
-        "{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
+        "{}{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
         report::evaluation(task, &evaluation),
+        report::practice(checkpoint.trend()),
         sentence(&device)
     ))
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
+pub use myo::progress::rounded;
 use serde::Serialize;
 
 use super::failure::{Failure, Result};
@@ -109,18 +110,6 @@ pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
     groups.join(",")
-}
-
-/// A count or rate with three significant digits: `12.3 k`, `4.56 M`.
-pub fn rounded(x: f64) -> String {
-    let (x, unit) = match x.abs() {
-        size if size >= 999.5e6 => (x / 1e9, " G"),
-        size if size >= 999.5e3 => (x / 1e6, " M"),
-        size if size >= 999.5 => (x / 1e3, " k"),
-        _ => (x, ""),
-    };
-    let digits = if x.abs() >= 99.95 { 0 } else { 2 - usize::from(x.abs() >= 9.995) };
-    format!("{x:.digits$}{unit}")
 }
 
 /// A duration for people: `4.2 s`, `3 min 05 s`, `2 h 10 min`.

@@ -35,21 +35,6 @@ pub fn count(text: &str) -> Result<u64, String> {
     Err("expected a whole number, 1 or more, such as 60000000, 60M or 200k".into())
 }
 
-/// The share of successful episodes to reach, or `off`.
-pub fn until(text: &str) -> Result<Until, String> {
-    if text == "off" {
-        return Ok(Until(None));
-    }
-    match text.parse() {
-        Ok(share) if share > 0.0 && share <= 1.0 => Ok(Until(Some(share))),
-        _ => Err("expected a share above 0 and at most 1, such as 0.95, or `off`".into()),
-    }
-}
-
-/// See [`until`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Until(pub Option<f64>);
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,12 +53,5 @@ mod tests {
     fn threads_are_few() {
         assert_eq!(threads("2"), Ok(2));
         assert!(["0", "1000000", "two"].iter().all(|text| threads(text).unwrap_err().contains("1 to 1024")));
-    }
-
-    #[test]
-    fn goals_are_shares() {
-        assert_eq!(until("0.95"), Ok(Until(Some(0.95))));
-        assert_eq!(until("off"), Ok(Until(None)));
-        assert!(["0", "95", "1.01", "nan", ""].iter().all(|text| until(text).is_err()));
     }
 }

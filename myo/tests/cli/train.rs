@@ -37,7 +37,9 @@ fn training_leaves_a_run_that_can_be_evaluated() {
     assert_eq!((&evaluation["episodes"], &evaluation["env_steps"]), (&20.into(), &3072.into()));
     let success = evaluation["success"].as_f64().unwrap();
     assert_eq!(evaluation["targets"][0]["success"].as_f64(), Some(success));
-    for key in ["movement_time_s", "movement_time_s_sd"] {
+    for key in
+        ["movement_time_s", "movement_time_s_sd", "movement_time_s_interval", "time_s", "time_s_sd", "time_s_interval"]
+    {
         assert!(evaluation["targets"][0].as_object().unwrap().contains_key(key), "{key}");
     }
     for key in ["final_distance_m", "effort", "episode_length_s", "return"] {

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use myo::Start;
-use myo::train::session::{Examiner, Goal};
+use myo::train::session::{Examiner, Goal, Until};
 use myo::train::{Evaluation, PpoConfig, Session};
 use serde::Serialize;
 use serde_json::json;
@@ -119,7 +119,7 @@ fn measure(
     let choice = args.physics.choice(BackendName::Cpu)?;
     let env = stage.env(&choice, config.num_envs, seed)?;
     let looks = env.for_looks(&stage.model, &stage.task, seed)?;
-    let goal = Goal { until: None, steps: args.at.last().copied().unwrap_or(0) };
+    let goal = Goal { until: Until::Off, steps: args.at.last().copied().unwrap_or(0) };
     let Ready { device, mut session, .. } = Ready::new(stage, env, Start::New { config, seed, from: None }, goal)?;
     let mut examiner = looks.examine(session.trainer())?;
     for (&mark, number) in args.at.iter().zip(1..) {

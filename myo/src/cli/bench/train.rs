@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use clap::Args;
 use myo::train::PpoConfig;
-use myo::train::session::{End, Goal, Outcome};
+use myo::train::session::{End, Goal, Outcome, Until};
 use myo::{Device, Start};
 use serde::Serialize;
 use serde_json::json;
@@ -16,7 +16,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
 use crate::cli::stage::Stage;
-use crate::cli::train::{Ready, STEPS, UNTIL, settings};
+use crate::cli::train::{Ready, STEPS, settings};
 
 /// Arguments of `myo bench train`.
 #[derive(Args)]
@@ -33,11 +33,11 @@ pub struct TrainArgs {
     #[arg(long)]
     at_once: bool,
 
-    /// Share of fresh episodes in which the deterministic policy must succeed [default: 0.95]
-    #[arg(long, value_name = "SHARE", value_parser = parse::until)]
-    until: Option<parse::Until>,
+    /// What to train to: a share of fresh episodes in which the deterministic policy succeeds, or `plateau`
+    #[arg(long, value_name = "GOAL", default_value = "0.95")]
+    until: Until,
 
-    /// Control steps after which a seed has failed [default: 60M]
+    /// Control steps after which a seed has failed [default: 200M]
     #[arg(long, value_name = "N", value_parser = parse::count)]
     steps: Option<u64>,
 
@@ -63,12 +63,12 @@ Examples:
   myo bench train ar --seeds 3 --threads 2 --json
   myo bench train ar --seeds 8 --at-once      on a graphics card
 
-Time runs from opening the device, compiling included, until 1,000 fresh episodes confirm the goal; looking at the goal is
-included. Later seeds find the device open and the kernels compiled. With --at-once, the time of each seed
-runs from the beginning of all to its own end. No run folders are left.
+Time runs from opening the device, compiling included, to the end of the training and of an evaluation of 1,000 fresh episodes;
+looking at the goal is included. Later seeds find the device open and the kernels compiled. With --at-once,
+the time of each seed runs from the beginning of all to its own end. No run folders are left.
 
 JSON: `rows` of objects with `backend`, `device` (null on the cpu), `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
-`success`, `stopped_by` (`until` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
+`success`, `episode_length_s`, `stopped_by` (`until`, `plateau` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
 reached the goal.";
 
 #[derive(Clone, Debug, Serialize)]
@@ -83,6 +83,7 @@ struct Row {
     env_steps: u64,
     control_steps_per_s: f64,
     success: Option<f64>,
+    episode_length_s: Option<f64>,
     stopped_by: &'static str,
     #[serde(flatten)]
     machine: Machine,
@@ -98,11 +99,11 @@ pub fn run(args: &TrainArgs) -> Result<()> {
         complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
         rows.push(measure(args, &stage, seed, &interrupt)?);
     }
-    let reached = rows.iter().filter(|row| row.stopped_by == End::Until.name()).count();
+    let reached = rows.iter().filter(|row| row.stopped_by != End::Steps.name()).count();
     if args.json {
         return print_json(&json!({"rows": rows, "reached": reached}));
     }
-    let mut cells = vec![row(["seed", "time", "control steps", "control steps/s", "success", "stopped by"])];
+    let mut cells = vec![row(["seed", "time", "control steps", "control steps/s", "success", "episode", "stopped by"])];
     cells.extend(rows.iter().map(|r| {
         row([
             &r.seed.to_string(),
@@ -110,6 +111,7 @@ pub fn run(args: &TrainArgs) -> Result<()> {
             &rounded(r.env_steps as f64),
             &rounded(r.control_steps_per_s),
             &r.success.map_or("-".into(), percent),
+            &r.episode_length_s.map_or("-".into(), |s| format!("{s:.2} s")),
             r.stopped_by,
         ])
     }));
@@ -145,7 +147,7 @@ fn measure_all(args: &TrainArgs, stage: &Stage, interrupt: &Interrupt) -> Result
 }
 
 fn goal(args: &TrainArgs) -> Goal {
-    Goal { until: args.until.map_or(UNTIL, |until| until.0), steps: args.steps.unwrap_or(STEPS) }
+    Goal { until: args.until, steps: args.steps.unwrap_or(STEPS) }
 }
 
 fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
@@ -164,7 +166,7 @@ fn ended(args: &TrainArgs, stage: &Stage, device: &Device, seed: u64, wall_s: f6
     match outcome.end {
         End::Interrupted => return Err(Failure::Interrupted),
         End::DeviceLost { reason } => return Err(Failure::DeviceLost(reason)),
-        End::Until | End::Steps => {}
+        End::Until | End::Plateau | End::Steps => {}
     }
     Ok(Row {
         backend: device.backend(),
@@ -176,7 +178,8 @@ fn ended(args: &TrainArgs, stage: &Stage, device: &Device, seed: u64, wall_s: f6
         wall_s,
         env_steps: outcome.env_steps,
         control_steps_per_s: outcome.env_steps as f64 / wall_s,
-        success: outcome.evaluation.and_then(|evaluation| evaluation.success),
+        success: outcome.evaluation.as_ref().and_then(|evaluation| evaluation.success),
+        episode_length_s: outcome.evaluation.and_then(|evaluation| evaluation.episode_length_s),
         stopped_by: outcome.end.name(),
         machine: Machine::here(),
     })

@@ -60,7 +60,7 @@ impl<'a> Ready<'a> {
 
     /// Trains to the end.
     pub fn run(self, interrupt: &Interrupt) -> Result<Outcome> {
-        let shown = Progress::new(self.session.goal().steps);
+        let shown = Progress::new(&self.stage.task, self.session.goal().steps);
         self.run_showing(shown, interrupt)
     }
 
@@ -70,7 +70,7 @@ impl<'a> Ready<'a> {
         std::thread::scope(|scope| {
             for ready in all {
                 let (seed, limit, tell) = (ready.session.trainer().seed(), ready.session.goal().steps, tell.clone());
-                let shown = Progress::among(&bars, seed, limit);
+                let shown = Progress::among(&bars, seed, &ready.stage.task, limit);
                 // Nobody stops listening before all have told.
                 scope.spawn(move || tell.send((seed, ready.run_showing(shown, interrupt))).is_ok());
             }

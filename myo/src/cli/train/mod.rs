@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
-use myo::train::session::{End, Goal, Outcome};
+use myo::train::session::{End, Goal, Outcome, Until};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunWriter, Trainer};
 use myo::{Backend, Device, RunDescription, Start, WarmStart};
 use serde_json::json;
@@ -20,14 +20,14 @@ use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, duration, grouped, name, print, print_json, rounded};
-use super::parse::{self, Until};
+use super::parse;
 use super::report;
 use super::run_folder::existing_checkpoint;
 use super::stage::{Stage, run_name};
 use several::{Plan, Several};
 
 pub use drive::Ready;
-pub use settings::{STEPS, UNTIL, settings};
+pub use settings::{STEPS, settings};
 pub use several::open_run;
 
 /// Arguments of `myo train`.
@@ -47,12 +47,13 @@ pub struct Train {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
-    /// Control steps of all environments after which to stop in any case; 60M is short for 60000000 [default: 60M]
+    /// Control steps of all environments after which to stop in any case; 60M is short for 60000000 [default: 200M]
     #[arg(long, value_name = "N", value_parser = parse::count)]
     steps: Option<u64>,
 
-    /// Stop when the deterministic policy succeeds in this share of fresh episodes, or `off` [default: 0.95]
-    #[arg(long, value_name = "SHARE", value_parser = parse::until)]
+    /// What to train to: `plateau`, where nothing improves any more that is worth it; a share of fresh episodes in which the
+    /// deterministic policy succeeds, such as 0.95; or `off` [default: plateau]
+    #[arg(long, value_name = "GOAL")]
     until: Option<Until>,
 
     #[command(flatten)]
@@ -92,7 +93,8 @@ pub struct Train {
 
 const HELP: &str = "\
 Examples:
-  myo train pointing                          until 95 % of fresh episodes succeed, at most 60 M control steps
+  myo train pointing                          until the user has finished learning, at most 200 M control steps
+  myo train pointing --until 0.95             until 95 % of fresh episodes succeed, which is where it has just begun to be good
   myo train my.yaml --out runs/slow --seed 7
   myo train pointing --until off --steps 20M --set discount_per_s=0.5
   myo train my.yaml --from runs/pointing-1    starts from what that user has learned
@@ -100,9 +102,10 @@ Examples:
   myo train --resume runs/pointing-1          after Ctrl-C, or a crash; also the folder of --seeds
 
 The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ and evaluation.json.
-Whether `--until` is reached is tried in 256 fresh episodes (1,024 on a graphics card) whenever training does well, and
-confirmed in 1,000 others; the final table is about those, with the 95 % confidence interval of their success. Ctrl-C
-stops with a checkpoint, a second Ctrl-C at once; the loss of a graphics card stops with status 3. However a run was
+The plateau is where a doubling of the training makes episodes less than 3 % shorter, less than 1 % more of them succeed and
+adds less than 1 % to what the return has gained. Whether a share is reached is tried in 256 fresh episodes (1,024 on a graphics
+card) whenever training does well, and confirmed in 1,000 others. The final table is about 1,000 fresh episodes that had no
+say in when to stop, with 95 % confidence intervals, and says by how much the user was still improving. Ctrl-C stops with a checkpoint, a second Ctrl-C at once; the loss of a graphics card stops with status 3. However a run was
 stopped, --resume ends it with the same weights and metrics as if it had not been stopped, bit for bit, and adds an
 evaluation that is missing. When learning runs away (a NaN, or a policy that moves by more than `kl_max`), it returns to
 its last good state with shorter steps and says so; when nothing improves for six million control steps, the
@@ -111,7 +114,8 @@ likely cause is named.
 With --backend gpu the policy acts, learns and is evaluated on the card.
 
 JSON: `run`, `task`, `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), `env_steps`, `updates`,
-`wall_s` (evaluations included), `stopped_by` (`until`, `steps`, `interrupt` or `device_lost`), `until`, and `evaluation`,
+`wall_s` (evaluations included), `stopped_by` (`until`, `plateau`, `steps`, `interrupt` or `device_lost`), `until`, `trend` (what the last doubling of
+training brought: `env_steps`, `episode_time` and `return` as shares, `success`; or null), and `evaluation`,
 with the keys that `myo eval --json` prints; null after an interrupt or a loss. With --seeds: `task`, `folder`, `runs`, a list
 of such objects, `reached`, the number of seeds that reached the goal, and `mean` and `sd`, each with `wall_s`, `env_steps`,
 `success`, `episode_length_s` and `effort`.";
@@ -150,8 +154,8 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let seed = args.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let stage = Stage::open(task)?;
-    let goal = Goal { until: args.until.map_or(UNTIL, |until| until.0), steps: args.steps.unwrap_or(STEPS) };
-    warn_of_goal(&stage, goal.until);
+    let goal = Goal { until: args.until.unwrap_or_default(), steps: args.steps.unwrap_or(STEPS) };
+    warn_of_goal(&stage, goal.until.share());
     let backend = args.physics.choice(BackendName::Auto)?;
     let checkpoint_every = args.checkpoint_every();
     let training = Training { stage: &stage, config, heritage, backend, goal, checkpoint_every };
@@ -172,8 +176,8 @@ fn warn_of_goal(stage: &Stage, until: Option<f64>) {
     let most = stage.most_success;
     if let Some(until) = until.filter(|until| *until > most) {
         complain(&format!(
-            "warning: at most {:.1} % of the episodes can succeed, since targets lie out of reach, and the goal is {:.1} %: bring them \
-             nearer, or set --until lower",
+            "warning: at most {:.1} % of the episodes can succeed, since targets lie out of reach, and the goal is {:.1} %: move \
+             them as advised above, or set --until lower",
             100.0 * most,
             100.0 * until
         ));
@@ -338,6 +342,7 @@ fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt
             "wall_s": outcome.wall_s,
             "stopped_by": outcome.end.name(),
             "until": until,
+            "trend": outcome.trend,
             "evaluation": outcome.evaluation,
         }))?;
     } else if !matches!(outcome.end, End::DeviceLost { .. }) {
@@ -346,7 +351,7 @@ fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt
     match outcome.end {
         End::DeviceLost { .. } => Err(Failure::DeviceLost(loss(&outcome, run))),
         End::Interrupted => Err(Failure::Interrupted),
-        End::Until | End::Steps => Ok(()),
+        End::Until | End::Plateau | End::Steps => Ok(()),
     }
 }
 
@@ -362,26 +367,30 @@ fn loss(outcome: &Outcome, run: &Path) -> String {
     format!("the GPU was lost: {reason}\nstopped after {steps} control steps; {from}\n\nnext: {next}")
 }
 
-fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Option<f64>, run: &Path) -> String {
+fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Until, run: &Path) -> String {
     let (steps, time) = (rounded(outcome.env_steps as f64), duration(outcome.wall_s));
     let folder = argument(run);
     let Some(evaluation) = &outcome.evaluation else {
         let next = command(&["train", "--resume", &folder]);
         return format!("\nstopped after {steps} control steps and {time}, with a checkpoint\n\nnext: {next}\n");
     };
+    let improves = outcome.trend.is_none_or(|trend| !trend.is_plateau());
     let next = match (&outcome.end, until) {
-        (End::Steps, Some(_)) => {
+        (End::Steps, Until::Plateau | Until::Success(_)) => {
             command(&["train", "--resume", &folder, "--steps", &(2 * outcome.env_steps).to_string()])
         }
+        _ if improves => command(&["train", "--resume", &folder, "--until", "plateau"]),
         _ => command(&["eval", &folder, "--episodes", "10000"]),
     };
     let missed = match (&outcome.end, until) {
-        (End::Steps, Some(until)) => format!("the step limit came before {:.0} % success\n", 100.0 * until),
+        (End::Steps, Until::Success(share)) => format!("the step limit came before {:.0} % success\n", 100.0 * share),
+        (End::Steps, Until::Plateau) => "the step limit came before the plateau\n".into(),
         _ => String::new(),
     };
     format!(
-        "\n{}  trained         {steps} control steps in {time}, seed {seed}\n  run folder      {}\n\n{missed}next: {next}\n",
+        "\n{}{}  trained         {steps} control steps in {time}, seed {seed}\n  run folder      {}\n\n{missed}next: {next}\n",
         report::evaluation(&stage.task.name, evaluation),
+        report::practice(outcome.trend),
         run.display()
     )
 }

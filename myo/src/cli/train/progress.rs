@@ -4,55 +4,50 @@ use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
-use myo::train::{UpdateMetrics, session};
+use myo::ProgressLine;
+use myo::tasks::Task;
+use myo::train::session;
 
 use crate::cli::failure::complain;
-use crate::cli::output::{duration, percent, rounded};
 
 /// Time between two lines where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(5);
-
-/// Share of a new rate in the one shown.
-const FRESH: f64 = 0.1;
 
 /// A bar on a terminal, a line every few seconds elsewhere.
 pub struct Progress {
     bar: Option<ProgressBar>,
     /// What its lines begin with.
     name: String,
-    limit: u64,
-    rate: Option<f64>,
+    line: ProgressLine,
     last_line: Instant,
 }
 
 impl Progress {
-    /// For a training of at most `limit` control steps.
-    pub fn new(limit: u64) -> Self {
-        Self::with(String::new(), limit, bar)
+    /// For a training of a task, of at most `limit` control steps.
+    pub fn new(task: &Task, limit: u64) -> Self {
+        Self::with(String::new(), task, limit, bar)
     }
 
     /// For one of several trainings at once.
-    pub fn among(all: &MultiProgress, seed: u64, limit: u64) -> Self {
-        Self::with(format!("seed {seed}: "), limit, |limit| all.add(bar(limit)))
+    pub fn among(all: &MultiProgress, seed: u64, task: &Task, limit: u64) -> Self {
+        Self::with(format!("seed {seed}: "), task, limit, |limit| all.add(bar(limit)))
     }
 
-    fn with(name: String, limit: u64, bar: impl FnOnce(u64) -> ProgressBar) -> Self {
+    fn with(name: String, task: &Task, limit: u64, bar: impl FnOnce(u64) -> ProgressBar) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| bar(limit));
-        Self { bar, name, limit, rate: None, last_line: Instant::now() }
+        Self { bar, name, line: ProgressLine::new(task, limit), last_line: Instant::now() }
     }
 
     /// Shows an update.
     pub fn show(&mut self, progress: &session::Progress) {
-        let Some(metrics) = &progress.metrics else { return };
-        let now = metrics.steps_per_s();
-        let rate = self.rate.map_or(now, |rate| rate + FRESH * (now - rate));
-        self.rate = Some(rate);
+        let Some((line, metrics)) = self.line.after(progress).zip(progress.metrics.as_ref()) else { return };
+        let line = format!("{}{line}", self.name);
         if let Some(bar) = &self.bar {
             bar.set_position(metrics.env_steps);
-            bar.set_message(self.sentence(progress, metrics, rate));
+            bar.set_message(line);
         } else if self.last_line.elapsed() >= LINE_EVERY {
             self.last_line = Instant::now();
-            complain(&self.sentence(progress, metrics, rate));
+            complain(&line);
         }
     }
 
@@ -63,24 +58,6 @@ impl Progress {
             Some(bar) => bar.suspend(|| complain(text)),
             None => complain(text),
         }
-    }
-
-    fn sentence(&self, progress: &session::Progress, metrics: &UpdateMetrics, rate: f64) -> String {
-        let mean = |x: Option<f64>, show: fn(f64) -> String| x.map_or("-".into(), show);
-        let limit = self.limit.saturating_sub(metrics.env_steps);
-        let left = match progress.steps_left {
-            Some(0) => "close to the goal".into(),
-            Some(steps) if steps < limit => format!("about {} left", duration(steps as f64 / rate)),
-            _ => format!("at most {} left", duration(limit as f64 / rate)),
-        };
-        format!(
-            "{}{} steps, {}/s, success {}, return {}, {left}",
-            self.name,
-            rounded(metrics.env_steps as f64),
-            rounded(rate),
-            mean(progress.success, percent),
-            mean(metrics.episode_mean("return"), |x| format!("{x:.1}")),
-        )
     }
 }
 

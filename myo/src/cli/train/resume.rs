@@ -129,7 +129,7 @@ fn resume_run<T>(
 
 /// The goal of a run, changed by the options of this command.
 fn goal(args: &Train, run: &RunDescription) -> Goal {
-    Goal { until: args.until.map_or(run.until, |until| until.0), steps: args.steps.unwrap_or(run.steps) }
+    Goal { until: args.until.unwrap_or(run.until), steps: args.steps.unwrap_or(run.steps) }
 }
 
 /// Refuses a training whose end is recorded, and says what would make it go on.
@@ -140,6 +140,10 @@ fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
         Some(End::Until) => Err(Failure::sentence(format!(
             "{path} has reached its goal with {:.1} % success; raise it with --until, or take --until off",
             100.0 * success
+        ))),
+        Some(End::Plateau) => Err(Failure::sentence(format!(
+            "{path} has come to its plateau after {} control steps; to train on, take --until off and raise --steps",
+            grouped(done)
         ))),
         Some(_) => Err(Failure::sentence(format!(
             "{path} has {} control steps, and its limit is {}; raise it with --steps",

@@ -6,11 +6,8 @@ use serde_json::Value;
 
 use crate::cli::failure::{Failure, Result};
 
-/// Share of deterministic success at which training stops unless asked otherwise.
-pub const UNTIL: Option<f64> = Some(0.95);
-
 /// Control steps after which training stops unless asked otherwise.
-pub const STEPS: u64 = 60_000_000;
+pub const STEPS: u64 = 200_000_000;
 
 /// Settings of the learner with the changes asked for, `NAME=VALUE` each.
 pub fn settings(base: &PpoConfig, num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {

@@ -213,7 +213,7 @@ impl Several {
             match end {
                 End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
                 End::Interrupted => return self.tell_interrupt(&[seed], as_json),
-                End::Until | End::Steps => {}
+                End::Until | End::Plateau | End::Steps => {}
             }
         }
         self.tell(as_json)
@@ -232,7 +232,7 @@ impl Several {
                 match end {
                     End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
                     End::Interrupted => interrupted.push(seed),
-                    End::Until | End::Steps => {}
+                    End::Until | End::Plateau | End::Steps => {}
                 }
                 Ok(())
             });
@@ -280,7 +280,7 @@ impl Several {
     }
 
     fn reached(&self) -> usize {
-        self.rows.iter().filter(|row| row.stopped_by == End::Until.name()).count()
+        self.rows.iter().filter(|row| [End::Until, End::Plateau].iter().any(|end| end.name() == row.stopped_by)).count()
     }
 
     fn json(&self) -> Value {
@@ -344,7 +344,7 @@ impl Several {
 
 /// Whether a training that was stopped for this reason has nothing left to do.
 fn is_over(stopped_by: &str) -> bool {
-    [End::Until, End::Steps].iter().any(|end| end.name() == stopped_by)
+    [End::Until, End::Plateau, End::Steps].iter().any(|end| end.name() == stopped_by)
 }
 
 fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {

@@ -1,0 +1,159 @@
+//! Movement times against the same movements seen at every physics step.
+//!
+//! With a control step of one physics step, observations tell where the fingertip is and what it touches in between. Actions
+//! are repeated, so that the body moves alike.
+
+mod common;
+
+use common::{actions, arm, column, entry, gpu, without_gpu};
+use myo_env::{CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use myo_scalar::Level;
+use myo_tasks::{Pointing, Pressing, Range, Region, Reset, Target, Task, preset};
+
+const ENVS: usize = 64;
+/// Physics steps of a control step, and how long one is (s).
+const SUBSTEPS: usize = 25;
+const TIMESTEP: f64 = 0.002;
+
+/// A large sphere in the midst of where the arm goes.
+fn pointing() -> Task {
+    let [x, y, z] = [0.35, -0.1, -0.2].map(Range::fixed);
+    let radius = Range::fixed(0.2);
+    let sphere =
+        Pointing { position: Region { x, y, z }, radius, dwell_s: 0.1, min_distance_from_previous: None, repeat: 1 };
+    Task { targets: vec![Target::Pointing(sphere)], time_limit_s: 1.0, ..preset("pointing-single").unwrap() }
+}
+
+/// A large button there.
+fn pressing() -> Task {
+    let button = Pressing { position: [0.35, -0.1, -0.2], size: [0.3, 0.3, 0.05], tilt_deg: 45.0, min_force_n: 1.0 };
+    let reset = Reset { velocity_spread_rad_s: 2.0, ..Reset::default() };
+    Task { targets: vec![Target::Pressing(button)], time_limit_s: 1.0, reset, ..preset("pointing-single").unwrap() }
+}
+
+/// Actions of a control step.
+fn excite(env: &dyn VectorEnv, step: usize) -> Vec<f32> {
+    actions(env, step / 4)
+}
+
+/// `time` and `movement_time` of the first episodes in which the target was done.
+fn measure(env: &mut dyn VectorEnv) -> Vec<Option<[f64; 2]>> {
+    let mut out = StepStorage::new(env.spec());
+    let (width, time) = (env.spec().episode_size(), column(env, "target_1_time"));
+    assert_eq!(column(env, "target_1_movement_time"), time + 1);
+    let (mut times, mut ended) = (vec![None; ENVS], [false; ENVS]);
+    for step in 0..env.spec().max_episode_steps {
+        let actions = excite(env, step);
+        env.step(&actions, out.buffers()).unwrap();
+        for i in (0..ENVS).filter(|&i| out.terminated[i] && !ended[i]) {
+            let row = &out.episode[i * width + time..][..2];
+            times[i] = Some([f64::from(row[0]), f64::from(row[1])]);
+        }
+        (0..ENVS).for_each(|i| ended[i] |= out.terminated[i] || out.truncated[i]);
+    }
+    times
+}
+
+/// What the reference observes at every physics step, environments within steps: some entries of the observation from
+/// `first` on.
+fn watch(mut task: Task, first: &str, entries: usize) -> Vec<Vec<Vec<f64>>> {
+    let steps = (task.time_limit_s / TIMESTEP).round() as usize;
+    task.control_dt_s = TIMESTEP;
+    task.time_limit_s = 2.0 * task.time_limit_s;
+    match &mut task.targets[0] {
+        Target::Pointing(sphere) => sphere.dwell_s = task.time_limit_s,
+        Target::Pressing(button) => button.min_force_n = WATCHED_FORCE,
+    }
+    let mut env = ReferenceEnv::new(&arm(&task), &task, &EnvConfig { num_envs: ENVS, ..EnvConfig::default() }).unwrap();
+    let (nobs, at) = (env.spec().observation_size(), entry(&env, first));
+    let mut out = StepStorage::new(env.spec());
+    let seen = |observation: &[f32]| -> Vec<Vec<f64>> {
+        observation.chunks(nobs).map(|row| row[at..at + entries].iter().copied().map(f64::from).collect()).collect()
+    };
+    env.reset(Some(0), None, &mut out.observation).unwrap();
+    let mut all = vec![seen(&out.observation)];
+    for step in 0..steps {
+        let actions = excite(&env, step / SUBSTEPS);
+        env.step(&actions, out.buffers()).unwrap();
+        // What follows an end is another episode and of no interest.
+        let (now, last) = (seen(&out.observation), seen(&out.final_observation));
+        let ended = out.terminated.iter().zip(now.into_iter().zip(last));
+        all.push(ended.map(|(&ended, (now, last))| if ended { last } else { now }).collect());
+    }
+    all
+}
+
+/// Force (N) that ends an episode only long after the press that is looked for.
+const WATCHED_FORCE: f64 = 1e3;
+
+/// Time and movement time of a dwell in the sphere, in physics steps, for an environment.
+fn dwell(inside: &[bool], looks: usize) -> Option<[usize; 2]> {
+    let ends: Vec<bool> = inside.iter().step_by(SUBSTEPS).copied().collect();
+    // The reset is no end of a control step.
+    let done = (looks..ends.len()).find(|&k| ends[k + 1 - looks..=k].iter().all(|&x| x) && k + 1 > looks)?;
+    let first = (done + 1 - looks) * SUBSTEPS;
+    let entry = (0..=first).rev().take_while(|&n| inside[n]).last()?;
+    Some([done * SUBSTEPS, entry])
+}
+
+/// Time and movement time of a press of 1 N, in physics steps; step `n` of the forces acted from `n` to `n + 1`.
+fn press(force: &[f64]) -> Option<[usize; 2]> {
+    let pressed = force.iter().position(|&f| f >= 1.0)?;
+    let onset = (0..=pressed).rev().take_while(|&n| force[n] > 0.0).last()?;
+    Some([(pressed / SUBSTEPS + 1) * SUBSTEPS, onset])
+}
+
+/// Environments of every backend measure what was seen, to one physics step; `least` of them do the task.
+fn check(task: &Task, truth: &[Option<[usize; 2]>], least: usize) {
+    let config = EnvConfig { num_envs: ENVS, ..EnvConfig::default() };
+    let body = arm(task);
+    let mut backends: Vec<(String, Box<dyn VectorEnv>)> =
+        vec![("reference".into(), Box::new(ReferenceEnv::new(&body, task, &config).unwrap()))];
+    for level in Level::available() {
+        let config = EnvConfig { level: Some(level), ..config };
+        backends.push((format!("{level:?}"), Box::new(CpuEnv::new(&body, task, &config).unwrap())));
+    }
+    if !without_gpu() {
+        backends.push(("card".into(), Box::new(GpuEnv::new(&gpu(), &body, task, &config).unwrap())));
+    }
+    let done: Vec<[usize; 2]> = truth.iter().flatten().copied().collect();
+    let between = done.iter().filter(|[_, movement]| movement % SUBSTEPS != 0).count();
+    assert!(done.len() >= least && 2 * between > done.len(), "{done:?}");
+    for (name, mut env) in backends {
+        for (i, (got, want)) in measure(&mut *env).into_iter().zip(truth).enumerate() {
+            let (Some(got), Some(want)) = (got, want) else {
+                assert_eq!(got.is_some(), want.is_some(), "{name}, environment {i}: {got:?} for {want:?}");
+                continue;
+            };
+            let [time, movement] = want.map(|steps| steps as f64 * TIMESTEP);
+            assert!((got[0] - time).abs() < 1e-6, "{name}, environment {i}: time {} for {time}", got[0]);
+            let slack = if name == "reference" { 1e-6 } else { 1.001 * TIMESTEP };
+            assert!((got[1] - movement).abs() < slack, "{name}, environment {i}: movement {} for {movement}", got[1]);
+        }
+    }
+}
+
+#[test]
+fn an_entry_is_where_the_fingertip_was_seen_to_enter() {
+    let task = pointing();
+    let Target::Pointing(sphere) = &task.targets[0] else { panic!("it is a sphere") };
+    let (centre, radius) =
+        ([sphere.position.x, sphere.position.y, sphere.position.z].map(|x| x.min), sphere.radius.min);
+    let seen = watch(task.clone(), "fingertip_position.x", 3);
+    let inside = |i: usize| -> Vec<bool> {
+        let distance = |row: &Vec<f64>| row.iter().zip(centre).map(|(x, c)| (x - c) * (x - c)).sum::<f64>().sqrt();
+        seen.iter().map(|rows| distance(&rows[i]) < radius).collect()
+    };
+    let truth: Vec<_> = (0..ENVS).map(|i| dwell(&inside(i), 2)).collect();
+    check(&task, &truth, 20);
+}
+
+#[test]
+fn a_press_is_where_its_contact_was_seen_to_begin() {
+    let task = pressing();
+    let seen = watch(task.clone(), "touch", 1);
+    // The observation after a step tells of the force in it.
+    let force = |i: usize| -> Vec<f64> { seen[1..].iter().map(|rows| rows[i][0] * WATCHED_FORCE).collect() };
+    let truth: Vec<_> = (0..ENVS).map(|i| press(&force(i))).collect();
+    check(&task, &truth, 10);
+}

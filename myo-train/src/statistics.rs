@@ -1,0 +1,98 @@
+//! Means, shares and their confidence intervals.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// What the intervals hold with 95 % confidence leaves out on either side.
+const TAIL: f64 = 0.025;
+/// Quantile of the normal distribution that goes with it.
+const NORMAL: f64 = 1.959_963_984_540_054;
+
+/// A quantity that was observed some times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation, with one degree of freedom less than observations; zero for a single one.
+    pub sd: f64,
+    /// 95 % confidence interval of the mean, see [`mean_interval`].
+    pub interval: Option<[f64; 2]>,
+}
+
+impl Sample {
+    /// Of the entries that are not NaN; nothing if there are none.
+    pub fn of(x: &[f64]) -> Option<Self> {
+        let x = || x.iter().copied().filter(|x| !x.is_nan());
+        let n = x().count();
+        if n == 0 {
+            return None;
+        }
+        let mean = x().sum::<f64>() / n as f64;
+        let squares: f64 = x().map(|x| (x - mean) * (x - mean)).sum();
+        let sd = (squares / (n as f64 - 1.0).max(1.0)).sqrt();
+        Some(Self { mean, sd, interval: mean_interval(mean, sd, n) })
+    }
+
+    /// The same in another unit.
+    pub fn times(self, factor: f64) -> Self {
+        let interval = self.interval.map(|ends| ends.map(|x| x * factor));
+        Self { mean: self.mean * factor, sd: self.sd * factor, interval }
+    }
+}
+
+/// Student's interval that holds a true mean with 95 % confidence when `n` independent observations have this mean and
+/// standard deviation; a single one says nothing about it. Exact for observations of a normal distribution, and for any other
+/// in the limit of many.
+pub fn mean_interval(mean: f64, sd: f64, n: usize) -> Option<[f64; 2]> {
+    let t = StudentsT::new(0.0, 1.0, n as f64 - 1.0).ok()?.inverse_cdf(1.0 - TAIL);
+    let half = t * sd / (n as f64).sqrt();
+    Some([mean - half, mean + half])
+}
+
+/// Wilson's interval (1927, doi 10.1080/01621459.1927.10502953) that holds a true share with 95 % confidence when a share `p`
+/// of `n` independent trials succeeded.
+pub fn wilson_interval(p: f64, n: f64) -> [f64; 2] {
+    let z = NORMAL;
+    let centre = p + z * z / (2.0 * n);
+    let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + z * z / n;
+    [((centre - half) / scale).max(0.0), ((centre + half) / scale).min(1.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn assert_close([low, high]: [f64; 2], [a, b]: [f64; 2]) {
+        assert!((low - a).abs() < 1e-4 && (high - b).abs() < 1e-4, "{low} {high} for {a} {b}");
+    }
+
+    #[test]
+    fn wilson_interval_of_known_cases() {
+        // 81 of 263, a textbook case: 0.2553 to 0.3662
+        assert_close(wilson_interval(81.0 / 263.0, 263.0), [0.2553, 0.3662]);
+        assert_close(wilson_interval(1.0, 100.0), [0.9630, 1.0]);
+        assert_eq!(wilson_interval(1.0, 100.0)[1], 1.0);
+    }
+
+    /// Quantiles of printed tables of Student's t.
+    #[test]
+    fn intervals_of_means_have_the_width_of_tables() {
+        for (n, t) in [(2, 12.7062), (3, 4.3027), (5, 2.7764), (11, 2.2281), (31, 2.0423), (121, 1.9799)] {
+            let root = f64::from(n).sqrt();
+            assert_close(mean_interval(0.0, root, n as usize).unwrap(), [-t, t]);
+        }
+        assert_close(mean_interval(0.0, 100.0, 10_000).unwrap(), [-1.9602, 1.9602]);
+        assert_eq!(mean_interval(3.0, 0.0, 1), None);
+        assert_eq!(mean_interval(3.0, 0.0, 2), Some([3.0, 3.0]));
+    }
+
+    #[test]
+    fn what_does_not_exist_is_left_out() {
+        let Sample { mean, sd, interval } = Sample::of(&[f64::NAN, 1.0, 3.0]).unwrap();
+        assert_eq!((mean, sd), (2.0, 2.0_f64.sqrt()));
+        assert_close(interval.unwrap(), [2.0 - 12.7062, 2.0 + 12.7062]);
+        assert_eq!(Sample::of(&[f64::NAN]), None);
+        assert_eq!(Sample::of(&[4.0, f64::NAN]), Some(Sample { mean: 4.0, sd: 0.0, interval: None }));
+    }
+}
