@@ -102,7 +102,14 @@ mod tests {
         let target_success = (0..task.targets.len()).map(|k| if k < target { 1.0 } else { 0.2 }).collect();
         // To the end of the time, near the target: what was once taken for a dwell too long, or too little time.
         let length = f64::from(task.time_limit_steps());
-        let recent = Recent { success: 0.2, targets_done: target as f64, final_distance: 0.01, length, episode_return: 0.0, target_success };
+        let recent = Recent {
+            success: 0.2,
+            targets_done: target as f64,
+            final_distance: 0.01,
+            length,
+            episode_return: 0.0,
+            target_success,
+        };
         likely_cause(task, reach, &recent)
     }
 
