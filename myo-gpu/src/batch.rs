@@ -42,17 +42,27 @@ impl Batch {
     /// and must return where that is `threads` or more.
     pub fn dispatch(&mut self, kernel: &Kernel, bindings: &Bindings, threads: u32) -> &mut Self {
         let most = self.gpu.limits().max_compute_workgroups_per_dimension;
+        let active = self.gpu.groups.as_ref().map(|groups| groups.active.clone()).filter(|_| kernel.0.in_groups);
+        if kernel.0.in_groups && active.is_none() {
+            let reason = "it is a kernel for groups, in a batch of none".into();
+            self.remember(GpuError::Bind { kernel: kernel.label().to_owned(), reason });
+            return self;
+        }
         let [x, y] = grid(threads.div_ceil(kernel.workgroup_size()), most);
-        if x > 0 {
+        let z = active.as_ref().map_or(1, |active| active.list.len() as u32);
+        if x > 0 && z > 0 {
             let pass = self.pass(kernel);
             pass.set_pipeline(&kernel.0.pipeline);
             pass.set_bind_group(0, &bindings.0, &[]);
-            pass.dispatch_workgroups(x, y, 1);
+            if let Some(active) = &active {
+                pass.set_bind_group(1, &active.bindings, &[]);
+            }
+            pass.dispatch_workgroups(x, y, z);
         }
         self
     }
 
-    /// Copies `count` elements from one buffer to another.
+    /// Copies `count` elements from one buffer to another; for every group that the batch runs for, from its part to its part.
     pub fn copy<T: Pod>(
         &mut self,
         from: &Buffer<T>,
@@ -65,7 +75,12 @@ impl Batch {
             (Ok(source), Ok(target)) => {
                 self.end_pass();
                 let size = target.end - target.start;
-                self.encoder.copy_buffer_to_buffer(from.raw(), source.start, to.raw(), target.start, size);
+                let groups = self.gpu.groups.as_ref().map_or_else(|| [0].into(), |groups| groups.active.list.clone());
+                for &group in &*groups {
+                    let [read, write] = [from.parts(), to.parts()].map(|parts| parts.start(group));
+                    let (read, write) = (read + source.start, write + target.start);
+                    self.encoder.copy_buffer_to_buffer(from.raw(), read, to.raw(), write, size);
+                }
             }
             (Err(wrong), _) | (_, Err(wrong)) => self.remember(wrong),
         }

@@ -56,6 +56,14 @@ pub enum GpuError {
         /// What the driver said.
         reason: String,
     },
+    /// Groups that there are not, or not so many.
+    #[error("{got} groups were asked for; there can be 1 to {max}")]
+    Groups {
+        /// Groups asked for.
+        got: usize,
+        /// The greatest number.
+        max: usize,
+    },
     /// A kernel that not every driver could bind.
     #[error("kernel {kernel} binds {got} storage buffers; at most {max} are portable, so join some of them")]
     TooManyBuffers {

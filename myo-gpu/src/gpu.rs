@@ -7,6 +7,7 @@ use crate::adapter::{Adapter, Candidate, candidates};
 use crate::adapter_choice::AdapterChoice;
 use crate::cache;
 use crate::error::GpuError;
+use crate::groups::Groups;
 use crate::health::{Fault, Health, guarded};
 use crate::transfer::Staging;
 
@@ -18,6 +19,7 @@ use crate::transfer::Staging;
 pub struct Gpu {
     open: &'static Open,
     cache: Option<Arc<Path>>,
+    pub(crate) groups: Option<Groups>,
 }
 
 #[derive(Debug)]
@@ -55,7 +57,12 @@ impl Gpu {
         let adapters: Vec<_> = candidates.iter().map(|candidate| &candidate.adapter).collect();
         let number = choice.choose(&adapters)?;
         let open = find_or_open(number, candidates.swap_remove(number))?;
-        Ok(Self { open, cache: folder.map(Arc::from) })
+        Ok(Self { open, cache: folder.map(Arc::from), groups: None })
+    }
+
+    /// The same device with other groups.
+    pub(crate) fn with_groups(&self, groups: Option<Groups>) -> Self {
+        Self { open: self.open, cache: self.cache.clone(), groups }
     }
 
     /// The adapter that was opened.
@@ -189,7 +196,7 @@ mod tests {
             println!("skipped: MYO_NO_GPU=1, and there is no adapter");
             return None;
         };
-        Some(Gpu { open: Box::leak(Box::new(open(candidate).unwrap())), cache: None })
+        Some(Gpu { open: Box::leak(Box::new(open(candidate).unwrap())), cache: None, groups: None })
     }
 
     fn kernel(gpu: &Gpu) -> crate::Kernel {

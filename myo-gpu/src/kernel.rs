@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::buffer::BufferRef;
+use crate::buffer::{Buffer, BufferRef};
 use crate::cache::{Cached, Slot};
 use crate::error::GpuError;
 use crate::gpu::Gpu;
+use crate::groups;
 use crate::health::Fault;
 use crate::source::{self, Source};
 
@@ -36,6 +37,8 @@ pub(crate) struct Inner {
     cached: Cached,
     pub pipeline: wgpu::ComputePipeline,
     pub workgroup: u32,
+    /// Whether it runs for several groups, and how long their parts are is bound behind its buffers.
+    pub in_groups: bool,
 }
 
 /// Buffers bound to a kernel, made once and used again and again, also with other kernels of the same accesses. They live
@@ -69,12 +72,32 @@ impl Kernel {
         if buffers.len() != *bindings {
             return Err(refused(format!("it has {bindings} bindings, but {} buffers were given", buffers.len())));
         }
-        let entries: Vec<_> = (0..).zip(buffers).map(|(binding, buffer)| entry(binding, buffer)).collect();
+        let lengths = self.part_lengths(buffers)?;
+        let lengths = lengths.as_ref().map(Buffer::binding);
+        let all: Vec<_> = buffers.iter().copied().chain(lengths).collect();
+        let entries: Vec<_> = (0..).zip(&all).map(|(binding, buffer)| entry(binding, buffer)).collect();
         let descriptor = wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries };
         gpu.guarded(|| gpu.device().create_bind_group(&descriptor)).map(Bindings).map_err(|fault| match fault {
             Fault::Refused(reason) => refused(reason),
             other => other.during(&format!("binding kernel {label}")),
         })
+    }
+}
+
+impl Kernel {
+    /// How long the parts of these buffers are, for a kernel for groups.
+    fn part_lengths(&self, buffers: &[BufferRef<'_>]) -> Result<Option<Buffer<u32>>, GpuError> {
+        let Inner { label, gpu, in_groups, .. } = &*self.0;
+        if !in_groups {
+            return Ok(None);
+        }
+        let words = groups::lengths(buffers.iter().map(|buffer| buffer.part_bytes())).ok_or_else(|| {
+            GpuError::Bind { kernel: label.clone(), reason: "a group has 4 GiB or more of a buffer".into() }
+        })?;
+        let plain = gpu.with_groups(None);
+        let lengths = plain.buffer("part lengths", words.len())?;
+        plain.write(&lengths, 0, &words)?;
+        Ok(Some(lengths))
     }
 }
 
@@ -127,12 +150,18 @@ impl Gpu {
     ) -> Result<Kernel, GpuError> {
         check_count(label, bindings)?;
         let refused = |reason| GpuError::Kernel { kernel: label.to_owned(), reason };
-        let module = source::module(source).map_err(refused)?;
+        let in_groups = self.groups() > 1;
+        let module = match in_groups {
+            false => source::module(source),
+            true => groups::kernel_in_groups(source, entry, bindings.len()),
+        };
+        let module = module.map_err(refused)?;
         let workgroup = source::workgroup_size(&module, entry).map_err(refused)?;
         let compiled = self.guarded(|| {
             let slot = Slot::open(self, &module);
             let module = self.shader(label, module, checks);
-            let layout = self.layout(label, bindings);
+            let lengths = in_groups.then_some(Access::Uniform);
+            let layout = self.layout(label, bindings.iter().copied().chain(lengths));
             let cache = slot.as_ref().map(|slot| &slot.raw);
             let pipeline = self.pipeline(label, &module, entry, &layout, cache, checks);
             (layout, pipeline, slot)
@@ -143,7 +172,7 @@ impl Gpu {
         })?;
         let cached = slot.map_or(Cached::Off, Slot::store);
         let (label, gpu, bindings) = (label.to_owned(), self.clone(), bindings.len());
-        Ok(Kernel(Arc::new(Inner { label, gpu, layout, bindings, cached, pipeline, workgroup })))
+        Ok(Kernel(Arc::new(Inner { label, gpu, layout, bindings, cached, pipeline, workgroup, in_groups })))
     }
 
     fn shader(&self, label: &str, module: naga::Module, checks: wgpu::ShaderRuntimeChecks) -> wgpu::ShaderModule {
@@ -153,8 +182,8 @@ impl Gpu {
         unsafe { self.device().create_shader_module_trusted(descriptor, checks) }
     }
 
-    fn layout(&self, label: &str, bindings: &[Access]) -> wgpu::BindGroupLayout {
-        let entries: Vec<_> = (0..).zip(bindings).map(|(binding, access)| layout_entry(binding, *access)).collect();
+    fn layout(&self, label: &str, bindings: impl Iterator<Item = Access>) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = (0..).zip(bindings).map(|(binding, access)| layout_entry(binding, access)).collect();
         let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
         self.device().create_bind_group_layout(&descriptor)
     }
@@ -169,9 +198,11 @@ impl Gpu {
         checks: wgpu::ShaderRuntimeChecks,
     ) -> wgpu::ComputePipeline {
         let label = Some(label);
+        let groups = self.groups.as_ref().map(|groups| Some(&groups.layout));
+        let layouts: Vec<_> = [Some(layout)].into_iter().chain(groups).collect();
         let layout = self.device().create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label,
-            bind_group_layouts: &[Some(layout)],
+            bind_group_layouts: &layouts,
             immediate_size: 0,
         });
         self.device().create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

@@ -21,7 +21,7 @@ impl<T: Pod> Buffer<T> {
     /// # Errors
     /// [`GpuError::OutOfRange`].
     pub fn part<'a>(&'a self, offset: usize, out: &'a mut [T]) -> Result<Read<'a>, GpuError> {
-        let start = self.bytes(offset, out.len())?.start;
+        let start = self.bytes(offset, out.len())?.start + self.parts().starts().next().unwrap_or(0);
         Ok(Read { raw: self.raw(), start, out: bytemuck::cast_slice_mut(out) })
     }
 }
@@ -36,7 +36,8 @@ impl Gpu {
         if data.is_empty() {
             return Ok(());
         }
-        self.guarded(|| self.queue().write_buffer(buffer.raw(), bytes.start, bytemuck::cast_slice(data)))
+        let part = |start| self.queue().write_buffer(buffer.raw(), start + bytes.start, bytemuck::cast_slice(data));
+        self.guarded(|| buffer.parts().starts().for_each(part))
             .map_err(|fault| fault.during(&format!("writing buffer {}", buffer.label())))
     }
 

@@ -36,11 +36,12 @@ impl TrainingDevice {
         Ok(Self::Host(Box::new(Host { env, rollout, learner })))
     }
 
-    /// On the card that holds the environment.
-    pub fn on_card(env: GpuEnv, config: &PpoConfig) -> Result<Self, TrainError> {
+    /// On the card that holds the environment: one for every [group](myo_gpu::Gpu::in_groups) of it.
+    pub fn on_card(env: GpuEnv, config: &PpoConfig) -> Result<Vec<Self>, TrainError> {
         check_env(&env, config)?;
         let log_std = Networks::new(env.spec(), config).log_std_range();
-        Ok(Self::Card(Box::new(Card::new(env, config, log_std)?)))
+        let cards = Card::all(env, config, log_std)?;
+        Ok(cards.into_iter().map(|card| Self::Card(Box::new(card))).collect())
     }
 
     /// The environment.

@@ -77,5 +77,5 @@ pub use policy::Policy;
 pub use run::{LatestCheckpoint, RunClaim, RunConfig, RunError, RunFolder, RunWriter};
 pub use session::Session;
 pub use tensorboard::EventFile;
-pub use trainer::Trainer;
+pub use trainer::{Member, Trainer};
 pub use weights::{LayerWeights, PolicyWeights, WeightsError};

@@ -8,7 +8,7 @@ use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::gpu::DeviceEvaluator;
 use myo_train::session::{Examiner, Goal};
-use myo_train::{Checkpoint, PpoConfig, Session, TrainError, Trainer};
+use myo_train::{Checkpoint, Member, PpoConfig, Session, TrainError, Trainer};
 
 /// [`Backend::Auto`] takes a graphics card from this many environments per thread of the processor.
 ///
@@ -69,6 +69,17 @@ impl Start<'_> {
             Self::New { seed, .. } => *seed,
             Self::Resumed(checkpoint) => checkpoint.seed(),
         }
+    }
+
+    fn member(&self) -> Member<'_> {
+        match self {
+            Self::New { config, seed, .. } => Member::New { config, seed: *seed },
+            Self::Resumed(checkpoint) => Member::Resumed(checkpoint),
+        }
+    }
+
+    fn from(&self) -> Option<&Checkpoint> {
+        if let Self::New { from, .. } = self { *from } else { None }
     }
 }
 
@@ -139,6 +150,18 @@ impl Device {
         match self {
             Self::Cpu => "cpu",
             Self::Gpu(_) => "gpu",
+        }
+    }
+
+    /// The same device for so many trainings at once, see [`Envs::sessions`]; none where they would run one after the other
+    /// anyway, on the processor.
+    ///
+    /// # Errors
+    /// More trainings than a card takes at once, or the card is lost.
+    pub fn for_several(&self, trainings: usize) -> Result<Option<Self>, GpuError> {
+        match self {
+            Self::Cpu => Ok(None),
+            Self::Gpu(gpu) => gpu.in_groups(trainings).map(|gpu| Some(Self::Gpu(gpu))),
         }
     }
 
@@ -221,6 +244,33 @@ impl Envs {
                 Ok(Session::resume(trainer, examiner, goal, checkpoint))
             }
         }
+    }
+
+    /// Several trainings at once in environments that are [for so many](Device::for_several), as are `looks`. Each is what
+    /// [`Envs::session`] makes of its start, bit for bit, but must advance in a thread of its own: one waits for the others.
+    ///
+    /// # Errors
+    /// Environments for another number of trainings or on the processor, settings that differ in more than step sizes;
+    /// otherwise as for [`Envs::session`].
+    pub fn sessions(self, looks: Self, starts: &[Start<'_>], goal: Goal) -> Result<Vec<Session>, TrainError> {
+        let (Self::Gpu(env), Self::Gpu(looks)) = (self, looks) else {
+            let (what, expected) = ("the device of several trainings at once", "a graphics card".to_owned());
+            return Err(TrainError::Mismatch { what, got: "the processor".into(), expected });
+        };
+        let members: Vec<_> = starts.iter().map(Start::member).collect();
+        let mut trainers = Trainer::several_on_card(*env, &members)?;
+        for (trainer, start) in trainers.iter_mut().zip(starts) {
+            start.from().map(|other| trainer.warm_start(other)).transpose()?;
+        }
+        let evaluators = DeviceEvaluator::several(*looks, &trainers)?;
+        let session = |((trainer, evaluator), start): ((Trainer, _), &Start<'_>)| {
+            let examiner = Examiner::on_card(evaluator, trainer.seed());
+            match start {
+                Start::New { .. } => Session::new(trainer, examiner, goal),
+                Start::Resumed(checkpoint) => Ok(Session::resume(trainer, examiner, goal, checkpoint)),
+            }
+        };
+        trainers.into_iter().zip(evaluators).zip(starts).map(session).collect()
     }
 
     /// A trainer with a new policy, which acts and learns where the environments are.

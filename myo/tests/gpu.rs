@@ -156,6 +156,46 @@ fn a_run_on_the_gpu_goes_on_there_or_elsewhere() {
     }
 }
 
+fn newest_checkpoint(run: &Path) -> myo::train::Checkpoint {
+    let run = myo::train::RunFolder::open(run).unwrap();
+    let mut checkpoint = run.latest_checkpoint().unwrap().checkpoint.expect("a whole checkpoint");
+    checkpoint.forget_wall_time();
+    checkpoint
+}
+
+#[test]
+fn several_users_on_the_gpu_train_at_once_each_as_alone() {
+    let Some(_) = devices() else { return };
+    let [several, alone] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let seeds = ["--device", "0", "--seeds", "3", "--seed", "4"];
+    let begun = myo(several.path(), &short_training("32", "1k", &seeds));
+    let heard = stderr(&begun);
+    // All begin before any of them ends.
+    assert!(["seed-4", "seed-5", "seed-6"].iter().all(|run| heard.contains(&format!("in run/{run}"))), "{heard}");
+    assert!(!heard.contains("one after the other"), "{heard}");
+    let result = json(&begun);
+    assert_eq!(result["runs"].as_array().unwrap().len(), 3, "{result}");
+    // One begins anew, two go on.
+    std::fs::remove_dir_all(several.path().join("run/seed-5")).unwrap();
+    let result = json(&myo(several.path(), &["train", "--resume", "run", "--steps", "2k", "--json"]));
+    for (row, seed) in result["runs"].as_array().unwrap().iter().zip(["4", "5", "6"]) {
+        let out = format!("alone-{seed}");
+        let mut args = short_training("32", "2k", &["--device", "0", "--seed", seed]);
+        *args.iter_mut().find(|arg| **arg == "run").unwrap() = &out;
+        let expected = json(&myo(alone.path(), &args));
+        assert_eq!((&row["seed"], &row["stopped_by"]), (&expected["seed"], &expected["stopped_by"]));
+        assert_eq!(row["evaluation"], expected["evaluation"], "seed {seed}");
+        let runs = [several.path().join("run").join(format!("seed-{seed}")), alone.path().join(&out)];
+        let [a, b] = runs.map(|run| newest_checkpoint(&run));
+        assert_eq!((a.env_steps(), b.env_steps()), (2048, 2048));
+        assert!(a == b, "seed {seed}: the same weights, moments and episodes");
+    }
+    assert!(
+        json(&myo(several.path(), &["train", "--resume", "run", "--json"]))["runs"] == result["runs"],
+        "all are over"
+    );
+}
+
 #[test]
 fn a_run_resumed_on_the_gpu_ends_with_the_same_bits() {
     let Some(_) = devices() else { return };
@@ -164,12 +204,7 @@ fn a_run_resumed_on_the_gpu_ends_with_the_same_bits() {
     train(whole.path(), "2k");
     train(parts.path(), "1k");
     json(&myo(parts.path(), &["train", "--resume", "run", "--steps", "2k", "--json"]));
-    let [a, b] = [whole, parts].map(|folder| {
-        let run = myo::train::RunFolder::open(&folder.path().join("run")).unwrap();
-        let mut checkpoint = run.latest_checkpoint().unwrap().checkpoint.expect("a whole checkpoint");
-        checkpoint.forget_wall_time();
-        checkpoint
-    });
+    let [a, b] = [whole, parts].map(|folder| newest_checkpoint(&folder.path().join("run")));
     assert_eq!((a.env_steps(), b.env_steps()), (2048, 2048));
     assert!(a == b, "the same weights, moments and episodes");
 }
@@ -192,6 +227,13 @@ fn measurements_on_the_gpu_give_rows() {
         assert!(row["machine"].is_string() && row["date"].is_string() && row["driver"].is_string(), "{row}");
     }
     assert!(["warm", "cold", "none"].contains(&rows[0]["kernel_cache"].as_str().unwrap()));
+    let all = ["--seeds", "2", "--at-once", "--until", "off", "--steps", "1k", "--envs", "32", "--json"];
+    let args = [&["bench", "train", "pointing-single", "--device", "0"], &all[..]].concat();
+    let small = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+    let bench = json(&myo(Path::new("."), &[&args[..], &small].concat()));
+    let rows = bench["rows"].as_array().unwrap();
+    assert_eq!(rows.iter().map(|row| row["seed"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2]);
+    assert!(rows.iter().all(|row| row["env_steps"] == 1024 && row["stopped_by"] == "steps"), "{bench}");
 }
 
 #[test]

@@ -21,6 +21,9 @@ const WORDS: usize = EnvState::<f64>::WORDS;
 /// Environments on a graphics card.
 ///
 /// The same seed and actions give the same bits on the same card and driver.
+///
+/// On a device in [groups](Gpu::in_groups) there are as many environments for every group, those of each numbered from zero
+/// on. They are worked with through [`GpuEnv::of`]; what is done to all at once is done to every group's in the same way.
 pub struct GpuEnv {
     gpu: Gpu,
     kernels: Kernels,
@@ -77,6 +80,24 @@ impl GpuEnv {
         check_memory(&self.gpu, &spec, self.rows.count)?;
         let per_shard = portable_envs(&spec, self.rows.count);
         Self::start(&self.gpu, self.kernels.clone(), spec, (self.rows, self.identity.clone()), per_shard, seed)
+    }
+
+    /// The environments of one group: those of a device without groups. Other groups are left alone, and none see each other.
+    ///
+    /// # Errors
+    /// There is no such group, no memory left, or the device lost.
+    pub fn of(&self, group: usize) -> Result<Self, GpuError> {
+        let Self { kernels, spec, rows, identity, .. } = self;
+        Ok(Self {
+            gpu: self.gpu.for_groups(&[group])?,
+            kernels: kernels.clone(),
+            shards: self.shards.iter().map(|shard| shard.of(group)).collect(),
+            spec: spec.clone(),
+            rows: *rows,
+            identity: identity.clone(),
+            finished: Finished::new(spec),
+            scratch: HostColumns::default(),
+        })
     }
 
     /// Makes the environments, in sets of `per_shard`, and resets them.

@@ -67,7 +67,7 @@ impl Kernels {
 }
 
 /// Buffers of some environments. Entry `row` of environment `env` is at `row * num_envs + env`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Shard {
     /// Number of the first environment.
     pub first: usize,
@@ -140,6 +140,22 @@ impl Shard {
             step,
             reset,
         })
+    }
+
+    /// The part of a group.
+    pub(super) fn of(&self, group: usize) -> Self {
+        Self {
+            numbers: self.numbers.of(group),
+            words: self.words.of(group),
+            actions: self.actions.of(group),
+            observation: self.observation.of(group),
+            final_observation: self.final_observation.of(group),
+            episode: self.episode.of(group),
+            result: self.result.of(group),
+            command: self.command.of(group),
+            seed: self.seed.of(group),
+            ..self.clone()
+        }
     }
 
     /// Adds a control step to a batch.

@@ -19,6 +19,7 @@ fn device_bytes(spec: &EnvSpec, count: usize) -> usize {
 /// Refuses what the machine or the card has no memory for. How much of a card's memory is free shows only when it is used up.
 pub fn check_memory(gpu: &Gpu, spec: &EnvSpec, count: usize) -> Result<(), BuildError> {
     let (adapter, each) = (gpu.adapter(), device_bytes(spec, count));
+    let each = each * gpu.groups();
     let is_software = adapter.kind == AdapterKind::Software;
     memory::check(spec.num_envs, spec.bytes_per_env() + if is_software { each } else { 0 })?;
     let memory = adapter.memory_bytes.filter(|_| !is_software);
@@ -44,7 +45,7 @@ pub fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, count: usize) 
     match error {
         GpuError::OutOfMemory { .. } | GpuError::TooLarge { .. } => BuildError::OutOfGpuMemory {
             num_envs: spec.num_envs,
-            bytes: spec.num_envs as u64 * device_bytes(spec, count) as u64,
+            bytes: (spec.num_envs * gpu.groups()) as u64 * device_bytes(spec, count) as u64,
             device: gpu.adapter().name.clone(),
             refusal: error,
         },

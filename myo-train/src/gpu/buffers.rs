@@ -5,7 +5,7 @@ use myo_gpu::{Buffer, Gpu, GpuError};
 use super::sizes::Sizes;
 
 /// What a roll-out writes, feature-major; see [`Sizes`] for the columns.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct RolloutBuffers {
     /// Normalised observations, `(observations, columns)`.
     pub observation: Buffer<f32>,
@@ -52,5 +52,21 @@ impl RolloutBuffers {
             sums: gpu.buffer("sums", sums)?,
             wrong: gpu.buffer("wrong", 1)?,
         })
+    }
+
+    /// Those of one group.
+    pub(super) fn of(&self, group: usize) -> Self {
+        Self {
+            observation: self.observation.of(group),
+            action: self.action.of(group),
+            log_prob: self.log_prob.of(group),
+            value: self.value.of(group),
+            reward: self.reward.of(group),
+            ended: self.ended.of(group),
+            episodes: self.episodes.of(group),
+            moments: self.moments.of(group),
+            sums: self.sums.of(group),
+            wrong: self.wrong.of(group),
+        }
     }
 }

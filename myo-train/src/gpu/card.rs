@@ -1,30 +1,59 @@
 //! Training on the card: an environment, the policy, and learning, of which the host hears some hundred bytes per update.
 
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{GpuEnv, VectorEnv};
-use myo_gpu::{Commands, GpuError};
+use myo_gpu::{Buffer, Commands, Gpu, GpuError, Read};
 
 use super::buffers::ALL_FINITE;
-use super::{DeviceLearner, DeviceRollout, Settings};
+use super::together::{Together, Work};
+use super::{DeviceLearner, DeviceRollout, LearnMemory, RolloutBuffers, Settings};
 use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::EpisodeSums;
 use crate::normalizer::{Moments, Normalizer};
 use crate::{PpoConfig, TrainError};
 
 /// Everything of a training that lives on the card.
+///
+/// Trainings of several [groups](Gpu::in_groups) learn in the same batches: an update begins when all of them want one, so each
+/// belongs into a thread of its own. One that is dropped leaves the others.
 pub(crate) struct Card {
+    group: usize,
     rollout: DeviceRollout,
-    learner: DeviceLearner,
+    memory: LearnMemory,
     gradient_steps: u64,
-    log_std: std::ops::Range<usize>,
+    shared: Arc<Shared>,
+}
+
+/// What the trainings on one device share.
+struct Shared {
+    together: Arc<Together>,
+    lessons: Vec<Mutex<Lesson>>,
+    next: Mutex<Option<Next>>,
+}
+
+/// One training's part of an update.
+struct Lesson {
+    learner: DeviceLearner,
+    record: RolloutBuffers,
+    parameters: Buffer<f32>,
+    log_std: usize,
+    settings: Settings,
     readback: Readback,
-    /// The next roll-out.
-    next: Option<Commands>,
+    /// Seconds until the roll-out was done, or why there was none.
+    collect_s: Result<f64, GpuError>,
+}
+
+/// The next roll-out of these groups, and the device for them.
+struct Next {
+    groups: Vec<usize>,
+    gpu: Gpu,
+    collecting: Option<Commands>,
 }
 
 /// What is read after an update.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Readback {
     sums: Vec<f32>,
     wrong: [u32; 1],
@@ -52,9 +81,9 @@ pub(crate) struct CardUpdate {
 }
 
 impl Card {
-    /// Memory and kernels for an environment; the networks have no weights yet. `log_std` is the place of the logarithms
-    /// of the standard deviations among the parameters.
-    pub fn new(env: GpuEnv, config: &PpoConfig, log_std: std::ops::Range<usize>) -> Result<Self, TrainError> {
+    /// Memory and kernels for an environment, a training for every group of its device; the networks have no weights yet.
+    /// `log_std` is the place of the logarithms of the standard deviations among the parameters.
+    pub fn all(env: GpuEnv, config: &PpoConfig, log_std: std::ops::Range<usize>) -> Result<Vec<Self>, TrainError> {
         let rollout = DeviceRollout::new(env, config)?;
         let (gpu, sizes) = (rollout.gpu(), rollout.sizes());
         let learner = DeviceLearner::new(gpu, sizes, config, rollout.parameters(), rollout.buffers())?;
@@ -64,7 +93,32 @@ impl Card {
             log_std: vec![0.0; log_std.len()],
             ..Readback::default()
         };
-        Ok(Self { rollout, learner, gradient_steps: 0, log_std, readback, next: None })
+        let settings = Settings { seed: 0, update: 0, learning_rate: 0.0, gradient_steps: 0 };
+        let rollouts = (0..gpu.groups()).map(|group| rollout.of(group)).collect::<Result<Vec<_>, _>>()?;
+        let lesson = |(group, rollout): (usize, &DeviceRollout)| Lesson {
+            learner: learner.of(group),
+            record: rollout.buffers().clone(),
+            parameters: rollout.parameters().clone(),
+            log_std: log_std.start,
+            settings,
+            readback: readback.clone(),
+            collect_s: Ok(0.0),
+        };
+        let lessons: Vec<_> = rollouts.iter().enumerate().map(lesson).collect();
+        let memories: Vec<_> = lessons.iter().map(|lesson| lesson.learner.memory().clone()).collect();
+        let together = Arc::new(Together::new(lessons.len()));
+        let lessons = lessons.into_iter().map(Mutex::new).collect();
+        let shared = Arc::new(Shared { together, lessons, next: Mutex::new(None) });
+        let card = |(group, (rollout, memory))| {
+            let shared = Arc::clone(&shared);
+            Self { group, rollout, memory, gradient_steps: 0, shared }
+        };
+        Ok(rollouts.into_iter().zip(memories).enumerate().map(card).collect())
+    }
+
+    /// Those who learn on the device.
+    pub fn together(&self) -> &Arc<Together> {
+        &self.shared.together
     }
 
     /// The environment.
@@ -84,7 +138,7 @@ impl Card {
 
     /// Uploads parameters and Adam's memory.
     pub fn set_weights(&mut self, parameters: &[f32], optimizer: &Optimizer) -> Result<(), TrainError> {
-        let (gpu, memory) = (self.rollout.gpu(), self.learner.memory());
+        let (gpu, memory) = (self.rollout.gpu(), &self.memory);
         gpu.write(self.rollout.parameters(), 0, parameters)?;
         gpu.write(&memory.mean, 0, &optimizer.mean)?;
         gpu.write(&memory.square, 0, &optimizer.square)?;
@@ -100,7 +154,7 @@ impl Card {
         optimizer: &mut Optimizer,
         observation: &mut [f32],
     ) -> Result<(), TrainError> {
-        let (memory, sizes) = (self.learner.memory(), self.rollout.sizes());
+        let (memory, sizes) = (&self.memory, self.rollout.sizes());
         let [mut weights, mut mean, mut square] = [(); 3].map(|()| vec![0.0; parameters.len()]);
         let mut columns = vec![0.0; observation.len()];
         self.rollout.gpu().read_many(&mut [
@@ -117,45 +171,75 @@ impl Card {
         Ok(())
     }
 
-    /// Collects a roll-out and learns from it: two submissions, each made ready while the card is busy with the one before.
+    /// Collects a roll-out and learns from it, as soon as all trainings on the device want to.
     pub fn update(
         &mut self,
         normalizer: &Normalizer,
         (seed, update): (u64, u64),
         learning_rate: f64,
     ) -> Result<CardUpdate, TrainError> {
-        let (start, sizes) = (Instant::now(), *self.rollout.sizes());
         self.rollout.set_scaling(normalizer)?;
-        self.rollout.set_clock(seed, update * sizes.steps as u64)?;
-        let collected = self.next.take().map_or_else(|| collecting(&self.rollout), Ok)?.submit()?;
-
+        self.rollout.set_clock(seed, update * self.rollout.sizes().steps as u64)?;
         let settings = Settings { seed, update, learning_rate, gradient_steps: self.gradient_steps };
-        self.learner.prepare(&sizes, settings)?;
-        let mut batch = self.rollout.gpu().batch();
-        self.learner.record(&mut batch);
-        let learning = batch.finish()?;
-        let (buffers, memory, readback) = (self.rollout.buffers(), self.learner.memory(), &mut self.readback);
-        let mut reads = [
-            buffers.sums.part(0, &mut readback.sums)?,
-            buffers.wrong.part(0, &mut readback.wrong)?,
-            memory.estimate_sums.part(0, &mut readback.estimates)?,
-            memory.metrics.part(0, &mut readback.metrics)?,
-            self.rollout.parameters().part(self.log_std.start, &mut readback.log_std)?,
-        ];
-        let meanwhile = || {
-            let next = collecting(&self.rollout)?;
-            collected.wait()?;
-            Ok::<_, GpuError>((next, start.elapsed().as_secs_f64()))
+        self.shared.lesson(self.group).settings = settings;
+        self.shared.together.meet(self.group, Work::Update, |groups| self.teach(groups));
+        let lesson = self.shared.lesson(self.group);
+        self.gradient_steps += lesson.learner.layout().steps() as u64;
+        self.result(normalizer, &lesson)
+    }
+
+    /// An update of several trainings.
+    fn teach(&self, groups: &[usize]) {
+        // All that they belong to wait.
+        let mut lessons: Vec<_> = groups.iter().map(|&group| self.shared.lesson(group)).collect();
+        let collect_s = self.update_all(groups, &mut lessons);
+        lessons.iter_mut().for_each(|lesson| lesson.collect_s.clone_from(&collect_s));
+    }
+
+    /// Two submissions, each made ready while the card is busy with the one before. Returns the seconds until the first, the
+    /// roll-out, was done.
+    fn update_all(&self, groups: &[usize], lessons: &mut [MutexGuard<'_, Lesson>]) -> Result<f64, GpuError> {
+        let start = Instant::now();
+        let mut next = self.shared.next.lock().unwrap_or_else(PoisonError::into_inner);
+        let Next { gpu, collecting, .. } = match next.take() {
+            Some(next) if next.groups == groups => next,
+            _ => Next { gpu: self.rollout.gpu().for_groups(groups)?, groups: groups.to_vec(), collecting: None },
         };
-        let (next, collect_s) = learning.submit_and_read(&mut reads, meanwhile)??;
-        self.next = Some(next);
-        self.gradient_steps += self.learner.layout().steps() as u64;
-        self.result(normalizer, update, collect_s)
+        let collected = collecting.map_or_else(|| self.collecting(&gpu), Ok)?.submit()?;
+
+        let sizes = self.rollout.sizes();
+        for lesson in lessons.iter_mut() {
+            let Lesson { learner, settings, .. } = &mut **lesson;
+            learner.prepare(sizes, *settings)?;
+        }
+        let mut batch = gpu.batch();
+        lessons.iter().take(1).for_each(|lesson| lesson.learner.record(&mut batch));
+        let learning = batch.finish()?;
+        let mut reads = Vec::new();
+        for lesson in lessons {
+            reads.extend(lesson.reads()?);
+        }
+        let meanwhile = || {
+            let collecting = self.collecting(&gpu)?;
+            collected.wait()?;
+            Ok::<_, GpuError>((collecting, start.elapsed().as_secs_f64()))
+        };
+        let (collecting, collect_s) = learning.submit_and_read(&mut reads, meanwhile)??;
+        *next = Some(Next { groups: groups.to_vec(), gpu: gpu.clone(), collecting: Some(collecting) });
+        Ok(collect_s)
+    }
+
+    /// A roll-out, ready for the card: what changes from one to the next lies in buffers.
+    fn collecting(&self, gpu: &Gpu) -> Result<Commands, GpuError> {
+        let mut batch = gpu.batch();
+        self.rollout.record(&mut batch);
+        batch.finish()
     }
 
     /// Makes sense of what was read.
-    fn result(&self, normalizer: &Normalizer, update: u64, collect_s: f64) -> Result<CardUpdate, TrainError> {
-        let (sizes, readback) = (self.rollout.sizes(), &self.readback);
+    fn result(&self, normalizer: &Normalizer, lesson: &Lesson) -> Result<CardUpdate, TrainError> {
+        let Lesson { learner, settings, readback, collect_s, .. } = lesson;
+        let (sizes, update, collect_s) = (self.rollout.sizes(), settings.update, collect_s.clone()?);
         let (moments, rest) = readback.sums.split_at(2 * sizes.observations);
         let (episodes, rewards) = rest.split_at(sizes.episode_rows());
         let reward_sum: f64 = rewards.iter().map(|&sum| f64::from(sum)).sum();
@@ -163,7 +247,7 @@ impl Card {
         check(names, readback.wrong[0], reward_sum, update)?;
         let samples = sizes.steps * sizes.envs;
         Ok(CardUpdate {
-            learn: self.learner.stats(&readback.metrics, update)?,
+            learn: learner.stats(&readback.metrics, update)?,
             collect_s,
             moments: normalizer.moments_from_f32(samples, moments),
             episodes: EpisodeSums::from_rows(episodes),
@@ -174,11 +258,31 @@ impl Card {
     }
 }
 
-/// A roll-out, ready for the card: what changes from one to the next lies in buffers.
-fn collecting(rollout: &DeviceRollout) -> Result<Commands, GpuError> {
-    let mut batch = rollout.gpu().batch();
-    rollout.record(&mut batch);
-    batch.finish()
+impl Drop for Card {
+    fn drop(&mut self) {
+        self.shared.together.leave(self.group);
+    }
+}
+
+impl Shared {
+    fn lesson(&self, group: usize) -> MutexGuard<'_, Lesson> {
+        self.lessons[group].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Lesson {
+    /// What to read after it.
+    fn reads(&mut self) -> Result<[Read<'_>; 5], GpuError> {
+        let Self { learner, record, parameters, log_std, readback, .. } = self;
+        let memory = learner.memory();
+        Ok([
+            record.sums.part(0, &mut readback.sums)?,
+            record.wrong.part(0, &mut readback.wrong)?,
+            memory.estimate_sums.part(0, &mut readback.estimates)?,
+            memory.metrics.part(0, &mut readback.metrics)?,
+            parameters.part(*log_std, &mut readback.log_std)?,
+        ])
+    }
 }
 
 fn check(names: &[String], wrong: u32, reward_sum: f64, update: u64) -> Result<(), TrainError> {

@@ -157,7 +157,8 @@ impl DenseKernels {
         }
         x.check(layer.inputs, columns)?;
         y.check(layer.outputs, columns)?;
-        let tile = self.forced.unwrap_or_else(|| tile_for(layer.outputs, columns));
+        // Whatever the tile, the bits are the same: it may depend on how many groups there are.
+        let tile = self.forced.unwrap_or_else(|| tile_for(layer.outputs, columns * self.gpu.groups()));
         let kernel = self.kernel(tile, finish.kind())?;
         let shape = self.gpu.buffer("shape", 16)?;
         self.gpu.write(&shape, 0, &words(layer, x, y, columns, sampling))?;
@@ -178,7 +179,7 @@ impl DenseKernels {
     }
 }
 
-/// The tile that keeps a large card busy: large ones need fewer copies per product, small ones give more workgroups. The
+/// The tile that keeps a large card busy with so many columns, of all groups together: large ones need fewer copies per product, small ones give more workgroups. The
 /// limits were measured on an H200 (`benches/examples/gpu_rollout.rs`, `tiles`).
 pub fn tile_for(outputs: usize, columns: usize) -> Tile {
     const SMALL: Tile = Tile::new(16, 64, 16, (4, 4));

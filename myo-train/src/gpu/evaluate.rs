@@ -1,5 +1,7 @@
 //! How well a policy does on fresh episodes, on the card.
 
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
 use myo_env::gpu::Shard;
 use myo_env::{GpuEnv, VectorEnv};
 use myo_gpu::{Batch, Buffer, Gpu, GpuError};
@@ -8,8 +10,9 @@ use super::dense::{Columns, DenseKernels, Dispatch, GROUP, Sampling};
 use super::kernels::{Kernels, OBSERVE_WORKGROUP};
 use super::network::{Activations, NetworkBuffers, Pass};
 use super::rollout::check_shards;
+use super::together::{Together, Work};
 use crate::evaluate::{Evaluation, Tally, check};
-use crate::{Policy, TrainError};
+use crate::{Policy, TrainError, Trainer};
 
 /// Control steps between two looks at what ended.
 const STEPS: usize = 16;
@@ -19,6 +22,7 @@ const RESULT_ROWS: usize = 3;
 
 /// Runs mean actions in an environment on the card; prepared once for policies of one kind, used again and again.
 pub struct DeviceEvaluator {
+    group: usize,
     env: GpuEnv,
     parameters: Buffer<f32>,
     scaling: Buffer<f32>,
@@ -28,6 +32,34 @@ pub struct DeviceEvaluator {
     results: Buffer<f32>,
     summaries: Buffer<f32>,
     layout: Layout,
+    shared: Arc<Shared>,
+}
+
+/// What the evaluators of several groups share.
+struct Shared {
+    together: Arc<Together>,
+    looks: Vec<Mutex<Look>>,
+    /// The device for the groups that looked last.
+    device: Mutex<Option<(Vec<usize>, Gpu)>>,
+}
+
+/// What is read after some steps of one group.
+struct Look {
+    sources: [Buffer<f32>; 2],
+    results: Vec<f32>,
+    summaries: Vec<f32>,
+    outcome: Result<(), GpuError>,
+}
+
+impl Shared {
+    fn look(&self, group: usize) -> MutexGuard<'_, Look> {
+        self.looks[group].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn mismatch(trainings: usize, groups: usize) -> TrainError {
+    let what = "the number of trainings whose policies are evaluated";
+    TrainError::Mismatch { what, got: trainings.to_string(), expected: groups.to_string() }
 }
 
 /// What policies must have in common.
@@ -74,11 +106,33 @@ impl DeviceEvaluator {
     /// Memory and kernels for policies with the sizes, the mapping of actions and the clipping of observations of `policy`.
     ///
     /// # Errors
-    /// An environment that does not fit the policy, does not start its episodes again or is too large for one set of
-    /// buffers, no memory left, or the card is lost.
+    /// An environment that does not fit the policy, does not start its episodes again, is too large for one set of
+    /// buffers or of several groups, no memory left, or the card is lost.
     pub fn new(env: GpuEnv, policy: &Policy) -> Result<Self, TrainError> {
+        let mut all = Self::all(env, policy, Arc::new(Together::new(1)))?;
+        Ok(all.remove(0))
+    }
+
+    /// Evaluators for [several trainings](crate::Trainer::several_on_card), whose policies are evaluated at the same time: one
+    /// that evaluates waits until all others do or want to update.
+    ///
+    /// # Errors
+    /// As for [`DeviceEvaluator::new`], but the environment must have a group for each of the trainings.
+    pub fn several(env: GpuEnv, trainers: &[Trainer]) -> Result<Vec<Self>, TrainError> {
+        let together = trainers.first().and_then(|trainer| Some((trainer, trainer.together()?)));
+        let Some((trainer, together)) = together else {
+            return Err(mismatch(trainers.len(), env.gpu().groups()));
+        };
+        Self::all(env, &trainer.policy(), together)
+    }
+
+    /// One for every group of the environment, who are as many as the members of `together`.
+    fn all(env: GpuEnv, policy: &Policy, together: Arc<Together>) -> Result<Vec<Self>, TrainError> {
         check(policy, env.spec())?;
         check_shards(&env)?;
+        if together.len() != env.gpu().groups() {
+            return Err(mismatch(together.len(), env.gpu().groups()));
+        }
         let (gpu, spec, layout) = (env.gpu().clone(), env.spec().clone(), Layout::of(policy));
         let between = Between::new(&gpu, spec.num_envs, spec.observation_size(), spec.action_size())?;
         let parameters = gpu.buffer("parameters", layout.networks.len())?;
@@ -87,7 +141,32 @@ impl DeviceEvaluator {
         let pass = pass(&gpu, &env.shards()[0], &between, &parameters, &layout)?;
         let results = gpu.buffer("results", STEPS * RESULT_ROWS * spec.num_envs)?;
         let summaries = gpu.buffer("summaries", (STEPS * spec.episode_size() * spec.num_envs).max(1))?;
-        Ok(Self { env, parameters, scaling, observe, pass, results, summaries, layout })
+        let look = |group| {
+            let look = Look {
+                sources: [results.of(group), summaries.of(group)],
+                results: vec![0.0; results.len()],
+                summaries: vec![0.0; summaries.len()],
+                outcome: Ok(()),
+            };
+            Mutex::new(look)
+        };
+        let groups = 0..gpu.groups();
+        let shared = Arc::new(Shared { together, looks: groups.clone().map(look).collect(), device: Mutex::new(None) });
+        let one = |group| {
+            Ok(Self {
+                group,
+                env: env.of(group)?,
+                parameters: parameters.of(group),
+                scaling: scaling.of(group),
+                observe: observe.clone(),
+                pass: pass.clone(),
+                results: results.clone(),
+                summaries: summaries.clone(),
+                layout: layout.clone(),
+                shared: Arc::clone(&shared),
+            })
+        };
+        groups.map(one).collect()
     }
 
     /// The environment.
@@ -113,12 +192,12 @@ impl DeviceEvaluator {
         let mut observation = vec![0.0; spec.num_envs * spec.observation_size()];
         self.env.reset(Some(seed), None, &mut observation)?;
         let mut tally = Tally::new(episodes, spec.num_envs);
-        let mut results = vec![0.0; self.results.len()];
-        let mut summaries = vec![0.0; self.summaries.len()];
         while !tally.is_full() {
-            self.batch()
-                .submit_and_read(&mut [self.results.part(0, &mut results)?, self.summaries.part(0, &mut summaries)?])?;
-            count(&mut tally, spec.num_envs, spec.episode_size(), &results, &summaries);
+            self.shared.together.meet(self.group, Work::Look, |groups| self.step(groups));
+            let look = self.shared.look(self.group);
+            look.outcome.clone()?;
+            count(&mut tally, spec.num_envs, spec.episode_size(), &look.results, &look.summaries);
+            drop(look);
             if !progress(tally.counted) {
                 break;
             }
@@ -143,9 +222,33 @@ impl DeviceEvaluator {
         gpu.write(&self.scaling, mean.len(), inverse_std)
     }
 
+    /// Takes the steps of these groups, and reads what they returned.
+    fn step(&self, groups: &[usize]) {
+        // All that they belong to wait.
+        let mut looks: Vec<_> = groups.iter().map(|&group| self.shared.look(group)).collect();
+        let outcome = self.step_all(groups, &mut looks);
+        looks.iter_mut().for_each(|look| look.outcome.clone_from(&outcome));
+    }
+
+    fn step_all(&self, groups: &[usize], looks: &mut [MutexGuard<'_, Look>]) -> Result<(), GpuError> {
+        let mut device = self.shared.device.lock().unwrap_or_else(PoisonError::into_inner);
+        let gpu = match device.take() {
+            Some((last, gpu)) if last == groups => gpu,
+            _ => self.env.gpu().for_groups(groups)?,
+        };
+        let mut reads = Vec::new();
+        for look in looks {
+            let Look { sources: [a, b], results, summaries, .. } = &mut **look;
+            reads.extend([a.part(0, results)?, b.part(0, summaries)?]);
+        }
+        self.batch(&gpu).submit_and_read(&mut reads)?;
+        *device = Some((groups.to_vec(), gpu));
+        Ok(())
+    }
+
     /// [`STEPS`] control steps, with copies of what they returned.
-    fn batch(&self) -> Batch {
-        let (shard, mut batch) = (&self.env.shards()[0], self.env.gpu().batch());
+    fn batch(&self, gpu: &Gpu) -> Batch {
+        let (shard, mut batch) = (&self.env.shards()[0], gpu.batch());
         let rows = shard.num_envs * self.env.spec().episode_size();
         for step in 0..STEPS {
             self.observe.add(&mut batch);

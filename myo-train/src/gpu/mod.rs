@@ -15,12 +15,15 @@ mod network;
 #[cfg(test)]
 mod read;
 mod rollout;
+#[cfg(test)]
+mod several;
 mod sizes;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod together;
 mod units;
 #[cfg(test)]
 mod wgsl;
@@ -32,3 +35,4 @@ pub use learn::{DeviceLearner, Layout, LearnMemory, MatrixTile, Precision, Setti
 pub use rollout::DeviceRollout;
 pub use sizes::Sizes;
 pub use tile::Tile;
+pub(crate) use together::Together;

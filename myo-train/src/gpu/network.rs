@@ -36,7 +36,7 @@ impl Activations {
 }
 
 /// A pass of some columns through a network, prepared once and run again and again.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Pass(Vec<Dispatch>);
 
 /// Where a network finds everything.

@@ -34,6 +34,7 @@ pub struct DeviceRollout {
 }
 
 /// One control step: the policy acts, the environment steps, and its outcome is kept.
+#[derive(Clone)]
 struct Step {
     /// Keeps the observations that the policy sees.
     observe: Dispatch,
@@ -99,6 +100,27 @@ impl DeviceRollout {
         let value = parts.value(&mut dense)?;
         let sums = parts.sums()?;
         Ok(Self { env, sizes, parameters, scaling, clock, buffers, noise, steps, observe_last, value, sums })
+    }
+
+    /// The roll-outs of one group, where the environment is of several: what is set and read here is that group's. Added to a
+    /// batch for other groups as well, they are roll-outs of all of these.
+    ///
+    /// # Errors
+    /// There is no such group, no memory left, or the card is lost.
+    pub fn of(&self, group: usize) -> Result<Self, GpuError> {
+        Ok(Self {
+            env: self.env.of(group)?,
+            sizes: self.sizes,
+            parameters: self.parameters.of(group),
+            scaling: self.scaling.of(group),
+            clock: self.clock.of(group),
+            buffers: self.buffers.of(group),
+            noise: self.noise.clone(),
+            steps: self.steps.clone(),
+            observe_last: self.observe_last.clone(),
+            value: self.value.clone(),
+            sums: self.sums.clone(),
+        })
     }
 
     /// The environment.

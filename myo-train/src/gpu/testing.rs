@@ -25,7 +25,12 @@ pub fn assert_close(what: &str, got: &[f32], expected: &[f32], tolerance: f32) {
 /// Asserts that a kernel for matrix units keeps the rules of the language, also where no card could run it.
 pub fn assert_valid(text: &str) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
+    assert_valid_module(&module, text);
+}
+
+/// The same of a module.
+pub fn assert_valid_module(module: &naga::Module, text: &str) {
     let all = naga::valid::Capabilities::all();
-    let valid = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), all).validate(&module);
+    let valid = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), all).validate(module);
     assert!(valid.is_ok(), "{}", valid.unwrap_err().emit_to_string(text));
 }

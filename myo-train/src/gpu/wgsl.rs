@@ -3,7 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::testing::assert_valid;
+use myo_gpu::{Source, kernel_in_groups};
+use naga::{AddressSpace, BinaryOperator, Expression, Function, GlobalVariable, Handle};
+
+use super::testing::{assert_valid, assert_valid_module};
 use super::{Tile, dense, kernels, learn};
 
 /// Files that are no modules of their own, and what they lack first.
@@ -77,6 +80,40 @@ fn every_kernel_is_valid() {
     let kernels = kernels();
     assert!(kernels.len() > 40, "{}", kernels.len());
     kernels.iter().for_each(|text| assert_valid(text));
+}
+
+#[test]
+fn every_kernel_is_valid_for_groups() {
+    for text in kernels() {
+        let module =
+            kernel_in_groups(Source::Wgsl(&text), "main", 9).unwrap_or_else(|reason| panic!("{reason}\n{text}"));
+        assert_valid_module(&module, &text);
+        // No access was missed: indices of buffers are sums with the beginning of the group's part.
+        let buffers = module.global_variables.iter().filter(|(_, x)| matches!(x.space, AddressSpace::Storage { .. }));
+        let buffers: Vec<_> = buffers.map(|(handle, _)| handle).collect();
+        let functions = module.functions.iter().map(|(_, function)| function);
+        for function in functions.chain(module.entry_points.iter().map(|point| &point.function)) {
+            function.expressions.iter().for_each(|(_, x)| assert_in_part(function, &buffers, x, &text));
+        }
+    }
+}
+
+fn assert_in_part(function: &Function, buffers: &[Handle<GlobalVariable>], expression: &Expression, text: &str) {
+    let is_buffer = |base| matches!(function.expressions[base], Expression::GlobalVariable(x) if buffers.contains(&x));
+    match *expression {
+        Expression::Access { base, index } if is_buffer(base) => {
+            // Additions are read from the left; the first summand of all is the beginning of the part.
+            let mut first = index;
+            while let Expression::Binary { op: BinaryOperator::Add | BinaryOperator::Subtract, left, .. } =
+                function.expressions[first]
+            {
+                first = left;
+            }
+            assert!(first != index && matches!(function.expressions[first], Expression::Load { .. }), "{text}");
+        }
+        Expression::AccessIndex { base, .. } => assert!(!is_buffer(base), "{text}"),
+        _ => {}
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod host;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{EnvSpec, GpuEnv, VectorEnv};
@@ -10,7 +10,7 @@ use myo_env::{EnvSpec, GpuEnv, VectorEnv};
 use crate::checkpoint::Checkpoint;
 use crate::device::TrainingDevice;
 use crate::gaussian::Spread;
-use crate::gpu::CardUpdate;
+use crate::gpu::{CardUpdate, Together};
 use crate::inherit::{Heir, Inherited};
 use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::{EpisodeSums, UpdateMetrics};
@@ -35,6 +35,29 @@ pub struct Trainer {
     updates: u64,
     wall_s: f64,
     inherited: Option<Inherited>,
+}
+
+/// One of [several trainings](Trainer::several_on_card) on a card.
+#[derive(Clone, Copy, Debug)]
+pub enum Member<'a> {
+    /// With a new policy.
+    New {
+        /// Its settings.
+        config: &'a PpoConfig,
+        /// Seed of everything random.
+        seed: u64,
+    },
+    /// Goes on from a checkpoint.
+    Resumed(&'a Checkpoint),
+}
+
+impl Member<'_> {
+    fn config(&self) -> &PpoConfig {
+        match self {
+            Self::New { config, .. } => config,
+            Self::Resumed(checkpoint) => &checkpoint.config,
+        }
+    }
 }
 
 /// What acting takes besides the weights.
@@ -75,7 +98,34 @@ impl Trainer {
     /// As [`Trainer::new`], with the policy acting and learning on the graphics card beside the environment; the host hears
     /// some hundred bytes per update. Same seed, same card and driver: same weights.
     pub fn on_card(env: GpuEnv, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
-        Self::start(TrainingDevice::on_card(env, &config)?, config, seed)
+        Self::start(alone(env, &config)?, config, seed)
+    }
+
+    /// Several trainings on one card, one for every [group](myo_gpu::Gpu::in_groups) that `env` is for, which learn at the same
+    /// time: none takes much longer than it would alone, and each comes to the same weights as on a card without groups. An
+    /// [update](Self::update) waits until all others want one too or were dropped, so each belongs into a thread of its own.
+    ///
+    /// # Errors
+    /// As many as there are groups must be given, with settings that differ in nothing but step sizes; otherwise as for
+    /// [`Trainer::on_card`] and [`Trainer::restore_on_card`].
+    pub fn several_on_card(env: GpuEnv, members: &[Member<'_>]) -> Result<Vec<Self>, TrainError> {
+        let (groups, mut configs) = (env.gpu().groups(), members.iter().map(Member::config));
+        let config = configs.next().filter(|_| members.len() == groups).ok_or_else(|| TrainError::Mismatch {
+            what: "the number of trainings",
+            got: members.len().to_string(),
+            expected: groups.to_string(),
+        })?;
+        let common = |config: &PpoConfig| PpoConfig { learning_rate: 1.0, learning_rate_max: 1.0, ..config.clone() };
+        if let Some(other) = configs.find(|&other| common(other) != common(config)) {
+            let what = "the settings of trainings on one card";
+            return Err(TrainError::Mismatch { what, got: format!("{other:?}"), expected: format!("{config:?}") });
+        }
+        let devices = TrainingDevice::on_card(env, config)?;
+        let start = |(device, member): (_, &Member<'_>)| match member {
+            Member::New { config, seed } => Self::start(device, (*config).clone(), *seed),
+            Member::Resumed(checkpoint) => Self::resume(device, checkpoint),
+        };
+        devices.into_iter().zip(members).map(start).collect()
     }
 
     fn start(mut device: TrainingDevice, config: PpoConfig, seed: u64) -> Result<Self, TrainError> {
@@ -194,6 +244,14 @@ impl Trainer {
         (host_state, Ok(()))
     }
 
+    /// Those who learn together on the card, if it is on one.
+    pub(crate) fn together(&self) -> Option<Arc<Together>> {
+        match &self.device {
+            TrainingDevice::Host(_) => None,
+            TrainingDevice::Card(card) => Some(Arc::clone(card.together())),
+        }
+    }
+
     /// Control steps of all environments since the start.
     pub fn env_steps(&self) -> u64 {
         self.updates * self.brain.config.batch_size() as u64
@@ -281,7 +339,7 @@ impl Trainer {
 
     /// As [`Trainer::restore`], on the graphics card.
     pub fn restore_on_card(env: GpuEnv, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
-        Self::resume(TrainingDevice::on_card(env, &checkpoint.config)?, checkpoint)
+        Self::resume(alone(env, &checkpoint.config)?, checkpoint)
     }
 
     fn resume(device: TrainingDevice, checkpoint: &Checkpoint) -> Result<Self, TrainError> {
@@ -358,6 +416,19 @@ impl From<CardUpdate> for UpdateResult {
         let CardUpdate { learn, collect_s, moments, episodes, reward_sum, explained_variance, log_std } = update;
         let spread = Spread::new(&log_std);
         Self { learn, collect_s, moments, episodes, reward_sum, explained_variance, spread }
+    }
+}
+
+/// The device of a training that has its card for itself.
+fn alone(env: GpuEnv, config: &PpoConfig) -> Result<TrainingDevice, TrainError> {
+    let mut devices = TrainingDevice::on_card(env, config)?;
+    match (devices.pop(), devices.len()) {
+        (Some(device), 0) => Ok(device),
+        (_, others) => Err(TrainError::Mismatch {
+            what: "the number of trainings",
+            got: "1".into(),
+            expected: format!("{}, one for each group of the card", others + 1),
+        }),
     }
 }
 

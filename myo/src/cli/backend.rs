@@ -67,6 +67,18 @@ pub fn build(backend: &Backend, model: &Model, task: &Task, config: &EnvConfig) 
     })
 }
 
+/// As [`build`], with as many environments for each of several trainings at once; none on the processor.
+pub fn build_several(
+    backend: &Backend,
+    model: &Model,
+    task: &Task,
+    config: &EnvConfig,
+    trainings: usize,
+) -> Result<Option<Envs>> {
+    let Some(device) = device(backend, config.num_envs)?.for_several(trainings)? else { return Ok(None) };
+    Ok(Some(Envs::new(&device, model, task, config)?))
+}
+
 fn warn(error: &dyn std::error::Error) {
     complain(&format!("warning: {error}\nthe processor is taken instead"));
 }

@@ -43,6 +43,12 @@ impl Stage {
         Ok(Self { task: run.task.clone(), model, own_model: run.model.clone(), most_success: 1.0 })
     }
 
+    /// Environments of the task for several trainings at once; none where they would run one after the other.
+    pub fn env_for_several(&self, backend: &Backend, num_envs: usize, trainings: usize) -> Result<Option<Envs>> {
+        let config = EnvConfig { num_envs, ..EnvConfig::default() };
+        backend::build_several(backend, &self.model, &self.task, &config, trainings)
+    }
+
     /// Environments of the task on the backend that is asked for.
     pub fn env(&self, backend: &Backend, num_envs: usize, seed: u64) -> Result<Envs> {
         backend::build(backend, &self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })

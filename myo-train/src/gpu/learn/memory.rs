@@ -14,7 +14,7 @@ pub const STEP_METRICS: usize = METRICS + 2;
 const REDUCE_WORKGROUP: usize = 256;
 
 /// What an update works on, on the card.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct LearnMemory {
     /// Decaying mean of the gradient, `(parameters)`.
     pub mean: Buffer<f32>,
@@ -80,5 +80,26 @@ impl LearnMemory {
             squares: gpu.buffer("gradient squares", length.div_ceil(REDUCE_WORKGROUP))?,
             metrics: gpu.buffer("metrics", STEP_METRICS * steps)?,
         })
+    }
+
+    /// That of one group.
+    pub(super) fn of(&self, group: usize) -> Self {
+        Self {
+            mean: self.mean.of(group),
+            square: self.square.of(group),
+            order: self.order.of(group),
+            rates: self.rates.of(group),
+            estimate: self.estimate.of(group),
+            estimate_parts: self.estimate_parts.of(group),
+            estimate_sums: self.estimate_sums.of(group),
+            scale: self.scale.of(group),
+            activation: self.activation.of(group),
+            gradient: self.gradient.of(group),
+            sample: self.sample.of(group),
+            partial: self.partial.of(group),
+            total: self.total.of(group),
+            squares: self.squares.of(group),
+            metrics: self.metrics.of(group),
+        }
     }
 }

@@ -44,6 +44,7 @@ pub struct Tiles {
 
 /// Learns from the record of a [`DeviceRollout`](super::super::DeviceRollout): advantages, gradients and Adam steps of all
 /// passes, in one batch.
+#[derive(Clone)]
 pub struct DeviceLearner {
     gpu: Gpu,
     config: PpoConfig,
@@ -145,6 +146,15 @@ impl DeviceLearner {
             layout,
             memory,
         })
+    }
+
+    /// The learner of one group, where the device is for several: what is prepared and read here is that group's. Added to a
+    /// batch for other groups as well, it learns for all of these.
+    ///
+    /// # Panics
+    /// There is no such group.
+    pub fn of(&self, group: usize) -> Self {
+        Self { memory: self.memory.of(group), ..self.clone() }
     }
 
     /// How the work is divided.

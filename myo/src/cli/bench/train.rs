@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use clap::Args;
-use myo::Start;
 use myo::train::PpoConfig;
-use myo::train::session::{End, Goal, Until};
+use myo::train::session::{End, Goal, Outcome, Until};
+use myo::{Device, Start};
 use serde::Serialize;
 use serde_json::json;
 
@@ -28,6 +28,10 @@ pub struct TrainArgs {
     /// Seeds to train with: 1 to N
     #[arg(long, value_name = "N", default_value = "5", value_parser = parse::positive)]
     seeds: usize,
+
+    /// Train with all seeds at once, on a graphics card
+    #[arg(long)]
+    at_once: bool,
 
     /// What to train to: a share of fresh episodes in which the deterministic policy succeeds, or `plateau`
     #[arg(long, value_name = "GOAL", default_value = "0.95")]
@@ -57,9 +61,11 @@ const HELP: &str = "\
 Examples:
   myo bench train pointing-single
   myo bench train ar --seeds 3 --threads 2 --json
+  myo bench train ar --seeds 8 --at-once      on a graphics card
 
 Time runs from opening the device, compiling included, to the end of the training and of an evaluation of 1,000 fresh episodes;
-looking at the goal is included. Later seeds find the device open and the kernels compiled. No run folders are left.
+looking at the goal is included. Later seeds find the device open and the kernels compiled. With --at-once, the time of each
+seed runs from the beginning of all to its own end. No run folders are left.
 
 JSON: `rows` of objects with `backend`, `device` (null on the cpu), `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
 `success`, `episode_length_s`, `stopped_by` (`until`, `plateau` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
@@ -88,8 +94,8 @@ pub fn run(args: &TrainArgs) -> Result<()> {
     settings(&PpoConfig::default(), args.envs, &args.set)?;
     let stage = Stage::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
-    let mut rows = Vec::new();
-    for seed in 1..=args.seeds as u64 {
+    let mut rows = if args.at_once { measure_all(args, &stage, &interrupt)? } else { Vec::new() };
+    for seed in (1..=args.seeds as u64).filter(|_| !args.at_once) {
         complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
         rows.push(measure(args, &stage, seed, &interrupt)?);
     }
@@ -119,27 +125,55 @@ pub fn run(args: &TrainArgs) -> Result<()> {
     ))
 }
 
+/// All seeds at once: the time of each runs from the beginning of all to its own end.
+fn measure_all(args: &TrainArgs, stage: &Stage, interrupt: &Interrupt) -> Result<Vec<Row>> {
+    let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
+    complain(&format!("{} with {} seeds at once", stage.task.name, args.seeds));
+    let start = Instant::now();
+    let starts: Vec<_> = (1..=args.seeds as u64).map(|seed| Start::New { config: &config, seed, from: None }).collect();
+    let backend = args.physics.choice(BackendName::Gpu)?;
+    let Some(all) = Ready::several(stage, &backend, config.num_envs, &starts, goal(args))? else {
+        return Err(Failure::sentence("only a graphics card with room for all of them trains several seeds at once"));
+    };
+    let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
+    let mut rows = Vec::new();
+    Ready::run_all(all, interrupt, |seed, outcome| {
+        let wall_s = start.elapsed().as_secs_f64();
+        rows.push(outcome.and_then(|outcome| ended(args, stage, &device, seed, wall_s, outcome)));
+    });
+    let mut rows = rows.into_iter().collect::<Result<Vec<_>>>()?;
+    rows.sort_by_key(|row| row.seed);
+    Ok(rows)
+}
+
+fn goal(args: &TrainArgs) -> Goal {
+    Goal { until: args.until, steps: args.steps.unwrap_or(STEPS) }
+}
+
 fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
-    let envs = config.num_envs;
     let start = Instant::now();
-    let env = stage.env(&args.physics.choice(BackendName::Cpu)?, envs, seed)?;
-    let goal = Goal { until: args.until, steps: args.steps.unwrap_or(STEPS) };
-    let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal)?;
+    let env = stage.env(&args.physics.choice(BackendName::Cpu)?, config.num_envs, seed)?;
+    let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal(args))?;
     let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;
+    let wall_s = ready_s + outcome.wall_s;
+    ended(args, stage, &device, seed, wall_s, outcome)
+}
+
+/// What is told of a training that ended after so many seconds.
+fn ended(args: &TrainArgs, stage: &Stage, device: &Device, seed: u64, wall_s: f64, outcome: Outcome) -> Result<Row> {
     match outcome.end {
         End::Interrupted => return Err(Failure::Interrupted),
         End::DeviceLost { reason } => return Err(Failure::DeviceLost(reason)),
         End::Until | End::Plateau | End::Steps => {}
     }
-    let wall_s = ready_s + outcome.wall_s;
     Ok(Row {
         backend: device.backend(),
         device: device.card().map(String::from),
         task: stage.task.name.clone(),
         seed,
-        envs,
+        envs: settings(&PpoConfig::default(), args.envs, &args.set)?.num_envs,
         threads: rayon::current_num_threads(),
         wall_s,
         env_steps: outcome.env_steps,

@@ -13,7 +13,7 @@ use std::time::Duration;
 use clap::Args;
 use myo::train::session::{End, Goal, Outcome, Until};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunWriter, Trainer};
-use myo::{Backend, RunDescription, Start, WarmStart};
+use myo::{Backend, Device, RunDescription, Start, WarmStart};
 use serde_json::json;
 
 use super::backend::{BackendName, Options, sentence};
@@ -67,8 +67,8 @@ pub struct Train {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
-    /// Train with several seeds one after the other, starting at --seed, and report mean and spread; the folder then holds a
-    /// run folder for each, and seeds.json
+    /// Train with several seeds, starting at --seed, and report mean and spread: at once on a graphics card, else one after
+    /// the other, with the same results. The folder then holds a run folder for each, and seeds.json
     #[arg(long, value_name = "N", value_parser = parse::positive)]
     seeds: Option<usize>,
 
@@ -220,23 +220,25 @@ impl<'a> Training<'a> {
     ) -> Result<Ready<'a>> {
         let stage = self.stage;
         let env = stage.env(&self.backend, self.config.num_envs, seed)?;
-        let device = env.device();
-        let (task, own_model) = (stage.task.clone(), stage.own_model.clone());
-        let from = self.heritage.as_ref().map(Heritage::description);
-        let description = RunDescription::new(task, own_model, &device, self.goal, from);
-        let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
-        let start = Start::New { config: &self.config, seed, from };
-        let ready = Ready::new(stage, env, start, self.goal)?;
-        let (run, trainer) = (serde_json::to_value(&description)?, ready.session.trainer());
-        let names = &trainer.spec().episode_names;
+        self.recorded(Ready::new(stage, env, self.start(seed), self.goal)?, make_folder)
+    }
+
+    /// Records a training; `make_folder` chooses where.
+    fn recorded(
+        &self,
+        ready: Ready<'a>,
+        make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, RunDescription) -> Result<RunWriter>,
+    ) -> Result<Ready<'a>> {
+        let (description, trainer) = (self.description(&ready.device), ready.session.trainer());
+        let (run, names) = (serde_json::to_value(&description)?, &trainer.spec().episode_names);
         let make = |path: &Path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), names);
         let writer = make_folder(&make, description)?;
         complain(&format!(
             "training {} in {}: {} environments on {}",
-            name(&stage.task.name),
+            name(&self.stage.task.name),
             writer.folder().path().display(),
             grouped(trainer.spec().num_envs as u64),
-            sentence(&device)
+            sentence(&ready.device)
         ));
         if let (Some(inherited), Some(heritage)) = (trainer.inherited(), &self.heritage) {
             complain(&heir(heritage, inherited, trainer));
@@ -244,8 +246,32 @@ impl<'a> Training<'a> {
         ready.recorded_in(writer, self.checkpoint_every)
     }
 
-    /// One training after the other, in a new folder.
+    /// How the training with a seed starts, if it is new.
+    fn start(&self, seed: u64) -> Start<'_> {
+        Start::New { config: &self.config, seed, from: self.heritage.as_ref().map(|heritage| &heritage.checkpoint) }
+    }
+
+    fn description(&self, device: &Device) -> RunDescription {
+        let (task, own_model) = (self.stage.task.clone(), self.stage.own_model.clone());
+        let from = self.heritage.as_ref().map(Heritage::description);
+        RunDescription::new(task, own_model, device, self.goal, from)
+    }
+
+    /// The trainings in a new folder: at once where that is possible, else one after the other.
     fn several(&self, args: &Train, seeds: SeedRange, folder: &Path, interrupt: &Interrupt) -> Result<()> {
+        let starts: Vec<_> = seeds.clone().map(|seed| self.start(seed)).collect();
+        if let Some(all) = Ready::several(self.stage, &self.backend, self.config.num_envs, &starts, self.goal)? {
+            let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(()) };
+            let plan = Plan::new(seeds, self.description(&device), self.config.clone());
+            let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
+            let several = Several::create(folder, plan, from)?;
+            let recorded = |ready: Ready<'a>| {
+                let path = several.run_folder(ready.session.trainer().seed());
+                self.recorded(ready, |make, _| Ok(make(&path)?))
+            };
+            let all = all.into_iter().map(recorded).collect::<Result<_>>()?;
+            return several.run_at_once(args.json, all, interrupt);
+        }
         let mut several = None;
         let first = self.ready(*seeds.start(), |make, run| {
             let plan = Plan::new(seeds, run, self.config.clone());

@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use myo::ProgressLine;
 use myo::tasks::Task;
 use myo::train::session;
@@ -16,6 +16,8 @@ const LINE_EVERY: Duration = Duration::from_secs(5);
 /// A bar on a terminal, a line every few seconds elsewhere.
 pub struct Progress {
     bar: Option<ProgressBar>,
+    /// What its lines begin with.
+    name: String,
     line: ProgressLine,
     last_line: Instant,
 }
@@ -23,13 +25,23 @@ pub struct Progress {
 impl Progress {
     /// For a training of a task, of at most `limit` control steps.
     pub fn new(task: &Task, limit: u64) -> Self {
+        Self::with(String::new(), task, limit, bar)
+    }
+
+    /// For one of several trainings at once.
+    pub fn among(all: &MultiProgress, seed: u64, task: &Task, limit: u64) -> Self {
+        Self::with(format!("seed {seed}: "), task, limit, |limit| all.add(bar(limit)))
+    }
+
+    fn with(name: String, task: &Task, limit: u64, bar: impl FnOnce(u64) -> ProgressBar) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| bar(limit));
-        Self { bar, line: ProgressLine::new(task, limit), last_line: Instant::now() }
+        Self { bar, name, line: ProgressLine::new(task, limit), last_line: Instant::now() }
     }
 
     /// Shows an update.
     pub fn show(&mut self, progress: &session::Progress) {
         let Some((line, metrics)) = self.line.after(progress).zip(progress.metrics.as_ref()) else { return };
+        let line = format!("{}{line}", self.name);
         if let Some(bar) = &self.bar {
             bar.set_position(metrics.env_steps);
             bar.set_message(line);
@@ -41,6 +53,7 @@ impl Progress {
 
     /// Tells something that is to stay on the screen.
     pub fn tell(&self, text: &str) {
+        let text = &format!("{}{text}", self.name);
         match &self.bar {
             Some(bar) => bar.suspend(|| complain(text)),
             None => complain(text),

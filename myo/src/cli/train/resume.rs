@@ -1,6 +1,6 @@
 //! `myo train --resume`: goes on with a run, or with the runs of several seeds.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use myo::train::session::{End, Goal};
 use myo::train::{Checkpoint, RunClaim, Session};
@@ -40,12 +40,57 @@ fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> 
         goal: run.goal(),
         checkpoint_every: args.checkpoint_every(),
     };
+    if let Some(all) = begun_at_once(&several, &training)? {
+        return several.run_at_once(args.json, all, interrupt);
+    }
     several.run(args.json, |seed, path| {
         if path.join("config.json").exists() {
             return resume_run(args, path, Some(&training), |_, ready| ready.run(interrupt));
         }
         training.ready(seed, |make, _| Ok(make(path)?))?.run(interrupt)
     })
+}
+
+/// The trainings that are left, ready to go on at once, if that is possible.
+fn begun_at_once<'a>(several: &Several, training: &Training<'a>) -> Result<Option<Vec<Ready<'a>>>> {
+    let begin = |seed: u64| {
+        let path = several.run_folder(seed);
+        let has_begun = path.join("config.json").exists();
+        let claim = has_begun.then(|| RunClaim::take(&path)).transpose()?;
+        let checkpoint = claim.as_ref().map(|claim| newest_checkpoint(claim.folder())).transpose()?.flatten();
+        Ok((seed, path, claim, checkpoint))
+    };
+    let begun = several.left().into_iter().map(begin).collect::<Result<Vec<_>>>()?;
+    // Stopped before its first checkpoint: the same beginning gives the same run.
+    let starts: Vec<_> = (begun.iter())
+        .map(|(seed, .., checkpoint)| checkpoint.as_ref().map_or_else(|| training.start(*seed), Start::Resumed))
+        .collect();
+    let Training { stage, backend, config, goal, .. } = training;
+    if starts.is_empty() {
+        return Ok(None);
+    }
+    let Some(all) = Ready::several(stage, backend, config.num_envs, &starts, *goal)? else { return Ok(None) };
+    drop(starts);
+    let go_on = |(ready, (_, path, claim, _)): (Ready<'a>, (u64, PathBuf, Option<RunClaim>, _))| {
+        let Some(mut claim) = claim else { return training.recorded(ready, |make, _| Ok(make(&path)?)) };
+        RunDescription::aim(&mut claim, *goal)?;
+        let trainer = ready.session.trainer();
+        let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
+        tell(stage, &path, &ready);
+        ready.recorded_in(writer, training.checkpoint_every)
+    };
+    all.into_iter().zip(begun).map(go_on).collect::<Result<_>>().map(Some)
+}
+
+/// Says what goes on.
+fn tell(stage: &Stage, path: &Path, ready: &Ready<'_>) {
+    complain(&format!(
+        "going on with {} in {} after {} control steps, on {}",
+        name(&stage.task.name),
+        path.display(),
+        grouped(ready.session.trainer().env_steps()),
+        sentence(&ready.device)
+    ));
 }
 
 /// Goes on with one run; `planned` tells what it has in common with others, if it is one of several.
@@ -78,13 +123,7 @@ fn resume_run<T>(
     RunDescription::aim(&mut claim, goal)?;
     let trainer = ready.session.trainer();
     let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
-    complain(&format!(
-        "going on with {} in {} after {} control steps, on {}",
-        name(&stage.task.name),
-        path.display(),
-        grouped(trainer.env_steps()),
-        sentence(&ready.device)
-    ));
+    tell(&stage, path, &ready);
     run_on(&stage, ready.recorded_in(writer, args.checkpoint_every())?)
 }
 

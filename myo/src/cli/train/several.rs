@@ -17,8 +17,9 @@ use myo::train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunError, RunFolde
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::loss;
+use super::{Ready, loss};
 use crate::cli::failure::{Failure, Result, complain};
+use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{argument, command, duration, name, percent, print, print_json, rounded, row, table};
 
 const PLAN: &str = "plan.json";
@@ -211,11 +212,43 @@ impl Several {
             self.add(seed, outcome)?;
             match end {
                 End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
-                End::Interrupted => return self.tell_interrupt(seed, as_json),
+                End::Interrupted => return self.tell_interrupt(&[seed], as_json),
                 End::Until | End::Plateau | End::Steps => {}
             }
         }
         self.tell(as_json)
+    }
+
+    /// Trains at once with these seeds, those that are not over, and reports the results of all.
+    pub fn run_at_once(mut self, as_json: bool, all: Vec<Ready<'_>>, interrupt: &Interrupt) -> Result<()> {
+        for row in &self.rows {
+            complain(&format!("seed {} is done", row.seed));
+        }
+        let (mut failures, mut interrupted) = (Vec::new(), Vec::new());
+        Ready::run_all(all, interrupt, |seed, outcome| {
+            let taken = outcome.and_then(|outcome| {
+                let (end, lost) = (outcome.end.clone(), loss(&outcome, &self.folder));
+                self.add(seed, outcome)?;
+                match end {
+                    End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
+                    End::Interrupted => interrupted.push(seed),
+                    End::Until | End::Plateau | End::Steps => {}
+                }
+                Ok(())
+            });
+            failures.extend(taken.err());
+        });
+        interrupted.sort_unstable();
+        match (failures.into_iter().next(), &interrupted[..]) {
+            (Some(failure), _) => Err(failure),
+            (None, []) => self.tell(as_json),
+            (None, seeds) => self.tell_interrupt(seeds, as_json),
+        }
+    }
+
+    /// The seeds of the trainings that are not over.
+    pub fn left(&self) -> Vec<u64> {
+        self.seeds().filter(|seed| self.rows.iter().all(|row| row.seed != *seed)).collect()
     }
 
     /// Takes in the result of one; writes the table of all so far.
@@ -264,12 +297,19 @@ impl Several {
         })
     }
 
-    fn tell_interrupt(&self, seed: u64, as_json: bool) -> Result<()> {
+    fn tell_interrupt(&self, seeds: &[u64], as_json: bool) -> Result<()> {
         if as_json {
             print_json(&self.json())?;
         } else {
             let next = command(&["train", "--resume", &argument(&self.folder)]);
-            print(&format!("\nstopped in the training with seed {seed}, with a checkpoint\n\nnext: {next}\n"))?;
+            let stopped = match seeds {
+                [seed] => format!("stopped in the training with seed {seed}, with a checkpoint"),
+                seeds => format!(
+                    "stopped in the trainings with seeds {}, each with a checkpoint",
+                    seeds.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")
+                ),
+            };
+            print(&format!("\n{stopped}\n\nnext: {next}\n"))?;
         }
         Err(Failure::Interrupted)
     }
