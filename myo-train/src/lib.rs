@@ -57,7 +57,7 @@ mod rollout;
 mod run;
 pub mod session;
 mod simd;
-mod statistics;
+pub mod statistics;
 mod tensorboard;
 mod trainer;
 mod weights;

@@ -46,6 +46,7 @@ pub use myo_train as train;
 
 mod advice;
 mod backend;
+mod compare;
 pub mod picture;
 pub mod progress;
 mod reach;
@@ -53,6 +54,7 @@ mod run_description;
 
 pub use advice::{Body, Place, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
+pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
 pub use progress::ProgressLine;
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};

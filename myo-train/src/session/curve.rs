@@ -352,7 +352,15 @@ mod tests {
     fn the_bottleneck_is_the_earliest_target_that_fails_most_of_those_who_get_there() {
         let bottleneck = |target_success: &[f64]| {
             let target_success = target_success.to_vec();
-            Recent { success: 0.0, targets_done: 0.0, final_distance: 0.0, length: 0.0, target_success }.bottleneck()
+            Recent {
+                success: 0.0,
+                targets_done: 0.0,
+                final_distance: 0.0,
+                length: 0.0,
+                episode_return: 0.0,
+                target_success,
+            }
+            .bottleneck()
         };
         let at = |target, success| Some(Bottleneck { target, success });
         assert_eq!(bottleneck(&[0.5, 0.1]), at(1, 0.2), "fewer fail there, but of fewer");

@@ -64,8 +64,8 @@ Examples:
   myo bench train ar --seeds 8 --at-once      on a graphics card
 
 Time runs from opening the device, compiling included, to the end of the training and of an evaluation of 1,000 fresh episodes;
-looking at the goal is included. Later seeds find the device open and the kernels compiled. With --at-once,
-the time of each seed runs from the beginning of all to its own end. No run folders are left.
+looking at the goal is included. Later seeds find the device open and the kernels compiled. With --at-once, the time of each
+seed runs from the beginning of all to its own end. No run folders are left.
 
 JSON: `rows` of objects with `backend`, `device` (null on the cpu), `task`, `seed`, `envs`, `threads`, `wall_s`, `env_steps`, `control_steps_per_s`,
 `success`, `episode_length_s`, `stopped_by` (`until`, `plateau` or `steps`), `machine`, `date`, `version`; and `reached`, the number of seeds that
