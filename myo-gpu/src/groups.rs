@@ -205,20 +205,42 @@ fn local_names(function: &Function) -> impl Iterator<Item = &str> {
     arguments.chain(variables).chain(function.named_expressions.values().map(String::as_str))
 }
 
-/// Puts the beginning of the part before every index of these buffers.
+/// Adds the beginning of the part to every index of these buffers.
 fn from_parts(text: &str, names: &[&str]) -> String {
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let is_other = |c: char| !(c.is_alphanumeric() || c == '_');
     let (mut out, mut rest) = (String::new(), text);
-    while let Some(start) = rest.find(is_word) {
-        let end = rest[start..].find(|c| !is_word(c)).map_or(rest.len(), |length| start + length);
-        let (before, word) = (&rest[..start], &rest[start..end]);
-        rest = &rest[end..];
-        out += before;
+    // Of every open bracket, whether it holds the index of a buffer.
+    let mut indices = Vec::new();
+    while let Some(c) = rest.chars().next() {
+        let comment = if rest.starts_with("//") { rest.find('\n').unwrap_or(rest.len()) } else { 0 };
+        let length = rest.find(is_other).unwrap_or(rest.len()).max(comment).max(c.len_utf8());
+        let word = &rest[..length];
+        rest = &rest[length..];
+        if word == "]" && indices.pop() == Some(true) {
+            out.push(')');
+        }
+        let is_buffer = names.contains(&word) && !out.ends_with('.') && rest.starts_with('[');
         out += word;
-        if names.contains(&word) && !before.ends_with('.') && rest.starts_with('[') {
-            out += &format!("[part_of_{word} + ");
+        if is_buffer {
+            out += &format!("[part_of_{word} + (");
             rest = &rest[1..];
+            indices.push(true);
+        } else if word == "[" {
+            indices.push(false);
         }
     }
-    out + rest
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::from_parts;
+
+    #[test]
+    fn indices_of_buffers_alone_begin_at_the_part() {
+        let text = "x[i << 1u] = y[j[x[2]] + 1u][k]; // x[0, 1)\ns.x[0] += xx[a[1]] + x;";
+        let expected =
+            "x[part_of_x + (i << 1u)] = y[j[x[part_of_x + (2)]] + 1u][k]; // x[0, 1)\ns.x[0] += xx[a[1]] + x;";
+        assert_eq!(from_parts(text, &["x"]), expected);
+    }
 }

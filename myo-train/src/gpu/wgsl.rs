@@ -88,7 +88,7 @@ fn every_kernel_is_valid_for_groups() {
         let module =
             kernel_in_groups(Source::Wgsl(&text), "main", 9).unwrap_or_else(|reason| panic!("{reason}\n{text}"));
         assert_valid_module(&module, &text);
-        // No access was missed: indices of buffers are sums with the beginning of the group's part.
+        // No access was missed: indices of buffers are sums that begin with that of the group's part.
         let buffers = module.global_variables.iter().filter(|(_, x)| matches!(x.space, AddressSpace::Storage { .. }));
         let buffers: Vec<_> = buffers.map(|(handle, _)| handle).collect();
         let functions = module.functions.iter().map(|(_, function)| function);
@@ -102,14 +102,10 @@ fn assert_in_part(function: &Function, buffers: &[Handle<GlobalVariable>], expre
     let is_buffer = |base| matches!(function.expressions[base], Expression::GlobalVariable(x) if buffers.contains(&x));
     match *expression {
         Expression::Access { base, index } if is_buffer(base) => {
-            // Additions are read from the left; the first summand of all is the beginning of the part.
-            let mut first = index;
-            while let Expression::Binary { op: BinaryOperator::Add | BinaryOperator::Subtract, left, .. } =
-                function.expressions[first]
-            {
-                first = left;
-            }
-            assert!(first != index && matches!(function.expressions[first], Expression::Load { .. }), "{text}");
+            let Expression::Binary { op: BinaryOperator::Add, left, .. } = function.expressions[index] else {
+                panic!("{text}");
+            };
+            assert!(matches!(function.expressions[left], Expression::Load { .. }), "{text}");
         }
         Expression::AccessIndex { base, .. } => assert!(!is_buffer(base), "{text}"),
         _ => {}
