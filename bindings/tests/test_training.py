@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 
 import numpy as np
@@ -40,6 +41,18 @@ def test_a_run_folder_is_left(run):
         assert len(list(csv.DictReader(file))) == run.updates
     assert json.loads((run.run / "evaluation.json").read_text()) == run.evaluation
     assert list((run.run / "checkpoints").iterdir())
+
+
+def test_progress_is_the_line_of_the_command(monkeypatch, capsys, short_task):
+    monkeypatch.setattr("myoenv.session._LINE_EVERY", 0.0)
+    short_task["targets"][0]["min_distance_from_previous"] = 0
+    short_task["targets"] *= 2
+    myoenv.train(short_task, steps=4096, until=None, progress=True, **SMALL)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 32 and all(" steps, " in line and line.endswith(" left") for line in lines), lines
+    assert re.search(r", bottleneck target [12] \((pointing|pressing)\) at \d+ %, ", lines[-1]), lines[-1]
+    myoenv.train(short_task, steps=128, until=None, **SMALL)
+    assert capsys.readouterr().err == ""
 
 
 def test_the_policy_is_read_again(run):
@@ -280,7 +293,14 @@ def test_a_lost_card_leaves_a_checkpoint(run):
 
     class Lost:
         def advance(self):
-            return {"metrics": None, "news": [], "end": "device_lost", "reason": "unplugged", "raised": None}
+            return {
+                "metrics": None,
+                "line": None,
+                "news": [],
+                "end": "device_lost",
+                "reason": "unplugged",
+                "raised": None,
+            }
 
         def policy(self):
             return _native.Policy.load(run.run)
