@@ -7,6 +7,7 @@ use myo::train::RunFolder;
 use myo::{Comparison, Group, RunDescription, TrainedUser};
 
 use super::failure::{Failure, Result};
+use super::interrupt::Interrupt;
 use super::output::{argument, command, print, print_json, row, table};
 use super::run_folder::existing_checkpoint;
 use super::stage::{Stage, run_name};
@@ -93,11 +94,12 @@ fn train(args: &Compare, arguments: [&str; 2], trained: [Option<PathBuf>; 2]) ->
         place.join(if same { format!("{name}-{}", side + 1) } else { name })
     };
     let mut folders = [PathBuf::new(), PathBuf::new()];
+    let interrupt = Interrupt::listen()?;
     for (side, trained) in trained.into_iter().enumerate() {
         folders[side] = match trained {
             Some(folder) => folder,
             None => {
-                train_users(&args.how, arguments[side], args.seeds, &own(side))?;
+                train_users(&args.how, arguments[side], args.seeds, &own(side), &interrupt)?;
                 own(side)
             }
         };

@@ -156,17 +156,27 @@ fn seconds(text: &str) -> std::result::Result<f64, String> {
 }
 
 /// Trains users of a task with this many seeds in a new folder, and leaves it to the caller to tell how that went.
-pub fn train_users(how: &TrainingOptions, task: &str, seeds: usize, folder: &Path) -> Result<()> {
+pub fn train_users(
+    how: &TrainingOptions,
+    task: &str,
+    seeds: usize,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<()> {
     let (task, out, how) = (Some(task.into()), Some(folder.into()), how.clone());
-    run(&Train { task, out, how, seeds: Some(seeds), from: None, resume: None, json: false, silent: true })
+    let seeds = Some(seeds);
+    start_or_resume(&Train { task, out, how, seeds, from: None, resume: None, json: false, silent: true }, interrupt)
 }
 
 /// Runs `myo train`.
 pub fn run(args: &Train) -> Result<()> {
-    let interrupt = Interrupt::listen()?;
+    start_or_resume(args, &Interrupt::listen()?)
+}
+
+fn start_or_resume(args: &Train, interrupt: &Interrupt) -> Result<()> {
     match (&args.resume, &args.task) {
-        (Some(run), _) => resume::run(args, run, &interrupt),
-        (None, Some(task)) => start(args, task, &interrupt),
+        (Some(run), _) => resume::run(args, run, interrupt),
+        (None, Some(task)) => start(args, task, interrupt),
         // Excluded by the declaration of the arguments.
         (None, None) => Err(Failure::sentence("name a task, or a run to resume")),
     }
