@@ -81,6 +81,12 @@ pub enum RunError {
         /// What is wrong.
         reason: String,
     },
+    /// Runs do not belong together.
+    #[error("{reason}")]
+    Incomparable {
+        /// Why.
+        reason: String,
+    },
     /// Another process trains there.
     #[error("another process is training in {}", path.display())]
     Busy {

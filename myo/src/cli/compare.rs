@@ -4,12 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use myo::train::RunFolder;
-use myo::{Comparison, Group, RunDescription, TrainedUser};
+use myo::{Comparison, Group};
 
 use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, print, print_json, row, table};
-use super::run_folder::existing_checkpoint;
 use super::stage::{Stage, run_name};
 use super::train::{Several, TrainingOptions, free_folder, train_users};
 
@@ -132,13 +131,7 @@ fn group(name: String, folder: &Path) -> Result<Group> {
         let plan = several.plan();
         return Ok(Group { name, run: plan.run.clone(), ppo: plan.ppo.clone(), users });
     }
-    let run = RunFolder::open(folder)?;
-    let Some(evaluation) = run.evaluation()? else {
-        let next = command(&["train", "--resume", &argument(folder)]);
-        return Err(Failure::sentence(format!("{} is not evaluated yet; go on with: {next}", folder.display())));
-    };
-    let user = TrainedUser { evaluation, trend: existing_checkpoint(&run)?.trend() };
-    Ok(Group { name, run: RunDescription::of(&run)?, ppo: run.config().ppo.clone(), users: vec![user] })
+    Ok(Group::of_runs(name, &[RunFolder::open(folder)?])?)
 }
 
 fn report(comparison: &Comparison, folders: &[PathBuf; 2]) -> String {
