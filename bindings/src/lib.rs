@@ -49,6 +49,8 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(backend::devices, m)?)?;
     m.add_function(wrap_pyfunction!(train::evaluation_seed, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
+    m.add_function(wrap_pyfunction!(train::compare, m)?)?;
+    m.add_function(wrap_pyfunction!(train::trained_users, m)?)?;
     m.add_function(wrap_pyfunction!(files::write_whole, m)?)?;
     m.add_function(wrap_pyfunction!(xla::xla_step_handler, m)?)?;
     m.add_function(wrap_pyfunction!(train::default_settings, m)?)

@@ -9,7 +9,7 @@ use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError}
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
-use myo::{Envs, ModelReach, ProgressLine, RunDescription, Start, WarmStart, likely_cause};
+use myo::{Comparison, Envs, Group, ModelReach, ProgressLine, RunDescription, Start, WarmStart, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -418,6 +418,24 @@ pub fn run_config(path: PathBuf) -> PyResult<String> {
     let folder = RunFolder::open(&path).map_err(error::run)?;
     RunDescription::of(&folder).map_err(error::run)?;
     serde_json::to_string(folder.config()).map_err(error::run)
+}
+
+/// What users of two layouts allow to say, from two groups as JSON; JSON with the sentences.
+#[pyfunction]
+pub fn compare(first: &str, second: &str) -> PyResult<String> {
+    let group = |text: &str| serde_json::from_str::<Group>(text).map_err(error::run);
+    let comparison = Comparison::new(&group(first)?, &group(second)?);
+    let mut result = serde_json::to_value(&comparison).map_err(error::run)?;
+    result["sentences"] = comparison.sentences().collect();
+    Ok(result.to_string())
+}
+
+/// The users of some runs of one layout, as JSON for [`compare`].
+#[pyfunction]
+pub fn trained_users(name: String, runs: Vec<PathBuf>) -> PyResult<String> {
+    let folders: Result<Vec<_>, _> = runs.iter().map(|path| RunFolder::open(path)).collect();
+    let group = Group::of_runs(name, &folders.map_err(error::run)?).map_err(error::run)?;
+    serde_json::to_string(&group).map_err(error::run)
 }
 
 /// A seed for the `number`-th evaluation of a training that is not the training's own.

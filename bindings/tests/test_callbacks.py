@@ -60,7 +60,10 @@ def test_wandb_hears_what_the_run_folder_records(recorder, tmp_path):
     assert [kwargs["step"] for _, kwargs in logged] == [128, 256]
     [(summary,)] = recorder.calls("summary")
     assert summary["stopped_by"] == "steps" and summary["evaluation/success"] == result.evaluation["success"]
-    assert summary["evaluation/target_1_success"] == result.evaluation["targets"][0]["success"]
+    target = result.evaluation["targets"][0]
+    assert summary["evaluation/target_1_success"] == target["success"]
+    ends = [summary[f"evaluation/target_1_success_{end}"] for end in ("low", "high")]
+    assert ends == target["success_interval"] and not any(name.endswith("_interval") for name in summary)
     assert recorder.calls("finish") == [((), {"exit_code": 0})]
 
 

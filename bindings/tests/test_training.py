@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 
 import numpy as np
@@ -42,6 +43,18 @@ def test_a_run_folder_is_left(run):
     assert list((run.run / "checkpoints").iterdir())
 
 
+def test_progress_is_the_line_of_the_command(monkeypatch, capsys, short_task):
+    monkeypatch.setattr("myoenv.session._LINE_EVERY", 0.0)
+    short_task["targets"][0]["min_distance_from_previous"] = 0
+    short_task["targets"] *= 2
+    myoenv.train(short_task, steps=4096, until=None, progress=True, **SMALL)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 32 and all(" steps, " in line and line.endswith(" left") for line in lines), lines
+    assert re.search(r", bottleneck target [12] \((pointing|pressing)\) at \d+ %, ", lines[-1]), lines[-1]
+    myoenv.train(short_task, steps=128, until=None, **SMALL)
+    assert capsys.readouterr().err == ""
+
+
 def test_the_policy_is_read_again(run):
     policy = myoenv.Policy.load(run.run)
     observation = myoenv.make("pointing-single").reset(seed=1)[0]
@@ -70,7 +83,11 @@ def test_the_table_has_one_entry_per_episode(run):
     table = myoenv.evaluate(run.run, 70, num_envs=32)
     assert {len(column) for column in table.values()} == {70}
     assert np.array_equal(table["success"], myoenv.evaluate(run.run, 70, num_envs=32)["success"])
-    assert np.isnan(table["target_1_time"][table["target_1_success"] == 0]).all()
+    done = table["target_1_success"] == 1
+    assert np.isnan(table["target_1_time"][~done]).all() and np.isnan(table["target_1_movement_time"][~done]).all()
+    # The dwell of 0.25 s is five ends of control steps, four of them after the first.
+    dwell = (table["target_1_time"] - table["target_1_movement_time"])[done]
+    assert ((dwell > 0.2 - 1e-4) & (dwell < 0.25 + 1e-4)).all()
     assert len(myoenv.evaluate(run.policy, 5, task="pointing-single")["return"]) == 5
 
 
@@ -280,7 +297,14 @@ def test_a_lost_card_leaves_a_checkpoint(run):
 
     class Lost:
         def advance(self):
-            return {"metrics": None, "news": [], "end": "device_lost", "reason": "unplugged", "raised": None}
+            return {
+                "metrics": None,
+                "line": None,
+                "news": [],
+                "end": "device_lost",
+                "reason": "unplugged",
+                "raised": None,
+            }
 
         def policy(self):
             return _native.Policy.load(run.run)

@@ -59,7 +59,7 @@ fn measure(env: &mut dyn VectorEnv) -> Vec<Option<[f64; 2]>> {
 fn watch(mut task: Task, first: &str, entries: usize) -> Vec<Vec<Vec<f64>>> {
     let steps = (task.time_limit_s / TIMESTEP).round() as usize;
     task.control_dt_s = TIMESTEP;
-    task.time_limit_s = 2.0 * task.time_limit_s;
+    task.time_limit_s *= 2.0;
     match &mut task.targets[0] {
         Target::Pointing(sphere) => sphere.dwell_s = task.time_limit_s,
         Target::Pressing(button) => button.min_force_n = WATCHED_FORCE,

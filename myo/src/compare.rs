@@ -5,8 +5,8 @@ use std::fmt;
 use myo_tasks::{Target, Task};
 use myo_train::session::Trend;
 use myo_train::statistics::{Sample, welch};
-use myo_train::{Evaluation, PpoConfig};
-use serde::Serialize;
+use myo_train::{Evaluation, PpoConfig, RunError, RunFolder};
+use serde::{Deserialize, Serialize};
 
 use crate::RunDescription;
 
@@ -21,7 +21,7 @@ const TRAINING: f64 = 0.03;
 const TRAINING_SUCCESS: f64 = 0.01;
 
 /// One trained user.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TrainedUser {
     /// How well it does.
     pub evaluation: Evaluation,
@@ -30,7 +30,7 @@ pub struct TrainedUser {
 }
 
 /// Users of one layout, trained in the same way.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Group {
     /// What people call it.
     pub name: String,
@@ -40,6 +40,33 @@ pub struct Group {
     pub ppo: PpoConfig,
     /// At least one.
     pub users: Vec<TrainedUser>,
+}
+
+impl Group {
+    /// The users of these runs, at least one, all of the layout of the first.
+    ///
+    /// # Errors
+    /// A run cannot be read, was not evaluated, or is of another task or other settings than the first.
+    pub fn of_runs(name: String, runs: &[RunFolder]) -> Result<Self, RunError> {
+        let [first, ..] = runs else { return Err(RunError::Incomparable { reason: "there is no run".into() }) };
+        let (run, ppo) = (RunDescription::of(first)?, first.config().ppo.clone());
+        let mut users = Vec::new();
+        for folder in runs {
+            let path = folder.path().display();
+            let Some(evaluation) = folder.evaluation()? else {
+                return Err(RunError::Incomparable {
+                    reason: format!("{path} is not evaluated yet; go on with it first"),
+                });
+            };
+            if RunDescription::of(folder)?.task != run.task || folder.config().ppo != ppo {
+                let reason = format!("{path} is of another task or other settings than {}", first.path().display());
+                return Err(RunError::Incomparable { reason });
+            }
+            let checkpoint = folder.latest_checkpoint()?.checkpoint;
+            users.push(TrainedUser { evaluation, trend: checkpoint.and_then(|checkpoint| checkpoint.trend()) });
+        }
+        Ok(Self { name, run, ppo, users })
+    }
 }
 
 /// A quantity that layouts are compared by.

@@ -136,7 +136,7 @@ mod tests {
             (gain.force, gain.scale) = (gain.force.map(|force| 0.02 * force), 0.02 * gain.scale);
         }
         let reach = ModelReach::new(&Model::new(&description).unwrap()).unwrap();
-        let text = cause(&preset("pointing-single").unwrap(), &reach, 0);
+        let text = cause(&sphere(0.55), &reach, 0);
         assert!(text.contains("likely cause: muscles cannot hold the fingertip still at 100 %"), "{text}");
     }
 }

@@ -38,6 +38,7 @@ from myoenv._native import (
     preset_names,
 )
 from myoenv.check import CheckError, check_vec_env
+from myoenv.comparison import compare
 from myoenv.evaluation import evaluate
 from myoenv.policy import Policy
 from myoenv.registration import env_id, register_envs
@@ -67,6 +68,7 @@ __all__ = [
     "TrainingError",
     "__version__",
     "check_vec_env",
+    "compare",
     "devices",
     "env_id",
     "evaluate",

@@ -23,12 +23,14 @@ __all__ = [
     "TaskError",
     "TrainingError",
     "__version__",
+    "compare",
     "default_settings",
     "devices",
     "evaluation_seed",
     "model_names",
     "preset_names",
     "run_config",
+    "trained_users",
     "write_whole",
     "xla_step_handler",
 ]
@@ -70,6 +72,12 @@ def devices() -> list[tuple[str, str]]:
 
 def default_settings() -> str:
     """The default settings of PPO, as JSON."""
+
+def compare(first: str, second: str) -> str:
+    """What users of two layouts allow to say, from two groups as JSON; JSON with the sentences."""
+
+def trained_users(name: str, runs: Sequence[str | PathLike[str]]) -> str:
+    """The users of some runs of one layout, as JSON for `compare`."""
 
 def run_config(path: str | PathLike[str]) -> str:
     """`config.json` of a run folder, refused if no training could have begun with it."""

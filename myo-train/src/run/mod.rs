@@ -73,12 +73,18 @@ pub enum RunError {
         /// The folder.
         path: PathBuf,
     },
-    /// The description cannot be read.
+    /// The description, or the evaluation, cannot be read.
     #[error("cannot understand {}: {reason}", path.display())]
     BadConfig {
         /// The file.
         path: PathBuf,
         /// What is wrong.
+        reason: String,
+    },
+    /// Runs do not belong together.
+    #[error("{reason}")]
+    Incomparable {
+        /// Why.
         reason: String,
     },
     /// Another process trains there.
@@ -248,6 +254,19 @@ impl RunFolder {
     pub fn has_evaluation(&self) -> Result<bool, IoError> {
         let path = self.evaluation_path();
         path.try_exists().map_err(|source| IoError::new("read", &path, source))
+    }
+
+    /// The evaluation of the newest checkpoint, if it was made.
+    ///
+    /// # Errors
+    /// It cannot be read, or is none.
+    pub fn evaluation(&self) -> Result<Option<Evaluation>, RunError> {
+        let path = self.evaluation_path();
+        if !self.has_evaluation()? {
+            return Ok(None);
+        }
+        let text = fs::read(&path).map_err(|source| IoError::new("read", &path, source))?;
+        serde_json::from_slice(&text).map(Some).map_err(|error| RunError::BadConfig { path, reason: error.to_string() })
     }
 
     fn evaluation_path(&self) -> PathBuf {

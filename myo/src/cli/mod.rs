@@ -2,6 +2,7 @@
 
 mod backend;
 mod bench;
+mod compare;
 mod devices;
 #[cfg(test)]
 mod docs;
@@ -52,6 +53,8 @@ enum Command {
     Train(train::Train),
     /// Evaluate a trained user on fresh episodes
     Eval(eval::Eval),
+    /// Compare two layouts: train users on each and tell what differs
+    Compare(compare::Compare),
     /// Tasks: list, show, check
     #[command(subcommand)]
     Task(task::Command),
@@ -87,6 +90,7 @@ fn run(cli: Cli) -> Result<()> {
     match cli.command {
         Command::Train(args) => train::run(&args),
         Command::Eval(args) => eval::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Task(command) => task::run(command),
         Command::Model(command) => model::run(command),
         Command::Devices(args) => devices::run(&args),

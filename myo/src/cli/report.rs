@@ -86,3 +86,36 @@ pub fn practice(trend: Option<Trend>) -> String {
     };
     format!("  practice        {sentence}\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_stand_with_their_intervals_and_movement_times_without_dwell() {
+        let second = serde_json::json!({"success": 0.0, "success_interval": [0.0, 0.004]});
+        let first = serde_json::json!({
+            "success": 0.998, "success_interval": [0.993, 0.999],
+            "movement_time_s": 0.6203, "movement_time_s_sd": 0.3464, "movement_time_s_interval": [0.5984, 0.6423],
+            "time_s": 0.8447, "time_s_sd": 0.3471, "time_s_interval": [0.8227, 0.8667],
+        });
+        let read: Evaluation = serde_json::from_value(serde_json::json!({
+            "success": 0.5, "success_interval": [0.25, 0.75], "episodes": 1000, "targets": [first, second],
+            "final_distance_m": 0.0519, "final_distance_m_interval": [0.0499, 0.0539], "episode_length_s": 0.974,
+        }))
+        .unwrap();
+        let want = "\
+pair: 50.0 % of 1,000 fresh episodes succeeded (95 % interval 25.0 to 75.0 %)
+
+  target              success           movement time       sd              with dwell
+       1  99.8 % [99.3, 99.9]  0.620 s [0.598, 0.642]  0.346 s  0.845 s [0.823, 0.867]
+       2     0.0 % [0.0, 0.4]                       -        -                       -
+
+  final distance  5.19 cm [4.99, 5.39]
+  episode         0.974 s
+  in brackets     95 % confidence interval of the mean
+  movement time   from the start of the target to the last entry or the touch, without dwell
+";
+        assert_eq!(evaluation("pair", &read), want);
+    }
+}

@@ -1,6 +1,7 @@
 //! The built `myo` program, run as a user runs it.
 
 mod bench;
+mod compare;
 mod damage;
 mod eval;
 mod help;

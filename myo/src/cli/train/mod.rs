@@ -24,11 +24,11 @@ use super::parse;
 use super::report;
 use super::run_folder::existing_checkpoint;
 use super::stage::{Stage, run_name};
-use several::{Plan, Several};
+use several::{Plan, Report};
 
 pub use drive::Ready;
 pub use settings::{STEPS, settings};
-pub use several::open_run;
+pub use several::{Several, open_run};
 
 /// Arguments of `myo train`.
 #[derive(Args)]
@@ -43,6 +43,36 @@ pub struct Train {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
+    #[command(flatten)]
+    how: TrainingOptions,
+
+    /// Train with several seeds, starting at --seed, and report mean and spread: at once on a graphics card, else one after
+    /// the other, with the same results. The folder then holds a run folder for each, and seeds.json
+    #[arg(long, value_name = "N", value_parser = parse::positive)]
+    seeds: Option<usize>,
+
+    /// Start from the networks of another run instead of from scratch; its task may have had other targets, and its body
+    /// other muscles: observations and actions are matched by name
+    #[arg(long, value_name = "RUN")]
+    from: Option<PathBuf>,
+
+    /// Continue a run, or the runs of --seeds, from the newest checkpoint on the same backend, bit for bit as if it had never
+    /// stopped; on another --backend or --device, up to rounding
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "seeds", "from", "envs", "set"])]
+    resume: Option<PathBuf>,
+
+    /// Print the result as JSON on standard output; progress stays on standard error
+    #[arg(long)]
+    json: bool,
+
+    /// The caller tells how several trainings went
+    #[arg(skip)]
+    silent: bool,
+}
+
+/// How users are trained, whoever asks for it.
+#[derive(Clone, Args)]
+pub struct TrainingOptions {
     /// Seed of everything random [default: 1]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -67,28 +97,9 @@ pub struct Train {
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
-    /// Train with several seeds, starting at --seed, and report mean and spread: at once on a graphics card, else one after
-    /// the other, with the same results. The folder then holds a run folder for each, and seeds.json
-    #[arg(long, value_name = "N", value_parser = parse::positive)]
-    seeds: Option<usize>,
-
-    /// Start from the networks of another run instead of from scratch; its task may have had other targets, and its body
-    /// other muscles: observations and actions are matched by name
-    #[arg(long, value_name = "RUN")]
-    from: Option<PathBuf>,
-
-    /// Continue a run, or the runs of --seeds, from the newest checkpoint on the same backend, bit for bit as if it had never
-    /// stopped; on another --backend or --device, up to rounding
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "seeds", "from", "envs", "set"])]
-    resume: Option<PathBuf>,
-
     /// Seconds between two checkpoints, which is what a crash may cost; 0 writes one after every update
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
     checkpoint_every_s: f64,
-
-    /// Print the result as JSON on standard output; progress stays on standard error
-    #[arg(long)]
-    json: bool,
 }
 
 const HELP: &str = "\
@@ -120,9 +131,19 @@ with the keys that `myo eval --json` prints; null after an interrupt or a loss. 
 of such objects, `reached`, the number of seeds that reached the goal, and `mean` and `sd`, each with `wall_s`, `env_steps`,
 `success`, `episode_length_s` and `effort`.";
 
-impl Train {
+impl TrainingOptions {
     fn checkpoint_every(&self) -> Duration {
         Duration::from_secs_f64(self.checkpoint_every_s)
+    }
+}
+
+impl Train {
+    fn report(&self) -> Report {
+        match (self.silent, self.json) {
+            (true, _) => Report::Nothing,
+            (false, true) => Report::Json,
+            (false, false) => Report::Table,
+        }
     }
 }
 
@@ -134,12 +155,28 @@ fn seconds(text: &str) -> std::result::Result<f64, String> {
     }
 }
 
+/// Trains users of a task with this many seeds in a new folder, and leaves it to the caller to tell how that went.
+pub fn train_users(
+    how: &TrainingOptions,
+    task: &str,
+    seeds: usize,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<()> {
+    let (task, out, how) = (Some(task.into()), Some(folder.into()), how.clone());
+    let seeds = Some(seeds);
+    start_or_resume(&Train { task, out, how, seeds, from: None, resume: None, json: false, silent: true }, interrupt)
+}
+
 /// Runs `myo train`.
 pub fn run(args: &Train) -> Result<()> {
-    let interrupt = Interrupt::listen()?;
+    start_or_resume(args, &Interrupt::listen()?)
+}
+
+fn start_or_resume(args: &Train, interrupt: &Interrupt) -> Result<()> {
     match (&args.resume, &args.task) {
-        (Some(run), _) => resume::run(args, run, &interrupt),
-        (None, Some(task)) => start(args, task, &interrupt),
+        (Some(run), _) => resume::run(args, run, interrupt),
+        (None, Some(task)) => start(args, task, interrupt),
         // Excluded by the declaration of the arguments.
         (None, None) => Err(Failure::sentence("name a task, or a run to resume")),
     }
@@ -150,14 +187,14 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let base = heritage
         .as_ref()
         .map_or_else(PpoConfig::default, |heritage| heritage.checkpoint.config().with_default_learning());
-    let config = settings(&base, args.envs, &args.set)?;
-    let seed = args.seed.unwrap_or(1);
+    let config = settings(&base, args.how.envs, &args.how.set)?;
+    let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let stage = Stage::open(task)?;
-    let goal = Goal { until: args.until.unwrap_or_default(), steps: args.steps.unwrap_or(STEPS) };
+    let goal = Goal { until: args.how.until.unwrap_or_default(), steps: args.how.steps.unwrap_or(STEPS) };
     warn_of_goal(&stage, goal.until.share());
-    let backend = args.physics.choice(BackendName::Auto)?;
-    let checkpoint_every = args.checkpoint_every();
+    let backend = args.how.physics.choice(BackendName::Auto)?;
+    let checkpoint_every = args.how.checkpoint_every();
     let training = Training { stage: &stage, config, heritage, backend, goal, checkpoint_every };
     match seeds {
         Some(seeds) => {
@@ -270,7 +307,7 @@ impl<'a> Training<'a> {
                 self.recorded(ready, |make, _| Ok(make(&path)?))
             };
             let all = all.into_iter().map(recorded).collect::<Result<_>>()?;
-            return several.run_at_once(args.json, all, interrupt);
+            return several.run_at_once(args.report(), all, interrupt);
         }
         let mut several = None;
         let first = self.ready(*seeds.start(), |make, run| {
@@ -281,7 +318,7 @@ impl<'a> Training<'a> {
         })?;
         let Some(several) = several else { return Ok(()) };
         let mut first = Some(first);
-        several.run(args.json, |seed, path| match first.take() {
+        several.run(args.report(), |seed, path| match first.take() {
             Some(first) => first.run(interrupt),
             None => self.ready(seed, |make, _| Ok(make(path)?))?.run(interrupt),
         })
@@ -320,7 +357,7 @@ fn numbered(name: &str, out: Option<&Path>, make: &dyn Fn(&Path) -> MadeFolder) 
 }
 
 /// The first of `runs/<name>-1`, `runs/<name>-2`, ... that is not taken.
-fn free_folder(name: &str) -> PathBuf {
+pub fn free_folder(name: &str) -> PathBuf {
     let path = |number: u64| Path::new("runs").join(format!("{name}-{number}"));
     (1..).map(path).find(|path| !path.exists()).unwrap_or_else(|| path(1))
 }

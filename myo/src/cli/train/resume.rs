@@ -38,12 +38,12 @@ fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> 
         config: ppo,
         heritage,
         goal: run.goal(),
-        checkpoint_every: args.checkpoint_every(),
+        checkpoint_every: args.how.checkpoint_every(),
     };
     if let Some(all) = begun_at_once(&several, &training)? {
-        return several.run_at_once(args.json, all, interrupt);
+        return several.run_at_once(args.report(), all, interrupt);
     }
-    several.run(args.json, |seed, path| {
+    several.run(args.report(), |seed, path| {
         if path.join("config.json").exists() {
             return resume_run(args, path, Some(&training), |_, ready| ready.run(interrupt));
         }
@@ -124,12 +124,12 @@ fn resume_run<T>(
     let trainer = ready.session.trainer();
     let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
     tell(&stage, path, &ready);
-    run_on(&stage, ready.recorded_in(writer, args.checkpoint_every())?)
+    run_on(&stage, ready.recorded_in(writer, args.how.checkpoint_every())?)
 }
 
 /// The goal of a run, changed by the options of this command.
 fn goal(args: &Train, run: &RunDescription) -> Goal {
-    Goal { until: args.until.unwrap_or(run.until), steps: args.steps.unwrap_or(run.steps) }
+    Goal { until: args.how.until.unwrap_or(run.until), steps: args.how.steps.unwrap_or(run.steps) }
 }
 
 /// Refuses a training whose end is recorded, and says what would make it go on.
@@ -167,8 +167,8 @@ fn heritage_again(from: &WarmStart) -> Result<Heritage> {
 
 /// The backend that a run continues on: the one it began on, unless another is asked for.
 fn backend_again(args: &Train, description: &RunDescription, num_envs: usize) -> Result<Backend> {
-    if args.physics.is_given() {
-        return args.physics.choice(BackendName::Auto);
+    if args.how.physics.is_given() {
+        return args.how.physics.choice(BackendName::Auto);
     }
     let backend = description.backend();
     if let (Backend::Gpu(_), Err(Failure::Sentence(reason))) = (&backend, device(&backend, num_envs)) {

@@ -11,9 +11,9 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use myo::RunDescription;
-use myo::train::session::{End, Goal, Outcome};
+use myo::train::session::{End, Goal, Outcome, Trend};
 use myo::train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunError, RunFolder, write_whole};
+use myo::{RunDescription, TrainedUser};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -87,6 +87,17 @@ impl Plan {
     }
 }
 
+/// How the results of several trainings are told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Report {
+    /// As a table for people.
+    Table,
+    /// As JSON.
+    Json,
+    /// Not at all: the caller tells.
+    Nothing,
+}
+
 /// Trainings of one plan.
 pub struct Several {
     folder: PathBuf,
@@ -103,6 +114,8 @@ struct Row {
     updates: u64,
     wall_s: f64,
     stopped_by: String,
+    #[serde(default)]
+    trend: Option<Trend>,
     evaluation: Option<Evaluation>,
 }
 
@@ -184,6 +197,12 @@ impl Several {
         self.folder.join(format!("seed-{seed}"))
     }
 
+    /// The users who are trained, as far as they were evaluated, and how many there are to be.
+    pub fn users(&self) -> (Vec<TrainedUser>, usize) {
+        let user = |row: &Row| Some(TrainedUser { evaluation: row.evaluation.clone()?, trend: row.trend });
+        (self.rows.iter().filter_map(user).collect(), self.seeds().count())
+    }
+
     /// Sets the goal of all of them, in the folders of those that have begun, too: each may go on alone. If it is another
     /// than before, none of them is over.
     pub fn aim(&mut self, goal: Goal) -> Result<()> {
@@ -200,7 +219,7 @@ impl Several {
     }
 
     /// Trains with the seeds that are not over, one after the other, and reports the results of all.
-    pub fn run(mut self, as_json: bool, mut train: impl FnMut(u64, &Path) -> Result<Outcome>) -> Result<()> {
+    pub fn run(mut self, report: Report, mut train: impl FnMut(u64, &Path) -> Result<Outcome>) -> Result<()> {
         for seed in self.seeds() {
             if self.rows.iter().any(|row| row.seed == seed) {
                 complain(&format!("seed {seed} is done"));
@@ -212,15 +231,15 @@ impl Several {
             self.add(seed, outcome)?;
             match end {
                 End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
-                End::Interrupted => return self.tell_interrupt(&[seed], as_json),
+                End::Interrupted => return self.tell_interrupt(&[seed], report),
                 End::Until | End::Plateau | End::Steps => {}
             }
         }
-        self.tell(as_json)
+        self.tell(report)
     }
 
     /// Trains at once with these seeds, those that are not over, and reports the results of all.
-    pub fn run_at_once(mut self, as_json: bool, all: Vec<Ready<'_>>, interrupt: &Interrupt) -> Result<()> {
+    pub fn run_at_once(mut self, report: Report, all: Vec<Ready<'_>>, interrupt: &Interrupt) -> Result<()> {
         for row in &self.rows {
             complain(&format!("seed {} is done", row.seed));
         }
@@ -241,8 +260,8 @@ impl Several {
         interrupted.sort_unstable();
         match (failures.into_iter().next(), &interrupted[..]) {
             (Some(failure), _) => Err(failure),
-            (None, []) => self.tell(as_json),
-            (None, seeds) => self.tell_interrupt(seeds, as_json),
+            (None, []) => self.tell(report),
+            (None, seeds) => self.tell_interrupt(seeds, report),
         }
     }
 
@@ -260,6 +279,7 @@ impl Several {
             updates: outcome.updates,
             wall_s: outcome.wall_s,
             stopped_by: outcome.end.name().into(),
+            trend: outcome.trend,
             evaluation: outcome.evaluation,
         });
         self.rows.sort_by_key(|row| row.seed);
@@ -297,8 +317,8 @@ impl Several {
         })
     }
 
-    fn tell_interrupt(&self, seeds: &[u64], as_json: bool) -> Result<()> {
-        if as_json {
+    fn tell_interrupt(&self, seeds: &[u64], report: Report) -> Result<()> {
+        if report == Report::Json {
             print_json(&self.json())?;
         } else {
             let next = command(&["train", "--resume", &argument(&self.folder)]);
@@ -315,9 +335,11 @@ impl Several {
     }
 
     /// Reports the results of all.
-    fn tell(&self, as_json: bool) -> Result<()> {
-        if as_json {
-            return print_json(&self.json());
+    fn tell(&self, report: Report) -> Result<()> {
+        match report {
+            Report::Nothing => return Ok(()),
+            Report::Json => return print_json(&self.json()),
+            Report::Table => {}
         }
         let mut cells = vec![row(["seed", "time", "control steps", "success", "episode", "effort", "stopped by"])];
         cells.extend(self.rows.iter().map(|row| Self::cells(&row.seed.to_string(), |f| f(row), &row.stopped_by)));
