@@ -91,6 +91,34 @@ fn one_of_several_resumes_and_goes_back_as_it_does_alone() {
 }
 
 #[test]
+fn one_that_runs_away_leaves_the_others_alone_and_goes_on_from_an_earlier_state() {
+    let Some(gpu) = gpu() else { return };
+    let (config, base) = (config(8), env(&gpu, 8));
+    let mut first = alone(&base, &config, 1);
+    first.update().unwrap();
+    let good = first.save().unwrap();
+    let mut sick = good.clone();
+    sick.parameters.fill(f32::NAN);
+    let train = |member: usize, mut trainer: Trainer| {
+        if member == 0 {
+            trainer.go_back(&sick, 1.0).unwrap();
+            let error = trainer.update().unwrap_err();
+            assert!(matches!(error, TrainError::NonFiniteEnv { .. } | TrainError::Diverged { .. }), "{error}");
+            trainer.go_back(&good, 1.0).unwrap();
+        } else {
+            trainer.update().unwrap();
+        }
+        trainer.update().unwrap();
+        bytes(trainer.save().unwrap())
+    };
+    let members = [Member::Resumed(&good), Member::New { config: &config, seed: 7 }];
+    let got = at_once(several(&gpu, 8, &members), train);
+    first.update().unwrap();
+    assert!(got[0] == bytes(first.save().unwrap()), "as if it had never run away");
+    assert!(got[1] == train(1, alone(&base, &config, 7)), "the other");
+}
+
+#[test]
 fn policies_of_several_are_evaluated_at_once_as_each_is_alone() {
     let Some(gpu) = gpu() else { return };
     let (config, seeds) = (config(8), [3, 4]);
