@@ -209,7 +209,6 @@ impl Session {
     /// Continues the training of a run folder: on the device where it began, unless a backend or a device is given, and with
     /// its own `until` and `steps`, unless others are given.
     #[staticmethod]
-    #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
     #[pyo3(signature = (run, *, backend, device, threads, until, steps))]
     fn resume(
         py: Python<'_>,

@@ -1,10 +1,9 @@
 """Two layouts compared, from tasks and from runs."""
 
+import pandas
 import pytest
 
 import myoenv
-
-pandas = pytest.importorskip("pandas")
 
 SHORT = {"until": None, "steps": 512, "num_envs": 32, "backend": "cpu", "settings": {"steps_per_update": 16}}
 

@@ -414,7 +414,8 @@ mod tests {
             change(&mut b);
             Comparison::new(&a, &b).caveats.join("; ")
         };
-        let cases: [(&dyn Fn(&mut Group), &str); 7] = [
+        type Case<'a> = (&'a dyn Fn(&mut Group), &'a str);
+        let cases: [Case; 7] = [
             (&|b| b.run.task.model = "mobl-arms-uitb".into(), "bodies differ (mobl-arms and mobl-arms-uitb)"),
             (&|b| b.run.version = "0.0.1".into(), "trained by different versions"),
             (&|b| b.run.task = preset("pointing").unwrap(), "the tasks ask for different things"),

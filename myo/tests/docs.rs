@@ -8,8 +8,16 @@ mod documented;
 use documented::{Documented, commands, documents, repository};
 
 /// Options that keep a command short, each added where the document does not set it: command, option, value.
-const SHORT: &[(&str, &str, &str)] =
-    &[("train", "--until", "off"), ("train", "--envs", "32"), ("train", "--steps", "1k"), ("eval", "--episodes", "20")];
+const SHORT: &[(&str, &str, &str)] = &[
+    ("train", "--until", "off"),
+    ("train", "--envs", "32"),
+    ("train", "--steps", "1k"),
+    ("compare", "--until", "off"),
+    ("compare", "--envs", "32"),
+    ("compare", "--steps", "1k"),
+    ("compare", "--seeds", "2"),
+    ("eval", "--episodes", "20"),
+];
 
 /// Needs a card, or minutes; the command line's own tests parse it.
 fn is_only_parsed(words: &[String]) -> bool {
