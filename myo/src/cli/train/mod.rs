@@ -416,7 +416,7 @@ fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Until, run: &Path
         (End::Steps, Until::Plateau | Until::Success(_)) => {
             command(&["train", "--resume", &folder, "--steps", &(2 * outcome.env_steps).to_string()])
         }
-        _ if improves => command(&["train", "--resume", &folder, "--until", "plateau"]),
+        (End::Until, _) if improves => command(&["train", "--resume", &folder, "--until", "plateau"]),
         _ => command(&["eval", &folder, "--episodes", "10000"]),
     };
     let missed = match (&outcome.end, until) {
