@@ -153,7 +153,12 @@ def test_an_easy_task_reaches_its_goal(short_task):
 
 
 def test_a_user_is_trained_to_its_plateau_unless_told_otherwise(short_task, tmp_path):
-    for given, kept in [({}, "plateau"), ({"until": "plateau"}, "plateau"), ({"until": 0.5}, 0.5), ({"until": None}, None)]:
+    for given, kept in [
+        ({}, "plateau"),
+        ({"until": "plateau"}, "plateau"),
+        ({"until": 0.5}, 0.5),
+        ({"until": None}, None),
+    ]:
         folder = tmp_path / f"run-{kept}-{len(given)}"
         myoenv.train(short_task, steps=128, out=folder, **given, **SMALL)
         assert read_run(folder).until == kept
@@ -394,7 +399,11 @@ def test_a_run_on_a_card_that_is_gone_says_so(run, tmp_path):
         ({"settings": {"discount_per_s": object()}}, ValueError, "bad training setting"),
         ({"task": None}, ValueError, "name a task, or a run to resume"),
         ({"until": 1.5}, ValueError, "until is 1.5"),
-        ({"until": "0.9"}, ValueError, "until is '0.9'; it must be \"plateau\", a share above 0 and at most 1, or None"),
+        (
+            {"until": "0.9"},
+            ValueError,
+            "until is '0.9'; it must be \"plateau\", a share above 0 and at most 1, or None",
+        ),
         ({"threads": 0}, ValueError, "threads is 0"),
         ({"threads": 10**6}, ValueError, "threads is 1000000; it must be at most 1024"),
         ({"num_envs": 10**9}, ValueError, "num_envs is 1000000000; it must be at most"),

@@ -100,8 +100,9 @@ def sweep(
         progress: Called with every row as it is there, also with those of earlier calls.
     """
     ray = _ray()
+    goal = as_until(until)
     options = {
-        "until": float(until) if as_until(until) not in ("plateau", "off") else until,
+        "until": until if isinstance(until, str) or until is None else float(goal),
         "steps": as_count("steps", steps),
         "settings": as_mapping("settings", settings),
         "num_envs": None if num_envs is None else as_num_envs(num_envs),
