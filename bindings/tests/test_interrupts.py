@@ -170,7 +170,7 @@ def test_a_training_that_failed_writes_no_more(tmp_path):
         backend="cpu",
         device=None,
         threads=1,
-        until=None,
+        until="off",
         steps=10_000,
         start_from=None,
     )
