@@ -26,8 +26,8 @@ pub struct PpoConfig {
     /// Widths of the hidden layers of the value network (default 128, 128).
     pub value_hidden: Vec<usize>,
 
-    /// What a reward one second of simulated time ahead counts, in [0, 1) (default 0.67, that is 0.98 per control step at
-    /// 20 Hz: a reward counts half after 1.7 s). Lower learns sooner, higher plans further: with 0.36 the arm stops short
+    /// What a reward one second of simulated time ahead counts, in [0, 1) (default 0.5, that is 0.966 per control step at
+    /// 20 Hz: a reward counts half after a second). Lower learns sooner, higher plans further: with 0.36 the arm stops short
     /// of targets that it must go round to reach. Per second, so that a task with other control steps looks as far ahead.
     pub discount_per_s: f64,
     /// Decay of the advantage estimate, in [0, 1] (default 0.95). 0 trusts the value network alone, 1 the returns alone.
@@ -101,7 +101,7 @@ impl Default for PpoConfig {
             minibatches: 4,
             policy_hidden: vec![128, 128],
             value_hidden: vec![128, 128],
-            discount_per_s: 0.67,
+            discount_per_s: 0.5,
             gae_lambda: 0.95,
             clip: 0.2,
             entropy_coefficient: 0.002,

@@ -9,6 +9,9 @@ const FRESH: f64 = 0.1;
 /// The learning curve foretells the time left to such a factor.
 const UNSURE: f64 = 2.0;
 
+/// A target that is done so often is no bottleneck.
+const NEARLY_ALWAYS: f64 = 0.99;
+
 /// Times that people plan by: these many seconds or minutes.
 const ROUND: [u32; 18] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 35, 40, 45, 50, 55];
 
@@ -51,6 +54,9 @@ impl ProgressLine {
     /// The target that is missed most, where there are several.
     fn named(&self, bottleneck: Bottleneck) -> Option<String> {
         let target = self.targets.get(bottleneck.target).filter(|_| self.targets.len() > 1)?;
+        if bottleneck.success > NEARLY_ALWAYS {
+            return None;
+        }
         Some(format!(", bottleneck {target} at {:.0} %", 100.0 * bottleneck.success))
     }
 }

@@ -62,7 +62,7 @@ def train(
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
             training stops when it returns True. What it raises leaves `train`, after a checkpoint. A `myoenv.Callback`
             also hears of the start and of the end; `"wandb"` and `"mlflow"` are two of them, see `myoenv.callbacks`.
-        settings: Settings of PPO that differ from their defaults, such as `{"discount_per_s": 0.5}`.
+        settings: Settings of PPO that differ from their defaults, such as `{"discount_per_s": 0.7}`.
         num_envs: Environments side by side.
         backend: `"cpu"`, `"gpu"` or `"auto"`, which is the default.
         device: A graphics card by its number or a part of its name.

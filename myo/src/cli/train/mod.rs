@@ -107,7 +107,7 @@ Examples:
   myo train pointing                          until the user has finished learning, at most 200 M control steps
   myo train pointing --until 0.95             until 95 % of fresh episodes succeed, which is where it has just begun to be good
   myo train my.yaml --out runs/slow --seed 7
-  myo train pointing --until off --steps 20M --set discount_per_s=0.5
+  myo train pointing --until off --steps 20M --set discount_per_s=0.7
   myo train my.yaml --from runs/pointing-1    starts from what that user has learned
   myo train ar --seeds 5                      mean and spread over five seeds
   myo train --resume runs/pointing-1          after Ctrl-C, or a crash; also the folder of --seeds

@@ -22,7 +22,7 @@ pub fn settings(base: &PpoConfig, num_envs: Option<usize>, changes: &[String]) -
 fn apply(table: &mut Value, change: &str) -> Result<()> {
     let Some((name, text)) = change.split_once('=') else {
         return Err(Failure::sentence(format!(
-            "`--set {change}` needs the form NAME=VALUE, such as discount_per_s=0.5"
+            "`--set {change}` needs the form NAME=VALUE, such as discount_per_s=0.7"
         )));
     };
     let Some(entry) = table.get_mut(name) else {
@@ -79,6 +79,6 @@ mod tests {
         assert!(sentence(&["discount=0.9"]).starts_with("unknown setting `discount`; did you mean `discount_per_s`"));
         assert_eq!(sentence(&["epochs=1.5"]), "`epochs` is `1.5`; it must be a whole number, 0 or more");
         assert_eq!(sentence(&["discount_per_s=2"]), "discount_per_s is 2.0; it must be at least 0 and less than 1");
-        assert_eq!(sentence(&["clip"]), "`--set clip` needs the form NAME=VALUE, such as discount_per_s=0.5");
+        assert_eq!(sentence(&["clip"]), "`--set clip` needs the form NAME=VALUE, such as discount_per_s=0.7");
     }
 }
