@@ -47,9 +47,9 @@ pub struct ProfiledState<S: Scalar> {
     pub argument: S,
     /// Where the coordinate is not so far past its limits that they are held.
     pub is_free: S::Mask,
-    /// Speed of the coordinate there, zero where they are held.
+    /// Speed of the coordinate (rad/s), zero where they are held.
     pub speed: S,
-    /// Torque on the coordinate apart from the profiles' share.
+    /// Torque on the coordinate (N m) apart from the profiles' share.
     pub passive: S,
 }
 
