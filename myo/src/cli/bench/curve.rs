@@ -14,7 +14,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
 use crate::cli::stage::Stage;
-use crate::cli::train::{Ready, settings};
+use crate::cli::train::{LearnerOptions, Ready};
 
 /// Arguments of `myo bench curve`.
 #[derive(Args)]
@@ -35,13 +35,8 @@ pub struct CurveArgs {
     #[arg(long, value_name = "N", default_value = "4096", value_parser = parse::positive)]
     episodes: usize,
 
-    /// Environments side by side [default: that of the learner's settings]
-    #[arg(long, value_name = "N", value_parser = parse::positive)]
-    envs: Option<usize>,
-
-    /// Change a setting of the learner; may be given several times
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    learner: LearnerOptions,
 
     #[command(flatten)]
     physics: Options,
@@ -77,7 +72,7 @@ struct Row {
 
 /// Runs `myo bench curve`.
 pub fn run(args: &CurveArgs) -> Result<()> {
-    let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
+    let config = args.learner.settings(&PpoConfig::default())?;
     if !args.at.is_sorted() {
         return Err(Failure::sentence("the control steps of `--at` must not go down"));
     }

@@ -16,7 +16,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
 use crate::cli::stage::Stage;
-use crate::cli::train::{Ready, STEPS, settings};
+use crate::cli::train::{LearnerOptions, Ready, STEPS};
 
 /// Arguments of `myo bench train`.
 #[derive(Args)]
@@ -41,13 +41,8 @@ pub struct TrainArgs {
     #[arg(long, value_name = "N", value_parser = parse::count)]
     steps: Option<u64>,
 
-    /// Environments side by side [default: that of the learner's settings]
-    #[arg(long, value_name = "N", value_parser = parse::positive)]
-    envs: Option<usize>,
-
-    /// Change a setting of the learner; may be given several times
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    learner: LearnerOptions,
 
     #[command(flatten)]
     physics: Options,
@@ -91,7 +86,7 @@ struct Row {
 
 /// Runs `myo bench train`.
 pub fn run(args: &TrainArgs) -> Result<()> {
-    settings(&PpoConfig::default(), args.envs, &args.set)?;
+    args.learner.settings(&PpoConfig::default())?;
     let stage = Stage::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
     let mut rows = if args.at_once { measure_all(args, &stage, &interrupt)? } else { Vec::new() };
@@ -127,7 +122,7 @@ pub fn run(args: &TrainArgs) -> Result<()> {
 
 /// All seeds at once: the time of each runs from the beginning of all to its own end.
 fn measure_all(args: &TrainArgs, stage: &Stage, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
+    let config = args.learner.settings(&PpoConfig::default())?;
     complain(&format!("{} with {} seeds at once", stage.task.name, args.seeds));
     let start = Instant::now();
     let starts: Vec<_> = (1..=args.seeds as u64).map(|seed| Start::New { config: &config, seed, from: None }).collect();
@@ -151,7 +146,7 @@ fn goal(args: &TrainArgs) -> Goal {
 }
 
 fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
-    let config = settings(&PpoConfig::default(), args.envs, &args.set)?;
+    let config = args.learner.settings(&PpoConfig::default())?;
     let start = Instant::now();
     let env = stage.env(&args.physics.choice(BackendName::Cpu)?, config.num_envs, seed)?;
     let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal(args))?;
@@ -173,7 +168,7 @@ fn ended(args: &TrainArgs, stage: &Stage, device: &Device, seed: u64, wall_s: f6
         device: device.card().map(String::from),
         task: stage.task.name.clone(),
         seed,
-        envs: settings(&PpoConfig::default(), args.envs, &args.set)?.num_envs,
+        envs: args.learner.settings(&PpoConfig::default())?.num_envs,
         threads: rayon::current_num_threads(),
         wall_s,
         env_steps: outcome.env_steps,

@@ -27,7 +27,7 @@ use super::stage::{Stage, run_name};
 use several::{Plan, Report};
 
 pub use drive::Ready;
-pub use settings::{STEPS, settings};
+pub use settings::{LearnerOptions, STEPS};
 pub use several::{Several, open_run};
 
 /// Arguments of `myo train`.
@@ -89,13 +89,8 @@ pub struct TrainingOptions {
     #[command(flatten)]
     physics: Options,
 
-    /// Environments side by side [default: from the learner's settings]
-    #[arg(long, value_name = "N", value_parser = parse::positive)]
-    envs: Option<usize>,
-
-    /// Change a setting of the learner; may be given several times. `config.json` of any run lists them all
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    learner: LearnerOptions,
 
     /// Seconds between two checkpoints, which is what a crash may cost; 0 writes one after every update
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds)]
@@ -187,7 +182,7 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let base = heritage
         .as_ref()
         .map_or_else(PpoConfig::default, |heritage| heritage.checkpoint.config().with_default_learning());
-    let config = settings(&base, args.how.envs, &args.how.set)?;
+    let config = args.how.learner.settings(&base)?;
     let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let stage = Stage::open(task)?;

@@ -1,16 +1,37 @@
 //! Settings of the learner, as the command line changes them.
 
+use clap::Args;
 use myo::model::Nearest;
 use myo::train::PpoConfig;
 use serde_json::Value;
 
 use crate::cli::failure::{Failure, Result};
+use crate::cli::parse;
 
 /// Control steps after which training stops unless asked otherwise.
 pub const STEPS: u64 = 200_000_000;
 
+/// Settings of the learner that a command may change.
+#[derive(Args, Clone, Debug)]
+pub struct LearnerOptions {
+    /// Environments side by side [default: from the learner's settings]
+    #[arg(long, value_name = "N", value_parser = parse::positive)]
+    envs: Option<usize>,
+
+    /// Change a setting of the learner; may be given several times. `config.json` of any run lists them all
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+}
+
+impl LearnerOptions {
+    /// `base` with the changes that were asked for.
+    pub fn settings(&self, base: &PpoConfig) -> Result<PpoConfig> {
+        settings(base, self.envs, &self.set)
+    }
+}
+
 /// Settings of the learner with the changes asked for, `NAME=VALUE` each.
-pub fn settings(base: &PpoConfig, num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {
+fn settings(base: &PpoConfig, num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {
     let mut table = serde_json::to_value(base)?;
     changes.iter().try_for_each(|change| apply(&mut table, change))?;
     let mut config: PpoConfig = serde_json::from_value(table)?;

@@ -12,6 +12,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use myo::train::session::{End, Goal, Outcome, Trend};
+use myo::train::statistics::Sample;
 use myo::train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunError, RunFolder, write_whole};
 use myo::{RunDescription, TrainedUser};
 use serde::{Deserialize, Serialize};
@@ -290,13 +291,9 @@ impl Several {
         write_json(&self.folder.join(RESULTS), &self.json())
     }
 
-    /// Mean and standard deviation of a quantity over the trainings that have it.
-    fn spread(&self, quantity: fn(&Row) -> Option<f64>) -> Option<(f64, f64)> {
-        let values: Vec<f64> = self.rows.iter().filter_map(quantity).collect();
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|x| (x - mean) * (x - mean)).sum();
-        (n > 0.0).then(|| (mean, (squares / (n - 1.0).max(1.0)).sqrt()))
+    /// A quantity over the trainings that have it.
+    fn over_users(&self, quantity: fn(&Row) -> Option<f64>) -> Option<Sample> {
+        Sample::of(&self.rows.iter().filter_map(quantity).collect::<Vec<_>>())
     }
 
     fn reached(&self) -> usize {
@@ -304,16 +301,16 @@ impl Several {
     }
 
     fn json(&self) -> Value {
-        let of = |pick: fn((f64, f64)) -> f64| -> Value {
-            QUANTITIES.iter().map(|(name, f)| ((*name).to_owned(), json!(self.spread(*f).map(pick)))).collect()
+        let of = |pick: fn(Sample) -> f64| -> Value {
+            QUANTITIES.iter().map(|(name, f)| ((*name).to_owned(), json!(self.over_users(*f).map(pick)))).collect()
         };
         json!({
             "task": self.plan.run.task.name,
             "folder": self.folder,
             "runs": self.rows,
             "reached": self.reached(),
-            "mean": of(|(mean, _)| mean),
-            "sd": of(|(_, sd)| sd),
+            "mean": of(|sample| sample.mean),
+            "sd": of(|sample| sample.sd),
         })
     }
 
@@ -343,8 +340,8 @@ impl Several {
         }
         let mut cells = vec![row(["seed", "time", "control steps", "success", "episode", "effort", "stopped by"])];
         cells.extend(self.rows.iter().map(|row| Self::cells(&row.seed.to_string(), |f| f(row), &row.stopped_by)));
-        cells.push(Self::cells("mean", |f| self.spread(f).map(|(mean, _)| mean), ""));
-        cells.push(Self::cells("sd", |f| self.spread(f).map(|(_, sd)| sd), ""));
+        cells.push(Self::cells("mean", |f| self.over_users(f).map(|sample| sample.mean), ""));
+        cells.push(Self::cells("sd", |f| self.over_users(f).map(|sample| sample.sd), ""));
         print(&format!(
             "\n{}: {} of {} seeds reached the goal\n\n{}\n  run folders     {}\n",
             name(&self.plan.run.task.name),
