@@ -184,6 +184,21 @@ impl Session {
         Progress { success: self.success(), bottleneck, steps_left, end, ..progress }
     }
 
+    /// The mean actions of the policy as it is on fresh episodes, those of the `number`-th evaluation; none if `go_on` ended it
+    /// early. The training goes on as if nobody had asked.
+    ///
+    /// # Errors
+    /// The card is lost.
+    pub fn measure(
+        &mut self,
+        episodes: usize,
+        number: u64,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Option<Evaluation>, TrainError> {
+        let evaluation = self.examiner.evaluate(&mut self.trainer.policy(), episodes, number, go_on)?;
+        Ok(Some(evaluation).filter(|_| go_on()))
+    }
+
     fn update(&mut self, go_on: &dyn Fn() -> bool) -> Result<Updated, SessionError> {
         let updated = self.trainer.update_while(go_on);
         if let Some(reason) = self.recovery.what_ran_away(&updated, self.trainer.config().kl_max) {

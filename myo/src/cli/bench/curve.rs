@@ -1,13 +1,16 @@
 //! `myo bench curve`: how good a simulated user is after so many control steps.
 
+use std::panic::resume_unwind;
+
 use clap::Args;
 use myo::Start;
-use myo::train::session::{Examiner, Goal, Until};
+use myo::train::session::{Goal, Until};
 use myo::train::{Evaluation, PpoConfig, Session};
 use serde::Serialize;
 use serde_json::json;
 
 use super::machine::Machine;
+use super::no_room_for_all;
 use crate::cli::backend::{BackendName, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
@@ -31,6 +34,10 @@ pub struct CurveArgs {
     #[arg(long, value_name = "N", default_value = "1", value_parser = parse::positive)]
     seeds: usize,
 
+    /// Train with all seeds at once, on a graphics card
+    #[arg(long)]
+    at_once: bool,
+
     /// Episodes of each evaluation
     #[arg(long, value_name = "N", default_value = "4096", value_parser = parse::positive)]
     episodes: usize,
@@ -50,8 +57,9 @@ const HELP: &str = "\
 Examples:
   myo bench curve pointing --at 5M,10M
   myo bench curve ar --seeds 3 --json
+  myo bench curve ar --seeds 8 --at-once      on a graphics card
 
-Time is that of training alone, without opening the device and without these evaluations. No run folders are left.
+Time is that of training alone, without opening the device and without these evaluations; with --at-once, of all together. No run folders are left.
 
 JSON: `rows` of objects with `backend`, `device` (null on the cpu), `task`, `seed`, `env_steps`, `train_s`, `learning_rate`,
 `evaluation` (as `myo eval --json`), `machine`, `date`, `version`.";
@@ -78,11 +86,16 @@ pub fn run(args: &CurveArgs) -> Result<()> {
     }
     let stage = Stage::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
-    let mut rows = Vec::new();
-    for seed in 1..=args.seeds as u64 {
-        complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
-        measure(args, &stage, &config, seed, &interrupt, &mut rows)?;
-    }
+    let rows = if args.at_once {
+        measure_all(args, &stage, &config, &interrupt)?
+    } else {
+        let mut rows = Vec::new();
+        for seed in 1..=args.seeds as u64 {
+            complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
+            rows.extend(measure(args, &stage, &config, seed, &interrupt)?);
+        }
+        rows
+    };
     if args.json {
         return print_json(&json!({"rows": rows}));
     }
@@ -109,29 +122,52 @@ fn measure(
     config: &PpoConfig,
     seed: u64,
     interrupt: &Interrupt,
-    rows: &mut Vec<Row>,
-) -> Result<()> {
-    let choice = args.physics.choice(BackendName::Cpu)?;
-    let env = stage.env(&choice, config.num_envs, seed)?;
-    let looks = env.for_looks(&stage.model, &stage.task, seed)?;
-    let goal = Goal { until: Until::Off, steps: args.at.last().copied().unwrap_or(0) };
-    let Ready { device, mut session, .. } = Ready::new(stage, env, Start::New { config, seed, from: None }, goal)?;
-    let mut examiner = looks.examine(session.trainer())?;
+) -> Result<Vec<Row>> {
+    let env = stage.env(&args.physics.choice(BackendName::Cpu)?, config.num_envs, seed)?;
+    follow(args, Ready::new(stage, env, Start::New { config, seed, from: None }, goal(args))?, interrupt)
+}
+
+/// The same of all seeds at once.
+fn measure_all(args: &CurveArgs, stage: &Stage, config: &PpoConfig, interrupt: &Interrupt) -> Result<Vec<Row>> {
+    complain(&format!("{} with {} seeds at once", stage.task.name, args.seeds));
+    let starts: Vec<_> = (1..=args.seeds as u64).map(|seed| Start::New { config, seed, from: None }).collect();
+    let backend = args.physics.choice(BackendName::Gpu)?;
+    let Some(all) = Ready::several(stage, &backend, config.num_envs, &starts, goal(args))? else {
+        return Err(no_room_for_all());
+    };
+    std::thread::scope(|scope| {
+        let follow = |ready| scope.spawn(|| follow(args, ready, interrupt));
+        let threads: Vec<_> = all.into_iter().map(follow).collect();
+        let rows = threads.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        Ok(rows.collect::<Result<Vec<_>>>()?.concat())
+    })
+}
+
+fn goal(args: &CurveArgs) -> Goal {
+    Goal { until: Until::Off, steps: args.at.last().copied().unwrap_or(0) }
+}
+
+/// A training to its end, with evaluations on its way.
+fn follow(args: &CurveArgs, ready: Ready<'_>, interrupt: &Interrupt) -> Result<Vec<Row>> {
+    let Ready { stage, device, mut session } = ready;
+    let mut rows = Vec::new();
     for (&mark, number) in args.at.iter().zip(1..) {
         train_to(&mut session, mark, interrupt)?;
+        let evaluation = session.measure(args.episodes, number, &|| !interrupt.wanted())?;
+        let trainer = session.trainer();
         rows.push(Row {
             backend: device.backend(),
             device: device.card().map(String::from),
             task: stage.task.name.clone(),
-            seed,
-            env_steps: session.trainer().env_steps(),
-            train_s: session.trainer().wall_s(),
-            learning_rate: session.trainer().learning_rate(),
-            evaluation: evaluate(&mut examiner, &session, args.episodes, number, interrupt)?,
+            seed: trainer.seed(),
+            env_steps: trainer.env_steps(),
+            train_s: trainer.wall_s(),
+            learning_rate: trainer.learning_rate(),
+            evaluation: evaluation.ok_or(Failure::Interrupted)?,
             machine: Machine::here(),
         });
     }
-    Ok(())
+    Ok(rows)
 }
 
 fn train_to(session: &mut Session, env_steps: u64, interrupt: &Interrupt) -> Result<()> {
@@ -142,15 +178,4 @@ fn train_to(session: &mut Session, env_steps: u64, interrupt: &Interrupt) -> Res
         }
     }
     Ok(())
-}
-
-fn evaluate(
-    examiner: &mut Examiner,
-    session: &Session,
-    episodes: usize,
-    number: u64,
-    interrupt: &Interrupt,
-) -> Result<Evaluation> {
-    let evaluation = examiner.evaluate(&mut session.trainer().policy(), episodes, number, || !interrupt.wanted())?;
-    if interrupt.wanted() { Err(Failure::Interrupted) } else { Ok(evaluation) }
 }

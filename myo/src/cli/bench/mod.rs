@@ -15,7 +15,7 @@ mod train;
 use clap::{Subcommand, ValueEnum};
 use myo::scalar::Level;
 
-use super::failure::Result;
+use super::failure::{Failure, Result};
 
 /// What to measure.
 #[derive(Subcommand)]
@@ -73,4 +73,9 @@ impl LevelName {
 fn best_and_median(mut times: Vec<f64>) -> (f64, f64) {
     times.sort_by(f64::total_cmp);
     (times.first().copied().unwrap_or(f64::NAN), times.get(times.len() / 2).copied().unwrap_or(f64::NAN))
+}
+
+/// Several trainings at once were asked for where there is no place for them.
+fn no_room_for_all() -> Failure {
+    Failure::sentence("only a graphics card with room for all of them trains several seeds at once")
 }

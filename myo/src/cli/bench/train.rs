@@ -10,6 +10,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::machine::Machine;
+use super::no_room_for_all;
 use crate::cli::backend::{BackendName, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
@@ -128,7 +129,7 @@ fn measure_all(args: &TrainArgs, stage: &Stage, interrupt: &Interrupt) -> Result
     let starts: Vec<_> = (1..=args.seeds as u64).map(|seed| Start::New { config: &config, seed, from: None }).collect();
     let backend = args.physics.choice(BackendName::Gpu)?;
     let Some(all) = Ready::several(stage, &backend, config.num_envs, &starts, goal(args))? else {
-        return Err(Failure::sentence("only a graphics card with room for all of them trains several seeds at once"));
+        return Err(no_room_for_all());
     };
     let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
     let mut rows = Vec::new();

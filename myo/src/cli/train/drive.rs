@@ -15,7 +15,8 @@ use crate::cli::stage::Stage;
 
 /// A training that is ready, and where.
 pub struct Ready<'a> {
-    stage: &'a Stage,
+    /// What is trained.
+    pub stage: &'a Stage,
     /// Where it runs.
     pub device: Device,
     /// The training.
