@@ -1,15 +1,39 @@
-//! Speed of learning on the graphics card: `cargo run --release -p myo-benches --example gpu_learner -- [tiles]`.
+//! Speed of learning on the graphics card: `cargo run --release -p myo-benches --example gpu_learner -- [tiles] [--groups N]`.
 //!
 //! Whole updates with two hidden layers of 128, and single gradient steps of a policy 4 x 128 and a value network 5 x 256, on
 //! records of made-up numbers; then what their kernels take. With `tiles`, instead: single gradient steps with every tile.
+//! With `--groups`, all of this for several learners at once.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use myo_benches::{Arguments, Failure, RollOut, breakdown, seconds};
+use clap::{Parser, ValueEnum};
+use myo_benches::{Failure, RollOut, breakdown, seconds};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_train::PpoConfig;
-use myo_train::gpu::{DeviceLearner, MatrixTile, Settings, Tile, Tiles};
+use myo_train::gpu::{DeviceLearner, MatrixTile, Settings, Sizes, Tile, Tiles};
+
+/// Measures learning on the graphics card.
+#[derive(Parser)]
+struct Arguments {
+    /// What is measured instead of updates and what their kernels take
+    instead: Option<Instead>,
+    /// How many learners learn at once, each from a record of its own
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    groups: usize,
+    /// Environments whose roll-outs whole updates learn from
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "2048,16384")]
+    envs: Vec<usize>,
+    /// Samples of the single gradient steps
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "1280,8192,65536")]
+    samples: Vec<usize>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Instead {
+    /// Single gradient steps with every tile
+    Tiles,
+}
 
 fn measure_both(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
     let data = RollOut::new(gpu, config)?;
@@ -28,10 +52,10 @@ fn measure_both(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
 fn measure_learner(gpu: &Gpu, config: &PpoConfig, data: &RollOut, what: &str) -> Result<(), Failure> {
     let RollOut { sizes, record, parameters } = data;
     let start = Instant::now();
-    let mut learner = DeviceLearner::new(gpu, sizes, config, parameters, record)?;
+    let learner = DeviceLearner::new(gpu, sizes, config, parameters, record)?;
     let prepared = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    learner.prepare(sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
+    prepare(gpu, &learner, sizes)?;
     let uploaded = start.elapsed().as_secs_f64();
     let estimates = seconds(gpu, |batch| learner.record_estimates(batch))?;
     let step = seconds(gpu, |batch| learner.record_step(batch))?;
@@ -44,6 +68,15 @@ fn measure_learner(gpu: &Gpu, config: &PpoConfig, data: &RollOut, what: &str) ->
         update * 1e3
     );
     breakdown(gpu, |batch| learner.record(batch))
+}
+
+/// Uploads what an update needs, an order of the samples for every group.
+fn prepare(gpu: &Gpu, learner: &DeviceLearner, sizes: &Sizes) -> Result<(), Failure> {
+    for group in 0..gpu.groups() {
+        let settings = Settings { seed: 1 + group as u64, update: 0, learning_rate: 1e-4, gradient_steps: 0 };
+        learner.of(group).prepare(sizes, settings)?;
+    }
+    Ok(())
 }
 
 /// Tiles worth trying.
@@ -92,8 +125,8 @@ fn tiles(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
 /// What they take with these tiles.
 fn products(gpu: &Gpu, config: &PpoConfig, data: &RollOut, tiles: Tiles) -> Result<String, Failure> {
     let RollOut { sizes, record, parameters } = data;
-    let mut learner = DeviceLearner::with_tiles(gpu, sizes, config, parameters, record, tiles)?;
-    learner.prepare(sizes, Settings { seed: 1, update: 0, learning_rate: 1e-4, gradient_steps: 0 })?;
+    let learner = DeviceLearner::with_tiles(gpu, sizes, config, parameters, record, tiles)?;
+    prepare(gpu, &learner, sizes)?;
     // A card that has waited for a compiler is slow for a while.
     seconds(gpu, |batch| learner.record_step(batch))?;
     let mut best = BTreeMap::<String, f64>::new();
@@ -116,15 +149,17 @@ fn products(gpu: &Gpu, config: &PpoConfig, data: &RollOut, tiles: Tiles) -> Resu
 }
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = Arguments::read();
-    let measure = if arguments.takes("tiles") { tiles } else { measure_both };
-    arguments.end()?;
-    let gpu = Gpu::open(&AdapterChoice::Any)?;
-    println!("{}", gpu.adapter().name);
-    for num_envs in [2048, 16_384] {
+    let Arguments { instead, groups, envs, samples } = Arguments::parse();
+    let measure = match instead {
+        Some(Instead::Tiles) => tiles,
+        None => measure_both,
+    };
+    let gpu = Gpu::open(&AdapterChoice::Any)?.in_groups(groups)?;
+    println!("{}, groups: {groups}", gpu.adapter().name);
+    for num_envs in envs {
         measure(&gpu, &PpoConfig { num_envs, ..PpoConfig::default() })?;
     }
-    for num_envs in [1280, 8192, 65_536] {
+    for num_envs in samples {
         let config = PpoConfig {
             num_envs,
             steps_per_update: 1,
@@ -137,4 +172,22 @@ fn main() -> Result<(), Failure> {
         measure(&gpu, &config)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_of_the_documents_are_understood() {
+        let read = |line: &str| {
+            let Arguments { instead, groups, envs, samples } = Arguments::try_parse_from(line.split(' ')).unwrap();
+            (matches!(instead, Some(Instead::Tiles)), groups, envs, samples)
+        };
+        let (envs, samples) = (vec![2048, 16_384], vec![1280, 8192, 65_536]);
+        assert_eq!(read("gpu_learner"), (false, 1, envs.clone(), samples.clone()));
+        assert_eq!(read("gpu_learner tiles"), (true, 1, envs, samples));
+        assert_eq!(read("gpu_learner --groups 2 --envs 64 --samples 8,9"), (false, 2, vec![64], vec![8, 9]));
+        assert!(Arguments::try_parse_from(["gpu_learner", "tile"]).is_err());
+    }
 }

@@ -6,11 +6,28 @@
 
 use std::time::Instant;
 
-use myo_benches::{Arguments, Failure, Idle, RollOut, seconds};
+use clap::{Parser, ValueEnum};
+use myo_benches::{Failure, Idle, RollOut, seconds};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_train::gpu::{DeviceLearner, Settings};
 use myo_train::{PpoConfig, Trainer};
 use serde_json::json;
+
+/// Measures one gradient step of the published networks.
+#[derive(Parser)]
+struct Arguments {
+    /// Where it is measured
+    device: Device,
+    /// Numbers of samples
+    #[arg(required = true, value_delimiter = ',')]
+    samples: Vec<usize>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Device {
+    Processor,
+    Card,
+}
 
 /// Measurements on the processor last at least this long (s).
 const LEAST_S: f64 = 1.0;
@@ -66,19 +83,16 @@ fn row(system: &str, device: &str, samples: usize, best: f64, median: Option<f64
 }
 
 fn main() -> Result<(), Failure> {
-    let mut arguments = Arguments::read();
-    let place = arguments.word().unwrap_or_default();
-    let sizes = arguments.numbers()?;
-    arguments.end()?;
-    match place.as_str() {
-        "processor" => {
+    let Arguments { device, samples: sizes } = Arguments::parse();
+    match device {
+        Device::Processor => {
             let device = format!("{} threads", rayon::current_num_threads());
             for samples in sizes {
                 let (best, median) = on_processor(samples)?;
                 row("Myo, 32 bits", &device, samples, best, Some(median));
             }
         }
-        "card" => {
+        Device::Card => {
             let gpu = Gpu::open(&AdapterChoice::Any)?;
             let name = &gpu.adapter().name;
             for samples in sizes {
@@ -89,7 +103,21 @@ fn main() -> Result<(), Failure> {
                 }
             }
         }
-        other => return Err(format!("the first argument is `{other}`; it must be `processor` or `card`").into()),
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_of_the_documents_are_understood() {
+        let read = |line: &str| Arguments::try_parse_from(line.split(' '));
+        let Arguments { device, samples } = read("gradient_step card 1280 8192 65536").unwrap();
+        assert!(matches!(device, Device::Card));
+        assert_eq!(samples, [1280, 8192, 65_536]);
+        assert!(matches!(read("gradient_step processor 64").unwrap().device, Device::Processor));
+        assert!(read("gradient_step card").is_err() && read("gradient_step 64").is_err());
+    }
 }

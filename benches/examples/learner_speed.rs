@@ -5,10 +5,18 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use clap::Parser;
 use faer::{Accum, Mat, Par, linalg::matmul::matmul};
-use myo_benches::{Arguments, Failure, Idle};
+use myo_benches::Idle;
 use myo_train::{Mlp, PpoConfig, Trainer};
 use rayon::prelude::*;
+
+/// Measures learning on this machine, beside the matrix product it is made of.
+#[derive(Parser)]
+struct Arguments {
+    /// As many threads as the machine runs at once, unless told
+    threads: Option<usize>,
+}
 
 const BATCH: usize = 4096;
 
@@ -82,10 +90,8 @@ fn networks(config: &PpoConfig) -> (Mlp, Mlp) {
     )
 }
 
-fn main() -> Result<(), Failure> {
-    let mut arguments = Arguments::read();
-    let threads = arguments.numbers()?.first().copied().unwrap_or(rayon::current_num_threads());
-    arguments.end()?;
+fn main() {
+    let threads = Arguments::parse().threads.unwrap_or_else(rayon::current_num_threads);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
     pool.install(|| {
         let peak = matmul_peak(threads);
@@ -104,5 +110,17 @@ fn main() -> Result<(), Failure> {
         }
         update(peak);
     });
-    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_of_the_documents_are_understood() {
+        let read = |line: &str| Arguments::try_parse_from(line.split(' ')).map(|arguments| arguments.threads);
+        assert_eq!(read("learner_speed 2").unwrap(), Some(2));
+        assert_eq!(read("learner_speed").unwrap(), None);
+        assert!(read("learner_speed two").is_err());
+    }
 }

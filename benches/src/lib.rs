@@ -4,7 +4,6 @@
 //! A bench is a scene of `scenes.json` with a name; what it computes is checked, so that nothing is timed that went wrong.
 //! Tests run every bench once, untimed.
 
-mod arguments;
 mod batches;
 mod check;
 mod idle;
@@ -13,7 +12,6 @@ mod numbers;
 mod roll_out;
 mod scenes;
 
-pub use arguments::Arguments;
 pub use batches::{Failure, breakdown, seconds};
 pub use check::assert_finite;
 pub use idle::Idle;
