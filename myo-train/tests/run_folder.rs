@@ -5,7 +5,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{Points, Staircase};
+use common::{Constant, Points};
 use myo_env::VectorEnv;
 use myo_train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunConfig, RunFolder, RunWriter, Trainer, evaluate};
 
@@ -339,9 +339,9 @@ fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
 fn evaluation_counts_equally_many_episodes_of_every_environment() {
     // Episodes of the last environment take eight times as long as those of the first: counted as they end, the first would
     // give 16 of 40.
-    let mut env = Staircase::new(8);
+    let mut env = Constant::staircase(8);
     let config = PpoConfig { num_envs: 8, ..config() };
-    let trainer = Trainer::new(Box::new(Staircase::new(8)), config, 7).unwrap();
+    let trainer = Trainer::new(Box::new(Constant::staircase(8)), config, 7).unwrap();
     for (episodes, counts) in [(40, [5; 8]), (20, [3, 3, 3, 3, 2, 2, 2, 2]), (3, [1, 1, 1, 0, 0, 0, 0, 0])] {
         let evaluation = evaluate(&mut trainer.policy(), &mut env, episodes, 5, |_| true).unwrap();
         let sum: usize = counts.iter().enumerate().map(|(env, count)| count * (env + 1)).sum();

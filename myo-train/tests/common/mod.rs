@@ -176,6 +176,9 @@ impl VectorEnv for Points {
 /// Reward 1 in every step; ends by the time limit alone, or by the task alone.
 pub struct Constant {
     spec: EnvSpec,
+    /// How long the episodes of each environment are, and how far they are after a reset.
+    lengths: Vec<usize>,
+    begun: Vec<usize>,
     steps: Vec<usize>,
     terminates: bool,
     /// Reward that is returned.
@@ -183,17 +186,28 @@ pub struct Constant {
 }
 
 impl Constant {
+    /// Episodes are equally long, and staggered, so that some end in every roll-out.
     pub fn new(num_envs: usize, length: usize, terminates: bool) -> Self {
+        let begun = (0..num_envs).map(|i| i % length).collect();
+        Self::with_lengths(vec![length; num_envs], begun, terminates)
+    }
+
+    /// Episodes of environment `i` take `i + 1` steps and return as much.
+    pub fn staircase(num_envs: usize) -> Self {
+        Self::with_lengths((1..=num_envs).collect(), vec![0; num_envs], true)
+    }
+
+    fn with_lengths(lengths: Vec<usize>, begun: Vec<usize>, terminates: bool) -> Self {
         let spec = EnvSpec {
-            num_envs,
+            num_envs: lengths.len(),
             observation_names: names(&["one", "last"]),
             action_names: names(&["nothing"]),
             episode_names: names(&["return"]),
             control_dt: 0.05,
-            max_episode_steps: length,
+            max_episode_steps: lengths.iter().copied().max().unwrap_or(0),
             autoreset: Autoreset::SameStep,
         };
-        Self { spec, steps: vec![0; num_envs], terminates, reward: 1.0 }
+        Self { spec, steps: vec![0; lengths.len()], lengths, begun, terminates, reward: 1.0 }
     }
 }
 
@@ -203,9 +217,7 @@ impl VectorEnv for Constant {
     }
 
     fn reset(&mut self, _: Option<u64>, _: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
-        // Staggered, so that episodes end in every roll-out.
-        let length = self.spec.max_episode_steps;
-        self.steps.iter_mut().enumerate().for_each(|(i, s)| *s = i % length);
+        self.steps.copy_from_slice(&self.begun);
         observation.chunks_mut(2).for_each(|o| o.copy_from_slice(&[1.0, 0.0]));
         Ok(())
     }
@@ -213,63 +225,13 @@ impl VectorEnv for Constant {
     fn step(&mut self, _: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
         for (i, steps) in self.steps.iter_mut().enumerate() {
             *steps += 1;
-            let end = *steps == self.spec.max_episode_steps;
+            let end = *steps == self.lengths[i];
             out.reward[i] = self.reward;
             out.observation[2 * i..][..2].copy_from_slice(&[1.0, 0.0]);
             (out.terminated[i], out.truncated[i]) = (end && self.terminates, end && !self.terminates);
             if end {
                 out.final_observation[2 * i..][..2].copy_from_slice(&[1.0, 0.0]);
                 out.episode[i] = *steps as f32 * self.reward;
-                *steps = 0;
-            }
-        }
-        Ok(())
-    }
-
-    fn save_state(&self) -> Result<Vec<u8>, EnvError> {
-        Ok(self.steps.iter().map(|&s| s as u8).collect())
-    }
-
-    fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
-        self.steps.iter_mut().zip(state).for_each(|(s, &b)| *s = b.into());
-        Ok(())
-    }
-}
-
-/// Episodes of environment `i` take `i + 1` steps and return as much.
-pub struct Staircase {
-    spec: EnvSpec,
-    steps: Vec<usize>,
-}
-
-impl Staircase {
-    pub fn new(num_envs: usize) -> Self {
-        let Constant { spec, .. } = Constant::new(num_envs, num_envs, true);
-        Self { spec, steps: vec![0; num_envs] }
-    }
-}
-
-impl VectorEnv for Staircase {
-    fn spec(&self) -> &EnvSpec {
-        &self.spec
-    }
-
-    fn reset(&mut self, _: Option<u64>, _: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
-        self.steps.fill(0);
-        observation.fill(1.0);
-        Ok(())
-    }
-
-    fn step(&mut self, _: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
-        out.observation.fill(1.0);
-        out.reward.fill(1.0);
-        for (i, steps) in self.steps.iter_mut().enumerate() {
-            *steps += 1;
-            let end = *steps == i + 1;
-            (out.terminated[i], out.truncated[i]) = (end, false);
-            if end {
-                out.final_observation[2 * i..][..2].fill(1.0);
-                out.episode[i] = *steps as f32;
                 *steps = 0;
             }
         }
