@@ -269,3 +269,16 @@ fn a_kernel_reads_like_the_code() {
     let every = record(2, |v| everything(v[0], v[1]));
     assert!(every.to_kernel(&["numbers", "result"], 64).to_wgsl().is_ok());
 }
+
+#[cfg(feature = "gpu")]
+#[test]
+fn a_function_takes_its_buffers_as_arrays() {
+    let [words, result] = [0, 1].map(|binding| Buffer { binding, sharing: Sharing::Shared });
+    let program = trace(|| result.set_number(0, Sym::from_word(words.word(1) ^ words.word(2))));
+    let wgsl = program.to_wgsl_function("mixed", &["words", "result"]).unwrap();
+    let head = "fn mixed(words: ptr<function, array<u32, 3>>, result: ptr<function, array<f32, 1>>)";
+    for part in [head, "(*words)[1u]", "(*result)[0u] ="] {
+        assert!(wgsl.contains(part), "{part} is missing in\n{wgsl}");
+    }
+    assert!(!wgsl.contains("var<"), "{wgsl}");
+}

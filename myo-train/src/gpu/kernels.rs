@@ -3,6 +3,7 @@
 use myo_gpu::{Access, Buffer, BufferRef, Gpu, GpuError, Kernel, Source};
 
 use super::dense::Dispatch;
+use super::noise;
 
 /// Environments of one workgroup that keeps observations.
 pub const OBSERVE_WORKGROUP: usize = 256;
@@ -33,7 +34,7 @@ impl Kernels {
         let outcome = [Read, Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
         Ok(Self {
             gpu: gpu.clone(),
-            noise: compile("noise", include_str!("noise.wgsl"), &[Read, Read, ReadWrite, ReadWrite, Uniform])?,
+            noise: compile("noise", &noise::text(), &[Read, Read, ReadWrite, ReadWrite, Uniform])?,
             observe: compile("observe", include_str!("observe.wgsl"), &observe)?,
             outcome: compile("outcome", include_str!("outcome.wgsl"), &outcome)?,
             sums: compile_sums(gpu)?,

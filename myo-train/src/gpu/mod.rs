@@ -12,6 +12,7 @@ mod evaluate;
 mod kernels;
 mod learn;
 mod network;
+mod noise;
 #[cfg(test)]
 mod read;
 mod rollout;

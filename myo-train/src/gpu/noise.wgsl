@@ -3,7 +3,7 @@
 //
 // ln density = -sum ln std - actions ln(2 pi) / 2 - sum noise^2 / 2.
 //
-// The same counters, words and formulas as in random.rs and gaussian.rs.
+// The same counters and formulas as in random.rs and gaussian.rs; `open_units` is printed of what they call, see noise.rs.
 
 struct Shape {
     num_envs: u32,
@@ -27,34 +27,6 @@ const STREAM = 2u;
 const HALF_LN_TAU = 0.9189385;
 const LN_2 = 0.6931472;
 const TAU = 6.2831855;
-
-// Upper half of a product.
-fn mul_high(a: u32, b: u32) -> u32 {
-    let a0 = a & 0xffffu;
-    let a1 = a >> 16u;
-    let b0 = b & 0xffffu;
-    let b1 = b >> 16u;
-    let middle = a1 * b0 + ((a0 * b0) >> 16u);
-    let other = a0 * b1 + (middle & 0xffffu);
-    return a1 * b1 + (middle >> 16u) + (other >> 16u);
-}
-
-fn philox(counter: vec4<u32>, seed: vec2<u32>) -> vec4<u32> {
-    var x = counter;
-    var key = seed;
-    for (var round = 0u; round < 10u; round += 1u) {
-        let a = vec2<u32>(mul_high(x.x, 0xD2511F53u), x.x * 0xD2511F53u);
-        let b = vec2<u32>(mul_high(x.z, 0xCD9E8D57u), x.z * 0xCD9E8D57u);
-        x = vec4<u32>(b.x ^ x.y ^ key.x, b.y, a.x ^ x.w ^ key.y, a.y);
-        key += vec2<u32>(0x9E3779B9u, 0xBB67AE85u);
-    }
-    return x;
-}
-
-// Uniform in (0, 1).
-fn open_unit(word: u32) -> f32 {
-    return (f32(word >> 9u) + 0.5) * (1.0 / 8388608.0);
-}
 
 // Natural logarithm. The built-in one may be off by 5e-7 near 1, where the result must not become positive.
 fn logarithm(x: f32) -> f32 {
@@ -95,9 +67,9 @@ fn cos_sin_turns(t: f32) -> vec2<f32> {
     );
 }
 
-// Two standard normal numbers (Box and Muller, doi 10.1214/aoms/1177706645).
-fn normal_pair(first: u32, second: u32) -> vec2<f32> {
-    return sqrt(-2.0 * logarithm(open_unit(first))) * cos_sin_turns(open_unit(second));
+// Two standard normal numbers from uniform ones in (0, 1) (Box and Muller, doi 10.1214/aoms/1177706645).
+fn normal_pair(first: f32, second: f32) -> vec2<f32> {
+    return sqrt(-2.0 * logarithm(first)) * cos_sin_turns(second);
 }
 
 fn log_peak() -> f32 {
@@ -121,12 +93,14 @@ fn main(
     // The step's number has 64 bits.
     let low = clock[2] + column / shape.padded;
     let high = clock[3] + select(0u, 1u, low < clock[2]);
-    let seed = vec2<u32>(clock[0], clock[1]);
+    var seed = array<u32, 2>(clock[0], clock[1]);
     let blocks = (shape.actions + 3u) / 4u;
     var squares = 0.0;
     for (var block = 0u; block < blocks; block += 1u) {
-        let words = philox(vec4<u32>(env * blocks + block, low, high, STREAM), seed);
-        let normal = vec4<f32>(normal_pair(words.x, words.y), normal_pair(words.z, words.w));
+        var counter = array<u32, 4>(env * blocks + block, low, high, STREAM);
+        var units: array<f32, 4>;
+        open_units(&seed, &counter, &units);
+        let normal = vec4<f32>(normal_pair(units[0], units[1]), normal_pair(units[2], units[3]));
         for (var i = 0u; i < 4u; i += 1u) {
             let action = 4u * block + i;
             if action < shape.actions {

@@ -1,5 +1,5 @@
 //! The files of the kernels hold what the language holds for whole: modules, or functions and declarations that a kernel is put
-//! together from. Nothing is filled in.
+//! together from, of which one is printed of generic code. Nothing is filled in.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use myo_gpu::{Source, kernel_in_groups};
 use naga::{AddressSpace, BinaryOperator, Expression, Function, GlobalVariable, Handle};
 
 use super::testing::{assert_valid, assert_valid_module};
-use super::{Tile, dense, kernels, learn};
+use super::{Tile, dense, kernels, learn, noise};
 
 /// Files that are no modules of their own, and what they lack first.
 const PARTS: &[(&str, &str)] = &[
@@ -16,6 +16,8 @@ const PARTS: &[(&str, &str)] = &[
     ("dense.wgsl", "make_tile"),
     ("learn/product.wgsl", "weight_at"),
     ("learn/outer.wgsl", "TILE_GROUPS"),
+    // What is printed of generic code.
+    ("noise.wgsl", "open_units"),
     // One of several cases of a kernel.
     ("dense_linear.wgsl", "y"),
     ("dense_silu.wgsl", "y"),
@@ -48,7 +50,7 @@ fn kernels() -> Vec<String> {
         Tile::new(128, 128, 8, (8, 8)),
     ];
     let mut all: Vec<_> = tiles.iter().flat_map(|&tile| [dense::texts(tile), learn::texts(tile)].concat()).collect();
-    all.push(kernels::SUMS.to_owned());
+    all.extend([kernels::SUMS.to_owned(), noise::text()]);
     all.sort();
     all.dedup();
     all

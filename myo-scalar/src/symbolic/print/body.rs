@@ -6,9 +6,8 @@ use crate::symbolic::order::Item;
 use crate::symbolic::program::Program;
 use crate::symbolic::region::{Branch, Chunks, Loop, Statement, Store};
 use naga::{
-    ArraySize, BinaryOperator, Block, Expression, Function, FunctionArgument, GlobalVariable, Handle, Literal,
-    LocalVariable, MathFunction, Module, Range, ScalarKind, Span, Statement as Instruction, Type, TypeInner,
-    UnaryOperator,
+    ArraySize, BinaryOperator, Block, Expression, Function, FunctionArgument, Handle, Literal, LocalVariable,
+    MathFunction, Module, Range, ScalarKind, Span, Statement as Instruction, Type, TypeInner, UnaryOperator,
 };
 use std::collections::HashMap;
 
@@ -31,49 +30,37 @@ pub struct Body<'a> {
     values: Vec<Option<Expr>>,
     words: HashMap<u32, Expr>,
     numbers: HashMap<u32, Expr>,
+    /// Pointers to the program's buffers and to its table.
     buffers: Vec<Expr>,
     table: Option<Expr>,
-    environments: Expr,
     environment: Option<(Expr, Expr)>,
-    arguments: [Expr; 3],
     /// Pointers to the variables of statements; arrays are variable 0 of theirs.
     variables: HashMap<(u32, usize), Expr>,
     counters: HashMap<u32, Expr>,
 }
 
 impl<'a> Body<'a> {
-    #[allow(clippy::too_many_arguments)]
+    /// `names` are those of the buffers.
     pub fn new(
         program: &'a Program,
         module: &mut Module,
         types: &Types,
         arguments: Vec<FunctionArgument>,
-        buffers: &[Handle<GlobalVariable>],
-        table: Option<Handle<GlobalVariable>>,
-        environments: Handle<GlobalVariable>,
         names: &'a [&'a str],
     ) -> Self {
-        let mut function = Function { arguments, ..Function::default() };
-        let mut add = |expression| function.expressions.append(expression, Span::default());
-        let arguments = [0, 1, 2].map(|k| add(Expression::FunctionArgument(k)));
-        let buffers = buffers.iter().map(|&buffer| add(Expression::GlobalVariable(buffer))).collect();
-        let table = table.map(|table| add(Expression::GlobalVariable(table)));
-        let environments = add(Expression::GlobalVariable(environments));
         let mut body = Self {
             program,
             order: program.order(),
             names,
-            function,
+            function: Function { arguments, ..Function::default() },
             blocks: vec![Block::new()],
             pending: None,
             values: vec![None; program.nodes.len()],
             words: HashMap::new(),
             numbers: HashMap::new(),
-            buffers,
-            table,
-            environments,
+            buffers: vec![],
+            table: None,
             environment: None,
-            arguments,
             variables: HashMap::new(),
             counters: HashMap::new(),
         };
@@ -95,7 +82,13 @@ impl<'a> Body<'a> {
 
     // --- declarations; these expressions belong to no block ---
 
-    fn declare(&mut self, expression: Expression) -> Expr {
+    /// Says where the program's buffers are, and its table if it has one.
+    pub fn bind(&mut self, buffers: impl Iterator<Item = Expression>, table: Option<Expression>) {
+        self.buffers = buffers.map(|buffer| self.declare(buffer)).collect();
+        self.table = table.map(|table| self.declare(table));
+    }
+
+    pub fn declare(&mut self, expression: Expression) -> Expr {
         self.flush();
         self.function.expressions.append(expression, Span::default())
     }
@@ -218,7 +211,11 @@ impl<'a> Body<'a> {
         self.emit(Expression::Math { fun, arg: args[0], arg1: arg(1), arg2: arg(2), arg3: None })
     }
 
-    fn load(&mut self, pointer: Expr) -> Expr {
+    pub fn component(&mut self, base: Expr, index: u32) -> Expr {
+        self.emit(Expression::AccessIndex { base, index })
+    }
+
+    pub fn load(&mut self, pointer: Expr) -> Expr {
         self.emit(Expression::Load { pointer })
     }
 
@@ -237,25 +234,13 @@ impl<'a> Body<'a> {
 
     // --- the invocation's place ---
 
-    /// Row and column of the workgroup, workgroups in a row, number of the invocation in its group.
-    pub fn place(&mut self) -> [Expr; 4] {
-        let [workgroup, workgroups, invocation] = self.arguments;
-        let mut component = |base, index| self.emit(Expression::AccessIndex { base, index });
-        [component(workgroup, 1), component(workgroup, 0), component(workgroups, 0), invocation]
-    }
-
-    pub fn environments(&mut self) -> Expr {
-        let pointer = self.environments;
-        self.load(pointer)
-    }
-
     pub fn set_environment(&mut self, environment: Expr, environments: Expr) {
         self.environment = Some((environment, environments));
     }
 
     /// Number of this environment, number of environments.
     pub fn environment(&self) -> (Expr, Expr) {
-        self.environment.expect("set by the guard")
+        self.environment.expect("set by the guard of a kernel")
     }
 
     // --- the program ---
@@ -445,7 +430,7 @@ impl<'a> Body<'a> {
         self.load(pointer)
     }
 
-    /// Upper half of a 64-bit product, from products of 16-bit halves.
+    /// Upper half of a 64-bit product, from products of 16-bit halves; no sum exceeds 32 bits.
     fn mul_high(&mut self, a: Expr, b: Expr) -> Expr {
         use BinaryOperator::{Add, And, Multiply, ShiftRight};
         let (half, low) = (self.literal_word(16), self.literal_word(0xffff));
@@ -454,14 +439,12 @@ impl<'a> Body<'a> {
         let [p00, p01] = [b0, b1].map(|b| self.binary(Multiply, a0, b));
         let [p10, p11] = [b0, b1].map(|b| self.binary(Multiply, a1, b));
         let carry = self.binary(ShiftRight, p00, half);
-        let [m01, m10] = [p01, p10].map(|p| self.binary(And, p, low));
-        let middle = self.binary(Add, m01, m10);
-        let middle = self.binary(Add, middle, carry);
-        let carry = self.binary(ShiftRight, middle, half);
-        let [h01, h10] = [p01, p10].map(|p| self.binary(ShiftRight, p, half));
-        let high = self.binary(Add, h01, h10);
-        let high = self.binary(Add, high, carry);
-        self.binary(Add, p11, high)
+        let middle = self.binary(Add, p10, carry);
+        let rest = self.binary(And, middle, low);
+        let other = self.binary(Add, p01, rest);
+        let [middle, other] = [middle, other].map(|x| self.binary(ShiftRight, x, half));
+        let high = self.binary(Add, p11, middle);
+        self.binary(Add, high, other)
     }
 
     /// Two's complement of a whole number, from the bits of its sum with [`WHOLE`].

@@ -1,4 +1,5 @@
-//! A program as a compute kernel: naga's intermediate representation, which wgpu takes directly, and WGSL for people.
+//! A program as a compute kernel: naga's intermediate representation, which wgpu takes directly, and WGSL for people; or as a
+//! function of WGSL, for kernels that are written by hand.
 //!
 //! One invocation runs one environment. Its number is
 //! `(workgroup_id.y * num_workgroups.x + workgroup_id.x) * workgroup_size + local_invocation_index`; invocations past the
@@ -44,6 +45,18 @@ impl Program {
     pub fn to_kernel(&self, names: &[&str], workgroup_size: u32) -> KernelSource {
         shell::print(self, names, workgroup_size)
     }
+
+    /// Prints the program as a function of WGSL. Its arguments, with these names, point to arrays: the buffers, by binding, with
+    /// as many entries as the program touches.
+    ///
+    /// # Errors
+    /// If the function is invalid, which would be a defect of this crate.
+    ///
+    /// # Panics
+    /// If a buffer is per environment or not used, or the program looks up constants.
+    pub fn to_wgsl_function(&self, name: &str, arguments: &[&str]) -> Result<String, String> {
+        wgsl(&shell::print_function(self, name, arguments))
+    }
 }
 
 impl KernelSource {
@@ -52,9 +65,13 @@ impl KernelSource {
     /// # Errors
     /// If the kernel is invalid, which would be a defect of this crate.
     pub fn to_wgsl(&self) -> Result<String, String> {
-        let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
-        let info = validator.validate(&self.module).map_err(|error| format!("{:?}", error.into_inner()))?;
-        let flags = naga::back::wgsl::WriterFlags::empty();
-        naga::back::wgsl::write_string(&self.module, &info, flags).map_err(|error| error.to_string())
+        wgsl(&self.module)
     }
+}
+
+fn wgsl(module: &Module) -> Result<String, String> {
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::all());
+    let info = validator.validate(module).map_err(|error| format!("{:?}", error.into_inner()))?;
+    let flags = naga::back::wgsl::WriterFlags::empty();
+    naga::back::wgsl::write_string(module, &info, flags).map_err(|error| error.to_string())
 }

@@ -45,14 +45,40 @@ pub fn print(program: &Program, names: &[&str], workgroup_size: u32) -> KernelSo
     let table = has_table.then(|| table(&mut module, &types, names.len()));
     let environments = environments(&mut module, &types, names.len() + usize::from(has_table));
     let arguments = arguments(&mut module, &types);
-    let mut body = Body::new(program, &mut module, &types, arguments, &buffers, table, environments, names);
-    body.guard(workgroup_size);
+    let mut body = Body::new(program, &mut module, &types, arguments, names);
+    body.bind(buffers.into_iter().map(Expression::GlobalVariable), table.map(Expression::GlobalVariable));
+    body.guard(workgroup_size, environments);
     body.run();
     let function = body.finish();
     module.entry_points.push(entry_point(function, workgroup_size));
     let used = uses.iter().map(|each| if each.written { Use::Write } else { Use::Read });
     let bindings = used.chain(has_table.then_some(Use::Table)).chain([Use::Environments]).collect();
     KernelSource { module, bindings, table: program.table.iter().map(|&x| x as f32).collect() }
+}
+
+/// A module of one function, whose arguments point to the program's buffers.
+pub fn print_function(program: &Program, name: &str, names: &[&str]) -> Module {
+    let mut module = Module::default();
+    let types = scalar_types(&mut module);
+    let uses = buffer_uses(program, names.len());
+    let mut pointer = |binding: usize| {
+        let size = program.entries(binding as u32).shared.try_into().expect("every buffer is used");
+        let base = types.of(uses[binding].kind);
+        let inner = TypeInner::Array { base, size: ArraySize::Constant(size), stride: 4 };
+        let base = module.types.insert(Type { name: None, inner }, Span::default());
+        let inner = TypeInner::Pointer { base, space: AddressSpace::Function };
+        module.types.insert(Type { name: None, inner }, Span::default())
+    };
+    let argument =
+        |binding: usize| FunctionArgument { name: Some(names[binding].into()), ty: pointer(binding), binding: None };
+    let arguments = (0..names.len()).map(argument).collect();
+    assert!(program.table.is_empty(), "functions look up no constants");
+    let mut body = Body::new(program, &mut module, &types, arguments, names);
+    body.bind((0..names.len() as u32).map(Expression::FunctionArgument), None);
+    body.run();
+    let function = Function { name: Some(name.into()), ..body.finish() };
+    module.functions.append(function, Span::default());
+    module
 }
 
 fn entry_point(function: Function, workgroup_size: u32) -> EntryPoint {
@@ -145,14 +171,17 @@ fn arguments(module: &mut Module, types: &Types) -> Vec<FunctionArgument> {
 
 impl Body<'_> {
     /// Works out the environment's number; invocations past the last one return.
-    fn guard(&mut self, workgroup_size: u32) {
-        let [row, column, width, invocation] = self.place();
+    fn guard(&mut self, workgroup_size: u32, environments: Handle<GlobalVariable>) {
+        let [workgroup, workgroups, invocation] = [0, 1, 2].map(|k| self.declare(Expression::FunctionArgument(k)));
+        let environments = self.declare(Expression::GlobalVariable(environments));
+        let (row, column) = (self.component(workgroup, 1), self.component(workgroup, 0));
+        let width = self.component(workgroups, 0);
         let size = self.literal_word(workgroup_size);
         let group = self.binary(BinaryOperator::Multiply, row, width);
         let group = self.binary(BinaryOperator::Add, group, column);
         let first = self.binary(BinaryOperator::Multiply, group, size);
         let environment = self.binary(BinaryOperator::Add, first, invocation);
-        let environments = self.environments();
+        let environments = self.load(environments);
         let past = self.binary(BinaryOperator::GreaterEqual, environment, environments);
         let leave = Block::from_vec(vec![Instruction::Return { value: None }]);
         self.branch(past, leave, Block::new());
