@@ -41,9 +41,12 @@ pub(crate) fn gap(a: &Pressing, b: &Pressing) -> f64 {
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Point `k` of a sequence that fills the unit cube evenly (Halton 1960), the same on every run.
-pub(crate) fn spread<const N: usize>(k: u32) -> [f64; N] {
+/// Point `k` of a sequence that fills the unit cube evenly (Halton 1960), the same on every run; in at most six dimensions.
+///
+/// Only points in a row are spread evenly: every second one, say, lies in one half of the cube.
+pub fn spread<const N: usize>(k: u32) -> [f64; N] {
     const PRIMES: [u32; 6] = [2, 3, 5, 7, 11, 13];
+    const { assert!(N <= PRIMES.len()) };
     std::array::from_fn(|i| radical_inverse(k + 1, PRIMES[i]))
 }
 

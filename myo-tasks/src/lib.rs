@@ -45,6 +45,7 @@ mod target;
 
 pub use check::{Anywhere, CONTACT_MARGIN, RARE_ACCEPTANCE, Reach, check};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
+pub use geometry::spread;
 pub use layout::SourceLocation;
 pub use load::{SCHEMA_HINT, Source, load};
 pub use load_error::{BadValue, LoadError};

@@ -1,6 +1,6 @@
 //! Why a training that leads nowhere may do so: only what was tested is claimed.
 
-use myo_tasks::{Element, Pointing, Reach, Report, Target, Task, TaskError, TaskWarning, check};
+use myo_tasks::{Element, Pointing, Reach, Report, Target, Task, TaskError, TaskWarning, check, spread};
 use myo_train::session::{Bottleneck, Recent};
 
 /// A finding explains a failure when it concerns at least this share of what fails.
@@ -176,7 +176,8 @@ fn way(task: &Task) -> f64 {
     let between = |pair: &[Target]| {
         let [a, b] = pair else { return 0.0 };
         let ways = (0..WAYS).filter_map(|k| {
-            let way = distance(spot(a, 2 * k + 1), spot(b, 3 * k + 2));
+            let [from_x, from_y, from_z, to_x, to_y, to_z] = spread(k);
+            let way = distance(a.region().at([from_x, from_y, from_z]), b.region().at([to_x, to_y, to_z]));
             (way >= b.min_distance().unwrap_or(0.0)).then(|| (way - size(a) - size(b)).max(0.0))
         });
         let (count, sum) = ways.fold((0_u32, 0.0), |(count, sum), way| (count + 1, sum + way));
@@ -197,27 +198,14 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// A centre of a target; others for other numbers.
-fn spot(target: &Target, number: u32) -> [f64; 3] {
-    target.region().at(shares(number))
-}
-
 fn place(sphere: &Pointing, number: u32) -> Place {
-    Place { centre: sphere.position.at(shares(number)), radius: sphere.radius.at(fraction(number, 0.754_877_666)) }
-}
-
-/// Shares of three ranges, spread evenly over them by multiples of irrational numbers (Roberts 2018).
-fn shares(number: u32) -> [f64; 3] {
-    [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|step| fraction(number, step))
-}
-
-fn fraction(number: u32, step: f64) -> f64 {
-    (0.5 + f64::from(number) * step).fract()
+    let [x, y, z, radius] = spread(number);
+    Place { centre: sphere.position.at([x, y, z]), radius: sphere.radius.at(radius) }
 }
 
 #[cfg(test)]
 mod tests {
-    use myo_tasks::preset;
+    use myo_tasks::{Range, Region, preset};
 
     use super::*;
 
@@ -321,15 +309,19 @@ mod tests {
 
     #[test]
     fn what_muscles_cannot_hold_is_the_cause_and_where_they_can_is_told() {
-        let high = |sphere: &mut Pointing| sphere.position.z = myo_tasks::Range::new(-0.3, -0.1);
+        let high = |sphere: &mut Pointing| sphere.position.z = Range::new(-0.3, -0.1);
         let task = tap(|sphere| {
             high(sphere);
             sphere.dwell_s = 0.2;
         });
         let weak = Doll { holds_below: -0.28, fastest: 10.0 };
         let text = cause(&task, &weak, &[0.1], 40.0, 0.05);
-        assert!(text.contains("likely cause: muscles cannot hold the fingertip still at 9"), "{text}");
-        assert!(text.contains("they can ") && text.contains(" cm lower, at ("), "{text}");
+        let (_, told) = text.split_once("likely cause: muscles cannot hold the fingertip still at ").expect(&text);
+        let (share, rest) = told.split_once(" % of the places tried").expect(&text);
+        let share: f64 = share.parse().unwrap();
+        // 0.18 of 0.2 m, to one of 32 places.
+        assert!((share - 90.0).abs() < 100.0 / 32.0, "{text}");
+        assert!(rest.contains("they can ") && text.contains(" cm lower, at ("), "{text}");
         // A sphere that is done as soon as it is touched needs no hold.
         let text = cause(&tap(high), &weak, &[0.1], 40.0, 0.05);
         assert!(text.contains("no cause was found") && !text.contains("muscles"), "{text}");
@@ -349,6 +341,18 @@ mod tests {
         );
         let text = cause(&brief(0.25), &ABLE, &shares, 20.0, 0.1);
         assert!(text.contains("likely cause: time: dwells of 1.25 s"), "{text}");
+    }
+
+    #[test]
+    fn the_way_is_an_average_over_the_places_of_both_targets() {
+        let mut task = tap(|sphere| {
+            sphere.position = Region { x: Range::new(0.1, 0.4), y: 0.0.into(), z: 0.0.into() };
+            sphere.radius = 1e-6.into();
+            sphere.min_distance_from_previous = Some(0.0);
+        });
+        task.targets.push(task.targets[0].clone());
+        // Two numbers between 0.1 and 0.4 differ by a third of that on average.
+        assert!((way(&task) - 0.1).abs() < 1e-3, "{}", way(&task));
     }
 
     #[test]
