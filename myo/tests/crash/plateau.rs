@@ -1,0 +1,43 @@
+//! Trainings that end because nothing improves any more.
+
+use super::scene::Scene;
+
+/// Done by staying where the arm hangs, by one physics step per decision: success and return of all episodes are the
+/// same from the start, so that training ends as soon as a plateau can be told.
+const SETTLED: &str = "\
+version: 1
+name: settled
+targets:
+  - kind: pointing
+    position: {x: 0, y: 0, z: -0.6}
+    radius: 0.5
+    dwell_s: 0.004
+control_dt_s: 0.002
+time_limit_s: 0.02
+reset: {pose: zero}
+reward: {neural_effort: 0}
+";
+
+/// Operations of the last updates and of the end.
+const LAST: usize = 60;
+
+/// Control steps that a training may take, far more than to a plateau.
+const STEPS: u64 = 100_000_000;
+
+/// A training that ends at a plateau.
+fn settled() -> Scene {
+    Scene::of(SETTLED, 512, &["--until", "plateau", "--steps", &STEPS.to_string()])
+}
+
+#[test]
+fn a_training_that_is_stopped_at_any_file_operation_before_its_plateau_ends_as_one_left_alone() {
+    let scene = settled().begun(|operations| operations - LAST);
+    let updates = scene.undisturbed().0.updates()[0] as u64;
+    assert!(updates * 512 * 64 < STEPS / 10, "{updates} updates are not what ends at a plateau");
+    scene.check_all();
+}
+
+#[test]
+fn going_on_from_a_plateau_may_be_stopped_at_any_file_operation() {
+    settled().further(4 * 512 * 64).check_all();
+}
