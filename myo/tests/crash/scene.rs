@@ -125,6 +125,8 @@ impl Scene {
     fn train(&self, args: &[&str], run: &Path, variables: &[(&str, &str)]) -> Output {
         let mut command = Command::new(env!("CARGO_BIN_EXE_myo"));
         command.arg("train").args(args).current_dir(self.place.path()).stdin(Stdio::null());
+        // Compiled kernels are kept from test to test, but not in the user's folder.
+        command.env("MYO_CACHE_DIR", env!("CARGO_TARGET_TMPDIR"));
         if !variables.is_empty() {
             command.env("LD_PRELOAD", &self.shim).env("FAULT_ROOT", run).envs(variables.iter().copied());
         }
@@ -200,15 +202,19 @@ impl Scene {
 
     /// All cases, or a sample of them, and what was said when each went on; panics with the list of those that fail.
     pub fn check_all(&self) -> Vec<String> {
-        let (whole, operations) = self.undisturbed();
-        let cases = cases(&operations, &self.faults);
+        self.check_against(&self.undisturbed())
+    }
+
+    /// The same against an undisturbed run, which was made with this scene.
+    pub fn check_against(&self, (whole, operations): &(Left, Vec<String>)) -> Vec<String> {
+        let cases = cases(operations, &self.faults);
         let (next, all, failed) = (AtomicUsize::new(0), Mutex::default(), Mutex::new(BTreeMap::new()));
         std::thread::scope(|scope| {
             for _ in 0..THREADS {
                 scope.spawn(|| {
                     while let Some(&(fault, at)) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
                         let name = format!("{}-{at}", fault.name());
-                        match self.check(&whole, &name, fault, at) {
+                        match self.check(whole, &name, fault, at) {
                             Ok(told) => Vec::push(&mut all.lock().unwrap(), told),
                             Err(reason) => {
                                 failed.lock().unwrap().insert(name, format!("{}: {reason}", operations[at - 1]));
