@@ -24,22 +24,25 @@ const LAST: usize = 60;
 /// Control steps that a training may take, far more than to a plateau.
 const STEPS: u64 = 100_000_000;
 
+/// Environments, and steps of each per update.
+const UPDATE: [usize; 2] = [512, 64];
+
 /// A training that ends at a plateau, with updates that take no time.
 fn settled() -> Scene {
     let small = ["--set", "epochs=1", "--set", "minibatches=1"];
-    Scene::of(SETTLED, 512, &[&["--until", "plateau", "--steps", &STEPS.to_string()], &small[..]].concat())
+    Scene::of(SETTLED, UPDATE, &[&["--until", "plateau", "--steps", &STEPS.to_string()], &small[..]].concat())
 }
 
 #[test]
 fn a_training_that_is_stopped_at_any_file_operation_before_its_plateau_ends_as_one_left_alone() {
     let scene = settled().begun(|operations| operations - LAST);
     let undisturbed = scene.undisturbed();
-    let updates = undisturbed.0.updates()[0] as u64;
-    assert!(updates * 512 * 64 < STEPS / 10, "{updates} updates are not what ends at a plateau");
+    let steps = (undisturbed.0.updates()[0] * UPDATE[0] * UPDATE[1]) as u64;
+    assert!(steps < STEPS / 10, "{steps} control steps: it did not end at a plateau");
     scene.check_against(&undisturbed);
 }
 
 #[test]
 fn going_on_from_a_plateau_may_be_stopped_at_any_file_operation() {
-    settled().further(4 * 512 * 64).check_all();
+    settled().further(4 * (UPDATE[0] * UPDATE[1]) as u64).check_all();
 }

@@ -77,11 +77,11 @@ impl Fault {
 impl Scene {
     /// A training with these further arguments.
     pub fn new(more: &[&str]) -> Self {
-        Self::of(TASK, 32, more)
+        Self::of(TASK, [32, 64], more)
     }
 
-    /// A training on this task in so many environments.
-    pub fn of(task: &str, envs: usize, more: &[&str]) -> Self {
+    /// A training on this task in so many environments, of which each takes so many steps per update.
+    pub fn of(task: &str, [envs, steps]: [usize; 2], more: &[&str]) -> Self {
         let place = tempfile::tempdir().unwrap();
         let shim = place.path().join("libshim.so");
         let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/crash/shim.rs");
@@ -93,9 +93,9 @@ impl Scene {
             .expect("rustc starts");
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
         fs::write(place.path().join("crash.yaml"), task).unwrap();
-        let envs = envs.to_string();
+        let (envs, steps) = (envs.to_string(), format!("steps_per_update={steps}"));
         let fixed = ["crash.yaml", "--envs", &envs, "--checkpoint-every-s", "0", "--threads", "1"];
-        let small = ["--set", "steps_per_update=64", "--set", "policy_hidden=[8]", "--set", "value_hidden=[8]"];
+        let small = ["--set", &steps, "--set", "policy_hidden=[8]", "--set", "value_hidden=[8]"];
         let training = [&fixed[..], &small, more].concat().into_iter().map(String::from).collect();
         let faults = [Fault::Kill, Fault::Torn, Fault::Eio, Fault::Enospc].map(|fault| (fault, 6)).into();
         Self { place, shim, training, begun: None, further: None, faults }
