@@ -14,8 +14,8 @@ use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 /// A multiple of any number of lanes.
 const STATES: u32 = 16_384;
 
-/// The error of a state is the greatest one of its accelerations, relative to the greatest of them; below this
-/// (rad/s^2), relative to this.
+/// The error of a state is the greatest one of its accelerations, relative to the greatest of them, or to this (rad/s^2)
+/// where they are smaller.
 const SCALE: f64 = 1.0;
 
 /// Accelerations of many states, in lanes.
