@@ -10,6 +10,7 @@ use naga::{AddressSpace, Binding, BuiltIn, Function, Module, TypeInner};
 
 use crate::error::GpuError;
 use crate::gpu::Gpu;
+use crate::parts::check_parts;
 use crate::source::Source;
 
 /// Most groups: their numbers lie in a small uniform.
@@ -128,7 +129,8 @@ struct Storage {
 /// lengths of the parts.
 ///
 /// # Errors
-/// The kernel is invalid, has buffers that are no arrays, or does not ask for its workgroup's index.
+/// The kernel is invalid, has buffers that are no arrays, uses one in another way than `buffer[index]`, or does not ask for its
+/// workgroup's index.
 pub fn kernel_in_groups(source: Source<'_>, entry: &str, bindings: usize) -> Result<Module, String> {
     let text = match source {
         Source::Wgsl(text) => text.to_owned(),
@@ -159,7 +161,9 @@ pub fn kernel_in_groups(source: Source<'_>, entry: &str, bindings: usize) -> Res
     let text = from_parts(&text, &names);
     let head = text.find(&format!("fn {entry}(")).ok_or("the entry point is not to be found")?;
     let body = head + text[head..].find(") {").ok_or("the entry point has no body")? + 3;
-    parse(&[&text[..body], &begin, &text[body..], &declarations].concat())
+    let module = parse(&[&text[..body], &begin, &text[body..], &declarations].concat())?;
+    check_parts(&module)?;
+    Ok(module)
 }
 
 fn written(module: &Module) -> Result<String, String> {

@@ -45,6 +45,7 @@ mod gpu;
 mod groups;
 mod health;
 mod kernel;
+mod parts;
 mod source;
 mod timing;
 mod transfer;

@@ -92,4 +92,9 @@ fn kernels_that_cannot_be_rewritten_are_refused() {
     refused(x, "", "x[0] = 1.0;", "workgroup_id");
     refused(x, group, "let y = x[0]; { let x = array<f32, 2>(y, y); }", "x is the name of a buffer and of a variable");
     refused("@group(0) @binding(0) var<storage, read_write> x: f32;", group, "x = 1.0;", "x is no array");
+    let other = "x is used in another way than `x[index]`";
+    for body in ["x [0] = 1.0;", "(x)[0] = 1.0;", "x/**/[0] = 1.0;", "let p = &x; (*p)[0] = 1.0;"] {
+        refused(x, group, body, other);
+    }
+    refused(x, group, "if g.x < arrayLength(&x) { x[g.x] = 1.0; }", other);
 }
