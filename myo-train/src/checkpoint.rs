@@ -2,7 +2,8 @@
 //!
 //! File: 8 bytes `MYOCKPT\n`, version (u32), length of the payload (u64), CRC-32C of the payload (u32), payload. Little
 //! endian throughout. The payload holds the fields of [`Checkpoint`] in order; lists begin with their length (u64); the
-//! configuration, the names and what a session remembers are JSON. Version 1 ended before the session.
+//! configuration, the names and what a session remembers are JSON. Version 1 ended before the session; up to version 2 points of
+//! its learning curve were other means.
 
 use std::path::Path;
 
@@ -17,7 +18,7 @@ use crate::session::{Memory, Trend};
 use crate::{Mlp, Policy, PpoConfig};
 
 const MAGIC: &[u8; 8] = b"MYOCKPT\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// The oldest version that can be read.
 const OLDEST: u32 = 1;
 const HEADER: usize = 24;
@@ -129,7 +130,7 @@ impl Checkpoint {
         self.updates * self.config.batch_size() as u64
     }
 
-    /// What the last doubling of the training brought, if a session wrote it and that can be told.
+    /// What the last doubling of the training brought and more would, if a session wrote it and that can be told.
     pub fn trend(&self) -> Option<Trend> {
         self.session.as_ref()?.memory.curve.trend()
     }

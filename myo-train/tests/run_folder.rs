@@ -223,7 +223,7 @@ fn a_checkpoint_that_cannot_be_read_is_not_taken_for_a_damaged_one() {
     newer[8] = 9;
     fs::write(&newest, newer).unwrap();
     assert!(
-        error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 2"),
+        error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 3"),
         "{}",
         error()
     );
@@ -332,7 +332,7 @@ fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
     let mut version = bytes.clone();
     version[8] = 9;
     let error = Checkpoint::from_bytes(&version).unwrap_err().to_string();
-    assert_eq!(error, "the checkpoint has format 9; this program reads formats 1 to 2");
+    assert_eq!(error, "the checkpoint has format 9; this program reads formats 1 to 3");
 }
 
 #[test]

@@ -25,7 +25,7 @@ const TRAINING_SUCCESS: f64 = 0.01;
 pub struct TrainedUser {
     /// How well it does.
     pub evaluation: Evaluation,
-    /// What the last doubling of its training brought, if that can be told.
+    /// What the last doubling of its training brought and more would, if that can be told.
     pub trend: Option<Trend>,
 }
 
@@ -337,10 +337,13 @@ mod tests {
     use myo_tasks::preset;
     use myo_train::session::{Goal, Until};
 
+    use myo_train::session::Change;
+
     use super::*;
     use crate::Device;
 
-    const SETTLED: Trend = Trend { env_steps: 1, episode_time: -0.01, success: 0.0, episode_return: 0.0 };
+    const NONE: Change = Change { episode_time: 0.0, success: 0.0, episode_return: 0.0 };
+    const SETTLED: Trend = Trend { env_steps: 1, last_doubling: NONE, four_times: NONE };
 
     fn user(success: f64, seconds: f64, effort: f64) -> TrainedUser {
         let evaluation = serde_json::json!({

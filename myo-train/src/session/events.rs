@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::curve::{Bottleneck, Recent};
+use super::recent::{Bottleneck, Recent};
 use super::recovery;
 use super::trend::Trend;
 use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
@@ -111,7 +111,7 @@ pub struct Outcome {
     pub end: End,
     /// Of the last policy on fresh episodes; none after an interrupt or a loss.
     pub evaluation: Option<Evaluation>,
-    /// What the last doubling of the training brought, if that can be told: a user may still have been improving.
+    /// What the last doubling of the training brought and more would, if that can be told: a user may still have been improving.
     pub trend: Option<Trend>,
     /// Control steps of all environments.
     pub env_steps: u64,

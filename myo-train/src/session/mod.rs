@@ -6,6 +6,7 @@ mod events;
 mod examiner;
 mod looks;
 mod memory;
+mod recent;
 mod record;
 mod recovery;
 mod trend;
@@ -21,11 +22,11 @@ use crate::{Checkpoint, Evaluation, Policy, RunError, RunWriter, TrainError, Tra
 use record::Record;
 use recovery::Recovery;
 
-pub use curve::{Bottleneck, Recent};
 pub use events::{End, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
 pub(crate) use memory::Memory;
-pub use trend::Trend;
+pub use recent::{Bottleneck, Recent};
+pub use trend::{Change, Trend};
 pub use until::{Until, UntilError};
 
 /// Episodes that confirm a quick look, and of the last evaluation.
@@ -124,7 +125,7 @@ impl Session {
         }
     }
 
-    /// What the last doubling of training brought, if that can be told.
+    /// What the last doubling of training brought and what more would, if that can be told.
     pub fn trend(&self) -> Option<Trend> {
         self.memory.curve.trend()
     }

@@ -72,7 +72,7 @@ JSON: `success` (share of episodes with every target done), `episodes`, `targets
 and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
 with `_interval` behind its name, a list of the two ends of its 95 % confidence interval (Wilson's for shares, Student's for
 means), and times of targets with `_sd` (standard deviation); and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was
-trained for), `trend` (what the last doubling of them brought, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
+trained for), `trend` (what the last doubling of them brought and more would, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
 `device` (its name). Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
 
 /// What `--json` prints.

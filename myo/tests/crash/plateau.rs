@@ -43,6 +43,11 @@ fn a_training_that_is_stopped_at_any_file_operation_before_its_plateau_ends_as_o
 }
 
 #[test]
+fn a_training_of_few_small_updates_may_be_stopped_at_any_file_operation_on_its_way_to_a_plateau() {
+    Scene::of(SETTLED, [32, 64], &["--until", "plateau", "--steps", &STEPS.to_string()]).check_all();
+}
+
+#[test]
 fn going_on_from_a_plateau_may_be_stopped_at_any_file_operation() {
     settled().further(4 * (UPDATE[0] * UPDATE[1]) as u64).check_all();
 }
