@@ -1,0 +1,88 @@
+"""Layouts that nobody tuned for, and comparisons of their users."""
+
+import json
+import random
+import sys
+from pathlib import Path
+
+import pytest
+
+import myoenv
+
+BENCHES = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(BENCHES)]
+
+import comparisons  # noqa: E402
+import layouts  # noqa: E402
+
+#: Finds fault with tasks that have a button, and says that users of layout 2 fail.
+PRETENDS = """#!{python}
+import json, sys
+task = json.load(open(sys.argv[3]))
+if sys.argv[1] == "task":
+    buttons = [target for target in task["targets"] if target["kind"] == "pressing"]
+    print(json.dumps({{"ok": True, "errors": [], "warnings": buttons}}))
+else:
+    stopped_by = "steps" if task["name"] == "layout-2" else "until"
+    rows = [{{"seed": seed, "env_steps": seed * 1000000, "stopped_by": stopped_by}} for seed in (1, 2, 6)]
+    print(json.dumps({{"rows": rows, "reached": 0 if stopped_by == "steps" else 3}}))
+"""
+
+
+@pytest.fixture
+def program(tmp_path):
+    """A program that only pretends."""
+    program = tmp_path / "myo"
+    program.write_text(PRETENDS.format(python=sys.executable))
+    program.chmod(0o755)
+    return str(program)
+
+
+def test_layouts_are_tasks_of_spheres_and_buttons_and_the_same_each_time():
+    drawn = [layouts.draw(random.Random(seed), "drawn", 6) for seed in range(8)]
+    assert drawn == [layouts.draw(random.Random(seed), "drawn", 6) for seed in range(8)]
+    kinds = {target["kind"] for layout in drawn for target in layout["targets"]}
+    assert kinds == {"pointing", "pressing"}
+    for layout in drawn:
+        assert myoenv.load_task(layout).name == "drawn"
+
+
+def test_only_layouts_without_warnings_are_taken(tmp_path, program):
+    files = layouts.layouts(3, tmp_path, program)
+    assert [file.stem for file in files] == ["layout-1", "layout-2", "layout-3"]
+    tasks = [json.loads(file.read_text()) for file in files]
+    assert all(target["kind"] == "pointing" for task in tasks for target in task["targets"])
+    assert all(3 <= len(task["targets"]) <= 6 for task in tasks)
+
+
+def test_the_slowest_and_those_who_fail_are_told(tmp_path, program, monkeypatch, capsys):
+    out = tmp_path / "rows.json"
+    command = ["layouts.py", "--layouts", "3", "--seeds", "3", "--myo", program, "--out", str(out)]
+    monkeypatch.setattr(sys, "argv", command)
+    assert layouts.main() == 1
+    told = capsys.readouterr().out.splitlines()
+    assert told[1] == "layout-2: 0 of 3 reached it; 1.0 2.0 6.0 M control steps"
+    assert told[3] == ("6 of 9 users reached it; median 2.0 M control steps, slowest 6.0 M, 3.0 times as many")
+    assert len(json.loads(out.read_text())) == 9
+
+
+def test_claims_are_counted(tmp_path, monkeypatch, capsys):
+    for name in "ab":
+        for seed in range(1, 11):
+            (tmp_path / name / f"seed-{seed}").mkdir(parents=True)
+    asked = []
+
+    def claims(first, second):
+        asked.append((first, second))
+        names = {run.parent.name for run in first} | {run.parent.name for run in second}
+        return names == {"a", "b"}, True
+
+    monkeypatch.setattr(comparisons, "claims", claims)
+    monkeypatch.setattr(sys, "argv", ["comparisons.py", str(tmp_path / "a"), str(tmp_path / "b"), "--repeat", "4"])
+    comparisons.main()
+    assert capsys.readouterr().out.splitlines() == [
+        "a and b, from each other: a difference in time in 4 of 4, in anything in 4",
+        "a, from itself: a difference in time in 0 of 4, in anything in 4",
+        "b, from itself: a difference in time in 0 of 4, in anything in 4",
+    ]
+    assert all(len(first) == len(second) == 5 and not set(first) & set(second) for first, second in asked)
