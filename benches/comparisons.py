@@ -4,8 +4,8 @@
     myo train a.yaml --seeds 40 --out a; myo train b.yaml --seeds 40 --out b
     python3 benches/comparisons.py a b [--users 5] [--repeat 200]
 
-Draws that many of the trained users of each layout, compares them as `myo compare` does, and counts the comparisons that
-claim a difference in the time per episode or in anything. Needs the package `myoenv[compare]`.
+Draws that many of the trained users of each layout, compares them as `myo compare` does, and counts the comparisons
+that claim a difference in the time per episode or in anything. Needs the package `myoenv[compare]`.
 """
 
 import argparse

@@ -55,8 +55,9 @@ def train(
         task: A preset's name, a YAML or TOML file, a YAML text, a dictionary, or a `Task`.
         seed: Seed of everything random; 1 by default.
         until: What to train to: `"plateau"`, the default, where four times as many steps would change the time of an
-            episode by less than 3 %, and success and return hardly; a share of fresh episodes in which the deterministic policy
-            succeeds, such as 0.95, which is where it has just begun to be good; or None, to train all `steps`.
+            episode by less than 3 %, and success and return hardly; a share of fresh episodes in which the
+            deterministic policy succeeds, such as 0.95, which is where it has just begun to be good; or None, to train
+            all `steps`.
         steps: Control steps of all environments after which to stop in any case; 200 million by default.
         out: Run folder to make, as `myo train` makes it; without one nothing is written.
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
