@@ -30,7 +30,7 @@ pub struct PpoConfig {
     /// 20 Hz: a reward counts half after a second). Lower learns sooner, higher plans further: with 0.36 the arm stops short
     /// of targets that it must go round to reach. Per second, so that a task with other control steps looks as far ahead.
     pub discount_per_s: f64,
-    /// Decay of the advantage estimate, in [0, 1] (default 0.95). 0 trusts the value network alone, 1 the returns alone.
+    /// Decay of the advantage estimate, in [0, 1] (default 0.9). 0 trusts the value network alone, 1 the returns alone.
     pub gae_lambda: f64,
     /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2).
     pub clip: f64,
@@ -69,7 +69,8 @@ pub struct PpoConfig {
     /// Logarithm of the standard deviation of the policy at the start, in units of the policy's output (default -0.7,
     /// that is 0.5). One learned number per action, the same in every state.
     pub log_std_initial: f64,
-    /// The logarithm of the standard deviation never falls below this (default -3).
+    /// The logarithm of the standard deviation never falls below this (default -1.6, that is 0.2). Steps of a given divergence
+    /// are as short as the spread is small, so learning stands still where it vanishes.
     pub log_std_min: f64,
     /// The logarithm of the standard deviation never rises above this (default 0.5).
     pub log_std_max: f64,
@@ -232,6 +233,28 @@ mod tests {
         PpoConfig::default().validate().unwrap();
         let config: PpoConfig = serde_json::from_str(r#"{"discount_per_s": 0.9}"#).unwrap();
         assert_eq!(config, PpoConfig { discount_per_s: 0.9, ..PpoConfig::default() });
+    }
+
+    #[test]
+    fn every_description_names_the_default() {
+        let schema = serde_json::to_value(schemars::schema_for!(PpoConfig)).unwrap();
+        let defaults = serde_json::to_value(PpoConfig::default()).unwrap();
+        for (name, default) in defaults.as_object().unwrap() {
+            let description = schema["properties"][name]["description"].as_str().unwrap().replace('\n', " ");
+            let told = description.split("(default ").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+            let numbers = |text: &str| -> Vec<f64> {
+                let plain = text.replace("2,048", "2048");
+                plain.split(", ").map_while(|number| number.parse().ok()).collect()
+            };
+            let is_told = match default {
+                serde_json::Value::Array(list) => {
+                    numbers(told) == list.iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>()
+                }
+                serde_json::Value::Number(number) => numbers(told)[0] == number.as_f64().unwrap(),
+                other => told == other.to_string(),
+            };
+            assert!(is_told, "{name}: {default}, described as {told}");
+        }
     }
 
     #[test]
