@@ -251,7 +251,7 @@ mod tests {
                     numbers(told) == list.iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>()
                 }
                 serde_json::Value::Number(number) => numbers(told)[0] == number.as_f64().unwrap(),
-                other => told == other.to_string(),
+                other => *other == told.parse::<bool>().unwrap(),
             };
             assert!(is_told, "{name}: {default}, described as {told}");
         }
