@@ -19,6 +19,7 @@ const ROUND: [u32; 18] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 35, 40, 4
 #[derive(Clone, Debug)]
 pub struct ProgressLine {
     limit: u64,
+    control_dt_s: f64,
     targets: Vec<String>,
     rate: Option<f64>,
 }
@@ -28,10 +29,10 @@ impl ProgressLine {
     pub fn new(task: &Task, limit: u64) -> Self {
         let targets = task.clone().expanded().targets;
         let targets = targets.iter().enumerate().map(|(index, target)| target.label(index)).collect();
-        Self { limit, targets, rate: None }
+        Self { limit, control_dt_s: task.control_dt_s, targets, rate: None }
     }
 
-    /// Control steps, their rate, success, mean return, the target that is missed most, and the time left; none where there
+    /// Control steps, their rate, success and mean duration of training episodes, the target that is missed most, and the time left; none where there
     /// was no update.
     pub fn after(&mut self, progress: &Progress) -> Option<String> {
         let metrics = progress.metrics.as_ref()?;
@@ -41,11 +42,11 @@ impl ProgressLine {
         let seconds = |steps: u64| steps as f64 / rate;
         let limit = self.limit.saturating_sub(metrics.env_steps);
         Some(format!(
-            "{} steps, {}/s, success {}, return {}{}, {}",
+            "{} steps, {}/s, success {}, episodes of {}{}, {}",
             rounded(metrics.env_steps as f64),
             rounded(rate),
             progress.success.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share)),
-            metrics.episode_mean("return").map_or("-".into(), |mean| format!("{mean:.1}")),
+            metrics.episode_mean("length").map_or("-".into(), |steps| format!("{:.2} s", self.control_dt_s * steps)),
             progress.bottleneck.and_then(|bottleneck| self.named(bottleneck)).unwrap_or_default(),
             time_left(progress.steps_left.map(seconds), seconds(limit)),
         ))
@@ -150,12 +151,14 @@ mod tests {
 
     #[test]
     fn the_line_names_the_bottleneck_as_the_task_does() {
-        let metrics = UpdateMetrics { env_steps: 1_000_000, ..UpdateMetrics::default() };
+        let episode_means = vec![("length".into(), 31.0)];
+        let metrics = UpdateMetrics { env_steps: 1_000_000, episode_means, ..UpdateMetrics::default() };
         let bottleneck = Some(Bottleneck { target: 2, success: 0.625 });
         let progress = Progress { metrics: Some(metrics), success: Some(0.4), bottleneck, ..Progress::default() };
         let line = |name| ProgressLine::new(&preset(name).unwrap(), 60_000_000).after(&progress).unwrap();
         let text = line("mobile-typing");
         assert!(text.contains("1.00 M steps") && text.contains("success 40.0 %"), "{text}");
+        assert!(text.contains(", episodes of 1.55 s, "), "{text}");
         assert!(text.contains(", bottleneck target 3 (pointing) at 62 %, "), "{text}");
         assert!(!line("pointing-single").contains("bottleneck"), "the only target is no news");
         assert_eq!(ProgressLine::new(&preset("ar").unwrap(), 1).after(&Progress::default()), None);
