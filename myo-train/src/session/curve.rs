@@ -299,6 +299,22 @@ mod tests {
     }
 
     #[test]
+    fn rounding_of_a_return_that_gains_nothing_is_no_change() {
+        let mut curve = Curve::default();
+        for update in 1..=200_u64 {
+            let episode_return = 0.1 + f64::EPSILON * update as f64;
+            let means = [("success", 1.0), ("length", 20.0), ("return", episode_return)];
+            curve.hear(&UpdateMetrics {
+                env_steps: 16_384 * update,
+                episodes: 500,
+                episode_means: means.map(|(name, mean)| (name.to_owned(), mean)).to_vec(),
+                ..UpdateMetrics::default()
+            });
+        }
+        assert!(curve.trend().unwrap().is_plateau(), "{:?}", curve.trend());
+    }
+
+    #[test]
     fn who_becomes_worse_is_at_no_plateau() {
         let seconds = |x: f64| if x < 20.0 { 1.0 } else { 1.0 + 0.01 * (x - 20.0) };
         assert!(practised(20_000_000, seconds).trend().unwrap().is_plateau());

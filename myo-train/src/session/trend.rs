@@ -19,6 +19,9 @@ const RETURN: f64 = 0.02;
 /// looked at it was 0.5 to 0.8.
 const RATIO: (f64, f64) = (0.5, 0.8);
 
+/// Share of itself that a return counts as having gained at least: where nothing is gained, rounding is no change.
+const LEAST_GAIN: f64 = 1e-3;
+
 /// The factor in forecasts of when a training ends.
 const DECAY: f64 = 0.65;
 
@@ -70,7 +73,7 @@ impl Trend {
             success: change(did.map(|recent| recent.success)),
             episode_return: share(change(did.map(|recent| recent.episode_return)), gained),
         };
-        let gained = (whole.episode_return - first_return).abs();
+        let gained = (whole.episode_return - first_return).abs().max(LEAST_GAIN * whole.episode_return.abs());
         Self {
             env_steps,
             last_doubling: changes(|[_, half, whole]| whole - half, half.length, gained),
