@@ -196,8 +196,7 @@ impl Session {
         number: u64,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Evaluation>, TrainError> {
-        let evaluation = self.examiner.evaluate(&mut self.trainer.policy(), episodes, number, go_on)?;
-        Ok(Some(evaluation).filter(|_| go_on()))
+        examine(&mut self.examiner, &mut self.trainer.policy(), episodes, number, go_on)
     }
 
     fn update(&mut self, go_on: &dyn Fn() -> bool) -> Result<Updated, SessionError> {
@@ -292,9 +291,9 @@ impl Session {
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<Evaluation>, TrainError> {
         let start = Instant::now();
-        let evaluation = self.examiner.evaluate(policy, episodes, number, go_on);
+        let evaluation = examine(&mut self.examiner, policy, episodes, number, go_on);
         self.memory.evaluation_s += start.elapsed().as_secs_f64();
-        Ok(Some(evaluation?).filter(|_| go_on()))
+        evaluation
     }
 
     /// Writes a checkpoint if the training is recorded and the newest one is of another state.
@@ -351,6 +350,18 @@ impl Session {
         }
         Ok(evaluation)
     }
+}
+
+/// An evaluation; none if it was ended early.
+fn examine(
+    examiner: &mut Examiner,
+    policy: &mut Policy,
+    episodes: usize,
+    number: u64,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Option<Evaluation>, TrainError> {
+    let evaluation = examiner.evaluate(policy, episodes, number, go_on)?;
+    Ok(Some(evaluation).filter(|_| go_on()))
 }
 
 /// What an update came to.

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::machine::Machine;
-use super::no_room_for_all;
+use super::ready_at_once;
 use crate::cli::backend::{BackendName, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
@@ -123,12 +123,7 @@ fn measure(args: &CurveArgs, stage: &Stage, config: &PpoConfig, seed: u64, inter
 
 /// The same of all seeds at once.
 fn measure_all(args: &CurveArgs, stage: &Stage, config: &PpoConfig, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    complain(&format!("{} with {} seeds at once", stage.task.name, args.seeds));
-    let starts: Vec<_> = (1..=args.seeds as u64).map(|seed| Start::New { config, seed, from: None }).collect();
-    let backend = args.physics.choice(BackendName::Gpu)?;
-    let Some(all) = Ready::several(stage, &backend, config.num_envs, &starts, goal(args))? else {
-        return Err(no_room_for_all());
-    };
+    let all = ready_at_once(stage, &args.physics, config, args.seeds, goal(args))?;
     std::thread::scope(|scope| {
         let follow = |ready| scope.spawn(|| follow(args, ready, interrupt));
         let threads: Vec<_> = all.into_iter().map(follow).collect();

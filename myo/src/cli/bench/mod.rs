@@ -13,9 +13,15 @@ mod speed;
 mod train;
 
 use clap::{Subcommand, ValueEnum};
+use myo::Start;
 use myo::scalar::Level;
+use myo::train::PpoConfig;
+use myo::train::session::Goal;
 
-use super::failure::{Failure, Result};
+use super::backend::{BackendName, Options};
+use super::failure::{Failure, Result, complain};
+use super::stage::Stage;
+use super::train::Ready;
 
 /// What to measure.
 #[derive(Subcommand)]
@@ -75,7 +81,16 @@ fn best_and_median(mut times: Vec<f64>) -> (f64, f64) {
     (times.first().copied().unwrap_or(f64::NAN), times.get(times.len() / 2).copied().unwrap_or(f64::NAN))
 }
 
-/// Several trainings at once were asked for where there is no place for them.
-fn no_room_for_all() -> Failure {
-    Failure::sentence("only a graphics card with room for all of them trains several seeds at once")
+/// Trainings with seeds 1 to `seeds` that run at once.
+fn ready_at_once<'a>(
+    stage: &'a Stage,
+    physics: &Options,
+    config: &PpoConfig,
+    seeds: usize,
+    goal: Goal,
+) -> Result<Vec<Ready<'a>>> {
+    complain(&format!("{} with {seeds} seeds at once", stage.task.name));
+    let starts: Vec<_> = (1..=seeds as u64).map(|seed| Start::New { config, seed, from: None }).collect();
+    let all = Ready::several(stage, &physics.choice(BackendName::Gpu)?, config.num_envs, &starts, goal)?;
+    all.ok_or_else(|| Failure::sentence("only a graphics card with room for all of them trains several seeds at once"))
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::machine::Machine;
-use super::no_room_for_all;
+use super::ready_at_once;
 use crate::cli::backend::{BackendName, Options};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
@@ -124,13 +124,8 @@ pub fn run(args: &TrainArgs) -> Result<()> {
 /// All seeds at once: the time of each runs from the beginning of all to its own end.
 fn measure_all(args: &TrainArgs, stage: &Stage, interrupt: &Interrupt) -> Result<Vec<Row>> {
     let config = args.learner.settings(&PpoConfig::default())?;
-    complain(&format!("{} with {} seeds at once", stage.task.name, args.seeds));
     let start = Instant::now();
-    let starts: Vec<_> = (1..=args.seeds as u64).map(|seed| Start::New { config: &config, seed, from: None }).collect();
-    let backend = args.physics.choice(BackendName::Gpu)?;
-    let Some(all) = Ready::several(stage, &backend, config.num_envs, &starts, goal(args))? else {
-        return Err(no_room_for_all());
-    };
+    let all = ready_at_once(stage, &args.physics, &config, args.seeds, goal(args))?;
     let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
     let mut rows = Vec::new();
     Ready::run_all(all, interrupt, |seed, outcome| {
