@@ -1,7 +1,7 @@
 //! Why a training that leads nowhere may do so: only what was tested is claimed.
 
 use myo_tasks::{Element, Pointing, Reach, Report, Target, Task, TaskError, TaskWarning, check, spread};
-use myo_train::session::{Bottleneck, Recent};
+use myo_train::session::{Bottleneck, EpisodeMeans};
 
 /// A finding explains a failure when it concerns at least this share of what fails.
 const EXPLAINS: f64 = 0.5;
@@ -55,7 +55,7 @@ pub fn most_success(report: &Report) -> f64 {
 
 /// At which target so many episodes fail, and why, where a test tells: whether it can be reached, whether muscles can hold
 /// the fingertip there, and whether the time suffices. One sentence; where no test finds a cause, it says so.
-pub fn likely_cause(task: &Task, body: &dyn Body, recent: &Recent) -> String {
+pub fn likely_cause(task: &Task, body: &dyn Body, recent: &EpisodeMeans) -> String {
     let Some(Bottleneck { target, success }) = recent.bottleneck() else {
         return "no target is missed by recent episodes, so there is no cause to look for".into();
     };
@@ -241,7 +241,7 @@ mod tests {
         likely_cause(
             task,
             body,
-            &Recent { success, targets_done, final_distance, length, episode_return: 0.0, target_success },
+            &EpisodeMeans { success, targets_done, final_distance, length, episode_return: 0.0, target_success },
         )
     }
 

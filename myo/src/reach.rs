@@ -54,7 +54,7 @@ impl Body for ModelReach {
 mod tests {
     use myo_model::builtin;
     use myo_tasks::{Remedy, Report, Target, Task, TaskError, check, preset, preset_names};
-    use myo_train::session::Recent;
+    use myo_train::session::EpisodeMeans;
 
     use super::*;
     use crate::likely_cause;
@@ -102,7 +102,7 @@ mod tests {
         let target_success = (0..task.targets.len()).map(|k| if k < target { 1.0 } else { 0.2 }).collect();
         // To the end of the time, near the target: what was once taken for a dwell too long, or too little time.
         let length = f64::from(task.time_limit_steps());
-        let recent = Recent {
+        let recent = EpisodeMeans {
             success: 0.2,
             targets_done: target as f64,
             final_distance: 0.01,

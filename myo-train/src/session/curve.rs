@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::recent::Recent;
+use super::means::EpisodeMeans;
 use super::trend::Trend;
 use crate::UpdateMetrics;
 
@@ -45,7 +45,7 @@ struct Point {
     #[serde(default = "until_format_2")]
     episodes: u64,
     #[serde(alias = "recent")]
-    mean: Recent,
+    mean: EpisodeMeans,
 }
 
 fn until_format_2() -> u64 {
@@ -54,7 +54,7 @@ fn until_format_2() -> u64 {
 
 impl Point {
     /// With the episodes that ended in an update.
-    fn with(self, env_steps: u64, episodes: u64, newer: Recent) -> Self {
+    fn with(self, env_steps: u64, episodes: u64, newer: EpisodeMeans) -> Self {
         let Self { episodes: before, mut mean, .. } = self;
         let episodes = before + episodes;
         mean.follow(newer, 1.0 - before as f64 / episodes as f64);
@@ -68,7 +68,7 @@ impl Point {
 pub struct Curve {
     /// Control steps before which episodes do not count.
     start: u64,
-    recent: Option<Recent>,
+    recent: Option<EpisodeMeans>,
     points: Vec<Point>,
     /// The next point, of the episodes that have ended since the last one.
     #[serde(default)]
@@ -85,7 +85,7 @@ impl Curve {
     /// Hears of an update.
     pub fn hear(&mut self, metrics: &UpdateMetrics) {
         let UpdateMetrics { env_steps, episodes, .. } = *metrics;
-        let Some(newer) = Recent::of(metrics).filter(|_| env_steps >= self.start && episodes > 0) else { return };
+        let Some(newer) = EpisodeMeans::of(metrics).filter(|_| env_steps >= self.start && episodes > 0) else { return };
         let weight = 1.0 - (-(episodes as f64) / MEMORY).exp();
         self.recent.get_or_insert_with(|| newer.clone()).follow(newer.clone(), weight);
         let next = match self.next.take() {
@@ -112,8 +112,8 @@ impl Curve {
         self.recent = self.points.last().map(|point| point.mean.clone());
     }
 
-    /// Recent episodes, if any has ended.
-    pub fn recent(&self) -> Option<&Recent> {
+    /// EpisodeMeans episodes, if any has ended.
+    pub fn recent(&self) -> Option<&EpisodeMeans> {
         self.recent.as_ref()
     }
 
@@ -158,7 +158,7 @@ impl Curve {
     }
 
     /// How the training did after so many steps, if enough is known of it.
-    fn around(&self, env_steps: u64) -> Option<Recent> {
+    fn around(&self, env_steps: u64) -> Option<EpisodeMeans> {
         let start = env_steps - (WINDOW * env_steps as f64) as u64;
         let mut points = self.between(start..env_steps).iter().cloned();
         let first = points.next()?;
@@ -186,7 +186,7 @@ impl Curve {
 }
 
 /// Mean of a quantity over points.
-fn mean(points: &[Point], f: fn(&Recent) -> f64) -> f64 {
+fn mean(points: &[Point], f: fn(&EpisodeMeans) -> f64) -> f64 {
     points.iter().map(|point| f(&point.mean)).sum::<f64>() / points.len() as f64
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::recent::{Bottleneck, Recent};
+use super::means::{Bottleneck, EpisodeMeans};
 use super::recovery;
 use super::trend::Trend;
 use crate::{Evaluation, RunError, TrainError, UpdateMetrics};
@@ -60,7 +60,7 @@ pub enum News {
         /// For how many control steps.
         env_steps: u64,
         /// What the episodes are like.
-        recent: Recent,
+        recent: EpisodeMeans,
     },
 }
 

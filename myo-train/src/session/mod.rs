@@ -5,8 +5,8 @@ mod curve;
 mod events;
 mod examiner;
 mod looks;
+mod means;
 mod memory;
-mod recent;
 mod record;
 mod recovery;
 mod trend;
@@ -24,8 +24,8 @@ use recovery::Recovery;
 
 pub use events::{End, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
+pub use means::{Bottleneck, EpisodeMeans};
 pub(crate) use memory::Memory;
-pub use recent::{Bottleneck, Recent};
 pub use trend::{Change, Trend};
 pub use until::{Until, UntilError};
 
@@ -181,7 +181,7 @@ impl Session {
             Until::Plateau => self.trend().map(|trend| trend.steps_left()),
             Until::Off => None,
         };
-        let bottleneck = self.memory.curve.recent().and_then(Recent::bottleneck);
+        let bottleneck = self.memory.curve.recent().and_then(EpisodeMeans::bottleneck);
         Progress { success: self.success(), bottleneck, steps_left, end, ..progress }
     }
 

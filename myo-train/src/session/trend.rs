@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::recent::Recent;
+use super::means::EpisodeMeans;
 
 /// Share of its time per episode by which four times the steps may still change it.
 const TIME: f64 = 0.03;
@@ -65,7 +65,7 @@ pub struct Trend {
 impl Trend {
     /// After `env_steps` control steps, from how the training did after a quarter, half and all of them, and from the return at
     /// its start.
-    pub(super) fn new(env_steps: u64, first_return: f64, did: [&Recent; 3]) -> Self {
+    pub(super) fn new(env_steps: u64, first_return: f64, did: [&EpisodeMeans; 3]) -> Self {
         let share = |change: f64, of: f64| if of > 0.0 { change / of } else { 0.0 };
         let [_, half, whole] = did;
         let changes = |change: fn([f64; 3]) -> f64, time: f64, gained: f64| Change {

@@ -1,4 +1,4 @@
-//! What is known of recent training episodes.
+//! What training episodes came to on average.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,10 +10,10 @@ const HARDLY_ANY: f64 = 0.02;
 /// Targets whose success differs by less are alike.
 const TIE: f64 = 0.02;
 
-/// What is known of recent episodes.
+/// Means over some training episodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Recent {
+pub struct EpisodeMeans {
     /// Share that succeeded.
     pub success: f64,
     /// Targets done.
@@ -38,7 +38,7 @@ pub struct Bottleneck {
     pub success: f64,
 }
 
-impl Recent {
+impl EpisodeMeans {
     /// Of the episodes that ended in an update; none if none ended. All numbers are finite.
     pub(super) fn of(metrics: &UpdateMetrics) -> Option<Self> {
         let mean = |name: &str| metrics.episode_mean(name).filter(|mean| mean.is_finite());
@@ -81,7 +81,7 @@ mod tests {
     fn the_bottleneck_is_the_earliest_target_that_fails_most_of_those_who_get_there() {
         let bottleneck = |target_success: &[f64]| {
             let target_success = target_success.to_vec();
-            Recent {
+            EpisodeMeans {
                 success: 0.0,
                 targets_done: 0.0,
                 final_distance: 0.0,
