@@ -6,6 +6,7 @@ use crate::reach::ReachableSpace;
 use crate::step::{fingertip, forward, kinematics::kinematics, step};
 use crate::workspace::{State, Workspace};
 use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};
+use std::sync::Arc;
 
 /// Poses tried before a place counts as one that cannot be held.
 const POSES: usize = 64;
@@ -26,8 +27,8 @@ const SPEED_OVER_S: f64 = 0.02;
 
 /// What the muscles of a plan can do.
 #[derive(Clone, Debug)]
-pub struct Strength<'a> {
-    space: &'a ReachableSpace,
+pub struct Strength {
+    space: Arc<ReachableSpace>,
     /// Greatest torque of all muscles together on each coordinate, over some poses (N m).
     scale: Vec<f64>,
 }
@@ -39,9 +40,9 @@ struct Torques {
     muscles: Vec<Vec<f64>>,
 }
 
-impl<'a> Strength<'a> {
+impl Strength {
     /// Of the body whose poses `space` knows.
-    pub fn new(space: &'a ReachableSpace) -> Self {
+    pub fn new(space: Arc<ReachableSpace>) -> Self {
         let ndof = space.plan.ndof();
         let mut scale = vec![f64::MIN_POSITIVE; ndof];
         for number in 0..POSES {

@@ -3,6 +3,8 @@
 mod common;
 
 use common::{arm, draw, exact, greatest};
+use std::sync::Arc;
+
 use myo_dynamics::{CouplingMode, Obstacles, Plan, ReachableSpace, State, Strength, Workspace, step};
 use myo_model::Model;
 
@@ -15,8 +17,8 @@ fn inner_pose(plan: &Plan<f64>, number: u32) -> Vec<f64> {
 #[test]
 fn a_pose_that_is_held_stays_and_one_that_is_not_cannot_be_by_chance() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let space = ReachableSpace::new(&plan);
-    let strength = Strength::new(&space);
+    let space = Arc::new(ReachableSpace::new(&plan));
+    let strength = Strength::new(space);
     let (obstacles, mut ws) = (Obstacles::none(&plan), Workspace::<f64>::new(&plan));
     let mut torque = |pose: &[f64], act: &[f64]| {
         let state = State { qpos: pose.to_vec(), act: act.to_vec(), ..State::new(&plan) };
@@ -48,8 +50,8 @@ fn a_pose_that_is_held_stays_and_one_that_is_not_cannot_be_by_chance() {
 #[test]
 fn a_held_arm_hardly_moves_in_a_tenth_of_a_second() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let space = ReachableSpace::new(&plan);
-    let strength = Strength::new(&space);
+    let space = Arc::new(ReachableSpace::new(&plan));
+    let strength = Strength::new(space);
     let (obstacles, mut ws) = (Obstacles::none(&plan), Workspace::<f64>::new(&plan));
     let mut run = |pose: &[f64], act: &[f64]| {
         let mut state = State { qpos: pose.to_vec(), act: act.to_vec(), ..State::new(&plan) };
@@ -69,8 +71,8 @@ fn a_body_of_lead_holds_less_than_one_without_weight() {
     let held = |gravity: f64| {
         let mut plan = exact(CouplingMode::Reduced);
         plan.gravity = plan.gravity.map(|g| g * gravity);
-        let space = ReachableSpace::new(&plan);
-        let strength = Strength::new(&space);
+        let space = Arc::new(ReachableSpace::new(&plan));
+        let strength = Strength::new(space);
         (0..100).filter(|&k| strength.hold(&inner_pose(&plan, k)).is_some()).count()
     };
     let (none, normal, lead) = (held(0.0), held(1.0), held(20.0));
@@ -81,8 +83,8 @@ fn a_body_of_lead_holds_less_than_one_without_weight() {
 fn most_of_the_plane_of_pointing_can_be_held_and_nothing_out_of_reach() {
     let model: Model = arm("mobl-arms");
     let plan = Plan::exact(&model, CouplingMode::Reduced).unwrap().specialised();
-    let space = ReachableSpace::new(&plan);
-    let strength = Strength::new(&space);
+    let space = Arc::new(ReachableSpace::new(&plan));
+    let strength = Strength::new(space);
     // In front of the shoulder and low, where the hand rests on a table.
     assert!(strength.holds([0.4, 0.0, -0.25], 0.05));
     assert!(!strength.holds([2.0, 0.0, 0.0], 0.05));
@@ -91,7 +93,7 @@ fn most_of_the_plane_of_pointing_can_be_held_and_nothing_out_of_reach() {
 #[test]
 fn the_fastest_movement_is_faster_than_people_point_and_slower_than_a_whip() {
     let plan = exact(CouplingMode::Reduced).specialised();
-    let space = ReachableSpace::new(&plan);
-    let fastest = Strength::new(&space).fastest();
+    let space = Arc::new(ReachableSpace::new(&plan));
+    let fastest = Strength::new(space).fastest();
     assert!((3.0..40.0).contains(&fastest), "{fastest} m/s");
 }

@@ -8,6 +8,7 @@ use crate::range::Range;
 use crate::remedy::{Remedy, least_move, reached_part, shrink_and_move};
 use crate::report::{Element, Report, TaskError, TaskWarning, subject};
 use crate::target::{Pointing, Pressing, Region, Target};
+use crate::weakness::weakness;
 
 /// Contact begins so far in m from a button's surface.
 pub const CONTACT_MARGIN: f64 = 0.002;
@@ -33,6 +34,13 @@ pub trait Reach {
     /// How far (m) a point is from the nearest one in reach; 0 when it is in reach.
     fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
         distance(point_rel_shoulder, self.nearest_in_reach(point_rel_shoulder))
+    }
+
+    /// Whether muscles can hold the fingertip still in some pose that was tried, in a sphere of this radius (m). `true`, the
+    /// default, where nothing is known of muscles.
+    fn can_hold(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {
+        let _ = (centre_rel_shoulder, radius);
+        true
     }
 
     /// Seconds of one physics step, which control steps must be whole multiples of. `None`, the default, where no model is
@@ -64,6 +72,9 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
         distances(&task, &mut report);
         buttons(&task, &mut report);
         reachability(&task, reach, &mut report);
+        report
+            .warnings
+            .extend(runs(&task).filter_map(|(target, sphere)| weakness(&task, target, as_sphere(sphere)?, reach)));
     }
     report
 }

@@ -42,6 +42,7 @@ mod rules;
 mod schema;
 mod tagged;
 mod target;
+mod weakness;
 
 pub use check::{Anywhere, CONTACT_MARGIN, RARE_ACCEPTANCE, Reach, check};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
@@ -52,6 +53,6 @@ pub use load_error::{BadValue, LoadError};
 pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;
 pub use remedy::{Move, Remedy};
-pub use report::{Element, InvalidTask, Report, TaskError, TaskWarning};
+pub use report::{Element, HeldPlace, InvalidTask, Report, TaskError, TaskWarning};
 pub use schema::task_schema;
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};

@@ -212,6 +212,25 @@ pub enum TaskWarning {
         /// What brings all of it into reach.
         remedy: Box<Remedy>,
     },
+    /// Muscles cannot hold the fingertip still in part of a sphere's range, or all of it.
+    #[error(
+        "muscles cannot hold the fingertip still in {}{target}, such as at ({:.2}, {:.2}, {:.2}) m, so that it has to pass \
+         through and needs {dwell_s} s inside; {}",
+        share_of(*fraction), place[0], place[1], place[2],
+        held.as_ref().map_or_else(|| "nor at any place tried up to 20 cm away".into(), ToString::to_string)
+    )]
+    CannotHold {
+        /// The target.
+        target: Element,
+        /// Share of the places tried.
+        fraction: f64,
+        /// The first such place, in m relative to the shoulder centre.
+        place: [f64; 3],
+        /// The target's dwell.
+        dwell_s: f64,
+        /// Where they can.
+        held: Option<HeldPlace>,
+    },
     /// A time that is not a whole number of control steps.
     #[error("{what} of {given_s} s is not a whole number of control steps and counts as {used_s:.4} s ({steps} steps)")]
     Rounded {
@@ -226,6 +245,24 @@ pub enum TaskWarning {
         /// As simulated, in control steps.
         steps: u32,
     },
+}
+
+/// A place near a sphere in which muscles can hold the fingertip still.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldPlace {
+    /// In m relative to the shoulder centre.
+    pub point: [f64; 3],
+    /// How far away (m).
+    pub by_m: f64,
+    /// Which way, in words.
+    pub way: &'static str,
+}
+
+impl fmt::Display for HeldPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([x, y, z], centimetres) = (self.point, 100.0 * self.by_m);
+        write!(f, "they can {centimetres:.0} cm {}, at ({x:.2}, {y:.2}, {z:.2}) m", self.way)
+    }
 }
 
 impl TaskError {
@@ -250,7 +287,7 @@ impl TaskWarning {
             Self::DistanceRare { target, .. } | Self::DistanceDeadEnds { target, .. } => {
                 target.path("min_distance_from_previous")
             }
-            Self::PartlyOutOfReach { target, .. } => target.path("position"),
+            Self::PartlyOutOfReach { target, .. } | Self::CannotHold { target, .. } => target.path("position"),
             Self::Rounded { path, .. } => path.clone(),
         }
     }
@@ -276,6 +313,10 @@ fn part_of(element: &Element) -> &'static str {
 /// Where the places lie that cannot be reached, unless they are one.
 fn within(missed: &Region) -> String {
     if missed.is_point() { String::new() } else { format!("within {}, ", Place(missed)) }
+}
+
+fn share_of(fraction: f64) -> String {
+    if fraction == 1.0 { String::new() } else { format!("{:.0} % of the range of ", 100.0 * fraction) }
 }
 
 fn nearest_steps([shorter, longer]: &[f64; 2]) -> String {

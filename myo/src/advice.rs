@@ -1,36 +1,18 @@
 //! Why a training that leads nowhere may do so: only what was tested is claimed.
 
-use myo_tasks::{Element, Pointing, Reach, Report, Target, Task, TaskError, TaskWarning, check, spread};
+use myo_tasks::{Element, Reach, Report, Target, Task, TaskError, TaskWarning, check, spread};
 use myo_train::session::{Bottleneck, EpisodeMeans};
 
 /// A finding explains a failure when it concerns at least this share of what fails.
 const EXPLAINS: f64 = 0.5;
 
-/// Places of a sphere at which the muscles are tested.
-const PLACES: u32 = 32;
-
 /// Episodes over which the way between targets is averaged.
 const WAYS: u32 = 512;
 
-/// How far (m) from a place that cannot be held another is looked for.
-const AROUND: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
-
 /// What the tests ask the body, besides what it [reaches](Reach).
 pub trait Body: Reach {
-    /// Of each place, whether muscles can hold the fingertip still there in some pose that was tried.
-    fn can_hold(&self, places: &[Place]) -> Vec<bool>;
-
     /// The greatest speed of the fingertip (m/s) in some movements with muscles either slack or fully active.
     fn fastest_m_per_s(&self) -> f64;
-}
-
-/// A sphere that the fingertip is to be in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    /// Its centre, in m relative to the shoulder centre.
-    pub centre: [f64; 3],
-    /// Its radius in m.
-    pub radius: f64,
 }
 
 /// What a test came to.
@@ -63,7 +45,8 @@ pub fn likely_cause(task: &Task, body: &dyn Body, recent: &EpisodeMeans) -> Stri
     let Some(label) = task.targets.get(target).map(|description| description.label(target)) else {
         return "the task has fewer targets than the training".into();
     };
-    let findings = [reach(&task, body, target), hold(&task, body, target), time(&task, body)];
+    let report = check(&task, body);
+    let findings = [Some(reach(&report, target)), hold(&task, &report, target), time(&task, body)];
     let (mut causes, mut lesser, mut fine) = (Vec::new(), Vec::new(), Vec::new());
     for finding in findings.into_iter().flatten() {
         match finding {
@@ -86,72 +69,39 @@ pub fn likely_cause(task: &Task, body: &dyn Body, recent: &EpisodeMeans) -> Stri
 }
 
 /// Whether the target can be reached, as the check of the task finds it.
-fn reach(task: &Task, body: &dyn Body, target: usize) -> Option<Finding> {
-    let report = check(task, body);
-    let concerns = |element: &Element| (element.first..=element.last).contains(&target);
+fn reach(report: &Report, target: usize) -> Finding {
     let error = report.errors.iter().find_map(|error| match error {
-        TaskError::OutOfReach { target, .. } if concerns(target) => Some(Finding::Wrong(1.0, error.to_string())),
+        TaskError::OutOfReach { target: element, .. } if concerns(element, target) => {
+            Some(Finding::Wrong(1.0, error.to_string()))
+        }
         _ => None,
     });
     let warning = report.warnings.iter().find_map(|warning| match warning {
         // A button can be pressed elsewhere.
-        TaskWarning::PartlyOutOfReach { target, fraction, .. } if concerns(target) && target.kind == "pointing" => {
+        TaskWarning::PartlyOutOfReach { target: element, fraction, .. }
+            if concerns(element, target) && element.kind == "pointing" =>
+        {
             Some(Finding::Wrong(*fraction, warning.to_string()))
         }
         _ => None,
     });
-    Some(error.or(warning).unwrap_or_else(|| Finding::Fine("it can be reached".into())))
+    error.or(warning).unwrap_or_else(|| Finding::Fine("it can be reached".into()))
 }
 
-/// Whether muscles can hold the fingertip in a sphere. One that is done in a single control step needs no hold.
-fn hold(task: &Task, body: &dyn Body, target: usize) -> Option<Finding> {
-    let Target::Pointing(sphere) = &task.targets[target] else { return None };
-    if task.dwell_steps(target) < 2 {
-        return None;
-    }
-    let mut places: Vec<Place> = (0..PLACES).map(|k| place(sphere, k)).collect();
-    places.dedup();
-    // What is out of reach is another finding.
-    places.retain(|place| body.distance_out_of_reach(place.centre) < place.radius);
-    let can_hold = body.can_hold(&places);
-    let lost: Vec<_> = places.iter().zip(&can_hold).filter(|(_, can)| !**can).map(|(place, _)| place).collect();
-    let Some(first) = lost.first() else {
-        let tried = places.len();
-        let all = if tried == 1 { String::new() } else { format!(" at all of {tried} places tried") };
-        return (tried > 0).then(|| Finding::Fine(format!("muscles can hold the fingertip still there{all}")));
-    };
-    let share = lost.len() as f64 / places.len() as f64;
-    let [x, y, z] = first.centre;
-    let text = format!(
-        "muscles cannot hold the fingertip still at {:.0} % of the places tried of target {}, such as ({x:.2}, {y:.2}, {z:.2}) m, \
-         so that it has to pass through and needs {} s inside; {}",
-        100.0 * share,
-        target + 1,
-        sphere.dwell_s,
-        held_nearby(body, first).unwrap_or_else(|| "nor at any place tried up to 20 cm away".into())
-    );
-    Some(Finding::Wrong(share, text))
+/// Whether muscles can hold the fingertip in a sphere, as the check of the task finds it.
+fn hold(task: &Task, report: &Report, target: usize) -> Option<Finding> {
+    let found = report.warnings.iter().find_map(|warning| match warning {
+        TaskWarning::CannotHold { target: element, fraction, .. } if concerns(element, target) => {
+            Some(Finding::Wrong(*fraction, warning.to_string()))
+        }
+        _ => None,
+    });
+    let needs_hold = matches!(task.targets[target], Target::Pointing(_)) && task.dwell_steps(target) > 1;
+    found.or_else(|| needs_hold.then(|| Finding::Fine("muscles can hold the fingertip still there".into())))
 }
 
-/// Where muscles can hold the fingertip next to a place where they cannot.
-fn held_nearby(body: &dyn Body, place: &Place) -> Option<String> {
-    const WAYS: [(usize, f64, &str); 6] = [
-        (0, -1.0, "farther back"),
-        (0, 1.0, "farther forward"),
-        (1, -1.0, "farther to the right"),
-        (1, 1.0, "farther to the left"),
-        (2, -1.0, "lower"),
-        (2, 1.0, "higher"),
-    ];
-    AROUND.iter().flat_map(|way| WAYS.map(|(axis, sign, word)| (axis, sign * way, word))).find_map(
-        |(axis, way, word)| {
-            let mut moved = *place;
-            moved.centre[axis] += way;
-            let [x, y, z] = moved.centre;
-            let is_held = body.distance_out_of_reach(moved.centre) == 0.0 && body.can_hold(&[moved]) == [true];
-            is_held.then(|| format!("they can {:.0} cm {word}, at ({x:.2}, {y:.2}, {z:.2}) m", 100.0 * way.abs()))
-        },
-    )
+fn concerns(element: &Element, target: usize) -> bool {
+    (element.first..=element.last).contains(&target)
 }
 
 /// Whether dwells, and the ways between the targets at the arm's greatest speed, fit into the time limit.
@@ -198,14 +148,9 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-fn place(sphere: &Pointing, number: u32) -> Place {
-    let [x, y, z, radius] = spread(number);
-    Place { centre: sphere.position.at([x, y, z]), radius: sphere.radius.at(radius) }
-}
-
 #[cfg(test)]
 mod tests {
-    use myo_tasks::{Range, Region, preset};
+    use myo_tasks::{Pointing, Range, Region, preset};
 
     use super::*;
 
@@ -222,13 +167,13 @@ mod tests {
             let share = 0.5 / distance(point, [0.0; 3]);
             if share < 1.0 { point.map(|x| x * share * (1.0 - 1e-12)) } else { point }
         }
+
+        fn can_hold(&self, centre: [f64; 3], _: f64) -> bool {
+            centre[2] < self.holds_below
+        }
     }
 
     impl Body for Doll {
-        fn can_hold(&self, places: &[Place]) -> Vec<bool> {
-            places.iter().map(|place| place.centre[2] < self.holds_below).collect()
-        }
-
         fn fastest_m_per_s(&self) -> f64 {
             self.fastest
         }
@@ -316,8 +261,8 @@ mod tests {
         });
         let weak = Doll { holds_below: -0.28, fastest: 10.0 };
         let text = cause(&task, &weak, &[0.1], 40.0, 0.05);
-        let (_, told) = text.split_once("likely cause: muscles cannot hold the fingertip still at ").expect(&text);
-        let (share, rest) = told.split_once(" % of the places tried").expect(&text);
+        let (_, told) = text.split_once("likely cause: muscles cannot hold the fingertip still in ").expect(&text);
+        let (share, rest) = told.split_once(" % of the range of target 1").expect(&text);
         let share: f64 = share.parse().unwrap();
         // 0.18 of 0.2 m, to one of 32 places.
         assert!((share - 90.0).abs() < 100.0 / 32.0, "{text}");

@@ -52,7 +52,7 @@ pub mod progress;
 mod reach;
 mod run_description;
 
-pub use advice::{Body, Place, likely_cause, most_success};
+pub use advice::{Body, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
 pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
 pub use progress::ProgressLine;

@@ -1,17 +1,21 @@
 //! The bridge between the body and the checks of a task: what it reaches, what it can hold, how fast it is.
 
+use std::sync::{Arc, OnceLock};
+
 use myo_dynamics::{CouplingMode, Plan, PlanError, ReachableSpace, Strength};
 use myo_model::Model;
 use myo_tasks::Reach;
 
-use crate::advice::{Body, Place};
+use crate::advice::Body;
 
 /// What a model can reach with its fingertip, for [`myo_tasks::check()`], and hold there, for [`likely_cause`].
 ///
 /// [`likely_cause`]: crate::likely_cause()
 #[derive(Clone, Debug)]
 pub struct ModelReach {
-    space: ReachableSpace,
+    space: Arc<ReachableSpace>,
+    /// Made when it is first asked for.
+    strength: OnceLock<Strength>,
     physics_dt_s: f64,
 }
 
@@ -24,7 +28,12 @@ impl ModelReach {
         let plan = Plan::exact(model, CouplingMode::Reduced)?;
         plan.try_out()?;
         let plan = plan.specialised();
-        Ok(Self { space: ReachableSpace::new(&plan), physics_dt_s: plan.timestep })
+        let space = Arc::new(ReachableSpace::new(&plan));
+        Ok(Self { space, strength: OnceLock::new(), physics_dt_s: plan.timestep })
+    }
+
+    fn strength(&self) -> &Strength {
+        self.strength.get_or_init(|| Strength::new(Arc::clone(&self.space)))
     }
 }
 
@@ -34,26 +43,25 @@ impl Reach for ModelReach {
         if nearest.distance_m == 0.0 { point_rel_shoulder } else { nearest.point }
     }
 
+    fn can_hold(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {
+        self.strength().holds(centre_rel_shoulder, radius)
+    }
+
     fn physics_dt_s(&self) -> Option<f64> {
         Some(self.physics_dt_s)
     }
 }
 
 impl Body for ModelReach {
-    fn can_hold(&self, places: &[Place]) -> Vec<bool> {
-        let strength = Strength::new(&self.space);
-        places.iter().map(|place| strength.holds(place.centre, place.radius)).collect()
-    }
-
     fn fastest_m_per_s(&self) -> f64 {
-        Strength::new(&self.space).fastest()
+        self.strength().fastest()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use myo_model::builtin;
-    use myo_tasks::{Remedy, Report, Target, Task, TaskError, check, preset, preset_names};
+    use myo_tasks::{Range, Region, Remedy, Report, Target, Task, TaskError, TaskWarning, check, preset, preset_names};
     use myo_train::session::EpisodeMeans;
 
     use super::*;
@@ -93,8 +101,41 @@ mod tests {
             assert!(text.contains("; move its centre ") && !text.contains("nearer"), "{text}");
             let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("a sphere") };
             sphere.position = moved.to;
-            assert_eq!(check(&task, &reach), Report::default(), "{text}");
+            // Reached is not held: that is another finding.
+            let found = check(&task, &reach);
+            let only_weak = found.warnings.iter().all(|warning| matches!(warning, TaskWarning::CannotHold { .. }));
+            assert!(found.is_ok() && only_weak, "{text}: {found:?}");
         }
+    }
+
+    /// Low on the left, close to the body: in reach of every posture tried, and none can be held.
+    #[test]
+    fn a_sphere_in_which_muscles_cannot_hold_still_is_told_with_a_place_where_they_can() {
+        let reach = body("mobl-arms");
+        let mut task = sphere(0.258);
+        let Target::Pointing(target) = &mut task.targets[0] else { panic!("a sphere") };
+        target.position.y = 0.222.into();
+        target.position.z = (-0.311).into();
+        target.radius = 0.053.into();
+        let report = check(&task, &reach);
+        let [warning @ TaskWarning::CannotHold { fraction: 1.0, held: Some(held), .. }] = &report.warnings[..] else {
+            panic!("{report:?}")
+        };
+        let text = warning.to_string();
+        let expected = "muscles cannot hold the fingertip still in target 1 (pointing), such as at (0.26, 0.22, -0.31) m, so \
+                        that it has to pass through and needs 0.2 s inside; they can 10 cm farther to the right, at ";
+        assert!(text.starts_with(expected), "{text}");
+        assert_eq!(warning.path(), "targets[0].position");
+        let moved = |place: [f64; 3], dwell_s| {
+            let mut task = task.clone();
+            let Target::Pointing(target) = &mut task.targets[0] else { panic!("a sphere") };
+            let [x, y, z] = place.map(Range::from);
+            (target.position, target.dwell_s) = (Region { x, y, z }, dwell_s);
+            check(&task, &reach)
+        };
+        assert_eq!(moved(held.point, 0.2), Report::default());
+        // What is done as soon as it is touched needs no hold.
+        assert_eq!(moved([0.258, 0.222, -0.311], 0.05), Report::default());
     }
 
     /// What is said of a training that fails at one target.
@@ -137,6 +178,6 @@ mod tests {
         }
         let reach = ModelReach::new(&Model::new(&description).unwrap()).unwrap();
         let text = cause(&sphere(0.55), &reach, 0);
-        assert!(text.contains("likely cause: muscles cannot hold the fingertip still at 100 %"), "{text}");
+        assert!(text.contains("likely cause: muscles cannot hold the fingertip still in target 1"), "{text}");
     }
 }
