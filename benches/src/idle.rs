@@ -22,6 +22,7 @@ impl Idle {
             control_dt: 0.05,
             max_episode_steps: 240,
             autoreset: Default::default(),
+            exploring: 0,
         })
     }
 }

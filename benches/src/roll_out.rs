@@ -21,7 +21,17 @@ impl RollOut {
     pub fn new(gpu: &Gpu, config: &PpoConfig) -> Result<Self, Failure> {
         let (envs, steps) = (config.num_envs, config.steps_per_update);
         let (observations, actions, padded) = (Idle::OBSERVATIONS, Idle::ACTIONS, envs.next_multiple_of(4));
-        let sizes = Sizes { steps, envs, padded, observations, actions, summary: 5, time_limit: 100, control_dt: 0.05 };
+        let sizes = Sizes {
+            steps,
+            envs,
+            counted: envs,
+            padded,
+            observations,
+            actions,
+            summary: 5,
+            time_limit: 100,
+            control_dt: 0.05,
+        };
         let record = RolloutBuffers::new(gpu, &sizes)?;
         let filled = [&record.observation, &record.action, &record.value, &record.reward];
         for (seed, buffer) in filled.into_iter().enumerate() {

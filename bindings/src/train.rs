@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, TryLockError};
 
-use myo::env::EnvConfig;
 use myo::model::ModelDescription;
 use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError};
 use myo::train::{
@@ -150,7 +149,7 @@ impl Setup {
     /// Builds environments and opens the training in them.
     fn open(self, py: Python<'_>, claim: Option<RunClaim>, again: Option<&Checkpoint>) -> PyResult<Session> {
         let Self { task, model, own_model, config, seed, goal, choice, pool, from, other } = self;
-        let envs = EnvConfig { num_envs: config.num_envs, seed, ..EnvConfig::default() };
+        let envs = config.envs(seed);
         let env = choice.build(py, &pool, (&model, &task), &envs)?;
         let description = RunDescription::new(task.clone(), own_model, &env.device(), goal, from);
         let new = Start::New { config: &config, seed, from: other.as_ref() };

@@ -50,7 +50,7 @@ impl<C: Precision> BatchEnv<C> {
         let spec = spec(model, task, &tables, config);
         let rows = StateRows::of(&tables);
         memory::check(config.num_envs, rows.count * size_of::<C>() + 4 * WORDS + spec.bytes_per_env())?;
-        let storage = Storage::new(C::lanes(level), config.num_envs, rows.count)?;
+        let storage = Storage::new(C::lanes(level), &spec, rows.count)?;
         let finished = Finished::new(&spec);
         let pool = config.threads.map(thread_pool).transpose()?;
         let mut env = Self { tables, spec, level, storage, rows, finished, pool };
@@ -97,6 +97,7 @@ pub fn spec<C: Real>(model: &Model, task: &Task, tables: &Tables<C>, config: &En
         control_dt: task.control_dt_s,
         max_episode_steps: task.time_limit_steps() as usize,
         autoreset: config.autoreset,
+        exploring: config.exploring.min(config.num_envs),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::config::BuildError;
 
-/// Most environments of one batch: their numbers are integers of 32 bits, half of which are kept free.
+/// Most environments of one batch: their numbers are integers of 32 bits, of which one bit tells how episodes begin.
 pub const MOST_ENVS: usize = 1 << 31;
 
 /// Refuses numbers of environments that the machine has no memory for, at so many bytes each.

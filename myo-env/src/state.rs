@@ -1,6 +1,7 @@
 //! Everything about one environment (or one per lane) that changes.
 
 use crate::tables::Tables;
+use crate::vector::EnvSpec;
 use myo_dynamics::State;
 use myo_scalar::{Counter, Real, Scalar, Word};
 use myo_tasks::logic::TaskState;
@@ -40,12 +41,21 @@ pub struct EnvState<S: Scalar> {
     pub sums: [S; SUMS],
     /// Seed, low half first.
     pub seed: [S::Word; 2],
-    /// Which environment.
+    /// Which environment, see [`env_number`].
     pub env: S::Word,
     /// Which episode.
     pub episode: S::Word,
     /// Control steps in this episode, for random draws.
     pub step: S::Word,
+}
+
+/// Environments with this bit in their number begin their episodes with any target.
+pub const EXPLORES: u32 = 1 << 31;
+
+/// Number of an environment in its state, which its random draws depend on too.
+pub fn env_number(spec: &EnvSpec, env: usize) -> u32 {
+    let explores = if env < spec.whole_episodes() { 0 } else { EXPLORES };
+    env as u32 | explores
 }
 
 impl<S: Scalar> EnvState<S> {

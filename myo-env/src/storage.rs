@@ -3,7 +3,8 @@
 use crate::config::BuildError;
 use crate::memory;
 use crate::saved::Saved;
-use crate::state::EnvState;
+use crate::state::{EnvState, env_number};
+use crate::vector::EnvSpec;
 use myo_dynamics::SolverCount;
 use myo_scalar::{Real, Scalar, Word};
 
@@ -42,13 +43,14 @@ impl<C: Real> Storage<C> {
     ///
     /// # Errors
     /// There is no memory for so many.
-    pub fn new(lanes: usize, num_envs: usize, count: usize) -> Result<Self, BuildError> {
+    pub fn new(lanes: usize, spec: &EnvSpec, count: usize) -> Result<Self, BuildError> {
+        let num_envs = spec.num_envs;
         let nblock = num_envs.div_ceil(lanes);
         let numbers = memory::zeros(num_envs, nblock * count * lanes)?;
         let mut words: Vec<u32> = memory::zeros(num_envs, nblock * WORDS * lanes)?;
         for (block, words) in words.chunks_exact_mut(WORDS * lanes).enumerate() {
             for lane in 0..lanes {
-                words[EnvState::<f64>::ENV_ROW * lanes + lane] = (block * lanes + lane) as u32;
+                words[EnvState::<f64>::ENV_ROW * lanes + lane] = env_number(spec, block * lanes + lane);
             }
         }
         Ok(Self { lanes, num_envs, count, numbers, words, solver: memory::zeros(num_envs, num_envs)? })

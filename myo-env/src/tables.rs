@@ -5,9 +5,9 @@ use crate::observe::{self, ObservationPart};
 use crate::saved::Identity;
 use myo_dynamics::{CouplingMode, Obstacles, Plan, StaticBox, Surface};
 use myo_model::Model;
-use myo_scalar::Real;
+use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::CompiledTask;
-use myo_tasks::{InvalidTask, Pose, Target, Task};
+use myo_tasks::{InvalidTask, Pose, Reset, Target, Task};
 
 /// Constants of one environment.
 #[derive(Clone, Debug)]
@@ -30,17 +30,37 @@ pub struct Tables<C> {
     pub(crate) identity: Identity,
 }
 
-/// Distribution of the body's state at the start of an episode: uniform in these intervals.
+/// Distribution of the body's state at the start of an episode.
 #[derive(Clone, Debug)]
 pub struct Start<C> {
-    /// Least joint position, per coordinate.
-    pub lowest: Vec<C>,
-    /// Width of the interval, per coordinate.
-    pub width: Vec<C>,
+    /// Joint positions.
+    pub pose: Poses<C>,
+    /// Joint positions where environments explore: within all that the joints allow.
+    pub any_pose: Poses<C>,
     /// Greatest speed, either way.
     pub speed: C,
     /// Greatest activation.
     pub activation: C,
+}
+/// Joint positions, uniform in intervals (rad).
+#[derive(Clone, Debug)]
+pub struct Poses<C> {
+    lowest: Vec<C>,
+    width: Vec<C>,
+}
+
+impl<C: Real> Poses<C> {
+    fn new(intervals: impl Iterator<Item = [f64; 2]>) -> Self {
+        let (lowest, width) = intervals.map(|[lo, hi]| (C::from_f64(lo), C::from_f64(hi - lo))).unzip();
+        Self { lowest, width }
+    }
+
+    /// A pose, from a number in [0, 1) per coordinate.
+    #[inline(always)]
+    pub fn at<S: Scalar<Const = C>>(&self, draws: Vec<S>) -> impl Iterator<Item = S> {
+        let within = |((draw, &lowest), &width): ((S, _), _)| draw.mul_add(S::splat(width), S::splat(lowest));
+        draws.into_iter().zip(&self.lowest).zip(&self.width).map(within)
+    }
 }
 
 impl<C: Real> Tables<C> {
@@ -95,19 +115,23 @@ fn button(target: &Target) -> Option<StaticBox> {
 
 fn start<C: Real>(task: &Task, plan: &Plan<f64>) -> Start<C> {
     let reset = &task.reset;
-    let interval = |range: Option<[f64; 2]>| match (reset.pose, range) {
+    let poses = |pose| Poses::new(plan.dofs.iter().map(|dof| interval(reset, pose, dof.range)));
+    let speed = if reset.pose == Pose::Zero { 0.0 } else { reset.velocity_spread_rad_s };
+    Start {
+        pose: poses(reset.pose),
+        any_pose: poses(Pose::RangeUniform),
+        speed: C::from_f64(speed),
+        activation: C::from_f64(reset.activation_max),
+    }
+}
+
+/// From where a joint of this range is drawn.
+fn interval(reset: &Reset, pose: Pose, range: Option<[f64; 2]>) -> [f64; 2] {
+    match (pose, range) {
         (Pose::Zero, _) => [0.0, 0.0],
         (Pose::RangeUniform, Some(range)) => range,
         // A joint without limits has no range to draw from.
         (Pose::NearZero, None) | (Pose::RangeUniform, None) => [-reset.pose_spread_rad, reset.pose_spread_rad],
         (Pose::NearZero, Some([lo, hi])) => [-reset.pose_spread_rad, reset.pose_spread_rad].map(|q| q.clamp(lo, hi)),
-    };
-    let intervals: Vec<[f64; 2]> = plan.dofs.iter().map(|dof| interval(dof.range)).collect();
-    let speed = if reset.pose == Pose::Zero { 0.0 } else { reset.velocity_spread_rad_s };
-    Start {
-        lowest: intervals.iter().map(|[lo, _]| C::from_f64(*lo)).collect(),
-        width: intervals.iter().map(|[lo, hi]| C::from_f64(hi - lo)).collect(),
-        speed: C::from_f64(speed),
-        activation: C::from_f64(reset.activation_max),
     }
 }

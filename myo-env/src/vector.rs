@@ -31,9 +31,15 @@ pub struct EnvSpec {
     pub max_episode_steps: usize,
     /// How finished environments start again.
     pub autoreset: Autoreset,
+    /// The last so many environments begin their episodes in the middle of the task, see [`EnvConfig::exploring`](crate::EnvConfig).
+    pub exploring: usize,
 }
 
 impl EnvSpec {
+    /// Environments whose episodes are whole, from the first target to the last: the first so many.
+    pub fn whole_episodes(&self) -> usize {
+        self.num_envs - self.exploring
+    }
     /// Number of entries of one observation.
     pub fn observation_size(&self) -> usize {
         self.observation_names.len()

@@ -45,7 +45,8 @@ fn assert_same_bits(a: &[StepStorage], b: &[StepStorage]) {
 
 fn same_seed_gives_the_same_bits_and_another_seed_does_not<E: Subject>() {
     let task = short("pointing");
-    let run = |seed| rollout(&mut E::make(&task, EnvConfig { num_envs: 5, seed, ..Default::default() }), 25);
+    let run =
+        |seed| rollout(&mut E::make(&task, EnvConfig { num_envs: 5, seed, exploring: 2, ..Default::default() }), 25);
     assert_same_bits(&run(3), &run(3));
     assert_ne!(bits(&run(3)[0].observation), bits(&run(4)[0].observation));
 }
@@ -134,7 +135,7 @@ fn disabled_asks_for_a_reset_by_mask<E: Subject>() {
 
 fn a_saved_state_continues_bit_for_bit<E: Subject>() {
     let task = short("pointing");
-    let config = EnvConfig { num_envs: 21, ..Default::default() };
+    let config = EnvConfig { num_envs: 21, exploring: 6, ..Default::default() };
     let mut env = E::make(&task, config);
     rollout(&mut env, 7);
     let saved = env.save_state().unwrap();
@@ -331,7 +332,7 @@ conformance!(
 fn lanes_follow_the_reference() {
     for name in ["pointing", "public-display"] {
         let task = short(name);
-        let config = EnvConfig { num_envs: 20, ..Default::default() };
+        let config = EnvConfig { num_envs: 20, exploring: 9, ..Default::default() };
         let mut reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
         let wanted = rollout(&mut reference, 20);
         for level in Level::available() {

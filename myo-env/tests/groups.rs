@@ -8,9 +8,13 @@ use myo_gpu::Gpu;
 
 const ENVS: usize = 10;
 
+fn config() -> EnvConfig {
+    EnvConfig { num_envs: ENVS, exploring: ENVS / 2, ..EnvConfig::default() }
+}
+
 fn env(gpu: &Gpu) -> GpuEnv {
     let task = short("pointing-single");
-    GpuEnv::new(gpu, &arm(&task), &task, &EnvConfig { num_envs: ENVS, ..EnvConfig::default() }).unwrap()
+    GpuEnv::new(gpu, &arm(&task), &task, &config()).unwrap()
 }
 
 /// What some environments return from `seed` on, over the end of their first episodes, as bits; and their state after it.
@@ -44,7 +48,7 @@ fn environments_of_a_group_are_those_of_a_device_without_groups_bit_for_bit() {
         assert!(got == expected, "seed {seed}");
     }
     // Those that came later left the first alone, and its state is one of environments without groups.
-    let mut before = alone.sibling(ENVS, 0).unwrap();
+    let mut before = alone.sibling(&config()).unwrap();
     history(&mut before, seeds[0]);
     assert!(groups[0].save_state().unwrap() == before.save_state().unwrap(), "changed by others");
     groups[2].load_state(&before.save_state().unwrap()).unwrap();

@@ -47,7 +47,7 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
     }
     for name in ["pointing", "public-display"] {
         let task = short(name);
-        let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, ..Default::default() });
+        let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, exploring: 9, ..Default::default() });
         let runs = rollout(&mut card, 25).into_iter().zip(rollout(&mut reference, 25));
         for (step, (got, want)) in runs.enumerate() {
             assert_follows(&reference, &got, &want, &format!("{name} step {step}"));

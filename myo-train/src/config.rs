@@ -1,5 +1,6 @@
 //! Every hyperparameter of the learner, in one place.
 
+use myo_env::EnvConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -16,10 +17,15 @@ pub struct PpoConfig {
     /// Control steps of every environment between two updates (default 8). Longer roll-outs lean less on the value
     /// network, and update less often.
     pub steps_per_update: usize,
+    /// Share of the environments, at most 0.9, whose episodes begin in the middle of the task (default 0.25): with any of the
+    /// targets, in one of many poses. Otherwise a target that is not done hides all that come after it, and a posture in which
+    /// the arm rests near a target hides the one in which it would do it. These episodes are learned from, and counted
+    /// nowhere: success and times are those of whole episodes.
+    pub exploring_starts: f64,
     /// Passes over the collected samples in one update (default 2). More learn more from the same samples, until
     /// the policy has moved too far from the one that collected them.
     pub epochs: usize,
-    /// Gradient steps per pass (default 4); each sees an equal share of the samples.
+    /// Gradient steps per pass (default 8); each sees an equal share of the samples.
     pub minibatches: usize,
     /// Widths of the hidden layers of the policy (default 128, 128).
     pub policy_hidden: Vec<usize>,
@@ -48,7 +54,7 @@ pub struct PpoConfig {
     /// The step size never rises above this (default 1e-2).
     pub learning_rate_max: f64,
     /// Divergence from the collecting policy that one update should reach, mean over its last pass, in nats (default
-    /// 0.04). 0 keeps the step size fixed. Larger moves faster and may collapse.
+    /// 0.06). 0 keeps the step size fixed. Larger moves faster and may collapse.
     pub kl_target: f64,
     /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
     /// below `kl_target / kl_tolerance` (default 1.5).
@@ -98,8 +104,9 @@ impl Default for PpoConfig {
         Self {
             num_envs: 2048,
             steps_per_update: 8,
+            exploring_starts: 0.25,
             epochs: 2,
-            minibatches: 4,
+            minibatches: 8,
             policy_hidden: vec![128, 128],
             value_hidden: vec![128, 128],
             discount_per_s: 0.5,
@@ -111,7 +118,7 @@ impl Default for PpoConfig {
             learning_rate: 1e-3,
             learning_rate_min: 1e-5,
             learning_rate_max: 1e-2,
-            kl_target: 0.04,
+            kl_target: 0.06,
             kl_factor: 1.5,
             kl_tolerance: 1.5,
             kl_max: 1.0,
@@ -147,6 +154,12 @@ impl PpoConfig {
     /// Samples of one update.
     pub fn batch_size(&self) -> usize {
         self.num_envs * self.steps_per_update
+    }
+
+    /// The environments to train in.
+    pub fn envs(&self, seed: u64) -> EnvConfig {
+        let exploring = (self.exploring_starts * self.num_envs as f64) as usize;
+        EnvConfig { num_envs: self.num_envs, seed, exploring, ..EnvConfig::default() }
     }
 
     /// The defaults, with the networks of these settings: what a warm start begins with.
@@ -188,6 +201,12 @@ impl PpoConfig {
         {
             check((0.0..1.0).contains(&value), name, &value, "at least 0 and less than 1")?;
         }
+        check(
+            (0.0..=0.9).contains(&self.exploring_starts),
+            "exploring_starts",
+            &self.exploring_starts,
+            "from 0 to 0.9",
+        )?;
         check((0.0..=1.0).contains(&self.gae_lambda), "gae_lambda", &self.gae_lambda, "from 0 to 1")?;
         for (name, value) in [
             ("entropy_coefficient", self.entropy_coefficient),

@@ -100,14 +100,19 @@ pub fn evaluate(
     Ok(tally.evaluation(&spec))
 }
 
-/// Refuses environments that do not fit the policy or do not start their episodes again.
+/// Refuses environments that do not fit the policy, do not start their episodes again, or begin them in the middle of the task.
 pub(crate) fn check(policy: &Policy, spec: &EnvSpec) -> Result<(), TrainError> {
     policy.check(spec)?;
-    if spec.autoreset == Autoreset::SameStep {
-        return Ok(());
+    let mismatch = |what, got, expected: &str| Err(TrainError::Mismatch { what, got, expected: expected.into() });
+    if spec.autoreset != Autoreset::SameStep {
+        return mismatch("the autoreset mode", format!("{:?}", spec.autoreset), "SameStep");
     }
-    let (got, expected) = (format!("{:?}", spec.autoreset), "SameStep".into());
-    Err(TrainError::Mismatch { what: "the autoreset mode", got, expected })
+    match spec.exploring {
+        0 => Ok(()),
+        some => {
+            mismatch("the number of environments that explore", some.to_string(), "0, as only whole episodes count")
+        }
+    }
 }
 
 /// Episodes counted so far.
@@ -217,6 +222,7 @@ mod tests {
             control_dt: 0.05,
             max_episode_steps: 40,
             autoreset: Autoreset::SameStep,
+            exploring: 0,
         };
         let nan = f32::NAN;
         let summaries = [

@@ -275,6 +275,7 @@ mod tests {
             control_dt: 0.05,
             max_episode_steps: 1,
             autoreset: myo_env::Autoreset::SameStep,
+            exploring: 0,
         }
     }
 

@@ -121,7 +121,7 @@ impl Rollout {
             self.act(actor, t, first_step + t as u64, observation);
             env.step(&self.env_action, self.step.buffers())?;
             observation.copy_from_slice(&self.step.observation);
-            self.record(actor, t * envs, envs);
+            self.record(actor, t * envs, env.spec());
         }
         let width = observation.len() / envs;
         let last = self.reward.len() * width;
@@ -177,7 +177,8 @@ impl Rollout {
     }
 
     /// Keeps what one step of the environment returned.
-    fn record(&mut self, actor: &Actor<'_>, at: usize, envs: usize) {
+    fn record(&mut self, actor: &Actor<'_>, at: usize, spec: &EnvSpec) {
+        let (envs, counted) = (spec.num_envs, spec.whole_episodes());
         let (step, scale) = (&self.step, actor.config.reward_scale as f32);
         let (n_obs, n_episode) = (step.observation.len() / envs, step.episode.len() / envs);
         for env in 0..envs {
@@ -187,7 +188,9 @@ impl Rollout {
             if !self.ended[i] {
                 continue;
             }
-            self.episodes.add(&step.episode[env * n_episode..][..n_episode]);
+            if env < counted {
+                self.episodes.add(&step.episode[env * n_episode..][..n_episode]);
+            }
             if step.terminated[env] {
                 self.terminated.push(i as u32);
             } else {

@@ -21,6 +21,9 @@ fn config() -> PpoConfig {
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
         action_offset: 0.0,
+        // So few samples take shorter steps: with the defaults, users of the toy differ by more than a plateau allows.
+        minibatches: 4,
+        kl_target: 0.04,
         ..PpoConfig::default()
     }
 }

@@ -50,6 +50,31 @@ fn ppo_learns_to_reach_two_targets() {
     panic!("success is only {success} after {} steps", trainer.env_steps());
 }
 
+/// Settings for [`Constant`].
+fn small(num_envs: usize, steps_per_update: usize) -> PpoConfig {
+    let hidden = PpoConfig { policy_hidden: vec![4], value_hidden: vec![4], minibatches: 1, ..PpoConfig::default() };
+    PpoConfig { num_envs, steps_per_update, ..hidden }
+}
+
+#[test]
+fn episodes_that_begin_in_the_middle_of_the_task_are_counted_nowhere() {
+    let env = Constant::staircase(4).exploring(2);
+    let metrics = Trainer::new(Box::new(env), small(4, 12), 1).unwrap().update().unwrap();
+    // Twelve that return one, and six that return two; not four of three and three of four.
+    assert_eq!(metrics.episodes, 18);
+    assert_eq!(metrics.episode_mean("return"), Some(24.0 / 18.0));
+}
+
+/// Otherwise all of them would end in one update of six, and again in each sixth after it.
+#[test]
+fn episodes_that_last_to_the_time_limit_end_at_different_times() {
+    let env = Constant::with_lengths(vec![24; 12], vec![0; 12], false);
+    let mut trainer = Trainer::new(Box::new(env), small(12, 4), 1).unwrap();
+    let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes).collect();
+    assert_eq!(episodes[..5], [0; 5]);
+    assert_eq!(episodes[5..], [2; 13]);
+}
+
 #[test]
 fn training_gives_the_same_bits_at_any_thread_count() {
     let run = || {

@@ -217,11 +217,10 @@ impl Envs {
     /// As for [`Envs::new`].
     pub fn for_looks(&self, model: &Model, task: &Task, seed: u64) -> Result<Self, BuildError> {
         let [host, card] = LOOK_ENVS;
+        let config = |num_envs| EnvConfig { num_envs, seed, ..EnvConfig::default() };
         Ok(match self {
-            Self::Cpu(_) => {
-                Self::new(&Device::Cpu, model, task, &EnvConfig { num_envs: host, seed, ..EnvConfig::default() })?
-            }
-            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(card, seed)?)),
+            Self::Cpu(_) => Self::new(&Device::Cpu, model, task, &config(host))?,
+            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(&config(card))?)),
         })
     }
 

@@ -26,6 +26,7 @@ pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S
 pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     if mask.any() {
         S::outline(stages::Draw { tables, mask, env });
+        S::outline(stages::Explore { tables, mask, env, physics: &mut ws.physics });
     }
     let sensed = sense(tables, env, &mut ws.physics);
     S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.next_observation });
@@ -51,9 +52,8 @@ fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvS
     let start = &tables.start;
     let (counter, body) = (env.counter(), &mut env.body);
     let (ndof, nmuscle) = (body.qpos.len(), body.act.len());
-    for (k, draw) in uniform::<S>(counter, POSE_STREAM, ndof).into_iter().enumerate() {
-        let position = draw.mul_add(S::splat(start.width[k]), S::splat(start.lowest[k]));
-        body.qpos[k] = S::select(mask, position, body.qpos[k]);
+    for (position, draw) in body.qpos.iter_mut().zip(start.pose.at(uniform::<S>(counter, POSE_STREAM, ndof))) {
+        *position = S::select(mask, draw, *position);
     }
     for (velocity, draw) in body.qvel.iter_mut().zip(uniform::<S>(counter, VELOCITY_STREAM, ndof)) {
         let share = draw.mul_add(S::lit(2.0), S::lit(-1.0));
@@ -66,7 +66,7 @@ fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvS
 
 /// The first `count` uniform numbers in [0, 1) of a stream.
 #[inline(always)]
-fn uniform<S: Scalar>(counter: Counter<S::Word>, stream: u32, count: usize) -> Vec<S> {
+pub fn uniform<S: Scalar>(counter: Counter<S::Word>, stream: u32, count: usize) -> Vec<S> {
     let mut draws = vec![S::zero(); count.next_multiple_of(4)];
     S::map_chunks(&mut draws, |block, _: [S; 4]| {
         philox::<S>(Counter { stream: S::Word::splat(stream) + block, ..counter }).map(unit)

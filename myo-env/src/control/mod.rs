@@ -2,6 +2,7 @@
 
 mod episode;
 mod excite;
+mod explore;
 mod simulate;
 mod stages;
 mod summary;

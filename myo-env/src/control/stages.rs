@@ -3,6 +3,7 @@
 use super::Scratch;
 use super::episode::draw_episode;
 use super::excite::excite;
+use super::explore::{draw_any_pose, explore};
 use super::simulate::simulate;
 use crate::observe::observe;
 use crate::state::EnvState;
@@ -93,5 +94,38 @@ impl<S: Scalar> Stage<S> for Draw<'_, S> {
     #[inline(always)]
     fn run(self) {
         draw_episode(self.tables, self.mask, self.env);
+    }
+}
+
+/// Exploring starts.
+pub struct Explore<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub mask: S::Mask,
+    pub env: &'a mut EnvState<S>,
+    pub physics: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Stage<S> for Explore<'_, S> {
+    const NAME: &'static str = "exploring starts";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        explore(self.tables, self.mask, self.env, self.physics);
+    }
+}
+
+/// One of the poses that exploring starts choose from.
+pub struct DrawPose<'a, S: Scalar> {
+    pub tables: &'a Tables<S::Const>,
+    pub draw: S::Word,
+    pub env: &'a mut EnvState<S>,
+}
+
+impl<S: Scalar> Stage<S> for DrawPose<'_, S> {
+    const NAME: &'static str = "any pose";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        draw_any_pose(self.tables, self.draw, self.env);
     }
 }

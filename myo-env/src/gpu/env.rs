@@ -68,15 +68,17 @@ impl GpuEnv {
         Self::start(gpu, kernels, spec, (rows, tables.identity), per_shard, config.seed)
     }
 
-    /// Other environments of the same model and task, with the same kernels: nothing is compiled again.
+    /// Other environments of the same model and task, with the same kernels: nothing is compiled again. They start their
+    /// episodes again as these do, whatever the configuration says.
     ///
     /// # Errors
     /// No environments, no memory left, or the device lost.
-    pub fn sibling(&self, num_envs: usize, seed: u64) -> Result<Self, BuildError> {
+    pub fn sibling(&self, config: &EnvConfig) -> Result<Self, BuildError> {
+        let &EnvConfig { num_envs, seed, exploring, .. } = config;
         if num_envs == 0 {
             return Err(BuildError::NoEnvironments);
         }
-        let spec = EnvSpec { num_envs, ..self.spec.clone() };
+        let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
         check_memory(&self.gpu, &spec, self.rows.count)?;
         let per_shard = portable_envs(&spec, self.rows.count);
         Self::start(&self.gpu, self.kernels.clone(), spec, (self.rows, self.identity.clone()), per_shard, seed)

@@ -3,7 +3,7 @@
 use super::program::{Bound, Compiled, check_size};
 use super::record::{self, RESET_BUFFERS, RESULT_ROWS, STEP_BUFFERS};
 use crate::config::BuildError;
-use crate::state::EnvState;
+use crate::state::{EnvState, env_number};
 use crate::tables::Tables;
 use crate::vector::{Autoreset, EnvSpec};
 use myo_gpu::{Batch, Buffer, Cached, Gpu, GpuError};
@@ -118,7 +118,7 @@ impl Shard {
         let episode = buffer("episode", spec.episode_size())?;
         let result = buffer("result", RESULT_ROWS)?;
         let (command, seed) = (gpu.buffer("command", num_envs)?, gpu.buffer("seed", 2)?);
-        let names: Vec<u32> = (first..first + num_envs).map(|env| env as u32).collect();
+        let names: Vec<u32> = (first..first + num_envs).map(|env| env_number(spec, env)).collect();
         gpu.write(&words, EnvState::<f64>::ENV_ROW * num_envs, &names)?;
         let (state, seen) = ([numbers.binding(), words.binding()], observation.binding());
         let step = [actions.binding(), seen, final_observation.binding(), episode.binding(), result.binding()];

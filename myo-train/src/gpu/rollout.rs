@@ -326,7 +326,7 @@ impl Parts<'_> {
         let rewards = moments + sizes.episode_rows();
         [
             (&buffers.moments, [moments, counted, sizes.partial_moments(), 0]),
-            (&buffers.episodes, [sizes.episode_rows(), sizes.envs, sizes.envs, moments]),
+            (&buffers.episodes, [sizes.episode_rows(), sizes.counted, sizes.envs, moments]),
             (&buffers.reward, [sizes.steps, sizes.padded, sizes.padded, rewards]),
         ]
         .into_iter()

@@ -2,12 +2,12 @@
 
 use std::sync::Mutex;
 
-use myo_env::GpuEnv;
+use myo_env::{EnvConfig, GpuEnv};
 use myo_gpu::Gpu;
 
 use super::DeviceEvaluator;
 use super::testing::gpu;
-use super::tests::{config, env};
+use super::tests::{config, env, envs};
 use crate::{Checkpoint, Member, PpoConfig, TrainError, Trainer};
 
 fn bytes(mut checkpoint: Checkpoint) -> Vec<u8> {
@@ -27,7 +27,7 @@ fn at_once<T: Send>(trainers: Vec<Trainer>, train: impl Fn(usize, Trainer) -> T 
 
 /// With the kernels of an environment without groups, compiled once for all that are alone.
 fn alone(base: &GpuEnv, config: &PpoConfig, seed: u64) -> Trainer {
-    Trainer::on_card(base.sibling(config.num_envs, 0).unwrap(), config.clone(), seed).unwrap()
+    Trainer::on_card(base.sibling(&envs(config.num_envs)).unwrap(), config.clone(), seed).unwrap()
 }
 
 fn several(gpu: &Gpu, envs: usize, members: &[Member<'_>]) -> Vec<Trainer> {
@@ -60,7 +60,7 @@ fn one_of_several_resumes_and_goes_back_as_it_does_alone() {
     let Some(gpu) = gpu() else { return };
     let config = config(16);
     let base = env(&gpu, 16);
-    let sibling = || base.sibling(16, 0).unwrap();
+    let sibling = || base.sibling(&envs(16)).unwrap();
     let mut first = alone(&base, &config, 1);
     first.update().unwrap();
     let saved = first.save().unwrap();
@@ -123,6 +123,7 @@ fn policies_of_several_are_evaluated_at_once_as_each_is_alone() {
     let Some(gpu) = gpu() else { return };
     let (config, seeds) = (config(8), [3, 4]);
     let base = env(&gpu, 8);
+    let looked_at = EnvConfig { num_envs: 16, ..EnvConfig::default() };
     let look = |member: usize, mut trainer: Trainer, mut evaluator: DeviceEvaluator| {
         // Looks of different length, and an update of one while the other is still looking.
         let first = evaluator.evaluate(&trainer.policy(), 20 + 300 * member, 5, |_| true).unwrap();
@@ -131,7 +132,7 @@ fn policies_of_several_are_evaluated_at_once_as_each_is_alone() {
         (first, second, bytes(trainer.save().unwrap()))
     };
     let groups = env(&gpu.in_groups(2).unwrap(), 8);
-    let looks = groups.sibling(16, 0).unwrap();
+    let looks = groups.sibling(&looked_at).unwrap();
     let trainers = Trainer::several_on_card(groups, &seeds.map(|seed| Member::New { config: &config, seed })).unwrap();
     let evaluators = DeviceEvaluator::several(looks, &trainers).unwrap();
     let evaluators: Vec<_> = evaluators.into_iter().map(|evaluator| Mutex::new(Some(evaluator))).collect();
@@ -141,7 +142,7 @@ fn policies_of_several_are_evaluated_at_once_as_each_is_alone() {
     });
     for (member, got) in got.into_iter().enumerate() {
         let trainer = alone(&base, &config, seeds[member]);
-        let evaluator = DeviceEvaluator::new(base.sibling(16, 0).unwrap(), &trainer.policy()).unwrap();
+        let evaluator = DeviceEvaluator::new(base.sibling(&looked_at).unwrap(), &trainer.policy()).unwrap();
         assert!(got == look(member, trainer, evaluator), "member {member}");
     }
 }

@@ -13,6 +13,8 @@ pub struct Sizes {
     pub steps: usize,
     /// Environments.
     pub envs: usize,
+    /// The first so many of them, whose episodes are whole and count.
+    pub counted: usize,
     /// Columns of one step: `envs` rounded up to a multiple of four.
     pub padded: usize,
     /// Entries of an observation.
@@ -33,6 +35,7 @@ impl Sizes {
         Self {
             steps: config.steps_per_update,
             envs: spec.num_envs,
+            counted: spec.whole_episodes(),
             padded: spec.num_envs.next_multiple_of(GROUP),
             observations: spec.observation_size(),
             actions: spec.action_size(),
@@ -85,6 +88,7 @@ mod tests {
         let sizes = Sizes {
             steps: 17,
             envs: 5,
+            counted: 5,
             padded: 8,
             observations: 3,
             actions: 2,

@@ -29,10 +29,15 @@ fn task() -> Task {
     task
 }
 
+/// Environments, of which some explore.
+pub fn envs(num_envs: usize) -> EnvConfig {
+    EnvConfig { num_envs, seed: 3, exploring: num_envs / 4, ..EnvConfig::default() }
+}
+
 pub fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
     let task = task();
     let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
-    GpuEnv::new(gpu, &model, &task, &EnvConfig { num_envs, seed: 3, ..EnvConfig::default() }).unwrap()
+    GpuEnv::new(gpu, &model, &task, &envs(num_envs)).unwrap()
 }
 
 pub fn config(num_envs: usize) -> PpoConfig {
@@ -236,6 +241,24 @@ fn training_on_the_card_goes_as_on_the_processor() {
     assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
 }
 
+/// As [`training_on_the_card_goes_as_on_the_processor`], where episodes last several updates.
+#[test]
+fn episodes_that_last_to_the_time_limit_end_at_different_times_on_the_card_too() {
+    let Some(gpu) = gpu() else { return };
+    let mut task = task();
+    let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
+    target.radius = 1e-3.into();
+    target.dwell_s = 1.0;
+    task.time_limit_s = 1.2;
+    let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
+    let envs = EnvConfig { num_envs: 12, ..EnvConfig::default() };
+    let config = PpoConfig { steps_per_update: 4, ..config(12) };
+    let mut trainer = Trainer::on_card(GpuEnv::new(&gpu, &model, &task, &envs).unwrap(), config, 1).unwrap();
+    let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes).collect();
+    assert_eq!(episodes[..5], [0; 5]);
+    assert_eq!(episodes[5..], [2; 13]);
+}
+
 #[test]
 fn training_on_the_card_improves() {
     let Some(gpu) = gpu() else { return };
@@ -247,7 +270,9 @@ fn training_on_the_card_improves() {
         value_hidden: vec![32],
         ..PpoConfig::default()
     };
-    let mut trainer = Trainer::on_card(env(&gpu, envs), config, 2).unwrap();
+    // All from the first target on, lest the reward tell of where episodes begin.
+    let whole = EnvConfig { num_envs: envs, ..EnvConfig::default() };
+    let mut trainer = Trainer::on_card(env(&gpu, 1).sibling(&whole).unwrap(), config, 2).unwrap();
     let rewards: Vec<f64> = (0..16).map(|_| trainer.update().unwrap().reward_per_step).collect();
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
     assert!(mean(&rewards[12..]) > mean(&rewards[..4]) + 0.05, "{rewards:?}");
@@ -257,11 +282,14 @@ fn training_on_the_card_improves() {
 fn evaluation_on_the_card_is_that_of_the_processor() {
     let Some(gpu) = gpu() else { return };
     let mut trainer = Trainer::on_card(env(&gpu, 64), config(64), 1).unwrap();
-    let mut evaluator = DeviceEvaluator::new(env(&gpu, 64).sibling(37, 5).unwrap(), &trainer.policy()).unwrap();
+    let whole = EnvConfig { num_envs: 37, seed: 5, ..EnvConfig::default() };
+    let base = env(&gpu, 64);
+    let mut host_env = base.sibling(&whole).unwrap();
+    let mut evaluator = DeviceEvaluator::new(base.sibling(&whole).unwrap(), &trainer.policy()).unwrap();
     for seed in [1, 2] {
         trainer.update().unwrap();
         let card = evaluator.evaluate(&trainer.policy(), 100, seed, |_| true).unwrap();
-        let host = evaluate(&mut trainer.policy(), &mut env(&gpu, 37), 100, seed, |_| true).unwrap();
+        let host = evaluate(&mut trainer.policy(), &mut host_env, 100, seed, |_| true).unwrap();
         assert!(card.success.is_some_and(|success| success > 0.0 && success < 1.0), "{card:?}");
         // Rounding may decide about an episode at the edge.
         for (what, a, b) in [
@@ -276,6 +304,8 @@ fn evaluation_on_the_card_is_that_of_the_processor() {
     }
     let other = PpoConfig { policy_hidden: vec![8], ..config(64) };
     let other = Trainer::on_card(env(&gpu, 64), other, 1).unwrap().policy();
+    let error = DeviceEvaluator::new(env(&gpu, 64), &trainer.policy()).err().unwrap().to_string();
+    assert!(error.contains("the number of environments that explore"), "{error}");
     let error = evaluator.evaluate(&other, 1, 1, |_| true).unwrap_err();
     assert!(matches!(error, TrainError::Mismatch { what: "the kind of the policy", .. }), "{error}");
 }

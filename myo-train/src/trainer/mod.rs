@@ -87,6 +87,18 @@ impl Brain {
         let Self { networks, normalizer, lender, config, seed, .. } = self;
         Actor { networks, parameters, normalizer, lender, config, seed: *seed }
     }
+
+    /// Before an update of the first episode, begins the episodes of some environments anew, each environment's once. Otherwise
+    /// those that all last to the time limit would begin and end together for ever, and an update learn from their beginnings
+    /// alone, or from what comes after.
+    fn stagger(&self, env: &mut dyn VectorEnv, update: u64, observation: &mut [f32]) -> Result<(), TrainError> {
+        let turns = self.spec.max_episode_steps / self.config.steps_per_update;
+        if !(1..turns as u64).contains(&update) {
+            return Ok(());
+        }
+        let mask: Vec<bool> = (0..self.spec.num_envs).map(|env| (env % turns) as u64 == update).collect();
+        Ok(env.reset(None, Some(&mask), observation)?)
+    }
 }
 
 impl Trainer {
@@ -173,6 +185,8 @@ impl Trainer {
                 host.update(&self.brain, host_state, (self.updates, self.learning_rate))?
             }
             TrainingDevice::Card(card) => {
+                let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
+                self.brain.stagger(card.env_mut(), self.updates, &mut host_state.observation)?;
                 card.update(&self.brain.normalizer, (self.brain.seed, self.updates), self.learning_rate)?.into()
             }
         };

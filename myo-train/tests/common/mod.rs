@@ -48,6 +48,7 @@ impl Points {
             control_dt: 0.05,
             max_episode_steps: TIME_LIMIT,
             autoreset: Autoreset::SameStep,
+            exploring: 0,
         };
         Self { spec, worlds: vec![World::default(); num_envs] }
     }
@@ -197,7 +198,13 @@ impl Constant {
         Self::with_lengths((1..=num_envs).collect(), vec![0; num_envs], true)
     }
 
-    fn with_lengths(lengths: Vec<usize>, begun: Vec<usize>, terminates: bool) -> Self {
+    /// The last so many explore.
+    pub fn exploring(mut self, exploring: usize) -> Self {
+        self.spec.exploring = exploring;
+        self
+    }
+
+    pub fn with_lengths(lengths: Vec<usize>, begun: Vec<usize>, terminates: bool) -> Self {
         let spec = EnvSpec {
             num_envs: lengths.len(),
             observation_names: names(&["one", "last"]),
@@ -206,6 +213,7 @@ impl Constant {
             control_dt: 0.05,
             max_episode_steps: lengths.iter().copied().max().unwrap_or(0),
             autoreset: Autoreset::SameStep,
+            exploring: 0,
         };
         Self { spec, steps: vec![0; lengths.len()], lengths, begun, terminates, reward: 1.0 }
     }
@@ -216,8 +224,12 @@ impl VectorEnv for Constant {
         &self.spec
     }
 
-    fn reset(&mut self, _: Option<u64>, _: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
-        self.steps.copy_from_slice(&self.begun);
+    fn reset(&mut self, _: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) -> Result<(), EnvError> {
+        for (i, (steps, begun)) in self.steps.iter_mut().zip(&self.begun).enumerate() {
+            if mask.is_none_or(|mask| mask[i]) {
+                *steps = *begun;
+            }
+        }
         observation.chunks_mut(2).for_each(|o| o.copy_from_slice(&[1.0, 0.0]));
         Ok(())
     }

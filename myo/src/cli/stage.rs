@@ -5,6 +5,7 @@ use std::path::Path;
 use myo::env::EnvConfig;
 use myo::model::{Model, ModelDescription};
 use myo::tasks::{Report, Source, Task, load};
+use myo::train::PpoConfig;
 use myo::{Backend, Envs, ModelReach, RunDescription, most_success};
 
 use super::backend;
@@ -44,9 +45,13 @@ impl Stage {
     }
 
     /// Environments of the task for several trainings at once; none where they would run one after the other.
-    pub fn env_for_several(&self, backend: &Backend, num_envs: usize, trainings: usize) -> Result<Option<Envs>> {
-        let config = EnvConfig { num_envs, ..EnvConfig::default() };
-        backend::build_several(backend, &self.model, &self.task, &config, trainings)
+    pub fn env_for_several(&self, backend: &Backend, config: &PpoConfig, trainings: usize) -> Result<Option<Envs>> {
+        backend::build_several(backend, &self.model, &self.task, &config.envs(0), trainings)
+    }
+
+    /// Environments of the task to train in, on the backend that is asked for.
+    pub fn training_env(&self, backend: &Backend, config: &PpoConfig, seed: u64) -> Result<Envs> {
+        backend::build(backend, &self.model, &self.task, &config.envs(seed))
     }
 
     /// Environments of the task on the backend that is asked for.

@@ -158,6 +158,7 @@ mod tests {
         let sizes = Sizes {
             steps: 7,
             envs: 37,
+            counted: 37,
             padded: 40,
             observations: 3,
             actions: 2,

@@ -117,7 +117,7 @@ pub fn run(args: &CurveArgs) -> Result<()> {
 
 /// Trains one user and evaluates it on its way.
 fn measure(args: &CurveArgs, stage: &Stage, config: &PpoConfig, seed: u64, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let env = stage.env(&args.physics.choice(BackendName::Cpu)?, config.num_envs, seed)?;
+    let env = stage.training_env(&args.physics.choice(BackendName::Cpu)?, config, seed)?;
     follow(args, Ready::new(stage, env, Start::New { config, seed, from: None }, goal(args))?, interrupt)
 }
 

@@ -91,6 +91,6 @@ fn ready_at_once<'a>(
 ) -> Result<Vec<Ready<'a>>> {
     complain(&format!("{} with {seeds} seeds at once", stage.task.name));
     let starts: Vec<_> = (1..=seeds as u64).map(|seed| Start::New { config, seed, from: None }).collect();
-    let all = Ready::several(stage, &physics.choice(BackendName::Gpu)?, config.num_envs, &starts, goal)?;
+    let all = Ready::several(stage, &physics.choice(BackendName::Gpu)?, config, &starts, goal)?;
     all.ok_or_else(|| Failure::sentence("only a graphics card with room for all of them trains several seeds at once"))
 }

@@ -144,7 +144,7 @@ fn goal(args: &TrainArgs) -> Goal {
 fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = args.learner.settings(&PpoConfig::default())?;
     let start = Instant::now();
-    let env = stage.env(&args.physics.choice(BackendName::Cpu)?, config.num_envs, seed)?;
+    let env = stage.training_env(&args.physics.choice(BackendName::Cpu)?, &config, seed)?;
     let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal(args))?;
     let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::MultiProgress;
 use myo::train::session::{Goal, News, Outcome};
-use myo::train::{RunWriter, Session};
+use myo::train::{PpoConfig, RunWriter, Session};
 use myo::{Backend, Device, Envs, ModelReach, Start, likely_cause};
 
 use super::progress::Progress;
@@ -34,12 +34,12 @@ impl<'a> Ready<'a> {
     pub fn several(
         stage: &'a Stage,
         backend: &Backend,
-        num_envs: usize,
+        config: &PpoConfig,
         starts: &[Start<'_>],
         goal: Goal,
     ) -> Result<Option<Vec<Self>>> {
         let prepare = || {
-            let Some(env) = stage.env_for_several(backend, num_envs, starts.len())? else { return Ok(None) };
+            let Some(env) = stage.env_for_several(backend, config, starts.len())? else { return Ok(None) };
             let (device, looks) = (env.device(), env.for_looks(&stage.model, &stage.task, 0)?);
             let sessions = env.sessions(looks, starts, goal)?;
             let ready = |session| Self { stage, device: device.clone(), session };

@@ -252,7 +252,7 @@ impl<'a> Training<'a> {
         make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, RunDescription) -> Result<RunWriter>,
     ) -> Result<Ready<'a>> {
         let stage = self.stage;
-        let env = stage.env(&self.backend, self.config.num_envs, seed)?;
+        let env = stage.training_env(&self.backend, &self.config, seed)?;
         self.recorded(Ready::new(stage, env, self.start(seed), self.goal)?, make_folder)
     }
 
@@ -293,7 +293,7 @@ impl<'a> Training<'a> {
     /// The trainings in a new folder: at once where that is possible, else one after the other.
     fn several(&self, args: &Train, seeds: SeedRange, folder: &Path, interrupt: &Interrupt) -> Result<()> {
         let starts: Vec<_> = seeds.clone().map(|seed| self.start(seed)).collect();
-        if let Some(all) = Ready::several(self.stage, &self.backend, self.config.num_envs, &starts, self.goal)? {
+        if let Some(all) = Ready::several(self.stage, &self.backend, &self.config, &starts, self.goal)? {
             let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(()) };
             let plan = Plan::new(seeds, self.description(&device), self.config.clone());
             let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);

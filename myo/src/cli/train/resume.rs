@@ -69,7 +69,7 @@ fn begun_at_once<'a>(several: &Several, training: &Training<'a>) -> Result<Optio
     if starts.is_empty() {
         return Ok(None);
     }
-    let Some(all) = Ready::several(stage, backend, config.num_envs, &starts, *goal)? else { return Ok(None) };
+    let Some(all) = Ready::several(stage, backend, config, &starts, *goal)? else { return Ok(None) };
     drop(starts);
     let go_on = |(ready, (_, path, claim, _)): (Ready<'a>, (u64, PathBuf, Option<RunClaim>, _))| {
         let Some(mut claim) = claim else { return training.recorded(ready, |make, _| Ok(make(&path)?)) };
@@ -107,7 +107,7 @@ fn resume_run<T>(
     let goal = planned.map_or_else(|| goal(args, &description), |training| training.goal);
     let stage = Stage::of(&description)?;
     let (config, seed) = (run.config().ppo.clone(), run.config().seed);
-    let env = stage.env(&backend_again(args, &description, config.num_envs)?, config.num_envs, seed)?;
+    let env = stage.training_env(&backend_again(args, &description, config.num_envs)?, &config, seed)?;
     let checkpoint = newest_checkpoint(run)?;
     // Stopped before its first checkpoint: the same beginning gives the same run.
     let own = match (&checkpoint, planned, &description.from) {

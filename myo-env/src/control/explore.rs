@@ -1,0 +1,110 @@
+//! Exploring starts: episodes that begin in the middle of the task.
+//!
+//! A target that is not done hides all that come after it, and a posture in which the arm comes to rest near a target hides
+//! the one in which it would do it. So some environments of a training begin their episodes with any of the targets, late,
+//! and in that of several random poses from which the fingertip has the least way to go.
+
+use super::episode::uniform;
+use super::stages;
+use crate::state::{EXPLORES, EnvState};
+use crate::tables::Tables;
+use myo_dynamics::Workspace;
+use myo_scalar::{Carried, Counter, Scalar, Visitor, Word};
+use myo_tasks::logic;
+
+/// Random stream of the target and of the time.
+const MOMENT_STREAM: u32 = 0x5000;
+/// Random stream of poses.
+const POSE_STREAM: u32 = 0x6000;
+/// Poses that are drawn.
+const POSES: usize = 32;
+/// Least and greatest share of the time limit that is left: the shorter episodes are, the more of them begin.
+const LEFT: [f64; 2] = [0.1, 0.5];
+
+/// Changes how an episode begins, of those in the mask where environments explore.
+#[inline(always)]
+pub fn explore<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, physics: &mut Workspace<S>) {
+    let explores = mask & S::lit(0.5).lt(S::from_word(env.env >> EXPLORES.trailing_zeros()));
+    S::when(explores, &mut Beginning { env, physics }, |Beginning { env, physics }| {
+        draw_moment(tables, explores, env);
+        draw_pose(tables, explores, env, physics);
+    });
+}
+
+/// Any target, and what is left of the time.
+#[inline(always)]
+fn draw_moment<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
+    let draws = uniform::<S>(env.counter(), MOMENT_STREAM, 2);
+    let (targets, limit) = (tables.task.targets.len(), S::splat(tables.task.time_limit));
+    let mut done = S::zero();
+    for target in 1..targets {
+        done += S::indicator(S::lit(target as f64 / targets as f64).le(draws[0]));
+    }
+    let left = draws[1].mul_add(S::lit(LEFT[1] - LEFT[0]), S::lit(LEFT[0])) * limit;
+    env.task.phase = S::select(mask, done, env.task.phase);
+    env.task.step = S::select(mask, limit - left.floor().max(S::lit(1.0)), env.task.step);
+}
+
+/// The pose of several from which the fingertip is nearest to the current target.
+#[inline(always)]
+fn draw_pose<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, physics: &mut Workspace<S>) {
+    let target = env.task.centre(0);
+    let (nearest, draw) = (S::lit(f64::from(f32::MAX)), S::Word::splat(0));
+    let mut search = Search { best: env.body.qpos.clone(), nearest, draw, env, physics };
+    S::repeat(POSES, &mut search, |Search { best, nearest, draw, env, physics }| {
+        S::outline(stages::DrawPose { tables, draw: *draw, env });
+        let mut fingertip = [S::zero(); 3];
+        S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
+        let distance = logic::norm(logic::difference(fingertip, target));
+        let nearer = mask & distance.lt(*nearest);
+        *nearest = S::select(nearer, distance, *nearest);
+        for (best, &position) in best.iter_mut().zip(&env.body.qpos) {
+            *best = S::select(nearer, position, *best);
+        }
+        *draw = *draw + S::Word::splat(1);
+    });
+    search.env.body.qpos = search.best;
+}
+
+/// Any pose, everywhere.
+#[inline(always)]
+pub fn draw_any_pose<S: Scalar>(tables: &Tables<S::Const>, draw: S::Word, env: &mut EnvState<S>) {
+    let ndof = env.body.qpos.len();
+    let draws = uniform::<S>(Counter { step: draw, ..env.counter() }, POSE_STREAM, ndof);
+    for (position, drawn) in env.body.qpos.iter_mut().zip(tables.start.any_pose.at(draws)) {
+        *position = drawn;
+    }
+}
+
+/// What exploring changes.
+struct Beginning<'a, S: Scalar> {
+    env: &'a mut EnvState<S>,
+    physics: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Carried<S> for Beginning<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let EnvState { body, task, .. } = self.env;
+        visitor.numbers(body.qpos.iter_mut().chain([&mut task.phase, &mut task.step]));
+    }
+}
+
+/// The search for a pose.
+struct Search<'a, S: Scalar> {
+    /// The best so far.
+    best: Vec<S>,
+    /// Its distance from the target (m).
+    nearest: S,
+    /// Poses drawn so far.
+    draw: S::Word,
+    /// In the pose that is looked at.
+    env: &'a mut EnvState<S>,
+    physics: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Carried<S> for Search<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.numbers(self.best.iter_mut().chain([&mut self.nearest]));
+        visitor.word(&mut self.draw);
+    }
+}

@@ -1,0 +1,101 @@
+//! Exploring starts: what they change, and what they leave alone.
+
+mod common;
+
+use common::{arm, entry, rollout, short};
+use myo_env::{CpuEnv, EnvConfig, EnvSpec, VectorEnv};
+use myo_tasks::{Pose, Task, preset};
+
+/// Environments, and how many of them explore.
+const ENVS: usize = 600;
+const EXPLORING: usize = 500;
+
+fn env(task: &Task, exploring: usize) -> CpuEnv {
+    let config = EnvConfig { num_envs: ENVS, seed: 4, exploring, ..EnvConfig::default() };
+    CpuEnv::new(&arm(task), task, &config).unwrap()
+}
+
+/// Observations after a reset.
+fn observed(env: &mut CpuEnv) -> Vec<f32> {
+    let mut observation = vec![0.0; ENVS * env.spec().observation_size()];
+    env.reset(None, None, &mut observation).unwrap();
+    observation
+}
+
+/// An entry of the observations of the environments that explore, or of the others.
+fn values(env: &CpuEnv, observation: &[f32], name: &str, exploring: bool) -> Vec<f64> {
+    let at = entry(env, name);
+    let rows = observation.chunks_exact(env.spec().observation_size()).enumerate();
+    let wanted = rows.filter(|(env, _)| (*env >= ENVS - EXPLORING) == exploring);
+    wanted.map(|(_, row)| f64::from(row[at])).collect()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[test]
+fn whole_episodes_are_those_of_environments_none_of_which_explores() {
+    let task = short("public-display");
+    let (mut some, mut none) = (env(&task, EXPLORING), env(&task, 0));
+    assert_eq!(some.spec().whole_episodes(), ENVS - EXPLORING);
+    assert_eq!(EnvSpec { exploring: 0, ..some.spec().clone() }, *none.spec());
+    for (a, b) in rollout(&mut some, 25).iter().zip(&rollout(&mut none, 25)) {
+        let whole = some.spec().whole_episodes();
+        assert_eq!(a.reward[..whole], b.reward[..whole]);
+        assert_eq!(a.truncated[..whole], b.truncated[..whole]);
+        let entries = whole * some.spec().observation_size();
+        assert_eq!(a.observation[..entries], b.observation[..entries]);
+        assert_ne!(a.observation[entries..], b.observation[entries..]);
+    }
+}
+
+#[test]
+fn episodes_begin_with_any_target_in_the_later_half_of_the_time() {
+    let task = preset("pointing").unwrap();
+    let mut env = env(&task, EXPLORING);
+    let observation = observed(&mut env);
+    let targets = 10;
+    let mut counts = vec![0; targets];
+    for phase in values(&env, &observation, "phase", true) {
+        counts[(phase * targets as f64).round() as usize] += 1;
+    }
+    // Fifty of each, give or take four standard deviations.
+    assert!(counts.iter().all(|&count| (23..=77).contains(&count)), "{counts:?}");
+    let left = values(&env, &observation, "time_left", true);
+    assert!(left.iter().all(|&left| (0.09..=0.5).contains(&left)), "{left:?}");
+    assert!((mean(&left) - 0.3).abs() < 0.03, "{}", mean(&left));
+    assert!(values(&env, &observation, "phase", false).iter().all(|&phase| phase == 0.0));
+    assert!(values(&env, &observation, "time_left", false).iter().all(|&left| left == 1.0));
+    // As long as they say: the first of them end after a tenth of the limit, all after a half.
+    let limit = env.spec().max_episode_steps;
+    let mut ended = vec![false; ENVS];
+    for step in rollout(&mut env, limit / 2) {
+        let now = step.truncated.iter().zip(&step.terminated).map(|(a, b)| a | b);
+        ended.iter_mut().zip(now).for_each(|(ended, now)| *ended |= now);
+    }
+    let (whole, exploring) = ended.split_at(ENVS - EXPLORING);
+    assert!(!whole.contains(&true) && !exploring.contains(&false));
+}
+
+#[test]
+fn the_fingertip_begins_near_the_target_whatever_the_pose_of_the_task() {
+    for pose in [Pose::RangeUniform, Pose::Zero] {
+        let mut task = preset("pointing").unwrap();
+        task.reset.pose = pose;
+        let mut env = env(&task, EXPLORING);
+        let observation = observed(&mut env);
+        let distance = |exploring| {
+            let [x, y, z] =
+                ["x", "y", "z"].map(|axis| values(&env, &observation, &format!("target_vector.{axis}"), exploring));
+            let distances: Vec<f64> = (0..x.len()).map(|k| x[k].hypot(y[k]).hypot(z[k])).collect();
+            mean(&distances)
+        };
+        // The nearest of 32 in a volume is less than a third as far as one.
+        assert!(distance(true) < 0.45 * distance(false), "{pose:?}: {} {}", distance(true), distance(false));
+        let elbow = values(&env, &observation, "joint_position.elbow_flexion", true);
+        let middle = mean(&elbow);
+        let spread = mean(&elbow.iter().map(|x| (x - middle).powi(2)).collect::<Vec<_>>()).sqrt();
+        assert!(spread > 0.15, "{pose:?}: {spread}");
+    }
+}
