@@ -1,4 +1,4 @@
-"""Layouts that nobody tuned for, and comparisons of their users."""
+"""Layouts that nobody tuned for."""
 
 import json
 import random
@@ -12,7 +12,6 @@ import myoenv
 BENCHES = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(BENCHES)]
 
-import comparisons  # noqa: E402
 import layouts  # noqa: E402
 
 #: Finds fault with tasks that have a button, and says that users of layout 2 fail.
@@ -64,25 +63,3 @@ def test_the_slowest_and_those_who_fail_are_told(tmp_path, program, monkeypatch,
     assert told[1] == "layout-2: 0 of 3 reached it; 1.0 2.0 6.0 M control steps"
     assert told[3] == ("6 of 9 users reached it; median 2.0 M control steps, slowest 6.0 M, 3.0 times as many")
     assert len(json.loads(out.read_text())) == 9
-
-
-def test_claims_are_counted(tmp_path, monkeypatch, capsys):
-    for name in "ab":
-        for seed in range(1, 11):
-            (tmp_path / name / f"seed-{seed}").mkdir(parents=True)
-    asked = []
-
-    def claims(first, second):
-        asked.append((first, second))
-        names = {run.parent.name for run in first} | {run.parent.name for run in second}
-        return names == {"a", "b"}, True
-
-    monkeypatch.setattr(comparisons, "claims", claims)
-    monkeypatch.setattr(sys, "argv", ["comparisons.py", str(tmp_path / "a"), str(tmp_path / "b"), "--repeat", "4"])
-    comparisons.main()
-    assert capsys.readouterr().out.splitlines() == [
-        "a and b, from each other: a difference in time in 4 of 4, in anything in 4",
-        "a, from itself: a difference in time in 0 of 4, in anything in 4",
-        "b, from itself: a difference in time in 0 of 4, in anything in 4",
-    ]
-    assert all(len(first) == len(second) == 5 and not set(first) & set(second) for first, second in asked)
