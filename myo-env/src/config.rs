@@ -26,6 +26,7 @@ pub struct EnvConfig {
     /// The last so many environments begin their episodes in the middle of the task, drawn anew each time: with any of the
     /// targets, as if those before it were done, with a tenth to a half of the time left, and in that of 32 random poses from
     /// which the fingertip has the least way to go. Exploring starts (Sutton and Barto 2018, section 5.3), for training alone.
+    /// More than there are means all.
     pub exploring: usize,
 }
 
