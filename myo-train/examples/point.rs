@@ -9,7 +9,13 @@ use myo_train::{PpoConfig, RunWriter, Trainer, evaluate};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name a folder for the run")?;
-    let config = PpoConfig { num_envs: 256, action_offset: 0.0, action_scale: 1.0, ..PpoConfig::default() };
+    let config = PpoConfig {
+        num_envs: 256,
+        exploring_starts: 0.0,
+        action_offset: 0.0,
+        action_scale: 1.0,
+        ..PpoConfig::default()
+    };
     let seed = 1;
     let mut trainer = Trainer::new(Box::new(common::Points::new(256)), config, seed)?;
     let description = serde_json::json!({ "task": "two points" });

@@ -98,6 +98,11 @@ pub fn check_env(env: &dyn VectorEnv, config: &PpoConfig) -> Result<(), TrainErr
     if spec.num_envs != config.num_envs {
         return mismatch("the number of environments", spec.num_envs.to_string(), config.num_envs.to_string());
     }
+    let exploring = config.envs(0).exploring;
+    if spec.exploring != exploring {
+        let expected = format!("{exploring}: make environments of `PpoConfig::envs`, or set exploring_starts to 0");
+        return mismatch("the number of environments that explore", spec.exploring.to_string(), expected);
+    }
     if spec.autoreset != Autoreset::SameStep {
         return mismatch("the autoreset mode", format!("{:?}", spec.autoreset), "SameStep".into());
     }

@@ -37,7 +37,7 @@ static COUNTING: Counting = Counting;
 
 /// Calls and bytes of one update after some, so that every kind of episode end was seen.
 fn of_an_update(num_envs: usize) -> (u64, u64) {
-    let config = PpoConfig { num_envs, ..PpoConfig::default() };
+    let config = PpoConfig { num_envs, exploring_starts: 0.0, ..PpoConfig::default() };
     let mut trainer = Trainer::new(Box::new(Points::new(num_envs)), config, 1).unwrap();
     (0..40).for_each(|_| drop(trainer.update().unwrap()));
     [&CALLS, &BYTES].into_iter().for_each(|count| count.store(0, Ordering::Relaxed));

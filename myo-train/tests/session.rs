@@ -20,6 +20,7 @@ fn config() -> PpoConfig {
         steps_per_update: 16,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
+        exploring_starts: 0.0,
         action_offset: 0.0,
         // So few samples take shorter steps: with the defaults, users of the toy differ by more than a plateau allows.
         minibatches: 4,

@@ -13,6 +13,7 @@ fn config() -> PpoConfig {
         steps_per_update: 16,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
+        exploring_starts: 0.0,
         action_offset: 0.0,
         action_scale: 1.0,
         ..PpoConfig::default()
@@ -53,13 +54,14 @@ fn ppo_learns_to_reach_two_targets() {
 /// Settings for [`Constant`].
 fn small(num_envs: usize, steps_per_update: usize) -> PpoConfig {
     let hidden = PpoConfig { policy_hidden: vec![4], value_hidden: vec![4], minibatches: 1, ..PpoConfig::default() };
-    PpoConfig { num_envs, steps_per_update, ..hidden }
+    PpoConfig { num_envs, steps_per_update, exploring_starts: 0.0, ..hidden }
 }
 
 #[test]
 fn episodes_that_begin_in_the_middle_of_the_task_are_counted_nowhere() {
     let env = Constant::staircase(4).exploring(2);
-    let metrics = Trainer::new(Box::new(env), small(4, 12), 1).unwrap().update().unwrap();
+    let metrics =
+        Trainer::new(Box::new(env), PpoConfig { exploring_starts: 0.5, ..small(4, 12) }, 1).unwrap().update().unwrap();
     // Twelve that return one, and six that return two; not four of three and three of four.
     assert_eq!(metrics.episodes, 18);
     assert_eq!(metrics.episode_mean("return"), Some(24.0 / 18.0));
@@ -120,6 +122,7 @@ fn another_seed_gives_another_run() {
 fn learned_value(terminates: bool, gamma: f64) -> f64 {
     let config = PpoConfig {
         num_envs: 64,
+        exploring_starts: 0.0,
         steps_per_update: 16,
         value_hidden: vec![16],
         policy_hidden: vec![4],
@@ -152,7 +155,7 @@ fn the_end_of_the_task_ends_the_future() {
 
 #[test]
 fn numbers_that_are_not_finite_stop_the_training_with_a_reason() {
-    let config = PpoConfig { num_envs: 8, ..PpoConfig::default() };
+    let config = PpoConfig { num_envs: 8, exploring_starts: 0.0, ..PpoConfig::default() };
     let mut env = Constant::new(8, 5, false);
     env.reward = f32::NAN;
     let mut trainer = Trainer::new(Box::new(env), config.clone(), 1).unwrap();
@@ -205,7 +208,7 @@ impl VectorEnv for BadLast {
 
 #[test]
 fn a_bad_last_observation_is_forgotten_when_the_training_goes_back() {
-    let config = PpoConfig { num_envs: 8, ..PpoConfig::default() };
+    let config = PpoConfig { num_envs: 8, exploring_starts: 0.0, ..PpoConfig::default() };
     let mut trainer = Trainer::new(Box::new(BadLast(Constant::new(8, 5, false), false)), config, 1).unwrap();
     let start = trainer.save().unwrap();
     let error = trainer.update().unwrap_err().to_string();

@@ -252,7 +252,7 @@ fn episodes_that_last_to_the_time_limit_end_at_different_times_on_the_card_too()
     task.time_limit_s = 1.2;
     let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
     let envs = EnvConfig { num_envs: 12, ..EnvConfig::default() };
-    let config = PpoConfig { steps_per_update: 4, ..config(12) };
+    let config = PpoConfig { steps_per_update: 4, exploring_starts: 0.0, ..config(12) };
     let mut trainer = Trainer::on_card(GpuEnv::new(&gpu, &model, &task, &envs).unwrap(), config, 1).unwrap();
     let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes).collect();
     assert_eq!(episodes[..5], [0; 5]);
@@ -265,6 +265,7 @@ fn training_on_the_card_improves() {
     let envs = 256;
     let config = PpoConfig {
         num_envs: envs,
+        exploring_starts: 0.0,
         steps_per_update: 16,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32],
