@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, Throughput};
 use myo_benches::{Idle, Numbers, SCENES, assert_finite, card, harness, one_core};
-use myo_env::{EnvConfig, GpuEnv};
+use myo_env::GpuEnv;
 use myo_train::{Mlp, TrainError, Trainer, UpdateMetrics, advantages};
 
 /// Rows that the learner passes through a network at once.
@@ -82,7 +82,7 @@ const PARTS: [(&str, Seconds); 2] = [("acting", |metrics| metrics.collect_s), ("
 fn updates(criterion: &mut Criterion) {
     for scene in &SCENES.learner.updates {
         measure_updates(criterion, "update", &scene.name, || {
-            Trainer::new(Box::new(Idle::new(scene.settings.num_envs)), scene.settings.clone(), 1)
+            Trainer::new(Box::new(Idle::new(&scene.settings)), scene.settings.clone(), 1)
         });
     }
 }
@@ -93,8 +93,7 @@ fn updates_on_card(criterion: &mut Criterion) {
     for scene in &SCENES.learner.card {
         measure_updates(criterion, "update on a card", &scene.name, || {
             let (task, model) = scene.task_and_model();
-            let config = EnvConfig { num_envs: scene.settings.num_envs, seed: 1, ..EnvConfig::default() };
-            let env = GpuEnv::new(gpu, &model, &task, &config).expect("presets make environments");
+            let env = GpuEnv::new(gpu, &model, &task, &scene.settings.envs(1)).expect("presets make environments");
             Trainer::on_card(env, scene.settings.clone(), 1)
         });
     }

@@ -9,7 +9,7 @@ use std::thread;
 
 use clap::{ArgAction, Parser, ValueEnum};
 use myo_benches::{Failure, breakdown, seconds};
-use myo_env::{EnvConfig, GpuEnv, VectorEnv};
+use myo_env::{GpuEnv, VectorEnv};
 use myo_gpu::{AdapterChoice, Batch, Gpu};
 use myo_model::{Model, builtin};
 use myo_train::gpu::{DeviceRollout, Tile};
@@ -41,7 +41,7 @@ enum Instead {
 fn measure_rollout(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
     let model = Model::new(&builtin(&task.model)?)?;
     let config = PpoConfig { num_envs, ..PpoConfig::default() };
-    let make = || GpuEnv::new(gpu, &model, task, &EnvConfig { num_envs, ..EnvConfig::default() });
+    let make = || GpuEnv::new(gpu, &model, task, &config.envs(0));
     let card = DeviceRollout::new(make()?, &config)?;
     card.set_scaling(&Normalizer::new(card.sizes().observations, 5.0, 0.05))?;
     let (groups, steps, spec) = (gpu.groups(), config.steps_per_update, card.env().spec());
@@ -103,7 +103,7 @@ fn tiles(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failu
     let model = Model::new(&builtin(&task.model)?)?;
     let config = PpoConfig { num_envs, ..PpoConfig::default() };
     for &tile in TILES {
-        let env = GpuEnv::new(gpu, &model, task, &EnvConfig { num_envs, ..EnvConfig::default() })?;
+        let env = GpuEnv::new(gpu, &model, task, &config.envs(0))?;
         let card = DeviceRollout::with_tile(env, &config, Some(tile))?;
         let layers = |add: &dyn Fn(&mut Batch)| -> Result<Vec<String>, Failure> {
             let mut best = vec![];

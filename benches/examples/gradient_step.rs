@@ -46,7 +46,7 @@ fn config(samples: usize) -> PpoConfig {
 
 /// Best and median.
 fn on_processor(samples: usize) -> Result<(f64, f64), Failure> {
-    let mut trainer = Trainer::new(Box::new(Idle::new(samples)), config(samples), 1)?;
+    let mut trainer = Trainer::new(Box::new(Idle::new(&config(samples))), config(samples), 1)?;
     trainer.update()?;
     let (start, mut times) = (Instant::now(), vec![]);
     while times.len() < 5 || start.elapsed().as_secs_f64() < LEAST_S {

@@ -66,7 +66,7 @@ fn update(peak: f64) {
     let flops = policy.flops_per_sample() + value.flops_per_sample();
     let passes = (config.batch_size() * config.epochs) as f64;
     let samples = config.batch_size() as f64;
-    let mut trainer = Trainer::new(Box::new(Idle::new(config.num_envs)), config, 1).expect("the settings fit");
+    let mut trainer = Trainer::new(Box::new(Idle::new(&config)), config, 1).expect("the settings fit");
     let (mut learn, mut collect) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..25 {
         let metrics = trainer.update().expect("the idle environment is harmless");

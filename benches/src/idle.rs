@@ -1,6 +1,7 @@
 //! An environment that costs next to nothing, so that the learner is measured alone.
 
-use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_env::{EnvConfig, EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_train::PpoConfig;
 
 /// Observations that never change, and a reward of two of the actions.
 pub struct Idle(EnvSpec);
@@ -11,8 +12,9 @@ impl Idle {
     /// Its actions, one per muscle.
     pub const ACTIONS: usize = 26;
 
-    /// With so many environments.
-    pub fn new(num_envs: usize) -> Self {
+    /// With as many environments as these settings train in; they explore in name.
+    pub fn new(config: &PpoConfig) -> Self {
+        let EnvConfig { num_envs, exploring, .. } = config.envs(0);
         let names = |n: usize| (0..n).map(|i| i.to_string()).collect();
         Self(EnvSpec {
             num_envs,
@@ -22,7 +24,7 @@ impl Idle {
             control_dt: 0.05,
             max_episode_steps: 240,
             autoreset: Default::default(),
-            exploring: 0,
+            exploring,
         })
     }
 }
