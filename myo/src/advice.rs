@@ -96,8 +96,12 @@ fn hold(task: &Task, report: &Report, target: usize) -> Option<Finding> {
         }
         _ => None,
     });
+    // Where it is out of reach, or nothing has to be held, nothing was tried.
+    let out_of_reach =
+        |error: &TaskError| matches!(error, TaskError::OutOfReach { target: element, .. } if concerns(element, target));
     let needs_hold = matches!(task.targets[target], Target::Pointing(_)) && task.dwell_steps(target) > 1;
-    found.or_else(|| needs_hold.then(|| Finding::Fine("muscles can hold the fingertip still there".into())))
+    let was_tried = needs_hold && !report.errors.iter().any(out_of_reach);
+    found.or_else(|| was_tried.then(|| Finding::Fine("muscles can hold the fingertip still there".into())))
 }
 
 fn concerns(element: &Element, target: usize) -> bool {

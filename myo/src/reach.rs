@@ -101,10 +101,11 @@ mod tests {
             assert!(text.contains("; move its centre ") && !text.contains("nearer"), "{text}");
             let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("a sphere") };
             sphere.position = moved.to;
-            // Reached is not held: that is another finding.
-            let found = check(&task, &reach);
-            let only_weak = found.warnings.iter().all(|warning| matches!(warning, TaskWarning::CannotHold { .. }));
-            assert!(found.is_ok() && only_weak, "{text}: {found:?}");
+            // Reached is not held: at the last place it is not, which is all that is found.
+            let mut found = check(&task, &reach);
+            let weak =
+                found.warnings.extract_if(.., |warning| matches!(warning, TaskWarning::CannotHold { .. })).count();
+            assert_eq!((found, weak), (Report::default(), usize::from(x == 0.20)), "{text}");
         }
     }
 
@@ -178,6 +179,9 @@ mod tests {
         }
         let reach = ModelReach::new(&Model::new(&description).unwrap()).unwrap();
         let text = cause(&sphere(0.55), &reach, 0);
-        assert!(text.contains("likely cause: muscles cannot hold the fingertip still in target 1"), "{text}");
+        assert!(
+            text.contains("likely cause: muscles cannot hold the fingertip still in target 1 (pointing), such as at ("),
+            "{text}"
+        );
     }
 }
