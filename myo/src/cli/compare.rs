@@ -45,8 +45,9 @@ Examples:
   myo compare runs/grid-1 runs/row-1                users that are trained already
 
 Every user is a training of its own, with its own seed, and is evaluated in 1,000 fresh episodes. A difference is claimed where
-it is unlikely to be chance (the rank-sum test over users, with fewer than five of each Welch's; Holm's correction over success, time and effort: a layout differs from
-itself once in twenty comparisons) and larger than what more training may still bring (3 % of time and effort, 1 % of success).
+it is unlikely to be chance (the rank-sum test over users, with fewer than five of each Welch's; Holm's correction over success,
+time and effort: a layout differs from itself once in twenty comparisons) and larger than what more training may still bring
+(3 % of time and effort, 1 % of success).
 With one user of a layout nothing can be claimed. What else weakens the comparison is told: other bodies, versions, kinds of
 targets, rewards or settings, and users that had not finished learning.
 
