@@ -24,8 +24,10 @@ pub struct EnvConfig {
     /// Instruction-set level; without it that of [`Level::detect`].
     pub level: Option<Level>,
     /// The last so many environments begin their episodes in the middle of the task, drawn anew each time: with any of the
-    /// targets, as if those before it were done, with a tenth to a half of the time left, and in that of 32 random poses from
-    /// which the fingertip has the least way to go. Exploring starts (Sutton and Barto 2018, section 5.3), for training alone.
+    /// targets, as if those before it were done, with a tenth to a half of the time left, and in that of eight random poses from
+    /// which the fingertip has the least way to go. Of episodes after a failure three of four begin with the target that was not
+    /// done, in the best of 32 poses; after a success every other episode is a whole one. Exploring starts (Sutton and Barto 2018,
+    /// section 5.3), for training alone.
     /// More than there are means all.
     pub exploring: usize,
 }

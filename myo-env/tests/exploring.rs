@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{arm, entry, rollout, short};
+use common::{arm, column, entry, rollout, short};
 use myo_env::{CpuEnv, EnvConfig, EnvSpec, VectorEnv};
 use myo_tasks::{Pose, Task, preset};
 
@@ -78,6 +78,58 @@ fn episodes_begin_with_any_target_in_the_later_half_of_the_time() {
     assert!(!whole.contains(&true) && !exploring.contains(&false));
 }
 
+/// How many episodes of exploring environments ended, and how many of the next began with the target that was not done.
+fn practised(task: &Task) -> (usize, usize) {
+    let mut env = env(task, EXPLORING);
+    let limit = env.spec().max_episode_steps;
+    let steps = rollout(&mut env, limit);
+    let spec = env.spec();
+    let (targets, columns) = (task.targets.len() as f32, spec.episode_names.len());
+    let (phase, done) = (entry(&env, "phase"), column(&env, "targets_done"));
+    let (mut ended, mut again) = (0, 0);
+    for step in steps {
+        for k in (spec.whole_episodes()..ENVS).filter(|&k| step.truncated[k] || step.terminated[k]) {
+            let begins_with = step.observation[k * spec.observation_size() + phase] * targets;
+            ended += 1;
+            again += usize::from(begins_with.round() == step.episode[k * columns + done]);
+        }
+    }
+    (ended, again)
+}
+
+#[test]
+fn what_failed_is_practised_again() {
+    let mut task = preset("pointing").unwrap();
+    task.time_limit_s = 1.0;
+    let (ended, again) = practised(&task);
+    let share = again as f64 / ended as f64;
+    // Three of four, and a tenth of the others by chance; five standard deviations.
+    assert!(ended > 1000, "{ended}");
+    assert!((share - 0.775).abs() < 5.0 * (0.775 * 0.225 / ended as f64).sqrt(), "{again} of {ended}");
+}
+
+#[test]
+fn after_a_success_every_other_episode_is_whole_and_any_target_may_come() {
+    // A sphere around everything.
+    let sphere =
+        "{kind: pointing, position: {x: 0, y: 0, z: 0}, radius: 1, dwell_s: 0.05, min_distance_from_previous: 0}";
+    let text = format!("{{version: 1, name: everywhere, time_limit_s: 1, targets: [{sphere}, {sphere}]}}");
+    let task = Task::from_yaml(&text, "everywhere").unwrap();
+    let mut env = env(&task, EXPLORING);
+    let steps = rollout(&mut env, 12);
+    let (spec, phase, left) = (env.spec(), entry(&env, "phase"), entry(&env, "time_left"));
+    let rows = steps.iter().flat_map(|step| {
+        let rows = step.observation.chunks_exact(spec.observation_size()).enumerate();
+        rows.filter(|&(k, _)| k >= spec.whole_episodes() && step.terminated[k]).map(|(_, row)| (row[phase], row[left]))
+    });
+    let (whole, middle): (Vec<_>, Vec<_>) = rows.partition(|&(_, left)| left == 1.0);
+    let (whole_share, ended) = (whole.len() as f64 / (whole.len() + middle.len()) as f64, whole.len() + middle.len());
+    assert!(ended > 1000 && (whole_share - 0.5).abs() < 0.06, "{whole_share} of {ended}");
+    assert!(whole.iter().all(|&(phase, _)| phase == 0.0));
+    let second = middle.iter().filter(|&&(phase, _)| phase == 0.5).count() as f64 / middle.len() as f64;
+    assert!((second - 0.5).abs() < 0.08, "{second}");
+}
+
 #[test]
 fn the_fingertip_begins_near_the_target_whatever_the_pose_of_the_task() {
     for pose in [Pose::RangeUniform, Pose::Zero] {
@@ -91,7 +143,7 @@ fn the_fingertip_begins_near_the_target_whatever_the_pose_of_the_task() {
             let distances: Vec<f64> = (0..x.len()).map(|k| x[k].hypot(y[k]).hypot(z[k])).collect();
             mean(&distances)
         };
-        // The nearest of 32 in a volume is less than a third as far as one.
+        // The nearest of eight in a volume is half as far as one.
         assert!(distance(true) < 0.45 * distance(false), "{pose:?}: {} {}", distance(true), distance(false));
         let elbow = values(&env, &observation, "joint_position.elbow_flexion", true);
         let middle = mean(&elbow);

@@ -11,16 +11,16 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PpoConfig {
-    /// Environments stepped side by side (default 2,048). More of them give steadier gradients per update and need
+    /// Environments stepped side by side (default 4,096). More of them give steadier gradients per update and need
     /// more control steps in all.
     pub num_envs: usize,
-    /// Control steps of every environment between two updates (default 8). Longer roll-outs lean less on the value
+    /// Control steps of every environment between two updates (default 4). Longer roll-outs lean less on the value
     /// network, and update less often.
     pub steps_per_update: usize,
-    /// Share of the environments, at most 0.9, whose episodes begin in the middle of the task (default 0.25): with any of the
-    /// targets, in one of many poses. Otherwise a target that is not done hides all that come after it, and a posture in which
-    /// the arm rests near a target hides the one in which it would do it. These episodes are learned from, and counted
-    /// nowhere: success and times are those of whole episodes.
+    /// Share of the environments, at most 0.9, whose episodes begin in the middle of the task (default 0.75): in one of many
+    /// poses, with any of the targets, mostly with the one that the environment failed at before. Otherwise a target that is
+    /// not done hides all that come after it, and a posture in which the arm rests near a target hides the one in which it
+    /// would do it. These episodes are learned from, and counted nowhere: success and times are those of whole episodes.
     pub exploring_starts: f64,
     /// Passes over the collected samples in one update (default 2). More learn more from the same samples, until
     /// the policy has moved too far from the one that collected them.
@@ -102,9 +102,9 @@ pub struct PpoConfig {
 impl Default for PpoConfig {
     fn default() -> Self {
         Self {
-            num_envs: 2048,
-            steps_per_update: 8,
-            exploring_starts: 0.25,
+            num_envs: 4096,
+            steps_per_update: 4,
+            exploring_starts: 0.75,
             epochs: 2,
             minibatches: 8,
             policy_hidden: vec![128, 128],
@@ -262,7 +262,7 @@ mod tests {
             let description = schema["properties"][name]["description"].as_str().unwrap().replace('\n', " ");
             let told = description.split("(default ").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
             let numbers = |text: &str| -> Vec<f64> {
-                let plain = text.replace("2,048", "2048");
+                let plain = text.replace("4,096", "4096");
                 plain.split(", ").map_while(|number| number.parse().ok()).collect()
             };
             let is_told = match default {

@@ -25,8 +25,9 @@ pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S
 #[inline(always)]
 pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     if mask.any() {
+        let done_before = env.task.phase;
         S::outline(stages::Draw { tables, mask, env });
-        S::outline(stages::Explore { tables, mask, env, physics: &mut ws.physics });
+        S::outline(stages::Explore { tables, mask, done_before, env, physics: &mut ws.physics });
     }
     let sensed = sense(tables, env, &mut ws.physics);
     S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.next_observation });

@@ -2,7 +2,9 @@
 //!
 //! A target that is not done hides all that come after it, and a posture in which the arm comes to rest near a target hides
 //! the one in which it would do it. So some environments of a training begin their episodes with any of the targets, late,
-//! and in that of several random poses from which the fingertip has the least way to go.
+//! and in that of several random poses from which the fingertip has the least way to go. Mostly they begin with the target
+//! at which their last episode ended, if it was not done: what fails is practised most. After a success every other episode
+//! is a whole one: the better the user, the less is left to explore.
 
 use super::episode::uniform;
 use super::stages;
@@ -16,42 +18,81 @@ use myo_tasks::logic;
 const MOMENT_STREAM: u32 = 0x5000;
 /// Random stream of poses.
 const POSE_STREAM: u32 = 0x6000;
-/// Poses that are drawn.
-const POSES: usize = 32;
+/// Poses that are drawn, and so many more for a target that was not done before.
+const POSES: usize = 8;
+const MORE_POSES: usize = 24;
 /// Least and greatest share of the time limit that is left: the shorter episodes are, the more of them begin.
 const LEFT: [f64; 2] = [0.1, 0.5];
+/// Share of episodes after a failure that begin with the target that was not done.
+const AGAIN: f64 = 0.75;
+/// Share of episodes after a success that are whole.
+const WHOLE: f64 = 0.5;
 
-/// Changes how an episode begins, of those in the mask where environments explore.
+/// Changes how an episode begins, of those in the mask where environments explore. `done_before` of the targets were done when
+/// the last episode ended.
 #[inline(always)]
-pub fn explore<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, physics: &mut Workspace<S>) {
+pub fn explore<S: Scalar>(
+    tables: &Tables<S::Const>,
+    mask: S::Mask,
+    done_before: S,
+    env: &mut EnvState<S>,
+    physics: &mut Workspace<S>,
+) {
     let explores = mask & S::lit(0.5).lt(S::from_word(env.env >> EXPLORES.trailing_zeros()));
     S::when(explores, &mut Beginning { env, physics }, |Beginning { env, physics }| {
-        draw_moment(tables, explores, env);
-        draw_pose(tables, explores, env, physics);
+        let draws = uniform::<S>(env.counter(), MOMENT_STREAM, 4);
+        let (targets, is_not_first) = (tables.task.targets.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
+        let failed = is_not_first & done_before.lt(S::lit(targets));
+        let succeeded = is_not_first & S::lit(targets).le(done_before);
+        let middle = explores & !(succeeded & draws[3].lt(S::lit(WHOLE)));
+        let again = middle & failed & draws[2].lt(S::lit(AGAIN));
+        let done = S::select(again, done_before, any_target(tables, draws[0]));
+        env.task.phase = S::select(middle, done, env.task.phase);
+        env.task.step = S::select(middle, late(tables, draws[1]), env.task.step);
+        draw_pose(tables, middle, again, env, physics);
     });
 }
 
-/// Any target, and what is left of the time.
+/// Any target.
 #[inline(always)]
-fn draw_moment<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
-    let draws = uniform::<S>(env.counter(), MOMENT_STREAM, 2);
-    let (targets, limit) = (tables.task.targets.len(), S::splat(tables.task.time_limit));
+fn any_target<S: Scalar>(tables: &Tables<S::Const>, draw: S) -> S {
+    let targets = tables.task.targets.len();
     let mut done = S::zero();
     for target in 1..targets {
-        done += S::indicator(S::lit(target as f64 / targets as f64).le(draws[0]));
+        done += S::indicator(S::lit(target as f64 / targets as f64).le(draw));
     }
-    let left = draws[1].mul_add(S::lit(LEFT[1] - LEFT[0]), S::lit(LEFT[0])) * limit;
-    env.task.phase = S::select(mask, done, env.task.phase);
-    env.task.step = S::select(mask, limit - left.floor().max(S::lit(1.0)), env.task.step);
+    done
+}
+
+/// A step of the later part of an episode.
+#[inline(always)]
+fn late<S: Scalar>(tables: &Tables<S::Const>, draw: S) -> S {
+    let limit = S::splat(tables.task.time_limit);
+    let left = draw.mul_add(S::lit(LEFT[1] - LEFT[0]), S::lit(LEFT[0])) * limit;
+    limit - left.floor().max(S::lit(1.0))
 }
 
 /// The pose of several from which the fingertip is nearest to the current target.
 #[inline(always)]
-fn draw_pose<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, physics: &mut Workspace<S>) {
-    let target = env.task.centre(0);
+fn draw_pose<S: Scalar>(
+    tables: &Tables<S::Const>,
+    mask: S::Mask,
+    again: S::Mask,
+    env: &mut EnvState<S>,
+    physics: &mut Workspace<S>,
+) {
     let (nearest, draw) = (S::lit(f64::from(f32::MAX)), S::Word::splat(0));
     let mut search = Search { best: env.body.qpos.clone(), nearest, draw, env, physics };
-    S::repeat(POSES, &mut search, |Search { best, nearest, draw, env, physics }| {
+    search_poses(tables, mask, POSES, &mut search);
+    S::when(again, &mut search, |search| search_poses(tables, again, MORE_POSES, search));
+    search.env.body.qpos = search.best;
+}
+
+/// Looks at so many further poses.
+#[inline(always)]
+fn search_poses<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, poses: usize, search: &mut Search<'_, S>) {
+    let target = search.env.task.centre(0);
+    S::repeat(poses, search, |Search { best, nearest, draw, env, physics }| {
         S::outline(stages::DrawPose { tables, draw: *draw, env });
         let mut fingertip = [S::zero(); 3];
         S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
@@ -63,7 +104,6 @@ fn draw_pose<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvS
         }
         *draw = *draw + S::Word::splat(1);
     });
-    search.env.body.qpos = search.best;
 }
 
 /// Any pose, everywhere.

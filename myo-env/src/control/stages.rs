@@ -101,6 +101,8 @@ impl<S: Scalar> Stage<S> for Draw<'_, S> {
 pub struct Explore<'a, S: Scalar> {
     pub tables: &'a Tables<S::Const>,
     pub mask: S::Mask,
+    /// Targets that were done when the last episode ended.
+    pub done_before: S,
     pub env: &'a mut EnvState<S>,
     pub physics: &'a mut Workspace<S>,
 }
@@ -110,7 +112,7 @@ impl<S: Scalar> Stage<S> for Explore<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        explore(self.tables, self.mask, self.env, self.physics);
+        explore(self.tables, self.mask, self.done_before, self.env, self.physics);
     }
 }
 

@@ -31,7 +31,7 @@ fn task() -> Task {
 
 /// Environments, of which some explore.
 pub fn envs(num_envs: usize) -> EnvConfig {
-    EnvConfig { num_envs, seed: 3, exploring: num_envs / 4, ..EnvConfig::default() }
+    config(num_envs).envs(3)
 }
 
 pub fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
@@ -44,6 +44,7 @@ pub fn config(num_envs: usize) -> PpoConfig {
     PpoConfig {
         num_envs,
         steps_per_update: STEPS,
+        exploring_starts: 0.25,
         policy_hidden: vec![33, 20],
         value_hidden: vec![17],
         observation_clip: 1.5,
