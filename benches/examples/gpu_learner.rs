@@ -22,7 +22,7 @@ struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1)]
     groups: usize,
     /// Environments whose roll-outs whole updates learn from
-    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "2048,16384")]
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "4096,16384")]
     envs: Vec<usize>,
     /// Samples of the single gradient steps
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', default_value = "1280,8192,65536")]
@@ -184,7 +184,7 @@ mod tests {
             let Arguments { instead, groups, envs, samples } = Arguments::try_parse_from(line.split(' ')).unwrap();
             (matches!(instead, Some(Instead::Tiles)), groups, envs, samples)
         };
-        let (envs, samples) = (vec![2048, 16_384], vec![1280, 8192, 65_536]);
+        let (envs, samples) = (vec![4096, 16_384], vec![1280, 8192, 65_536]);
         assert_eq!(read("gpu_learner"), (false, 1, envs.clone(), samples.clone()));
         assert_eq!(read("gpu_learner tiles"), (true, 1, envs, samples));
         assert_eq!(read("gpu_learner --groups 2 --envs 64 --samples 8,9"), (false, 2, vec![64], vec![8, 9]));
