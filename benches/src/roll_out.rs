@@ -29,7 +29,7 @@ impl RollOut {
             observations,
             actions,
             summary: 5,
-            time_limit: 100,
+            between_cuts: 100,
             control_dt: 0.05,
         };
         let record = RolloutBuffers::new(gpu, &sizes)?;

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::control::explore::LEFT;
+
 /// What happens when an episode ends, in the words of Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Autoreset {
@@ -39,6 +41,11 @@ impl EnvSpec {
     /// Environments whose episodes are whole, from the first target to the last: the first so many.
     pub fn whole_episodes(&self) -> usize {
         self.num_envs - self.exploring
+    }
+    /// Control steps from one cut by the time limit to the next of the same environment, at least; 1 or more.
+    pub fn steps_between_cuts(&self) -> usize {
+        let share = if self.exploring > 0 { LEFT[0] } else { 1.0 };
+        ((share * self.max_episode_steps as f64) as usize).max(1)
     }
     /// Number of entries of one observation.
     pub fn observation_size(&self) -> usize {

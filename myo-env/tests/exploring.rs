@@ -70,6 +70,10 @@ fn episodes_begin_with_any_target_in_the_later_half_of_the_time() {
     // As long as they say: the first of them end after a tenth of the limit, all after a half.
     let limit = env.spec().max_episode_steps;
     let mut ended = vec![false; ENVS];
+    assert_eq!(
+        (env.spec().steps_between_cuts(), EnvSpec { exploring: 0, ..env.spec().clone() }.steps_between_cuts()),
+        (limit / 10, limit)
+    );
     for step in rollout(&mut env, limit / 2) {
         let now = step.truncated.iter().zip(&step.terminated).map(|(a, b)| a | b);
         ended.iter_mut().zip(now).for_each(|(ended, now)| *ended |= now);

@@ -22,7 +22,7 @@ const POSE_STREAM: u32 = 0x6000;
 const POSES: usize = 8;
 const MORE_POSES: usize = 24;
 /// Least and greatest share of the time limit that is left: the shorter episodes are, the more of them begin.
-const LEFT: [f64; 2] = [0.1, 0.5];
+pub const LEFT: [f64; 2] = [0.1, 0.5];
 /// Share of episodes after a failure that begin with the target that was not done.
 const AGAIN: f64 = 0.75;
 /// Share of episodes after a success that are whole.

@@ -2,7 +2,7 @@
 
 mod episode;
 mod excite;
-mod explore;
+pub mod explore;
 mod simulate;
 mod stages;
 mod summary;

@@ -23,8 +23,8 @@ pub struct Sizes {
     pub actions: usize,
     /// Entries of the summary of an episode.
     pub summary: usize,
-    /// Control steps after which an episode is cut off.
-    pub time_limit: usize,
+    /// Control steps from one cut by the time limit to the next of the same environment, at least.
+    pub between_cuts: usize,
     /// Seconds of simulated time per control step.
     pub control_dt: f64,
 }
@@ -40,7 +40,7 @@ impl Sizes {
             observations: spec.observation_size(),
             actions: spec.action_size(),
             summary: spec.episode_size(),
-            time_limit: spec.max_episode_steps.max(1),
+            between_cuts: spec.steps_between_cuts(),
             control_dt: spec.control_dt,
         }
     }
@@ -53,13 +53,13 @@ impl Sizes {
     /// Columns of all observations: those before every step, those after the last, and last ones of episodes that the
     /// time limit cut off.
     pub fn columns(&self) -> usize {
-        (self.steps + 1 + self.steps.div_ceil(self.time_limit)) * self.padded
+        (self.steps + 1 + self.steps.div_ceil(self.between_cuts)) * self.padded
     }
 
     /// First column for the last observations of episodes cut off in step `t`. The time limit cuts an environment off
-    /// once in `time_limit` steps, so steps that share these columns never meet in one environment.
+    /// once in `between_cuts` steps, so steps that share these columns never meet in one environment.
     pub fn last_column(&self, t: usize) -> usize {
-        (self.steps + 1 + t / self.time_limit) * self.padded
+        (self.steps + 1 + t / self.between_cuts) * self.padded
     }
 
     /// Workgroups per observation entry that keep observations.
@@ -93,12 +93,12 @@ mod tests {
             observations: 3,
             actions: 2,
             summary: 4,
-            time_limit: 5,
+            between_cuts: 5,
             control_dt: 0.05,
         };
-        for first in 0..sizes.time_limit {
+        for first in 0..sizes.between_cuts {
             let columns: Vec<_> =
-                (first..sizes.steps).step_by(sizes.time_limit).map(|t| sizes.last_column(t)).collect();
+                (first..sizes.steps).step_by(sizes.between_cuts).map(|t| sizes.last_column(t)).collect();
             assert!(columns.is_sorted_by(|a, b| a + sizes.padded <= *b), "{columns:?}");
             assert!(columns.iter().all(|c| c + sizes.padded <= sizes.columns()));
         }

@@ -5,8 +5,8 @@ struct Shape {
     // Columns of one step.
     padded: u32,
     steps: u32,
-    // Control steps until the time limit: where the values of cut off episodes are.
-    time_limit: u32,
+    // Control steps from one cut by the time limit to the next, at least: where the values of cut off episodes are.
+    between_cuts: u32,
     gamma: f32,
     decay: f32,
 }
@@ -39,7 +39,7 @@ fn main(
         if ended[i] == 1u {
             next = 0.0;
         } else if ended[i] == 2u {
-            next = value[(shape.steps + 1u + t / shape.time_limit) * shape.padded + env];
+            next = value[(shape.steps + 1u + t / shape.between_cuts) * shape.padded + env];
         }
         if ended[i] != 0u { later = 0.0; }
         let delta = reward[i] + shape.gamma * next - value[i];

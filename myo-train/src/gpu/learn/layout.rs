@@ -163,7 +163,7 @@ mod tests {
             observations: 3,
             actions: 2,
             summary: 4,
-            time_limit: 5,
+            between_cuts: 5,
             control_dt: 0.05,
         };
         let networks = Networks { policy: Mlp::new(3, &[5], 2), value: Mlp::new(3, &[4], 1) };

@@ -34,11 +34,11 @@ impl Context<'_> {
     fn estimate(&self) -> Result<Dispatch, GpuError> {
         let access = [Read, Read, Read, ReadWrite, ReadWrite, Uniform];
         let kernel = self.compile("advantages", include_str!("estimate.wgsl"), &access)?;
-        let Sizes { envs, padded, steps, time_limit, control_dt, .. } = *self.sizes;
+        let Sizes { envs, padded, steps, between_cuts, control_dt, .. } = *self.sizes;
         // As on the processor, the decay is the product of two rounded numbers.
         let (gamma, lambda) = (self.config.gamma(control_dt) as f32, self.config.gae_lambda as f32);
         let numbers = [gamma, gamma * lambda].map(f32::to_bits);
-        let shape: Vec<_> = [envs, padded, steps, time_limit].map(|x| x as u32).into_iter().chain(numbers).collect();
+        let shape: Vec<_> = [envs, padded, steps, between_cuts].map(|x| x as u32).into_iter().chain(numbers).collect();
         let (record, memory) = (self.record, self.memory);
         let buffers = [
             record.reward.binding(),
