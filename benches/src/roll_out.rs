@@ -25,6 +25,7 @@ impl RollOut {
             steps,
             envs,
             counted: envs,
+            noise_free: config.noise_free_envs(),
             padded,
             observations,
             actions,

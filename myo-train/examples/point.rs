@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         run.record(&metrics)?;
         if metrics.updates.is_multiple_of(20) {
             run.write_checkpoint(&trainer.save()?)?;
-            let success = metrics.episode_mean("success").unwrap_or(0.0);
+            let success = metrics.episodes.mean("success").unwrap_or(0.0);
             println!("{:7} steps, {:8.0} steps/s, success {success:.2}", metrics.env_steps, metrics.steps_per_s());
         }
     }

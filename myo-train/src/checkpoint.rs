@@ -132,7 +132,7 @@ impl Checkpoint {
 
     /// What the last doubling of the training brought and more would, if a session wrote it and that can be told.
     pub fn trend(&self) -> Option<Trend> {
-        self.session.as_ref()?.memory.curve.trend()
+        self.session.as_ref()?.memory.trend()
     }
 
     /// Sets the time spent to zero: the one thing in which equal runs differ.

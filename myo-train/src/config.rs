@@ -40,7 +40,7 @@ pub struct PpoConfig {
     pub gae_lambda: f64,
     /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2).
     pub clip: f64,
-    /// Weight of the policy's entropy, summed over actions, in nats (default 0.002). Higher keeps exploring longer.
+    /// Weight of the policy's entropy, summed over actions, in nats (default 0.005). Higher keeps exploring longer.
     pub entropy_coefficient: f64,
     /// Weight of the mean squared error of the value network (default 0.5).
     pub value_coefficient: f64,
@@ -112,7 +112,7 @@ impl Default for PpoConfig {
             discount_per_s: 0.5,
             gae_lambda: 0.9,
             clip: 0.2,
-            entropy_coefficient: 0.002,
+            entropy_coefficient: 0.005,
             value_coefficient: 0.5,
             reward_scale: 1.0,
             learning_rate: 1e-3,
@@ -138,6 +138,9 @@ impl Default for PpoConfig {
     }
 }
 
+/// Of so many environments one acts without noise.
+const NOISE_FREE: usize = 64;
+
 /// A hyperparameter outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{name} is {value}; it must be {range}")]
@@ -154,6 +157,12 @@ impl PpoConfig {
     /// Samples of one update.
     pub fn batch_size(&self) -> usize {
         self.num_envs * self.steps_per_update
+    }
+
+    /// The first so many environments act without noise: how good the policy itself has become is told by them at no cost. Their
+    /// actions teach it nothing.
+    pub fn noise_free_envs(&self) -> usize {
+        self.num_envs / NOISE_FREE
     }
 
     /// The environments to train in.

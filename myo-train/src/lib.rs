@@ -70,7 +70,7 @@ pub use files::{IoError, write_whole};
 pub use gae::advantages;
 pub use inherit::Inherited;
 pub use learn::LearnStats;
-pub use metrics::{FIRST_COLUMNS, LAST_COLUMNS, UpdateMetrics};
+pub use metrics::{Episodes, FIRST_COLUMNS, LAST_COLUMNS, UpdateMetrics};
 pub use mlp::{Mlp, MlpWork};
 pub use normalizer::{Moments, Normalizer};
 pub use policy::Policy;

@@ -50,6 +50,28 @@ impl EpisodeSums {
     }
 }
 
+/// Episodes that ended in an update.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Episodes {
+    /// How many.
+    pub count: u64,
+    /// Their means: the names of [`EnvSpec::episode_names`](myo_env::EnvSpec::episode_names), NaN without an episode.
+    pub means: Vec<(String, f64)>,
+}
+
+impl Episodes {
+    /// With these names of columns.
+    pub(crate) fn new(names: &[String], sums: &EpisodeSums) -> Self {
+        Self { count: sums.count, means: names.iter().cloned().zip(sums.means()).collect() }
+    }
+
+    /// Mean of a column of the episode summary, if there is one and an episode ended.
+    pub fn mean(&self, name: &str) -> Option<f64> {
+        let found = self.means.iter().find(|(n, _)| n == name);
+        found.map(|&(_, mean)| mean).filter(|mean| !mean.is_nan())
+    }
+}
+
 /// Everything that one update is worth recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UpdateMetrics {
@@ -63,10 +85,10 @@ pub struct UpdateMetrics {
     pub collect_s: f64,
     /// Seconds spent learning in this update.
     pub learn_s: f64,
-    /// Episodes that ended in this update.
-    pub episodes: u64,
-    /// Their means: the names of [`EnvSpec::episode_names`](myo_env::EnvSpec::episode_names), NaN without an episode.
-    pub episode_means: Vec<(String, f64)>,
+    /// Whole episodes of the policy with its noise.
+    pub episodes: Episodes,
+    /// Of the policy without noise; see [`PpoConfig::noise_free_envs`](crate::PpoConfig::noise_free_envs).
+    pub noise_free: Episodes,
     /// Mean reward per control step.
     pub reward_per_step: f64,
     /// Losses, divergence, clip fraction and gradient norm.
@@ -87,12 +109,6 @@ impl UpdateMetrics {
         self.env_steps as f64 / self.updates as f64 / (self.collect_s + self.learn_s)
     }
 
-    /// Mean of a column of the episode summary, if there is one and an episode ended.
-    pub fn episode_mean(&self, name: &str) -> Option<f64> {
-        let found = self.episode_means.iter().find(|(n, _)| n == name);
-        found.map(|&(_, mean)| mean).filter(|mean| !mean.is_nan())
-    }
-
     /// Names of [`UpdateMetrics::row`].
     pub fn columns(episode_names: &[String]) -> impl Iterator<Item = &str> {
         let name = |column: &Column| column.name;
@@ -109,7 +125,7 @@ impl UpdateMetrics {
             self.steps_per_s(),
             self.collect_s,
             self.learn_s,
-            self.episodes as f64,
+            self.episodes.count as f64,
         ];
         let learn = &self.learn;
         let last: [f64; LAST_COLUMNS.len()] = [
@@ -124,7 +140,7 @@ impl UpdateMetrics {
             learn.gradient_norm,
             self.learning_rate,
         ];
-        first.into_iter().chain(self.episode_means.iter().map(|&(_, mean)| mean)).chain(last).collect()
+        first.into_iter().chain(self.episodes.means.iter().map(|&(_, mean)| mean)).chain(last).collect()
     }
 }
 
@@ -140,7 +156,11 @@ pub const FIRST_COLUMNS: [Column; 7] = [
     ),
     Column::new("collect_s", "s", "Acting and stepping the environments in this update."),
     Column::new("learn_s", "s", "Learning in this update."),
-    Column::new("episodes", "", "Episodes that ended in this update."),
+    Column::new(
+        "episodes",
+        "",
+        "Episodes that ended in this update, of environments that act with noise and do not explore.",
+    ),
 ];
 
 /// Columns of the metrics after those of the episodes.

@@ -46,8 +46,10 @@ pub struct Rollout {
     chunk_moments: Vec<Moments>,
     /// Of all raw observations of the roll-out.
     pub moments: Moments,
-    /// Of the episodes that ended.
+    /// Of the whole episodes that ended, of environments that act with noise.
     pub episodes: EpisodeSums,
+    /// Of those that act without.
+    pub noise_free: EpisodeSums,
 }
 
 /// What the policy needs to act.
@@ -93,6 +95,7 @@ impl Rollout {
             chunk_moments: vec![Moments::new(observations); envs.div_ceil(CHUNK_ROWS)],
             moments: Moments::new(observations),
             episodes: EpisodeSums::new(spec.episode_size()),
+            noise_free: EpisodeSums::new(spec.episode_size()),
         }
     }
 
@@ -113,6 +116,7 @@ impl Rollout {
         self.terminated.clear();
         self.moments.clear();
         self.episodes.clear();
+        self.noise_free.clear();
         self.bad_last = None;
         for t in 0..actor.config.steps_per_update {
             if !go_on() {
@@ -137,7 +141,7 @@ impl Rollout {
         let spread = actor.networks.spread(actor.parameters);
         let parameters = &actor.parameters[actor.networks.policy_range()];
         let mapping = (actor.config.action_offset as f32, actor.config.action_scale as f32);
-        let noise_width = noise_width(n_act);
+        let (noise_width, noise_free) = (noise_width(n_act), actor.config.noise_free_envs());
         let at = t * envs;
         (observation.par_chunks(CHUNK_ROWS * n_obs))
             .zip(self.observation[at * n_obs..][..envs * n_obs].par_chunks_mut(CHUNK_ROWS * n_obs))
@@ -156,6 +160,8 @@ impl Rollout {
                         let noise = &mut work.noise[..log_prob.len() * noise_width];
                         let first_block = chunk * CHUNK_ROWS * noise_width / 4;
                         fill_normal(actor.seed, Stream::Actions, step, first_block as u32, noise);
+                        let quiet = noise_free.saturating_sub(chunk * CHUNK_ROWS) * noise_width;
+                        noise.iter_mut().take(quiet).for_each(|noise| *noise = 0.0);
                         let mean = actor.networks.policy.forward(parameters, x, &mut work.policy);
                         gaussian::sample(
                             mean,
@@ -178,7 +184,7 @@ impl Rollout {
 
     /// Keeps what one step of the environment returned.
     fn record(&mut self, actor: &Actor<'_>, at: usize, spec: &EnvSpec) {
-        let (envs, counted) = (spec.num_envs, spec.whole_episodes());
+        let (envs, counted, noise_free) = (spec.num_envs, spec.whole_episodes(), actor.config.noise_free_envs());
         let (step, scale) = (&self.step, actor.config.reward_scale as f32);
         let (n_obs, n_episode) = (step.observation.len() / envs, step.episode.len() / envs);
         for env in 0..envs {
@@ -188,8 +194,11 @@ impl Rollout {
             if !self.ended[i] {
                 continue;
             }
-            if env < counted {
-                self.episodes.add(&step.episode[env * n_episode..][..n_episode]);
+            let summary = &step.episode[env * n_episode..][..n_episode];
+            match env {
+                _ if env < noise_free => self.noise_free.add(summary),
+                _ if env < counted => self.episodes.add(summary),
+                _ => {}
             }
             if step.terminated[env] {
                 self.terminated.push(i as u32);
@@ -233,7 +242,7 @@ impl Rollout {
         }
     }
 
-    /// Advantages and targets, from values and rewards.
+    /// Advantages and targets, from values and rewards. What is done without noise has no advantage: nothing else was tried.
     pub fn estimate(&mut self, config: &PpoConfig) {
         let envs = self.value.len() - self.reward.len();
         let value = &self.value[..self.reward.len()];
@@ -242,6 +251,8 @@ impl Rollout {
         for ((target, advantage), value) in self.target.iter_mut().zip(&self.advantage).zip(value) {
             *target = advantage + value;
         }
+        let noise_free = config.noise_free_envs();
+        self.advantage.chunks_exact_mut(envs).for_each(|step| step[..noise_free].fill(0.0));
     }
 }
 

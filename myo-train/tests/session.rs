@@ -359,7 +359,7 @@ fn a_training_to_its_plateau_ends_when_more_of_it_brings_nothing() {
 fn last_length(told: &[Progress]) -> f64 {
     let metrics = told[told.len() - told.len() / 10..].iter().filter_map(|progress| progress.metrics.as_ref());
     let (mut sum, mut episodes) = (0.0, 0.0);
-    for (length, count) in metrics.filter_map(|m| Some((m.episode_mean("length")?, m.episodes as f64))) {
+    for (length, count) in metrics.filter_map(|m| Some((m.episodes.mean("length")?, m.episodes.count as f64))) {
         sum += count * length;
         episodes += count;
     }

@@ -43,7 +43,7 @@ fn ppo_learns_to_reach_two_targets() {
     let mut success = 0.0;
     for _ in 0..150 {
         let metrics = trainer.update().unwrap();
-        success = metrics.episode_mean("success").unwrap_or(success);
+        success = metrics.episodes.mean("success").unwrap_or(success);
         if success > 0.97 && metrics.explained_variance > 0.5 {
             return;
         }
@@ -63,8 +63,8 @@ fn episodes_that_begin_in_the_middle_of_the_task_are_counted_nowhere() {
     let metrics =
         Trainer::new(Box::new(env), PpoConfig { exploring_starts: 0.5, ..small(4, 12) }, 1).unwrap().update().unwrap();
     // Twelve that return one, and six that return two; not four of three and three of four.
-    assert_eq!(metrics.episodes, 18);
-    assert_eq!(metrics.episode_mean("return"), Some(24.0 / 18.0));
+    assert_eq!(metrics.episodes.count, 18);
+    assert_eq!(metrics.episodes.mean("return"), Some(24.0 / 18.0));
 }
 
 /// Otherwise all of them would end in one update of six, and again in each sixth after it.
@@ -72,7 +72,7 @@ fn episodes_that_begin_in_the_middle_of_the_task_are_counted_nowhere() {
 fn episodes_that_last_to_the_time_limit_end_at_different_times() {
     let env = Constant::with_lengths(vec![24; 12], vec![0; 12], false);
     let mut trainer = Trainer::new(Box::new(env), small(12, 4), 1).unwrap();
-    let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes).collect();
+    let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes.count).collect();
     assert_eq!(episodes[..5], [0; 5]);
     assert_eq!(episodes[5..], [2; 13]);
 }

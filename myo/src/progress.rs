@@ -46,7 +46,7 @@ impl ProgressLine {
             rounded(metrics.env_steps as f64),
             rounded(rate),
             progress.success.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share)),
-            metrics.episode_mean("length").map_or("-".into(), |steps| format!("{:.2} s", self.control_dt_s * steps)),
+            metrics.episodes.mean("length").map_or("-".into(), |steps| format!("{:.2} s", self.control_dt_s * steps)),
             progress.bottleneck.and_then(|bottleneck| self.named(bottleneck)).unwrap_or_default(),
             time_left(progress.steps_left.map(seconds), seconds(limit)),
         ))
@@ -130,7 +130,7 @@ pub fn rounded(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use myo_tasks::preset;
-    use myo_train::UpdateMetrics;
+    use myo_train::{Episodes, UpdateMetrics};
 
     use super::*;
 
@@ -151,8 +151,8 @@ mod tests {
 
     #[test]
     fn the_line_names_the_bottleneck_as_the_task_does() {
-        let episode_means = vec![("length".into(), 31.0)];
-        let metrics = UpdateMetrics { env_steps: 1_000_000, episode_means, ..UpdateMetrics::default() };
+        let episodes = Episodes { count: 9, means: vec![("length".into(), 31.0)] };
+        let metrics = UpdateMetrics { env_steps: 1_000_000, episodes, ..UpdateMetrics::default() };
         let bottleneck = Some(Bottleneck { target: 2, success: 0.625 });
         let progress = Progress { metrics: Some(metrics), success: Some(0.4), bottleneck, ..Progress::default() };
         let line = |name| ProgressLine::new(&preset(name).unwrap(), 60_000_000).after(&progress).unwrap();

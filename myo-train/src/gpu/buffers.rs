@@ -23,7 +23,8 @@ pub struct RolloutBuffers {
     pub episodes: Buffer<f32>,
     /// Sums over parts of the observations, `(2 observations, partial moments)`.
     pub moments: Buffer<f32>,
-    /// Sums: moments `(2 observations)`, episodes `(1 + 2 summary)`, scaled rewards of every step `(steps)`.
+    /// Sums: moments `(2 observations)`, episodes `(1 + 2 summary)`, those without noise alike, scaled rewards of every step
+    /// `(steps)`.
     pub sums: Buffer<f32>,
     /// The least observation entry that was NaN or infinite, or [`ALL_FINITE`].
     pub wrong: Buffer<u32>,
@@ -39,7 +40,7 @@ impl RolloutBuffers {
     /// There is no memory left, a buffer is larger than the card allows, or the card is lost.
     pub fn new(gpu: &Gpu, sizes: &Sizes) -> Result<Self, GpuError> {
         let (samples, columns) = (sizes.samples(), sizes.columns());
-        let sums = 2 * sizes.observations + sizes.episode_rows() + sizes.steps;
+        let sums = 2 * sizes.observations + 2 * sizes.episode_rows() + sizes.steps;
         Ok(Self {
             observation: gpu.buffer("observation record", sizes.observations * columns)?,
             action: gpu.buffer("action record", sizes.actions * samples)?,

@@ -70,8 +70,10 @@ pub(crate) struct CardUpdate {
     pub collect_s: f64,
     /// Of all raw observations of the roll-out.
     pub moments: Moments,
-    /// Of the episodes that ended.
+    /// Of the whole episodes that ended, of environments that act with noise.
     pub episodes: EpisodeSums,
+    /// Of those that act without.
+    pub noise_free: EpisodeSums,
     /// Sum of the scaled rewards.
     pub reward_sum: f64,
     /// Of the targets by the values.
@@ -241,7 +243,8 @@ impl Card {
         let Lesson { learner, settings, readback, collect_s, .. } = lesson;
         let (sizes, update, collect_s) = (self.rollout.sizes(), settings.update, collect_s.clone()?);
         let (moments, rest) = readback.sums.split_at(2 * sizes.observations);
-        let (episodes, rewards) = rest.split_at(sizes.episode_rows());
+        let (episodes, rest) = rest.split_at(sizes.episode_rows());
+        let (noise_free, rewards) = rest.split_at(sizes.episode_rows());
         let reward_sum: f64 = rewards.iter().map(|&sum| f64::from(sum)).sum();
         let names = &self.env().spec().observation_names;
         check(names, readback.wrong[0], reward_sum, update)?;
@@ -251,6 +254,7 @@ impl Card {
             collect_s,
             moments: normalizer.moments_from_f32(samples, moments),
             episodes: EpisodeSums::from_rows(episodes),
+            noise_free: EpisodeSums::from_rows(noise_free),
             reward_sum,
             explained_variance: explained_variance(readback.estimates, samples as f64),
             log_std: readback.log_std.clone(),

@@ -13,6 +13,8 @@ struct Shape {
     actions: u32,
     // Place of the logarithms of the standard deviations.
     log_std: u32,
+    // The first so many environments act without.
+    noise_free: u32,
 }
 
 @group(0) @binding(0) var<storage, read> parameters: array<f32>;
@@ -100,7 +102,8 @@ fn main(
         var counter = array<u32, 4>(env * blocks + block, low, high, STREAM);
         var units: array<f32, 4>;
         open_units(&seed, &counter, &units);
-        let normal = vec4<f32>(normal_pair(units[0], units[1]), normal_pair(units[2], units[3]));
+        var normal = vec4<f32>(normal_pair(units[0], units[1]), normal_pair(units[2], units[3]));
+        if env < shape.noise_free { normal = vec4<f32>(0.0); }
         for (var i = 0u; i < 4u; i += 1u) {
             let action = 4u * block + i;
             if action < shape.actions {

@@ -94,7 +94,8 @@ fn unpack(sizes: &Sizes, normalizer: &Normalizer, host: &HostCopy, rollout: &mut
     unpack_ends(sizes, host, rollout);
     let (moments, rest) = host.sums.split_at(2 * sizes.observations);
     rollout.moments = normalizer.moments_from_f32(sizes.steps * sizes.envs, moments);
-    rollout.episodes = EpisodeSums::from_rows(&rest[..sizes.episode_rows()]);
+    let mut episodes = rest.chunks_exact(sizes.episode_rows()).map(EpisodeSums::from_rows);
+    [rollout.episodes, rollout.noise_free] = [(); 2].map(|()| episodes.next().expect("both are among the sums"));
 }
 
 /// Where episodes ended, and what the future was worth after every step.

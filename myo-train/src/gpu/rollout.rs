@@ -238,9 +238,9 @@ impl Parts<'_> {
     }
 
     fn noise(&self) -> Result<Dispatch, GpuError> {
-        let Sizes { envs, padded, actions, .. } = self.sizes;
+        let Sizes { envs, padded, actions, noise_free, .. } = self.sizes;
         let samples = self.sizes.samples();
-        let shape = [envs, padded, samples, actions, self.networks.log_std_range().start].map(|x| x as u32);
+        let shape = [envs, padded, samples, actions, self.networks.log_std_range().start, noise_free].map(|x| x as u32);
         let RolloutBuffers { action, log_prob, .. } = self.buffers;
         let buffers = [self.parameters.binding(), self.clock.binding(), action.binding(), log_prob.binding()];
         self.kernels.prepare(&self.kernels.noise, &buffers, &shape, samples)
@@ -323,11 +323,12 @@ impl Parts<'_> {
         let (sizes, buffers) = (self.sizes, self.buffers);
         let moments = 2 * sizes.observations;
         let counted = sizes.steps * sizes.observe_chunks();
-        let rewards = moments + sizes.episode_rows();
+        let rows = sizes.episode_rows();
         [
-            (&buffers.moments, [moments, counted, sizes.partial_moments(), 0]),
-            (&buffers.episodes, [sizes.episode_rows(), sizes.counted, sizes.envs, moments]),
-            (&buffers.reward, [sizes.steps, sizes.padded, sizes.padded, rewards]),
+            (&buffers.moments, [moments, counted, sizes.partial_moments(), 0, 0]),
+            (&buffers.episodes, [rows, sizes.counted, sizes.envs, moments, sizes.noise_free]),
+            (&buffers.episodes, [rows, sizes.noise_free, sizes.envs, moments + rows, 0]),
+            (&buffers.reward, [sizes.steps, sizes.padded, sizes.padded, moments + 2 * rows, 0]),
         ]
         .into_iter()
         .map(|(numbers, shape)| {

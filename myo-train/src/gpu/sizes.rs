@@ -15,6 +15,8 @@ pub struct Sizes {
     pub envs: usize,
     /// The first so many of them, whose episodes are whole and count.
     pub counted: usize,
+    /// The first so many of these, which act without noise and count by themselves.
+    pub noise_free: usize,
     /// Columns of one step: `envs` rounded up to a multiple of four.
     pub padded: usize,
     /// Entries of an observation.
@@ -36,6 +38,7 @@ impl Sizes {
             steps: config.steps_per_update,
             envs: spec.num_envs,
             counted: spec.whole_episodes(),
+            noise_free: config.noise_free_envs(),
             padded: spec.num_envs.next_multiple_of(GROUP),
             observations: spec.observation_size(),
             actions: spec.action_size(),
@@ -89,6 +92,7 @@ mod tests {
             steps: 17,
             envs: 5,
             counted: 5,
+            noise_free: 0,
             padded: 8,
             observations: 3,
             actions: 2,

@@ -2,11 +2,14 @@
 
 struct Shape {
     rows: u32,
+    // Columns up to here.
     columns: u32,
     // From one row to the next.
     stride: u32,
     // Place of the first sum.
     first: u32,
+    // First column.
+    start: u32,
 }
 
 @group(0) @binding(0) var<storage, read> numbers: array<f32>;
@@ -24,7 +27,7 @@ fn main(
     let row = workgroup.y * workgroups.x + workgroup.x;
     var mine = 0.0;
     if row < shape.rows {
-        for (var column = local; column < shape.columns; column += WORKGROUP) {
+        for (var column = shape.start + local; column < shape.columns; column += WORKGROUP) {
             mine += numbers[row * shape.stride + column];
         }
     }

@@ -143,6 +143,41 @@ fn a_roll_out_on_the_card_is_that_of_the_processor() {
 }
 
 #[test]
+fn the_first_environments_act_without_noise_and_count_by_themselves() {
+    let Some(gpu) = gpu() else { return };
+    // Not a multiple of 64, and 32 of them explore.
+    let envs = 131;
+    let [card, host] = [true, false].map(|on_card| {
+        let (mut rollout, _) = roll_out(&gpu, envs, on_card);
+        rollout.estimate(&config(envs));
+        rollout
+    });
+    let noise_free = config(envs).noise_free_envs();
+    assert_eq!(noise_free, 2);
+    for rollout in [&card, &host] {
+        let peak = rollout.log_prob.iter().copied().reduce(f32::max).unwrap();
+        for step in rollout.log_prob.chunks(envs) {
+            assert!(step[..noise_free].iter().all(|log_prob| *log_prob == peak), "{step:?}");
+            assert!(step[noise_free..].iter().all(|log_prob| *log_prob < peak), "{step:?}");
+        }
+        for step in rollout.advantage.chunks(envs) {
+            assert_eq!(step.iter().filter(|advantage| **advantage == 0.0).count(), noise_free, "{step:?}");
+        }
+        let ended = |envs: std::ops::Range<usize>| {
+            envs.map(|env| rollout.ended.iter().skip(env).step_by(131).filter(|ended| **ended).count() as u64)
+                .sum::<u64>()
+        };
+        let counts = (rollout.noise_free.count, rollout.episodes.count);
+        assert_eq!(counts, (ended(0..noise_free), ended(noise_free..131 - 32)));
+        assert!(counts.0 > 0);
+    }
+    assert_close("log_prob", &card.log_prob, &host.log_prob, 1e-5);
+    for (a, b) in card.noise_free.means().zip(host.noise_free.means()) {
+        assert!((a - b).abs() < 1e-4 * b.abs().max(1.0) || a.is_nan() && b.is_nan(), "episodes: {a}, {b}");
+    }
+}
+
+#[test]
 fn values_after_the_time_limit_are_those_of_the_last_observations() {
     let Some(gpu) = gpu() else { return };
     let envs = 37;
@@ -189,7 +224,7 @@ fn training_on_the_card_resumes_with_the_same_bits() {
     let envs = 64;
     let mut trainer = Trainer::on_card(env(&gpu, envs), config(envs), 1).unwrap();
     let first = trainer.update().unwrap();
-    assert!(first.learn.kl.abs() < 0.1 && first.episodes > 0, "{first:?}");
+    assert!(first.learn.kl.abs() < 0.1 && first.episodes.count > 0, "{first:?}");
     let saved = trainer.save().unwrap();
     trainer.update().unwrap();
     let mut resumed = Trainer::restore_on_card(env(&gpu, envs), &saved).unwrap();
@@ -225,6 +260,7 @@ fn training_on_the_card_goes_as_on_the_processor() {
     // Few enough samples that both sides have the same minibatches.
     let envs = 64;
     let config = PpoConfig { epochs: 2, minibatches: 8, ..config(envs) };
+    assert_eq!(config.noise_free_envs(), 1);
     let mut card = Trainer::on_card(env(&gpu, envs), config.clone(), 1).unwrap();
     let mut host = Trainer::new(Box::new(env(&gpu, envs)), config, 1).unwrap();
     for _ in 0..3 {
@@ -237,7 +273,8 @@ fn training_on_the_card_goes_as_on_the_processor() {
         close("reward", a.reward_per_step, b.reward_per_step);
         close("explained variance", a.explained_variance, b.explained_variance);
         close("spread", a.action_std, b.action_std);
-        assert_eq!((a.episodes, a.env_steps, a.learning_rate), (b.episodes, b.env_steps, b.learning_rate));
+        assert_eq!((a.env_steps, a.learning_rate), (b.env_steps, b.learning_rate));
+        assert_eq!((a.episodes.count, a.noise_free.count), (b.episodes.count, b.noise_free.count));
     }
     assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
 }
@@ -255,7 +292,7 @@ fn episodes_that_last_to_the_time_limit_end_at_different_times_on_the_card_too()
     let envs = EnvConfig { num_envs: 12, ..EnvConfig::default() };
     let config = PpoConfig { steps_per_update: 4, exploring_starts: 0.0, ..config(12) };
     let mut trainer = Trainer::on_card(GpuEnv::new(&gpu, &model, &task, &envs).unwrap(), config, 1).unwrap();
-    let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes).collect();
+    let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes.count).collect();
     assert_eq!(episodes[..5], [0; 5]);
     assert_eq!(episodes[5..], [2; 13]);
 }

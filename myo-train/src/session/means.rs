@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::UpdateMetrics;
+use crate::Episodes;
 
 /// A target counts once this share of episodes gets to it.
 const HARDLY_ANY: f64 = 0.02;
@@ -39,9 +39,9 @@ pub struct Bottleneck {
 }
 
 impl EpisodeMeans {
-    /// Of the episodes that ended in an update; none if none ended. All numbers are finite.
-    pub(super) fn of(metrics: &UpdateMetrics) -> Option<Self> {
-        let mean = |name: &str| metrics.episode_mean(name).filter(|mean| mean.is_finite());
+    /// Of some episodes; none if there are none. All numbers are finite.
+    pub(super) fn of(episodes: &Episodes) -> Option<Self> {
+        let mean = |name: &str| episodes.mean(name).filter(|mean| mean.is_finite());
         Some(Self {
             success: mean("success")?,
             targets_done: mean("targets_done").unwrap_or(0.0),

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::looks::Looks;
-use crate::{Evaluation, Trainer};
+use super::trend::Trend;
+use crate::{Evaluation, Trainer, UpdateMetrics};
 
 /// What the next decisions of a session depend on besides its trainer and the state to go back to; part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,6 +15,9 @@ pub struct Memory {
     pub looks: Looks,
     /// How success grew.
     pub curve: Curve,
+    /// How the policy without its noise did.
+    #[serde(default)]
+    pub noise_free: Curve,
     /// Evaluations taken: the next one has other episodes.
     pub evaluations: u64,
     /// How often the training went back to its good state.
@@ -32,6 +36,7 @@ impl Memory {
         Self {
             looks: Looks::new(trainer.env_steps()),
             curve: Curve::new(first_whole_episodes(trainer)),
+            noise_free: Curve::new(first_whole_episodes(trainer)),
             evaluations: 0,
             tries: 0,
             told_flat: false,
@@ -52,9 +57,22 @@ impl Memory {
         self.looks.looked(env_steps, cost, found, self.curve.recent().map(|recent| recent.success));
     }
 
+    /// Hears of an update.
+    pub fn hear(&mut self, metrics: &UpdateMetrics) {
+        self.curve.hear(metrics.env_steps, &metrics.episodes);
+        self.noise_free.hear(metrics.env_steps, &metrics.noise_free);
+    }
+
+    /// What the last doubling brought and more would, if that can be told: of the policy without its noise, as it will be
+    /// evaluated, or of training episodes where too few act without.
+    pub fn trend(&self) -> Option<Trend> {
+        self.noise_free.trend().or_else(|| self.curve.trend())
+    }
+
     /// Forgets what came after `env_steps`.
     pub fn go_back(&mut self, env_steps: u64) {
         self.curve.cut(env_steps);
+        self.noise_free.cut(env_steps);
         self.looks.gone_back(env_steps);
     }
 }

@@ -127,7 +127,7 @@ impl Session {
 
     /// What the last doubling of training brought and what more would, if that can be told.
     pub fn trend(&self) -> Option<Trend> {
-        self.memory.curve.trend()
+        self.memory.trend()
     }
 
     /// The evaluation that confirmed the goal, if one did.
@@ -206,7 +206,7 @@ impl Session {
         }
         let Some(metrics) = updated? else { return Ok(Updated::Interrupted) };
         self.recovery.went_well(&self.trainer)?;
-        self.memory.curve.hear(&metrics);
+        self.memory.hear(&metrics);
         self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;
         Ok(Updated::Forward(metrics))
     }

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::means::EpisodeMeans;
 
+/// How a training does after so many steps is the mean over this last part of them.
+pub(super) const WINDOW: f64 = 0.25;
+
 /// Share of its time per episode by which four times the steps may still change it.
 const TIME: f64 = 0.03;
 
@@ -15,9 +18,9 @@ const SUCCESS: f64 = 0.01;
 /// Share of all that its return has gained since the start by which they may change it.
 const RETURN: f64 = 0.02;
 
-/// By what factor improvement shrinks from one doubling to the next: as in the last two, within these limits. Of the trainings
-/// looked at it was 0.5 to 0.8.
-const RATIO: (f64, f64) = (0.5, 0.8);
+/// By what factor improvement shrinks from one doubling to the next: as in the last two, within these limits. What is learned
+/// quickly is learned first, so a smaller factor, which is often seen early, tells nothing of what comes.
+const RATIO: (f64, f64) = (0.65, 0.8);
 
 /// Share of itself that a return counts as having gained at least: where nothing is gained, rounding is no change.
 const LEAST_GAIN: f64 = 1e-3;
@@ -25,7 +28,7 @@ const LEAST_GAIN: f64 = 1e-3;
 /// The factor in forecasts of when a training ends.
 const DECAY: f64 = 0.65;
 
-/// Changes of what training episodes do, which act with noise.
+/// Changes of what a user does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Change {
@@ -48,9 +51,9 @@ impl Change {
 
 /// Where a training leads: what its last doubling brought, and what is to be expected of four times its steps.
 ///
-/// The first is the mean over the last tenth of its steps less that over the last tenth of their first half. The second is the
+/// The first is the mean over the last quarter of its steps less that over the last quarter of their first half. The second is the
 /// sum over two further doublings, each of which brings so much less than the one before as the last brought less than that
-/// before it.
+/// before it. Both are about the policy without its noise, or with it where too few environments act without.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trend {
@@ -99,7 +102,14 @@ fn to_come([quarter, half, whole]: [f64; 3]) -> f64 {
     let (least, most) = RATIO;
     // What has just turned round may go on for long.
     let ratio = if before * last > 0.0 { (last / before).clamp(least, most) } else { most };
-    last * (ratio + ratio * ratio)
+    last / lag(ratio) * (ratio + ratio * ratio)
+}
+
+/// How much more the last doubling changed means over windows than it changed what they are means of, where each doubling changes
+/// that by `ratio` times what the one before did: the mean of such a power of the steps over a window, less its value at the end.
+fn lag(ratio: f64) -> f64 {
+    let power = 1.0 + ratio.log2();
+    (1.0 - (1.0 - WINDOW).powf(power)) / (WINDOW * power)
 }
 
 impl fmt::Display for Trend {

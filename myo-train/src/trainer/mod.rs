@@ -13,7 +13,7 @@ use crate::gaussian::Spread;
 use crate::gpu::{CardUpdate, Together};
 use crate::inherit::{Heir, Inherited};
 use crate::learn::{LearnStats, Optimizer};
-use crate::metrics::{EpisodeSums, UpdateMetrics};
+use crate::metrics::{EpisodeSums, Episodes, UpdateMetrics};
 use crate::networks::{ChunkWork, Lender, Networks};
 use crate::normalizer::{Moments, Normalizer};
 use crate::policy::check_names;
@@ -76,6 +76,7 @@ struct UpdateResult {
     collect_s: f64,
     moments: Moments,
     episodes: EpisodeSums,
+    noise_free: EpisodeSums,
     /// Sum of the scaled rewards.
     reward_sum: f64,
     explained_variance: f64,
@@ -230,8 +231,8 @@ impl Trainer {
             wall_s: self.wall_s,
             collect_s: result.collect_s,
             learn_s: total_s - result.collect_s,
-            episodes: result.episodes.count,
-            episode_means: spec.episode_names.iter().cloned().zip(result.episodes.means()).collect(),
+            episodes: Episodes::new(&spec.episode_names, &result.episodes),
+            noise_free: Episodes::new(&spec.episode_names, &result.noise_free),
             reward_per_step: result.reward_sum / config.batch_size() as f64 / config.reward_scale,
             learn: result.learn,
             explained_variance: result.explained_variance,
@@ -427,9 +428,10 @@ impl Trainer {
 
 impl From<CardUpdate> for UpdateResult {
     fn from(update: CardUpdate) -> Self {
-        let CardUpdate { learn, collect_s, moments, episodes, reward_sum, explained_variance, log_std } = update;
+        let CardUpdate { learn, collect_s, moments, episodes, noise_free, reward_sum, explained_variance, log_std } =
+            update;
         let spread = Spread::new(&log_std);
-        Self { learn, collect_s, moments, episodes, reward_sum, explained_variance, spread }
+        Self { learn, collect_s, moments, episodes, noise_free, reward_sum, explained_variance, spread }
     }
 }
 

@@ -9,6 +9,8 @@ struct Shape {
     between_cuts: u32,
     gamma: f32,
     decay: f32,
+    // The first so many environments acted without noise: they tried nothing that could have an advantage.
+    noise_free: u32,
 }
 
 @group(0) @binding(0) var<storage, read> reward: array<f32>;
@@ -45,7 +47,7 @@ fn main(
         let delta = reward[i] + shape.gamma * next - value[i];
         later = delta + shape.decay * later;
         let goal = later + value[i];
-        estimate[i] = later;
+        estimate[i] = select(later, 0.0, env < shape.noise_free);
         estimate[samples + i] = goal;
         sum += vec4<f32>(later, goal, later * later, goal * goal);
     }

@@ -159,6 +159,7 @@ mod tests {
             steps: 7,
             envs: 37,
             counted: 37,
+            noise_free: 0,
             padded: 40,
             observations: 3,
             actions: 2,

@@ -34,11 +34,12 @@ impl Context<'_> {
     fn estimate(&self) -> Result<Dispatch, GpuError> {
         let access = [Read, Read, Read, ReadWrite, ReadWrite, Uniform];
         let kernel = self.compile("advantages", include_str!("estimate.wgsl"), &access)?;
-        let Sizes { envs, padded, steps, between_cuts, control_dt, .. } = *self.sizes;
+        let Sizes { envs, padded, steps, between_cuts, control_dt, noise_free, .. } = *self.sizes;
         // As on the processor, the decay is the product of two rounded numbers.
         let (gamma, lambda) = (self.config.gamma(control_dt) as f32, self.config.gae_lambda as f32);
         let numbers = [gamma, gamma * lambda].map(f32::to_bits);
-        let shape: Vec<_> = [envs, padded, steps, between_cuts].map(|x| x as u32).into_iter().chain(numbers).collect();
+        let whole = [envs, padded, steps, between_cuts].map(|x| x as u32);
+        let shape: Vec<_> = whole.into_iter().chain(numbers).chain([noise_free as u32]).collect();
         let (record, memory) = (self.record, self.memory);
         let buffers = [
             record.reward.binding(),
@@ -52,7 +53,7 @@ impl Context<'_> {
 
     fn estimate_sums(&self) -> Result<Dispatch, GpuError> {
         let kernel = compile_sums(self.gpu)?;
-        let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0];
+        let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0, 0];
         let buffers = [self.memory.estimate_parts.binding(), self.memory.estimate_sums.binding()];
         prepare(self.gpu, &kernel, &buffers, &shape, 4 * kernel.workgroup_size() as usize)
     }
