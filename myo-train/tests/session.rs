@@ -24,7 +24,7 @@ fn config() -> PpoConfig {
         action_offset: 0.0,
         // So few samples take shorter steps: with the defaults, users of the toy differ by more than a plateau allows.
         minibatches: 4,
-        kl_target: 0.04,
+        kl_target: 0.02,
         ..PpoConfig::default()
     }
 }
