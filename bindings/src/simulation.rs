@@ -102,7 +102,7 @@ impl Simulation {
         let model = model.inner();
         let plan = Plan::exact(model, CouplingMode::Reduced).map_err(error::task)?;
         let obstacles = match task {
-            Some(task) => Tables::<f64>::new(model, task.inner()).map_err(error::build)?.obstacles,
+            Some(task) => Tables::<f64>::new(model, task.inner()).map_err(error::build)?.obstacles(),
             None => Obstacles::none(&plan),
         };
         let names = |all: Vec<&String>| all.into_iter().cloned().collect();

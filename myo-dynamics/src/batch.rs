@@ -155,6 +155,7 @@ impl LaneTask for Steps<'_> {
     fn run<S: Scalar<Const = f32>>(self) {
         let Self { plan, obstacles, blocks, solver, steps } = self;
         let (mut state, mut ws) = (State::<S>::new(plan), Workspace::<S>::new(plan));
+        let obstacles = &obstacles.splat::<S>();
         let mut ctrl = vec![S::zero(); plan.nmuscle()];
         let blocks = blocks.chunks_exact_mut(entries(plan) * S::LANES);
         for (block, solver) in blocks.zip(solver.chunks_mut(S::LANES)) {

@@ -3,7 +3,7 @@
 use crate::impedance::Impedance;
 use crate::plan::Plan;
 use myo_model::description::Softness;
-use myo_scalar::Real;
+use myo_scalar::{Real, Scalar};
 
 /// A box for the fingertip to press, as a task describes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,11 +34,11 @@ impl Default for Surface {
     }
 }
 
-/// Boxes, and the contact parameters that they share, compiled for one plan.
+/// Boxes, and the contact parameters that they share, compiled for one plan. Where the boxes are may differ from lane to lane.
 #[derive(Clone, Debug)]
-pub struct Obstacles<C> {
+pub struct Obstacles<C, T = C> {
     /// The boxes.
-    pub boxes: Vec<CompiledBox<C>>,
+    pub boxes: Vec<CompiledBox<T>>,
     /// Sum of the margins (m).
     pub margin: C,
     /// Sliding friction.
@@ -49,25 +49,60 @@ pub struct Obstacles<C> {
     pub diagonal: C,
 }
 
-/// [`StaticBox`] in precision `C`.
+/// [`StaticBox`] in numbers of type `T`.
 #[derive(Clone, Copy, Debug)]
-pub struct CompiledBox<C> {
+pub struct CompiledBox<T> {
     /// Centre (m, from O).
-    pub centre: [C; 3],
+    pub centre: [T; 3],
     /// Axes as columns.
-    pub axes: [[C; 3]; 3],
+    pub axes: [[T; 3]; 3],
     /// Half sizes (m).
-    pub half_size: [C; 3],
+    pub half_size: [T; 3],
+}
+
+impl StaticBox {
+    /// With each number converted.
+    pub fn map<T>(&self, f: impl Fn(f64) -> T + Copy) -> CompiledBox<T> {
+        CompiledBox {
+            centre: self.centre.map(f),
+            axes: self.axes.map(|axis| axis.map(f)),
+            half_size: self.half_size.map(f),
+        }
+    }
 }
 
 impl<C: Real> Obstacles<C> {
+    /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
+    pub fn new(plan: &Plan<C>, boxes: &[StaticBox], surface: Surface) -> Self {
+        let boxes = boxes.iter().map(|each| each.map(C::from_f64)).collect();
+        Self::with_boxes(plan, boxes, surface)
+    }
+
+    /// The same in every lane.
+    pub fn splat<S: Scalar<Const = C>>(&self) -> Obstacles<C, S> {
+        let splat = |each: &CompiledBox<C>| CompiledBox {
+            centre: each.centre.map(S::splat),
+            axes: each.axes.map(|axis| axis.map(S::splat)),
+            half_size: each.half_size.map(S::splat),
+        };
+        self.with(self.boxes.iter().map(splat).collect())
+    }
+}
+
+impl<C: Real, T> Obstacles<C, T> {
     /// Nothing to touch.
     pub fn none(plan: &Plan<C>) -> Self {
-        Self::new(plan, &[], Surface::default())
+        Self::with_boxes(plan, vec![], Surface::default())
+    }
+
+    /// Other boxes of the same surface.
+    pub fn with<U>(&self, boxes: Vec<CompiledBox<U>>) -> Obstacles<C, U> {
+        let &Self { margin, friction, ref impedance, diagonal, .. } = self;
+        Obstacles { boxes, margin, friction, impedance: impedance.clone(), diagonal }
     }
 
     /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
-    pub fn new(plan: &Plan<C>, boxes: &[StaticBox], surface: Surface) -> Self {
+    pub fn with_boxes(plan: &Plan<C>, boxes: Vec<CompiledBox<T>>, surface: Surface) -> Self {
         let c = C::from_f64;
         let sphere = plan.contact_sphere.as_ref();
         let friction = sphere.map_or(0.0, |s| s.friction).max(surface.friction);
@@ -81,13 +116,8 @@ impl<C: Real> Obstacles<C> {
         // MuJoCo scales the regularisation of a pyramid so that its stiffness does not depend on the friction.
         let inverse_mass = sphere.map_or(1.0, |s| s.diagonal);
         let diagonal = 2.0 * friction * friction * (1.0 + friction * friction) * inverse_mass;
-        let columns = |m: [[f64; 3]; 3]| m.map(|v| v.map(c));
         Self {
-            boxes: boxes
-                .iter()
-                .filter(|_| sphere.is_some())
-                .map(|b| CompiledBox { centre: b.centre.map(c), axes: columns(b.axes), half_size: b.half_size.map(c) })
-                .collect(),
+            boxes,
             margin: c(sphere.map_or(0.0, |s| s.margin) + surface.margin),
             friction: c(friction),
             impedance: Impedance::new(&softness, plan.timestep.to_f64()),

@@ -1,6 +1,7 @@
 //! Work on consecutive blocks of environments: what one thread does of a step or a reset.
 
 use crate::control::{Scratch, reseed, reset, step_and_autoreset};
+use crate::parameters::World;
 use crate::precision::Job;
 use crate::rows::{MAX_LANES, flags_of, mask_from, read_rows, rows, write_rows};
 use crate::state::EnvState;
@@ -27,7 +28,7 @@ impl<C: Real> Job<C> for StepJob<'_, C> {
     #[inline(always)]
     fn run<S: Scalar<Const = C>>(mut self) {
         let tables = self.tables;
-        let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
+        let (mut env, mut ws, world) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables), tables.splat::<S>());
         let nact = ws.ctrl.len();
         let Blocks { count, numbers, words, solver, .. } = self.storage;
         let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
@@ -35,7 +36,7 @@ impl<C: Real> Job<C> for StepJob<'_, C> {
             load(&mut env, numbers, words);
             let start = (block * S::LANES * nact).min(self.actions.len());
             read_rows(&self.actions[start..], &mut ws.ctrl);
-            step_block(tables, self.autoreset, &mut env, &mut ws, block, &mut self.out);
+            step_block(&world, self.autoreset, &mut env, &mut ws, block, &mut self.out);
             ws.physics.tally.take(tables.substeps as usize, solver);
             store(&mut env, numbers, words);
         }
@@ -44,14 +45,14 @@ impl<C: Real> Job<C> for StepJob<'_, C> {
 
 #[inline(always)]
 fn step_block<S: Scalar>(
-    tables: &Tables<S::Const>,
+    world: &World<'_, S>,
     autoreset: Autoreset,
     env: &mut EnvState<S>,
     ws: &mut Scratch<S>,
     block: usize,
     out: &mut StepBuffers<'_>,
 ) {
-    let outcome = step_and_autoreset(tables, autoreset, env, ws);
+    let outcome = step_and_autoreset(world, autoreset, env, ws);
     let (terminated, truncated) = (outcome.terminated, outcome.truncated);
     let ended = flags_of::<S>(terminated | truncated);
     let (nobs, nepisode) = (ws.observation.len(), ws.episode.len());
@@ -84,7 +85,7 @@ impl<C: Real> Job<C> for ResetJob<'_, C> {
     #[inline(always)]
     fn run<S: Scalar<Const = C>>(self) {
         let tables = self.tables;
-        let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
+        let (mut env, mut ws, world) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables), tables.splat::<S>());
         let Blocks { count, numbers, words, .. } = self.storage;
         let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
         for (block, (numbers, words)) in blocks.enumerate() {
@@ -96,7 +97,7 @@ impl<C: Real> Job<C> for ResetJob<'_, C> {
             if let Some(seed) = self.seed {
                 reseed(myo_scalar::seed_words(seed), mask, &mut env);
             }
-            reset(tables, mask, &mut env, &mut ws);
+            reset(&world, mask, &mut env, &mut ws);
             store(&mut env, numbers, words);
             let nobs = ws.next_observation.len();
             let rows = rows!(self.observation, block, S::LANES, nobs);

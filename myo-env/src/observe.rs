@@ -1,7 +1,7 @@
 //! The observation: which parts it has, what they are called, and their values.
 
+use crate::parameters::World;
 use crate::state::EnvState;
-use crate::tables::Tables;
 use myo_model::Model;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{Sensed, TargetKind, difference, inside};
@@ -89,12 +89,12 @@ pub fn names(model: &Model, task: &Task, dofs: &[String]) -> Vec<String> {
 
 /// Appends the observation of the current state to `out`.
 #[inline(always)]
-pub fn observe<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: &Sensed<S>, out: &mut Vec<S>) {
+pub fn observe<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, sensed: &Sensed<S>, out: &mut Vec<S>) {
     let task = &env.task;
     let centre = task.centre(0);
-    for part in &tables.observation {
+    for part in &world.tables.observation {
         match part {
-            ObservationPart::JointPosition => joint_positions(tables, env, out),
+            ObservationPart::JointPosition => joint_positions(world, env, out),
             ObservationPart::JointVelocity => out.extend_from_slice(&env.body.qvel),
             ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
             ObservationPart::FingertipPosition => out.extend_from_slice(&sensed.fingertip),
@@ -103,14 +103,13 @@ pub fn observe<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: 
             ObservationPart::TargetSize => out.push(task.current_size()),
             ObservationPart::TargetVector => out.extend_from_slice(&difference(centre, sensed.fingertip)),
             ObservationPart::NextTargetVector => out.extend_from_slice(&difference(task.centre(1), centre)),
-            ObservationPart::Phase => out.push(task.phase * S::lit(1.0 / tables.task.targets.len() as f64)),
-            ObservationPart::DwellFraction => out.push(dwell_fraction(tables, env)),
+            ObservationPart::Phase => out.push(task.phase * S::lit(1.0 / world.parameters.task.targets.len() as f64)),
+            ObservationPart::DwellFraction => out.push(dwell_fraction(world, env)),
             ObservationPart::TimeLeft => {
-                let limit = tables.task.time_limit.to_f64();
-                out.push(task.step.mul_add(S::lit(-1.0 / limit), S::lit(1.0)));
+                out.push(S::lit(1.0) - task.step * world.parameters.task.time_limit.recip());
             }
             ObservationPart::Inside => out.push(S::indicator(inside(sensed, task))),
-            ObservationPart::Touch => out.push(touch(tables, env)),
+            ObservationPart::Touch => out.push(touch(world, env)),
         }
     }
 }
@@ -124,8 +123,8 @@ fn scaled<S: Scalar>(values: &[S], factor: f64, offset: f64, out: &mut Vec<S>) {
 }
 
 #[inline(always)]
-fn joint_positions<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, out: &mut Vec<S>) {
-    for (dof, &q) in tables.plan.dofs.iter().zip(&env.body.qpos) {
+fn joint_positions<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, out: &mut Vec<S>) {
+    for (dof, &q) in world.tables.plan.dofs.iter().zip(&env.body.qpos) {
         let Some([lo, hi]) = dof.range.map(|range| range.map(Real::to_f64)) else {
             out.push(q);
             continue;
@@ -136,11 +135,11 @@ fn joint_positions<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, out:
 }
 
 #[inline(always)]
-fn dwell_fraction<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>) -> S {
+fn dwell_fraction<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>) -> S {
     let mut fraction = S::zero();
-    for (index, target) in tables.task.targets.iter().enumerate() {
+    for (index, target) in world.parameters.task.targets.iter().enumerate() {
         if let TargetKind::Sphere(sphere) = target {
-            let share = env.task.dwell * S::lit(1.0 / sphere.dwell.to_f64());
+            let share = env.task.dwell * sphere.dwell.recip();
             fraction = S::select(env.task.is_current(index), share, fraction);
         }
     }
@@ -148,11 +147,11 @@ fn dwell_fraction<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>) -> S 
 }
 
 #[inline(always)]
-fn touch<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>) -> S {
+fn touch<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>) -> S {
     let mut share = S::zero();
-    for (index, target) in tables.task.targets.iter().enumerate() {
+    for (index, target) in world.parameters.task.targets.iter().enumerate() {
         if let TargetKind::Button(button) = target {
-            let part = (env.touch * S::lit(1.0 / button.min_force.to_f64())).min(S::lit(1.0));
+            let part = (env.touch * button.min_force.recip()).min(S::lit(1.0));
             share = S::select(env.task.is_current(index), part, share);
         }
     }

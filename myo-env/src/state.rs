@@ -65,7 +65,7 @@ impl<S: Scalar> EnvState<S> {
         let (o, w) = (S::zero(), S::Word::splat(0));
         Self {
             body: State::new(&tables.plan),
-            task: TaskState::new(tables.task.targets.len()),
+            task: TaskState::new(tables.targets()),
             qacc: vec![o; tables.plan.ndof()],
             touch: o,
             touched: o,

@@ -1,66 +1,29 @@
-//! Everything about a model and a task that stays fixed, in the precision of the backend.
+//! A model and a task, compiled in the precision of the backend.
 
 use crate::config::BuildError;
 use crate::observe::{self, ObservationPart};
+use crate::parameters::{Parameters, World};
 use crate::saved::Identity;
-use myo_dynamics::{CouplingMode, Obstacles, Plan, StaticBox, Surface};
+use myo_dynamics::{CouplingMode, Obstacles, Plan};
 use myo_model::Model;
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::CompiledTask;
-use myo_tasks::{InvalidTask, Pose, Reset, Target, Task};
+use myo_tasks::{InvalidTask, Task};
 
-/// Constants of one environment.
+/// One environment: what code is compiled for, and the numbers of its task.
 #[derive(Clone, Debug)]
 pub struct Tables<C> {
     /// The body.
     pub plan: Plan<C>,
-    /// What it can touch.
-    pub obstacles: Obstacles<C>,
-    /// What it is to do.
-    pub task: CompiledTask<C>,
+    /// How surfaces behave that it touches; without boxes.
+    surface: Obstacles<C>,
+    /// The numbers of the task.
+    pub parameters: Parameters<C>,
     /// Physics steps per control step.
     pub substeps: u32,
     /// Parts of the observation, in order.
     pub observation: Vec<ObservationPart>,
-    /// Standard deviations of motor noise: signal-dependent, constant.
-    pub noise: Option<[C; 2]>,
-    /// How episodes begin.
-    pub start: Start<C>,
     /// Which model and task these are.
     pub(crate) identity: Identity,
-}
-
-/// Distribution of the body's state at the start of an episode.
-#[derive(Clone, Debug)]
-pub struct Start<C> {
-    /// Joint positions.
-    pub pose: Poses<C>,
-    /// Joint positions where environments explore: within all that the joints allow.
-    pub any_pose: Poses<C>,
-    /// Greatest speed, either way.
-    pub speed: C,
-    /// Greatest activation.
-    pub activation: C,
-}
-/// Joint positions, uniform in intervals (rad).
-#[derive(Clone, Debug)]
-pub struct Poses<C> {
-    lowest: Vec<C>,
-    width: Vec<C>,
-}
-
-impl<C: Real> Poses<C> {
-    fn new(intervals: impl Iterator<Item = [f64; 2]>) -> Self {
-        let (lowest, width) = intervals.map(|[lo, hi]| (C::from_f64(lo), C::from_f64(hi - lo))).unzip();
-        Self { lowest, width }
-    }
-
-    /// A pose, from a number in [0, 1) per coordinate.
-    #[inline(always)]
-    pub fn at<S: Scalar<Const = C>>(&self, draws: Vec<S>) -> impl Iterator<Item = S> {
-        let within = |((draw, &lowest), &width): ((S, _), _)| draw.mul_add(S::splat(width), S::splat(lowest));
-        draws.into_iter().zip(&self.lowest).zip(&self.width).map(within)
-    }
 }
 
 impl<C: Real> Tables<C> {
@@ -86,52 +49,35 @@ impl<C: Real> Tables<C> {
         let exact = Plan::exact(model, CouplingMode::Reduced)?;
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
         let plan = plan(&exact);
-        let noise = &task.noise;
-        let noisy = noise.signal_dependent > 0.0 || noise.constant > 0.0;
-        let buttons: Vec<StaticBox> = task.targets.iter().filter_map(button).collect();
         Ok(Self {
-            obstacles: Obstacles::new(&plan, &buttons, Surface::default()),
+            surface: Obstacles::none(&plan),
+            parameters: Parameters::new(&task, &exact),
             substeps: task.substeps(exact.timestep),
             observation: observe::parts(&task.observation),
-            noise: noisy.then(|| [noise.signal_dependent, noise.constant].map(C::from_f64)),
-            start: start(&task, &exact),
             identity: Identity::new(model, &task),
-            task: CompiledTask::new(&task),
             plan,
         })
     }
-}
 
-fn button(target: &Target) -> Option<StaticBox> {
-    let Target::Pressing(button) = target else { return None };
-    let rotation = button.rotation();
-    let column = |k: usize| [0, 1, 2].map(|row| rotation[(row, k)]);
-    Some(StaticBox {
-        centre: button.position,
-        axes: [column(0), column(1), column(2)],
-        half_size: button.half_extents(),
-    })
-}
-
-fn start<C: Real>(task: &Task, plan: &Plan<f64>) -> Start<C> {
-    let reset = &task.reset;
-    let poses = |pose| Poses::new(plan.dofs.iter().map(|dof| interval(reset, pose, dof.range)));
-    let speed = if reset.pose == Pose::Zero { 0.0 } else { reset.velocity_spread_rad_s };
-    Start {
-        pose: poses(reset.pose),
-        any_pose: poses(Pose::RangeUniform),
-        speed: C::from_f64(speed),
-        activation: C::from_f64(reset.activation_max),
+    /// Targets of the task.
+    pub fn targets(&self) -> usize {
+        self.parameters.task.targets.len()
     }
-}
 
-/// From where a joint of this range is drawn.
-fn interval(reset: &Reset, pose: Pose, range: Option<[f64; 2]>) -> [f64; 2] {
-    match (pose, range) {
-        (Pose::Zero, _) => [0.0, 0.0],
-        (Pose::RangeUniform, Some(range)) => range,
-        // A joint without limits has no range to draw from.
-        (Pose::NearZero, None) | (Pose::RangeUniform, None) => [-reset.pose_spread_rad, reset.pose_spread_rad],
-        (Pose::NearZero, Some([lo, hi])) => [-reset.pose_spread_rad, reset.pose_spread_rad].map(|q| q.clamp(lo, hi)),
+    /// What the fingertip can press.
+    pub fn obstacles(&self) -> Obstacles<C> {
+        self.surface.with(self.parameters.boxes())
+    }
+
+    /// The same numbers in every lane.
+    #[inline(always)]
+    pub fn splat<S: Scalar<Const = C>>(&self) -> World<'_, S> {
+        self.with(self.parameters.map(&mut |&number| S::splat(number)))
+    }
+
+    /// With numbers of the lanes' own.
+    #[inline(always)]
+    pub fn with<S: Scalar<Const = C>>(&self, parameters: Parameters<S>) -> World<'_, S> {
+        World { tables: self, obstacles: self.surface.with(parameters.boxes()), parameters }
     }
 }

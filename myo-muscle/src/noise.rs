@@ -11,7 +11,7 @@ pub const CONSTANT_NOISE: f64 = 0.185;
 
 /// `clip(u + signal_dependent * u * z1 + constant * z2, 0, 1)` with two independent standard normal numbers per muscle.
 #[inline(always)]
-pub fn noisy_excitation<S: Scalar>(u: S, signal_dependent: S::Const, constant: S::Const, z1: S, z2: S) -> S {
-    let noise = (u * S::splat(signal_dependent)).mul_add(z1, S::splat(constant) * z2);
+pub fn noisy_excitation<S: Scalar>(u: S, signal_dependent: S, constant: S, z1: S, z2: S) -> S {
+    let noise = (u * signal_dependent).mul_add(z1, constant * z2);
     (u + noise).clamp(0.0, 1.0)
 }

@@ -27,7 +27,7 @@ struct Nearest<S> {
 #[inline(always)]
 pub fn contact<S: Scalar>(
     plan: &Plan<S::Const>,
-    obstacles: &Obstacles<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
@@ -63,7 +63,7 @@ impl<S: Scalar> Carried<S> for Edges<'_, S> {
 #[inline(always)]
 fn nearest_surface<S: Scalar>(
     sphere: &ContactSphere<S::Const>,
-    boxes: &[CompiledBox<S::Const>],
+    boxes: &[CompiledBox<S>],
     centre: Vec3<S>,
 ) -> Nearest<S> {
     let mut best = Nearest { distance: S::lit(FAR), normal: Vec3::zero(), index: S::zero() };
@@ -80,13 +80,15 @@ fn nearest_surface<S: Scalar>(
 
 /// Signed distance of a point from a box's surface, and the direction out of the box (world axes).
 #[inline(always)]
-fn surface<S: Scalar>(each: &CompiledBox<S::Const>, point: Vec3<S>) -> (S, Vec3<S>) {
-    let axes = Rotation { x: Vec3::splat(each.axes[0]), y: Vec3::splat(each.axes[1]), z: Vec3::splat(each.axes[2]) };
-    let local = axes.apply_inverse(point - Vec3::splat(each.centre)).array();
+fn surface<S: Scalar>(each: &CompiledBox<S>, point: Vec3<S>) -> (S, Vec3<S>) {
+    let vector = |[x, y, z]: [S; 3]| Vec3::new(x, y, z);
+    let [x, y, z] = each.axes.map(vector);
+    let axes = Rotation { x, y, z };
+    let local = axes.apply_inverse(point - vector(each.centre)).array();
     let mut excess = [S::zero(); 3];
     let (mut depth, mut face) = (S::lit(FAR), [S::zero(); 3]);
     for k in 0..3 {
-        let half = S::splat(each.half_size[k]);
+        let half = each.half_size[k];
         excess[k] = local[k] - local[k].max(-half).min(half);
         // Depth below the nearer of the two faces across this axis; the negative face wins ties.
         let inside = half - local[k].abs();
@@ -112,7 +114,7 @@ fn surface<S: Scalar>(each: &CompiledBox<S::Const>, point: Vec3<S>) -> (S, Vec3<
 fn pyramid<S: Scalar>(
     plan: &Plan<S::Const>,
     sphere: &ContactSphere<S::Const>,
-    obstacles: &Obstacles<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
     state: &State<S>,
     centre: Vec3<S>,
     nearest: Nearest<S>,

@@ -22,7 +22,7 @@ use std::marker::PhantomData;
 #[inline(always)]
 pub fn step<S: Scalar>(
     plan: &Plan<S::Const>,
-    obstacles: &Obstacles<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
     ctrl: &[S],
     state: &mut State<S>,
     ws: &mut Workspace<S>,
@@ -35,7 +35,7 @@ pub fn step<S: Scalar>(
 #[inline(always)]
 pub fn forward<S: Scalar>(
     plan: &Plan<S::Const>,
-    obstacles: &Obstacles<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
@@ -50,7 +50,7 @@ trait StepStage {
     const NAME: &'static str;
     fn apply<S: Scalar>(
         plan: &Plan<S::Const>,
-        obstacles: &Obstacles<S::Const>,
+        obstacles: &Obstacles<S::Const, S>,
         state: &State<S>,
         ws: &mut Workspace<S>,
     );
@@ -62,7 +62,7 @@ struct Positions;
 impl StepStage for Positions {
     const NAME: &'static str = "positions";
     #[inline(always)]
-    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const, S>, state: &State<S>, ws: &mut Workspace<S>) {
         kinematics::kinematics(plan, &state.qpos, &state.qvel, ws);
     }
 }
@@ -73,7 +73,7 @@ struct Paths;
 impl StepStage for Paths {
     const NAME: &'static str = "muscle paths and forces";
     #[inline(always)]
-    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const, S>, state: &State<S>, ws: &mut Workspace<S>) {
         tendon::lengths(plan, ws);
         muscle_forces(plan, state, ws);
     }
@@ -85,7 +85,7 @@ struct Forces;
 impl StepStage for Forces {
     const NAME: &'static str = "generalised forces and mass matrix";
     #[inline(always)]
-    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const, S>, state: &State<S>, ws: &mut Workspace<S>) {
         force::passive(plan, state, ws);
         force::profiles(plan, ws);
         tendon::pull(plan, ws);
@@ -103,7 +103,7 @@ impl StepStage for Constraints {
     #[inline(always)]
     fn apply<S: Scalar>(
         plan: &Plan<S::Const>,
-        obstacles: &Obstacles<S::Const>,
+        obstacles: &Obstacles<S::Const, S>,
         state: &State<S>,
         ws: &mut Workspace<S>,
     ) {
@@ -118,13 +118,13 @@ impl StepStage for Constraints {
 #[inline(always)]
 fn outlined<S: Scalar, P: StepStage>(
     plan: &Plan<S::Const>,
-    obstacles: &Obstacles<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
     struct Call<'a, S: Scalar, P> {
         plan: &'a Plan<S::Const>,
-        obstacles: &'a Obstacles<S::Const>,
+        obstacles: &'a Obstacles<S::Const, S>,
         state: &'a State<S>,
         ws: &'a mut Workspace<S>,
         part: PhantomData<P>,

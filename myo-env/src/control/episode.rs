@@ -1,8 +1,8 @@
 //! The beginning of an episode: everything is drawn anew.
 
 use super::{Scratch, sense, stages};
+use crate::parameters::World;
 use crate::state::EnvState;
-use crate::tables::Tables;
 use myo_scalar::{Counter, Mask, Scalar, Word, philox, unit};
 use myo_tasks::logic;
 
@@ -23,24 +23,24 @@ pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S
 /// Starts a new episode where the mask is true: body, targets, phase and all counters. Observations of all follow in
 /// `next_observation`.
 #[inline(always)]
-pub fn reset<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     if mask.any() {
         let done_before = env.task.phase;
-        S::outline(stages::Draw { tables, mask, env });
-        S::outline(stages::Explore { tables, mask, done_before, env, physics: &mut ws.physics });
+        S::outline(stages::Draw { world, mask, env });
+        S::outline(stages::Explore { world, mask, done_before, env, physics: &mut ws.physics });
     }
-    let sensed = sense(tables, env, &mut ws.physics);
-    S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.next_observation });
+    let sensed = sense(world, env, &mut ws.physics);
+    S::outline(stages::Observe { world, env, sensed: &sensed, out: &mut ws.next_observation });
 }
 
 /// Draws body and targets, and starts all counters.
 #[inline(always)]
-pub fn draw_episode<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
+pub fn draw_episode<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>) {
     let (zero, one) = (S::Word::splat(0), S::Word::splat(1));
     env.episode = S::select_word(mask, env.episode + one, env.episode);
     env.step = S::select_word(mask, zero, env.step);
-    draw_body(tables, mask, env);
-    logic::draw_targets(&tables.task, mask, env.counter(), &mut env.task);
+    draw_body(world, mask, env);
+    logic::draw_targets(&world.parameters.task, mask, env.counter(), &mut env.task);
     env.task.restart(mask);
     let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pressed, &mut env.pending]);
     for x in counters {
@@ -49,8 +49,8 @@ pub fn draw_episode<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &m
 }
 
 #[inline(always)]
-fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvState<S>) {
-    let start = &tables.start;
+fn draw_body<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>) {
+    let start = &world.parameters.start;
     let (counter, body) = (env.counter(), &mut env.body);
     let (ndof, nmuscle) = (body.qpos.len(), body.act.len());
     for (position, draw) in body.qpos.iter_mut().zip(start.pose.at(uniform::<S>(counter, POSE_STREAM, ndof))) {
@@ -58,10 +58,10 @@ fn draw_body<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, env: &mut EnvS
     }
     for (velocity, draw) in body.qvel.iter_mut().zip(uniform::<S>(counter, VELOCITY_STREAM, ndof)) {
         let share = draw.mul_add(S::lit(2.0), S::lit(-1.0));
-        *velocity = S::select(mask, share * S::splat(start.speed), *velocity);
+        *velocity = S::select(mask, share * start.speed, *velocity);
     }
     for (act, draw) in body.act.iter_mut().zip(uniform::<S>(counter, ACTIVATION_STREAM, nmuscle)) {
-        *act = S::select(mask, draw * S::splat(start.activation), *act);
+        *act = S::select(mask, draw * start.activation, *act);
     }
 }
 

@@ -1,8 +1,8 @@
 //! From actions to excitations: the range of controls, and motor noise.
 
 use super::Scratch;
+use crate::parameters::World;
 use crate::state::EnvState;
-use crate::tables::Tables;
 use myo_muscle::noisy_excitation;
 use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
 
@@ -11,12 +11,12 @@ const NOISE_STREAM: u32 = 0x1000;
 
 /// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise.
 #[inline(always)]
-pub fn excite<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let Scratch { ctrl, noisy, .. } = ws;
     for u in ctrl.iter_mut() {
         *u = u.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5));
     }
-    if let Some([signal_dependent, constant]) = tables.noise {
+    if let Some([signal_dependent, constant]) = world.parameters.noise {
         let n = ctrl.len();
         noisy[..n].copy_from_slice(ctrl);
         let counter = env.counter();

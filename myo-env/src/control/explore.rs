@@ -8,8 +8,8 @@
 
 use super::episode::uniform;
 use super::stages;
+use crate::parameters::World;
 use crate::state::{EXPLORES, EnvState};
-use crate::tables::Tables;
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Counter, Scalar, Visitor, Word};
 use myo_tasks::logic;
@@ -32,7 +32,7 @@ const WHOLE: f64 = 0.5;
 /// the last episode ended.
 #[inline(always)]
 pub fn explore<S: Scalar>(
-    tables: &Tables<S::Const>,
+    world: &World<'_, S>,
     mask: S::Mask,
     done_before: S,
     env: &mut EnvState<S>,
@@ -41,22 +41,23 @@ pub fn explore<S: Scalar>(
     let explores = mask & S::lit(0.5).lt(S::from_word(env.env >> EXPLORES.trailing_zeros()));
     S::when(explores, &mut Beginning { env, physics }, |Beginning { env, physics }| {
         let draws = uniform::<S>(env.counter(), MOMENT_STREAM, 4);
-        let (targets, is_not_first) = (tables.task.targets.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
+        let (targets, is_not_first) =
+            (world.parameters.task.targets.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
         let failed = is_not_first & done_before.lt(S::lit(targets));
         let succeeded = is_not_first & S::lit(targets).le(done_before);
         let middle = explores & !(succeeded & draws[3].lt(S::lit(WHOLE)));
         let again = middle & failed & draws[2].lt(S::lit(AGAIN));
-        let done = S::select(again, done_before, any_target(tables, draws[0]));
+        let done = S::select(again, done_before, any_target(world, draws[0]));
         env.task.phase = S::select(middle, done, env.task.phase);
-        env.task.step = S::select(middle, late(tables, draws[1]), env.task.step);
-        draw_pose(tables, middle, again, env, physics);
+        env.task.step = S::select(middle, late(world, draws[1]), env.task.step);
+        draw_pose(world, middle, again, env, physics);
     });
 }
 
 /// Any target.
 #[inline(always)]
-fn any_target<S: Scalar>(tables: &Tables<S::Const>, draw: S) -> S {
-    let targets = tables.task.targets.len();
+fn any_target<S: Scalar>(world: &World<'_, S>, draw: S) -> S {
+    let targets = world.parameters.task.targets.len();
     let mut done = S::zero();
     for target in 1..targets {
         done += S::indicator(S::lit(target as f64 / targets as f64).le(draw));
@@ -66,8 +67,8 @@ fn any_target<S: Scalar>(tables: &Tables<S::Const>, draw: S) -> S {
 
 /// A step of the later part of an episode.
 #[inline(always)]
-fn late<S: Scalar>(tables: &Tables<S::Const>, draw: S) -> S {
-    let limit = S::splat(tables.task.time_limit);
+fn late<S: Scalar>(world: &World<'_, S>, draw: S) -> S {
+    let limit = world.parameters.task.time_limit;
     let left = draw.mul_add(S::lit(LEFT[1] - LEFT[0]), S::lit(LEFT[0])) * limit;
     limit - left.floor().max(S::lit(1.0))
 }
@@ -75,7 +76,7 @@ fn late<S: Scalar>(tables: &Tables<S::Const>, draw: S) -> S {
 /// The pose of several from which the fingertip is nearest to the current target.
 #[inline(always)]
 fn draw_pose<S: Scalar>(
-    tables: &Tables<S::Const>,
+    world: &World<'_, S>,
     mask: S::Mask,
     again: S::Mask,
     env: &mut EnvState<S>,
@@ -83,19 +84,19 @@ fn draw_pose<S: Scalar>(
 ) {
     let (nearest, draw) = (S::lit(f64::from(f32::MAX)), S::Word::splat(0));
     let mut search = Search { best: env.body.qpos.clone(), nearest, draw, env, physics };
-    search_poses(tables, mask, POSES, &mut search);
-    S::when(again, &mut search, |search| search_poses(tables, again, MORE_POSES, search));
+    search_poses(world, mask, POSES, &mut search);
+    S::when(again, &mut search, |search| search_poses(world, again, MORE_POSES, search));
     search.env.body.qpos = search.best;
 }
 
 /// Looks at so many further poses.
 #[inline(always)]
-fn search_poses<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, poses: usize, search: &mut Search<'_, S>) {
+fn search_poses<S: Scalar>(world: &World<'_, S>, mask: S::Mask, poses: usize, search: &mut Search<'_, S>) {
     let target = search.env.task.centre(0);
     S::repeat(poses, search, |Search { best, nearest, draw, env, physics }| {
-        S::outline(stages::DrawPose { tables, draw: *draw, env });
+        S::outline(stages::DrawPose { world, draw: *draw, env });
         let mut fingertip = [S::zero(); 3];
-        S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
+        S::outline(stages::Look { world, env, physics, out: &mut fingertip });
         let distance = logic::norm(logic::difference(fingertip, target));
         let nearer = mask & distance.lt(*nearest);
         *nearest = S::select(nearer, distance, *nearest);
@@ -108,10 +109,10 @@ fn search_poses<S: Scalar>(tables: &Tables<S::Const>, mask: S::Mask, poses: usiz
 
 /// Any pose, everywhere.
 #[inline(always)]
-pub fn draw_any_pose<S: Scalar>(tables: &Tables<S::Const>, draw: S::Word, env: &mut EnvState<S>) {
+pub fn draw_any_pose<S: Scalar>(world: &World<'_, S>, draw: S::Word, env: &mut EnvState<S>) {
     let ndof = env.body.qpos.len();
     let draws = uniform::<S>(Counter { step: draw, ..env.counter() }, POSE_STREAM, ndof);
-    for (position, drawn) in env.body.qpos.iter_mut().zip(tables.start.any_pose.at(draws)) {
+    for (position, drawn) in env.body.qpos.iter_mut().zip(world.parameters.start.any_pose.at(draws)) {
         *position = drawn;
     }
 }

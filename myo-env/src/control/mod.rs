@@ -12,6 +12,7 @@ pub use episode::{reseed, reset};
 pub use simulate::simulate;
 pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
+use crate::parameters::World;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::Autoreset;
@@ -62,35 +63,35 @@ pub struct Outcome<S: Scalar> {
 
 /// Actions in [-1, 1] to a control step: noise, physics, judgement, reward, observation, summary.
 #[inline(always)]
-pub fn control_step<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
-    S::outline(stages::Excite { tables, env, ws });
-    S::outline(stages::Physics { tables, env, ws });
-    let sensed = sense(tables, env, &mut ws.physics);
-    let distance = distance_before(tables, env, &sensed);
-    let progress = logic::advance(&tables.task, &sensed, &mut env.task);
+pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
+    S::outline(stages::Excite { world, env, ws });
+    S::outline(stages::Physics { world, env, ws });
+    let sensed = sense(world, env, &mut ws.physics);
+    let distance = distance_before(world, env, &sensed);
+    let progress = logic::advance(&world.parameters.task, &sensed, &mut env.task);
     let effort = sum_of_squares(&ws.ctrl);
-    let terms = logic::reward(&tables.task, &progress, distance, effort, sum_of_squares(&env.qacc));
-    summary::add_up(tables, env, &terms, effort, &ws.physics.tally);
-    S::outline(stages::Observe { tables, env, sensed: &sensed, out: &mut ws.observation });
-    summary::summarise(tables, env, &sensed, &progress, &mut ws.episode);
+    let terms = logic::reward(&world.parameters.task, &progress, distance, effort, sum_of_squares(&env.qacc));
+    summary::add_up(world, env, &terms, effort, &ws.physics.tally);
+    S::outline(stages::Observe { world, env, sensed: &sensed, out: &mut ws.observation });
+    summary::summarise(world, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }
 
 /// Where the fingertip is at the state reached, what it touched on the way, and when it came to its target. The control step
 /// is not counted yet.
 #[inline(always)]
-fn sense<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, physics: &mut Workspace<S>) -> Sensed<S> {
+fn sense<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, physics: &mut Workspace<S>) -> Sensed<S> {
     let mut fingertip = [S::zero(); 3];
-    S::outline(stages::Look { tables, env, physics, out: &mut fingertip });
-    let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(tables.substeps));
+    S::outline(stages::Look { world, env, physics, out: &mut fingertip });
+    let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(world.tables.substeps));
     let reached_at = now - Stay { held: env.task.held, pressed: env.pressed }.since_arrival();
     Sensed { fingertip, touch_force: env.touch, touched: env.touched, reached_at }
 }
 
 #[inline(always)]
-fn distance_before<S: Scalar>(tables: &Tables<S::Const>, env: &EnvState<S>, sensed: &Sensed<S>) -> S {
-    let distance = logic::distance_to_target(&tables.task, sensed, &env.task);
-    if tables.task.weights.remaining_path { distance + logic::remaining_path(&env.task) } else { distance }
+fn distance_before<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, sensed: &Sensed<S>) -> S {
+    let distance = logic::distance_to_target(&world.parameters.task, sensed, &env.task);
+    if world.parameters.task.weights.remaining_path { distance + logic::remaining_path(&env.task) } else { distance }
 }
 
 #[inline(always)]
@@ -106,13 +107,13 @@ fn sum_of_squares<S: Scalar>(values: &[S]) -> S {
 /// `next_observation`, the summary in `episode`.
 #[inline(always)]
 pub fn step_and_autoreset<S: Scalar>(
-    tables: &Tables<S::Const>,
+    world: &World<'_, S>,
     autoreset: Autoreset,
     env: &mut EnvState<S>,
     ws: &mut Scratch<S>,
 ) -> Outcome<S> {
     let waiting = S::lit(0.5).lt(env.pending);
-    let outcome = control_step(tables, env, ws);
+    let outcome = control_step(world, env, ws);
     let terminated = outcome.terminated & !waiting;
     let truncated = outcome.truncated & !waiting;
     let done = terminated | truncated;
@@ -123,7 +124,7 @@ pub fn step_and_autoreset<S: Scalar>(
     };
     let Scratch { observation, next_observation, .. } = ws;
     next_observation.clone_from(observation);
-    S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| reset(tables, again, env, ws));
+    S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| reset(world, again, env, ws));
     if autoreset != Autoreset::SameStep {
         env.pending = S::indicator(done);
     }

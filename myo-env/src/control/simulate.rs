@@ -1,8 +1,8 @@
 //! The physics of a control step.
 
 use super::Scratch;
+use crate::parameters::World;
 use crate::state::EnvState;
-use crate::tables::Tables;
 use myo_dynamics::{SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Visitor};
 use myo_tasks::logic::{self, Aim, Stay};
@@ -10,23 +10,23 @@ use myo_tasks::logic::{self, Aim, Stay};
 /// Runs the physics; a short tap between two control steps counts, so the greatest force is kept. How long the fingertip has
 /// been on its target is counted in physics steps. The solver's tally is that of this control step afterwards.
 #[inline(always)]
-pub fn simulate<S: Scalar>(tables: &Tables<S::Const>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+pub fn simulate<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let Scratch { physics, ctrl, .. } = ws;
     (env.touch, env.touched) = (S::zero(), S::lit(-1.0));
     physics.tally = SolverTally::new();
-    let aim = Aim::new(&tables.task, &env.task);
+    let aim = Aim::new(&world.parameters.task, &env.task);
     let mut stay = Stay { held: env.task.held, pressed: S::zero() };
     let presses = aim.has_buttons();
     let mut carried = Substep { env, physics, stay: &mut stay, presses };
-    S::repeat(tables.substeps as usize, &mut carried, |Substep { env, physics, stay, .. }| {
-        step::step(&tables.plan, &tables.obstacles, ctrl, &mut env.body, physics);
+    S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, stay, .. }| {
+        step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
         let contact = &physics.contact;
         let harder = contact.exists & env.touch.lt(contact.force);
         env.touch = S::select(harder, contact.force, env.touch);
         env.touched = S::select(harder, contact.index, env.touched);
         // Positions and contact are those from which the step was made.
         let contact = logic::Contact { exists: contact.exists, button: contact.index, force: contact.force };
-        aim.follow(step::fingertip(&tables.plan, physics), &contact, stay);
+        aim.follow(step::fingertip(&world.tables.plan, physics), &contact, stay);
     });
     (env.task.held, env.pressed) = (stay.held, stay.pressed);
     env.qacc.copy_from_slice(&ws.physics.qacc);

@@ -6,15 +6,15 @@ use super::excite::excite;
 use super::explore::{draw_any_pose, explore};
 use super::simulate::simulate;
 use crate::observe::observe;
+use crate::parameters::World;
 use crate::state::EnvState;
-use crate::tables::Tables;
 use myo_dynamics::{Workspace, step};
 use myo_scalar::{Scalar, Stage};
 use myo_tasks::logic::Sensed;
 
 /// Noise.
 pub struct Excite<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub env: &'a mut EnvState<S>,
     pub ws: &'a mut Scratch<S>,
 }
@@ -24,13 +24,13 @@ impl<S: Scalar> Stage<S> for Excite<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        excite(self.tables, self.env, self.ws);
+        excite(self.world, self.env, self.ws);
     }
 }
 
 /// All physics steps of a control step.
 pub struct Physics<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub env: &'a mut EnvState<S>,
     pub ws: &'a mut Scratch<S>,
 }
@@ -40,13 +40,13 @@ impl<S: Scalar> Stage<S> for Physics<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        simulate(self.tables, self.env, self.ws);
+        simulate(self.world, self.env, self.ws);
     }
 }
 
 /// Kinematics and observation of the state reached.
 pub struct Look<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub env: &'a EnvState<S>,
     pub physics: &'a mut Workspace<S>,
     pub out: &'a mut [S; 3],
@@ -57,15 +57,15 @@ impl<S: Scalar> Stage<S> for Look<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { tables, env, physics, out } = self;
-        step::kinematics::kinematics(&tables.plan, &env.body.qpos, &env.body.qvel, physics);
-        *out = step::fingertip(&tables.plan, physics);
+        let Self { world, env, physics, out } = self;
+        step::kinematics::kinematics(&world.tables.plan, &env.body.qpos, &env.body.qvel, physics);
+        *out = step::fingertip(&world.tables.plan, physics);
     }
 }
 
 /// The observation.
 pub struct Observe<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub env: &'a EnvState<S>,
     pub sensed: &'a Sensed<S>,
     pub out: &'a mut Vec<S>,
@@ -77,13 +77,13 @@ impl<S: Scalar> Stage<S> for Observe<'_, S> {
     #[inline(always)]
     fn run(self) {
         self.out.clear();
-        observe(self.tables, self.env, self.sensed, self.out);
+        observe(self.world, self.env, self.sensed, self.out);
     }
 }
 
 /// Draws of a new episode.
 pub struct Draw<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub mask: S::Mask,
     pub env: &'a mut EnvState<S>,
 }
@@ -93,13 +93,13 @@ impl<S: Scalar> Stage<S> for Draw<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        draw_episode(self.tables, self.mask, self.env);
+        draw_episode(self.world, self.mask, self.env);
     }
 }
 
 /// Exploring starts.
 pub struct Explore<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub mask: S::Mask,
     /// Targets that were done when the last episode ended.
     pub done_before: S,
@@ -112,13 +112,13 @@ impl<S: Scalar> Stage<S> for Explore<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        explore(self.tables, self.mask, self.done_before, self.env, self.physics);
+        explore(self.world, self.mask, self.done_before, self.env, self.physics);
     }
 }
 
 /// One of the poses that exploring starts choose from.
 pub struct DrawPose<'a, S: Scalar> {
-    pub tables: &'a Tables<S::Const>,
+    pub world: &'a World<'a, S>,
     pub draw: S::Word,
     pub env: &'a mut EnvState<S>,
 }
@@ -128,6 +128,6 @@ impl<S: Scalar> Stage<S> for DrawPose<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        draw_any_pose(self.tables, self.draw, self.env);
+        draw_any_pose(self.world, self.draw, self.env);
     }
 }

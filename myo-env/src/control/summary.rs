@@ -1,8 +1,8 @@
 //! What is summed up over an episode, and the summary at its end.
 
 use crate::columns::Column;
+use crate::parameters::World;
 use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM};
-use crate::tables::Tables;
 use myo_dynamics::SolverTally;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
@@ -55,7 +55,7 @@ pub fn episode_names(ntarget: usize) -> Vec<String> {
 /// Adds the reward terms, the effort and the solver's work of a control step.
 #[inline(always)]
 pub fn add_up<S: Scalar>(
-    tables: &Tables<S::Const>,
+    world: &World<'_, S>,
     env: &mut EnvState<S>,
     terms: &RewardTerms<S>,
     effort: S,
@@ -65,7 +65,7 @@ pub fn add_up<S: Scalar>(
     for (sum, term) in env.sums.iter_mut().zip(terms) {
         *sum += term;
     }
-    env.sums[EFFORT_SUM] += effort * S::lit(1.0 / tables.plan.nmuscle().max(1) as f64);
+    env.sums[EFFORT_SUM] += effort * S::lit(1.0 / world.tables.plan.nmuscle().max(1) as f64);
     env.sums[ROUNDS_SUM] += S::from_word(solver.rounds);
     env.sums[UNSOLVED_SUM] += S::from_word(solver.unsolved);
 }
@@ -73,7 +73,7 @@ pub fn add_up<S: Scalar>(
 /// Summary of the episode up to now; meaningful where it just ended.
 #[inline(always)]
 pub fn summarise<S: Scalar>(
-    tables: &Tables<S::Const>,
+    world: &World<'_, S>,
     env: &EnvState<S>,
     sensed: &Sensed<S>,
     progress: &Progress<S>,
@@ -93,10 +93,11 @@ pub fn summarise<S: Scalar>(
     let per_step = task.step.recip();
     out.push(env.sums[EFFORT_SUM] * per_step);
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
-    out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(tables.substeps)));
+    out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
-    let (dt, timestep) = (tables.task.control_dt.to_f64(), tables.plan.timestep.to_f64());
-    let substeps = S::lit(f64::from(tables.substeps));
+    let timestep = world.tables.plan.timestep.to_f64();
+    let dt = f64::from(world.tables.substeps) * timestep;
+    let substeps = S::lit(f64::from(world.tables.substeps));
     let mut start = S::zero();
     for (&done_at, &reached_at) in task.done_at.iter().zip(&task.reached_at) {
         let done = S::zero().lt(done_at);
@@ -112,6 +113,7 @@ pub fn summarise<S: Scalar>(
 mod tests {
     use super::*;
     use crate::control::{Scratch, control_step, reset};
+    use crate::tables::Tables;
     use myo_scalar::Word;
 
     /// No model is known whose steps the solver leaves unsolved, so its tally is made up.
@@ -121,25 +123,26 @@ mod tests {
         let model = myo_model::Model::new(&myo_model::builtin(&task.model).unwrap()).unwrap();
         let tables = Tables::<f64>::exact(&model, &task).unwrap();
         let (mut env, mut ws) = (EnvState::new(&tables), Scratch::new(&tables));
-        let names = episode_names(tables.task.targets.len());
+        let names = episode_names(tables.targets());
         let column = names.iter().position(|name| name == "solver_unsolved").unwrap();
         let word = <f64 as Scalar>::Word::splat;
         let (rounds, unsolved) = (word(300), word(2));
         let nothing =
             RewardTerms { distance: 0.0, subtask: 0.0, completion: 0.0, neural_effort: 0.0, acceleration_effort: 0.0 };
 
-        reset(&tables, true, &mut env, &mut ws);
+        let world = &tables.splat();
+        reset(world, true, &mut env, &mut ws);
         for _ in 0..3 {
-            add_up(&tables, &mut env, &nothing, 0.0, &SolverTally { rounds, unsolved });
+            add_up(world, &mut env, &nothing, 0.0, &SolverTally { rounds, unsolved });
         }
-        control_step(&tables, &mut env, &mut ws);
+        control_step(world, &mut env, &mut ws);
         assert_eq!(ws.episode[column], 6.0);
         let own = ws.episode[column - 1] - 900.0 / f64::from(tables.substeps);
         assert!((1.0..2.0).contains(&own), "{own}");
         assert!(ws.physics.tally.rounds != rounds, "the next step counts anew");
 
-        reset(&tables, true, &mut env, &mut ws);
-        control_step(&tables, &mut env, &mut ws);
+        reset(world, true, &mut env, &mut ws);
+        control_step(world, &mut env, &mut ws);
         assert_eq!(ws.episode[column], 0.0);
         assert!((1.0..2.0).contains(&ws.episode[column - 1]), "{}", ws.episode[column - 1]);
     }

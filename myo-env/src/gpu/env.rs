@@ -31,6 +31,7 @@ pub struct GpuEnv {
     spec: EnvSpec,
     /// Numbers in the state of one environment.
     rows: StateRows,
+    parameters: Vec<f32>,
     identity: Identity,
     finished: Finished,
     scratch: HostColumns,
@@ -65,7 +66,8 @@ impl GpuEnv {
         check_memory(gpu, &spec, rows.count)?;
         let kernels = Kernels::new(gpu, &tables, config.autoreset, options.form)?;
         let per_shard = portable_envs(&spec, rows.count).min(options.envs_per_shard.max(1));
-        Self::start(gpu, kernels, spec, (rows, tables.identity), per_shard, config.seed)
+        let parameters = tables.parameters.rows();
+        Self::start(gpu, kernels, spec, (rows, parameters, tables.identity), per_shard, config.seed)
     }
 
     /// Other environments of the same model and task, with the same kernels: nothing is compiled again. They start their
@@ -81,7 +83,8 @@ impl GpuEnv {
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
         check_memory(&self.gpu, &spec, self.rows.count)?;
         let per_shard = portable_envs(&spec, self.rows.count);
-        Self::start(&self.gpu, self.kernels.clone(), spec, (self.rows, self.identity.clone()), per_shard, seed)
+        let of = (self.rows, self.parameters.clone(), self.identity.clone());
+        Self::start(&self.gpu, self.kernels.clone(), spec, of, per_shard, seed)
     }
 
     /// The environments of one group: those of a device without groups. Other groups are left alone, and none see each other.
@@ -89,13 +92,14 @@ impl GpuEnv {
     /// # Errors
     /// There is no such group, no memory left, or the device lost.
     pub fn of(&self, group: usize) -> Result<Self, GpuError> {
-        let Self { kernels, spec, rows, identity, .. } = self;
+        let Self { kernels, spec, rows, parameters, identity, .. } = self;
         Ok(Self {
             gpu: self.gpu.for_groups(&[group])?,
             kernels: kernels.clone(),
             shards: self.shards.iter().map(|shard| shard.of(group)).collect(),
             spec: spec.clone(),
             rows: *rows,
+            parameters: parameters.clone(),
             identity: identity.clone(),
             finished: Finished::new(spec),
             scratch: HostColumns::default(),
@@ -107,17 +111,21 @@ impl GpuEnv {
         gpu: &Gpu,
         kernels: Kernels,
         spec: EnvSpec,
-        (rows, identity): (StateRows, Identity),
+        (rows, parameters, identity): (StateRows, Vec<f32>, Identity),
         per_shard: usize,
         seed: u64,
     ) -> Result<Self, BuildError> {
         let shards = (0..spec.num_envs)
             .step_by(per_shard)
-            .map(|first| Shard::new(gpu, &kernels, &spec, rows.count, first, per_shard.min(spec.num_envs - first)))
+            .map(|first| {
+                let num_envs = per_shard.min(spec.num_envs - first);
+                Shard::new(gpu, &kernels, &spec, rows.count, &parameters, first, num_envs)
+            })
             .collect::<Result<Vec<_>, GpuError>>()
             .map_err(|error| without_memory(error, gpu, &spec, rows.count))?;
         let (gpu, finished) = (gpu.clone(), Finished::new(&spec));
-        let mut env = Self { gpu, kernels, shards, spec, rows, identity, finished, scratch: HostColumns::default() };
+        let scratch = HostColumns::default();
+        let mut env = Self { gpu, kernels, shards, spec, rows, parameters, identity, finished, scratch };
         let started = env.start_episodes(Some(seed), None);
         started.map_err(|error| without_memory(error, &env.gpu, &env.spec, rows.count))?;
         Ok(env)
@@ -280,7 +288,7 @@ fn run(
     scratch.episode.resize(nepisode * n, 0.0);
     gpu.read_many(&mut [
         shard.final_observation.part(0, &mut scratch.final_observation)?,
-        shard.episode.part(0, &mut scratch.episode)?,
+        shard.result.part(RESULT_ROWS * n, &mut scratch.episode)?,
     ])?;
     fill_rows(&scratch.final_observation, n, ended, &mut out.final_observation[first * nobs..][..n * nobs]);
     fill_rows(&scratch.episode, n, ended, &mut out.episode[first * nepisode..][..n * nepisode]);

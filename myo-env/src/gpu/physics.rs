@@ -23,7 +23,8 @@ impl PhysicsBench {
         let gpu = env.gpu();
         let kernel = Compiled::new(gpu, "physics", &record::physics(tables, env.kernels().form()), &PHYSICS_BUFFERS)?;
         let bind = |shard: &super::Shard| {
-            let buffers = [shard.numbers.binding(), shard.words.binding(), shard.actions.binding()];
+            let buffers =
+                [shard.numbers.binding(), shard.words.binding(), shard.parameters.binding(), shard.actions.binding()];
             kernel.bind(gpu, &buffers, shard.num_envs as u32)
         };
         let shards = env.shards().iter().map(bind).collect::<Result<_, GpuError>>()?;

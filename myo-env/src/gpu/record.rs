@@ -1,6 +1,7 @@
 //! The environment as symbolic programs: the same generic code as on every other backend, run once on symbols.
 
 use crate::control::{Scratch, reseed, reset, simulate, step_and_autoreset};
+use crate::parameters::World;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::Autoreset;
@@ -9,77 +10,85 @@ use myo_scalar::{Carried, Scalar, Visitor, Word};
 
 /// Buffers of a step, in the order of their bindings; entries are counted per environment.
 pub const STEP_BUFFERS: [&str; 7] =
-    ["numbers", "words", "actions", "observation", "final_observation", "episode", "result"];
+    ["numbers", "words", "parameters", "actions", "observation", "final_observation", "result"];
 /// Bit of the buffer `command` that asks for a reset.
 pub const RESET: u32 = 1;
 /// Bit of the buffer `command` that asks for a new seed.
 pub const RESEED: u32 = 2;
 /// Buffers of a reset.
-pub const RESET_BUFFERS: [&str; 5] = ["numbers", "words", "command", "observation", "seed"];
+pub const RESET_BUFFERS: [&str; 6] = ["numbers", "words", "parameters", "command", "observation", "seed"];
 /// Buffers of the physics alone.
-pub const PHYSICS_BUFFERS: [&str; 3] = ["numbers", "words", "ctrl"];
+pub const PHYSICS_BUFFERS: [&str; 4] = ["numbers", "words", "parameters", "ctrl"];
 
-/// Rows of the buffer `result`.
+/// Rows of the buffer `result` before those of the summary: reward, terminated, truncated.
 pub const RESULT_ROWS: usize = 3;
 
 /// Bindings that every program begins with.
 const NUMBERS: Buffer = per_env(0);
 const WORDS: Buffer = per_env(1);
+const PARAMETERS: Buffer = shared(2);
 
 const fn per_env(binding: u32) -> Buffer {
     Buffer { binding, sharing: Sharing::PerEnv }
 }
 
+const fn shared(binding: u32) -> Buffer {
+    Buffer { binding, sharing: Sharing::Shared }
+}
+
 /// One control step with everything that belongs to it.
 pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
-    let [actions, observation, final_observation, episode, result] = [2, 3, 4, 5, 6].map(per_env);
+    let [actions, observation, final_observation, result] = [3, 4, 5, 6].map(per_env);
     trace_as(form, || {
-        let (mut env, mut ws) = load(tables);
+        let (world, mut env, mut ws) = load(tables);
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = actions.number(row);
         }
-        let outcome = step_and_autoreset(tables, autoreset, &mut env, &mut ws);
-        set_rows(observation, &ws.next_observation);
+        let outcome = step_and_autoreset(&world, autoreset, &mut env, &mut ws);
+        set_rows(observation, 0, &ws.next_observation);
         Sym::when(outcome.terminated | outcome.truncated, &mut Nothing, |_| {
-            set_rows(final_observation, &ws.observation);
-            set_rows(episode, &ws.episode);
+            set_rows(final_observation, 0, &ws.observation);
+            set_rows(result, RESULT_ROWS, &ws.episode);
         });
         let flags = [outcome.terminated, outcome.truncated].map(Sym::indicator);
-        set_rows(result, &[outcome.reward, flags[0], flags[1]]);
+        set_rows(result, 0, &[outcome.reward, flags[0], flags[1]]);
         store(&mut env);
     })
 }
 
 /// A reset by mask, and the observations of all environments.
 pub fn reset_program(tables: &Tables<f64>, form: Form) -> Program {
-    let [command, observation] = [2, 3].map(per_env);
-    let seed = Buffer { binding: 4, sharing: Sharing::Shared };
+    let [command, observation] = [3, 4].map(per_env);
+    let seed = shared(5);
     trace_as(form, || {
-        let (mut env, mut ws) = load(tables);
+        let (world, mut env, mut ws) = load(tables);
         let command = command.word(0);
         let asked = |bit: u32| Sym::lit(0.5).lt(Sym::from_word(command & SymWord::splat(bit)));
         let (mask, anew): (SymMask, SymMask) = (asked(RESET), asked(RESEED));
         reseed([seed.word(0), seed.word(1)], anew, &mut env);
-        reset(tables, mask, &mut env, &mut ws);
-        set_rows(observation, &ws.next_observation);
+        reset(&world, mask, &mut env, &mut ws);
+        set_rows(observation, 0, &ws.next_observation);
         store(&mut env);
     })
 }
 
 /// The physics of one control step alone, for measurements.
 pub fn physics(tables: &Tables<f64>, form: Form) -> Program {
-    let ctrl = per_env(2);
+    let ctrl = per_env(3);
     trace_as(form, || {
-        let (mut env, mut ws) = load(tables);
+        let (world, mut env, mut ws) = load(tables);
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = ctrl.number(row);
         }
-        simulate(tables, &mut env, &mut ws);
+        simulate(&world, &mut env, &mut ws);
         store(&mut env);
     })
 }
 
-fn load(tables: &Tables<f64>) -> (EnvState<Sym>, Scratch<Sym>) {
+fn load(tables: &Tables<f64>) -> (World<'_, Sym>, EnvState<Sym>, Scratch<Sym>) {
+    let mut rows = 0..;
+    let parameter = &mut |_: &f64| PARAMETERS.number(rows.next().expect("there is no end"));
+    let world = tables.with(tables.parameters.map(parameter));
     let mut env = EnvState::<Sym>::new(tables);
     for (row, x) in env.numbers().enumerate() {
         *x = NUMBERS.number(row);
@@ -87,7 +96,7 @@ fn load(tables: &Tables<f64>) -> (EnvState<Sym>, Scratch<Sym>) {
     for (row, x) in env.words().into_iter().enumerate() {
         *x = WORDS.word(row);
     }
-    (env, Scratch::new(tables))
+    (world, env, Scratch::new(tables))
 }
 
 /// Writes back what the program changed.
@@ -104,8 +113,9 @@ fn store(env: &mut EnvState<Sym>) {
     }
 }
 
-fn set_rows(buffer: Buffer, values: &[Sym]) {
-    for (row, &x) in values.iter().enumerate() {
+/// Writes rows from `first` on.
+fn set_rows(buffer: Buffer, first: usize, values: &[Sym]) {
+    for (row, &x) in (first..).zip(values) {
         buffer.set_number(row, x);
     }
 }

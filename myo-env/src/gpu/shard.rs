@@ -83,10 +83,10 @@ pub struct Shard {
     pub observation: Buffer<f32>,
     /// Last observations of the episodes that ended last.
     pub final_observation: Buffer<f32>,
-    /// Summaries of the episodes that ended last.
-    pub episode: Buffer<f32>,
-    /// Reward, terminated (0 or 1), truncated (0 or 1).
+    /// Reward, terminated (0 or 1), truncated (0 or 1); then the summaries of the episodes that ended last.
     pub result: Buffer<f32>,
+    /// Numbers of the task, the same for all environments.
+    pub parameters: Buffer<f32>,
     /// What the next reset does: 1 resets, 2 reseeds.
     pub command: Buffer<u32>,
     /// Seed of the next reset, low half first.
@@ -105,6 +105,7 @@ impl Shard {
         kernels: &Kernels,
         spec: &EnvSpec,
         count: usize,
+        parameters: &[f32],
         first: usize,
         num_envs: usize,
     ) -> Result<Self, GpuError> {
@@ -115,13 +116,14 @@ impl Shard {
         let actions = buffer("actions", spec.action_size())?;
         let observation = buffer("observation", spec.observation_size())?;
         let final_observation = buffer("final_observation", spec.observation_size())?;
-        let episode = buffer("episode", spec.episode_size())?;
-        let result = buffer("result", RESULT_ROWS)?;
+        let result = buffer("result", RESULT_ROWS + spec.episode_size())?;
+        let table = gpu.buffer("parameters", parameters.len())?;
+        gpu.write(&table, 0, parameters)?;
         let (command, seed) = (gpu.buffer("command", num_envs)?, gpu.buffer("seed", 2)?);
         let names: Vec<u32> = (first..first + num_envs).map(|env| env_number(spec, env)).collect();
         gpu.write(&words, EnvState::<f64>::ENV_ROW * num_envs, &names)?;
-        let (state, seen) = ([numbers.binding(), words.binding()], observation.binding());
-        let step = [actions.binding(), seen, final_observation.binding(), episode.binding(), result.binding()];
+        let (state, seen) = ([numbers.binding(), words.binding(), table.binding()], observation.binding());
+        let step = [actions.binding(), seen, final_observation.binding(), result.binding()];
         let step = kernels.step.bind(gpu, &[&state[..], &step[..]].concat(), num_envs as u32)?;
         let reset = [command.binding(), seen, seed.binding()];
         let reset = kernels.reset.bind(gpu, &[&state[..], &reset[..]].concat(), num_envs as u32)?;
@@ -133,8 +135,8 @@ impl Shard {
             actions,
             observation,
             final_observation,
-            episode,
             result,
+            parameters: table,
             command,
             seed,
             step,
@@ -150,8 +152,8 @@ impl Shard {
             actions: self.actions.of(group),
             observation: self.observation.of(group),
             final_observation: self.final_observation.of(group),
-            episode: self.episode.of(group),
             result: self.result.of(group),
+            parameters: self.parameters.of(group),
             command: self.command.of(group),
             seed: self.seed.of(group),
             ..self.clone()

@@ -38,7 +38,7 @@ pub struct Stay<S> {
 impl<S: Scalar> Aim<S> {
     /// At the current target.
     #[inline(always)]
-    pub fn new(task: &CompiledTask<S::Const>, state: &TaskState<S>) -> Self {
+    pub fn new(task: &CompiledTask<S>, state: &TaskState<S>) -> Self {
         let (mut spheres, mut number, mut min_force) = (false, S::lit(-1.0), S::zero());
         let mut square = state.current_size() * state.current_size();
         for (index, target) in task.targets.iter().enumerate() {
@@ -48,7 +48,7 @@ impl<S: Scalar> Aim<S> {
                 TargetKind::Button(button) => {
                     square = S::select(current, S::lit(-1.0), square);
                     number = S::select(current, S::lit(button.number as f64), number);
-                    min_force = S::select(current, S::splat(button.min_force), min_force);
+                    min_force = S::select(current, button.min_force, min_force);
                 }
             }
         }

@@ -3,77 +3,78 @@
 use crate::{Reward, Target, Task};
 use myo_scalar::Real;
 
-/// A task ready to run, in precision `C`. Lengths m from the shoulder centre, times in control steps, forces N.
-#[derive(Clone, Debug)]
-pub struct CompiledTask<C> {
+/// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
+/// shoulder centre, times in control steps, forces N.
+///
+/// What is no `T` is its structure: code is compiled for it. All numbers may differ between tasks of one structure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompiledTask<T> {
     /// Targets in order.
-    pub targets: Vec<TargetKind<C>>,
+    pub targets: Vec<TargetKind<T>>,
     /// Control steps until the episode is cut.
-    pub time_limit: C,
-    /// Seconds per control step.
-    pub control_dt: C,
+    pub time_limit: T,
     /// Reward weights.
-    pub weights: Weights<C>,
+    pub weights: Weights<T>,
 }
 
 /// [`Reward`] per control step.
-#[derive(Clone, Debug)]
-pub struct Weights<C> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weights<T> {
     /// Per metre.
-    pub distance: C,
+    pub distance: T,
     /// Count the distance from the surface.
     pub inside_is_zero: bool,
     /// Add the path over the targets still to come.
     pub remaining_path: bool,
     /// Per control step.
-    pub time_cost: C,
+    pub time_cost: T,
     /// Per target done.
-    pub subtask_bonus: C,
+    pub subtask_bonus: T,
     /// For the whole task.
-    pub completion_bonus: C,
+    pub completion_bonus: T,
     /// Per squared control.
-    pub neural_effort: C,
+    pub neural_effort: T,
     /// Per squared acceleration.
-    pub acceleration_effort: C,
+    pub acceleration_effort: T,
 }
 
 /// One target.
-#[derive(Clone, Debug)]
-pub enum TargetKind<C> {
+#[derive(Clone, Debug, PartialEq)]
+pub enum TargetKind<T> {
     /// Stay inside.
-    Sphere(Sphere<C>),
+    Sphere(Sphere<T>),
     /// Press.
-    Button(Button<C>),
+    Button(Button<T>),
 }
 
 /// Where a sphere may lie and how long to stay in it.
-#[derive(Clone, Debug)]
-pub struct Sphere<C> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sphere<T> {
     /// Corner of the box of centres.
-    pub lo: [C; 3],
+    pub lo: [T; 3],
     /// Size of that box.
-    pub extent: [C; 3],
+    pub extent: [T; 3],
     /// Least radius.
-    pub radius: C,
+    pub radius: T,
     /// Greatest radius minus the least.
-    pub radius_extent: C,
+    pub radius_extent: T,
     /// Control steps to stay inside.
-    pub dwell: C,
+    pub dwell: T,
     /// Least distance from the target before.
-    pub min_distance: C,
+    pub min_distance: T,
 }
 
 /// A button.
-#[derive(Clone, Debug)]
-pub struct Button<C> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Button<T> {
     /// Centre.
-    pub centre: [C; 3],
+    pub centre: [T; 3],
     /// Own axes as columns: up the face, across it, out of it.
-    pub axes: [[C; 3]; 3],
+    pub axes: [[T; 3]; 3],
     /// Half sizes along the own axes.
-    pub half_size: [C; 3],
+    pub half_size: [T; 3],
     /// Force that counts as pressed.
-    pub min_force: C,
+    pub min_force: T,
     /// Its number among the task's buttons.
     pub number: usize,
 }
@@ -88,17 +89,76 @@ impl<C: Real> CompiledTask<C> {
         Self {
             targets,
             time_limit: c(f64::from(task.time_limit_steps())),
-            control_dt: c(task.control_dt_s),
             weights: Weights::new(&task.reward, task.control_dt_s),
         }
     }
+}
 
+impl<T> CompiledTask<T> {
     /// The buttons in order.
-    pub fn buttons(&self) -> impl Iterator<Item = &Button<C>> {
+    pub fn buttons(&self) -> impl Iterator<Item = &Button<T>> {
         self.targets.iter().filter_map(|target| match target {
             TargetKind::Button(button) => Some(button),
             TargetKind::Sphere(_) => None,
         })
+    }
+
+    /// The same structure with other numbers: each is what `f` makes of this one, in a fixed order.
+    pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> CompiledTask<U> {
+        CompiledTask {
+            targets: self.targets.iter().map(|target| target.map(f)).collect(),
+            time_limit: f(&self.time_limit),
+            weights: self.weights.map(f),
+        }
+    }
+}
+
+impl<T> TargetKind<T> {
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> TargetKind<U> {
+        match self {
+            Self::Sphere(sphere) => TargetKind::Sphere(sphere.map(f)),
+            Self::Button(button) => TargetKind::Button(button.map(f)),
+        }
+    }
+}
+
+impl<T> Sphere<T> {
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Sphere<U> {
+        Sphere {
+            lo: self.lo.each_ref().map(&mut *f),
+            extent: self.extent.each_ref().map(&mut *f),
+            radius: f(&self.radius),
+            radius_extent: f(&self.radius_extent),
+            dwell: f(&self.dwell),
+            min_distance: f(&self.min_distance),
+        }
+    }
+}
+
+impl<T> Button<T> {
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Button<U> {
+        Button {
+            centre: self.centre.each_ref().map(&mut *f),
+            axes: self.axes.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
+            half_size: self.half_size.each_ref().map(&mut *f),
+            min_force: f(&self.min_force),
+            number: self.number,
+        }
+    }
+}
+
+impl<T> Weights<T> {
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Weights<U> {
+        Weights {
+            distance: f(&self.distance),
+            inside_is_zero: self.inside_is_zero,
+            remaining_path: self.remaining_path,
+            time_cost: f(&self.time_cost),
+            subtask_bonus: f(&self.subtask_bonus),
+            completion_bonus: f(&self.completion_bonus),
+            neural_effort: f(&self.neural_effort),
+            acceleration_effort: f(&self.acceleration_effort),
+        }
     }
 }
 

@@ -35,7 +35,7 @@ pub struct Progress<S: Scalar> {
 /// touches a button for the press that counts. Where that dwell begins is judged with it, at the end of a control step: what
 /// the fingertip does between two such ends while a dwell goes on, a slip out and back in, breaks neither.
 #[inline(always)]
-pub fn advance<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sensed<S>, state: &mut TaskState<S>) -> Progress<S> {
+pub fn advance<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, state: &mut TaskState<S>) -> Progress<S> {
     let one = S::lit(1.0);
     let is_inside = inside(sensed, state);
     let enters = is_inside & state.dwell.lt(S::lit(0.5));
@@ -45,7 +45,7 @@ pub fn advance<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sensed<S>, sta
     for (index, target) in task.targets.iter().enumerate() {
         let current = state.is_current(index);
         let (reached, done) = match target {
-            TargetKind::Sphere(sphere) => (enters, S::splat(sphere.dwell).le(longer)),
+            TargetKind::Sphere(sphere) => (enters, sphere.dwell.le(longer)),
             TargetKind::Button(button) => {
                 let pressed = is_pressed(button.number, button.min_force, sensed);
                 (pressed, pressed)
@@ -60,7 +60,7 @@ pub fn advance<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sensed<S>, sta
     state.held = S::select(target_done, S::zero(), state.held);
     state.phase += S::indicator(target_done);
     let task_done = S::lit(task.targets.len() as f64 - 0.5).lt(state.phase);
-    let timed_out = S::splat(task.time_limit).le(state.step) & !task_done;
+    let timed_out = task.time_limit.le(state.step) & !task_done;
     Progress { target_done, task_done, timed_out }
 }
 
@@ -71,7 +71,7 @@ pub fn inside<S: Scalar>(sensed: &Sensed<S>, state: &TaskState<S>) -> S::Mask {
 }
 
 #[inline(always)]
-fn is_pressed<S: Scalar>(number: usize, min_force: S::Const, sensed: &Sensed<S>) -> S::Mask {
+fn is_pressed<S: Scalar>(number: usize, min_force: S, sensed: &Sensed<S>) -> S::Mask {
     let this_one = (sensed.touched - S::lit(number as f64)).abs().lt(S::lit(0.5));
-    this_one & S::splat(min_force).le(sensed.touch_force)
+    this_one & min_force.le(sensed.touch_force)
 }

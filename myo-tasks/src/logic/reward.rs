@@ -33,7 +33,7 @@ impl<S: Scalar> RewardTerms<S> {
 
 /// Distance (m) from the fingertip to what counts of the current target, before [`super::advance`].
 #[inline(always)]
-pub fn distance_to_target<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sensed<S>, state: &TaskState<S>) -> S {
+pub fn distance_to_target<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, state: &TaskState<S>) -> S {
     let to_centre = norm(difference(sensed.fingertip, state.centre(0)));
     if !task.weights.inside_is_zero {
         return to_centre;
@@ -49,13 +49,13 @@ pub fn distance_to_target<S: Scalar>(task: &CompiledTask<S::Const>, sensed: &Sen
 
 /// Distance (m) to the nearest point of the pressed face.
 #[inline(always)]
-fn distance_to_face<S: Scalar>(button: &Button<S::Const>, sensed: &Sensed<S>) -> S {
-    let from_centre = difference(sensed.fingertip, button.centre.map(S::splat));
+fn distance_to_face<S: Scalar>(button: &Button<S>, sensed: &Sensed<S>) -> S {
+    let from_centre = difference(sensed.fingertip, button.centre);
     let mut excess = [S::zero(); 3];
     for (k, e) in excess.iter_mut().enumerate() {
-        let axis = button.axes[k].map(S::splat);
+        let axis = button.axes[k];
         let along = from_centre[0].mul_add(axis[0], from_centre[1].mul_add(axis[1], from_centre[2] * axis[2]));
-        let half = S::splat(button.half_size[k]);
+        let half = button.half_size[k];
         // Out of the face: from its plane. Along it: past its edge.
         *e = if k == 2 { along - half } else { (along.abs() - half).max(S::zero()) };
     }
@@ -77,7 +77,7 @@ pub fn remaining_path<S: Scalar>(state: &TaskState<S>) -> S {
 /// step was judged; sums run over muscles and independent joints.
 #[inline(always)]
 pub fn reward<S: Scalar>(
-    task: &CompiledTask<S::Const>,
+    task: &CompiledTask<S>,
     progress: &Progress<S>,
     distance: S,
     squared_control: S,
@@ -85,10 +85,10 @@ pub fn reward<S: Scalar>(
 ) -> RewardTerms<S> {
     let w = &task.weights;
     RewardTerms {
-        distance: -(S::splat(w.distance).mul_add(distance, S::splat(w.time_cost))),
-        subtask: S::splat(w.subtask_bonus).only(progress.target_done),
-        completion: S::splat(w.completion_bonus).only(progress.task_done),
-        neural_effort: -(S::splat(w.neural_effort) * squared_control),
-        acceleration_effort: -(S::splat(w.acceleration_effort) * squared_acceleration),
+        distance: -(w.distance.mul_add(distance, w.time_cost)),
+        subtask: w.subtask_bonus.only(progress.target_done),
+        completion: w.completion_bonus.only(progress.task_done),
+        neural_effort: -(w.neural_effort * squared_control),
+        acceleration_effort: -(w.acceleration_effort * squared_acceleration),
     }
 }

@@ -10,14 +10,14 @@ pub const MAX_DRAWS: u32 = 64;
 /// Draws all targets in order where the mask is true. `counter` names the episode; its step and stream are set here.
 #[inline(always)]
 pub fn draw_targets<S: Scalar>(
-    task: &CompiledTask<S::Const>,
+    task: &CompiledTask<S>,
     mask: S::Mask,
     counter: Counter<S::Word>,
     state: &mut TaskState<S>,
 ) {
     for (index, target) in task.targets.iter().enumerate() {
         let (position, size) = match target {
-            TargetKind::Button(button) => (button.centre.map(S::splat), S::splat(button.half_size[1])),
+            TargetKind::Button(button) => (button.centre, button.half_size[1]),
             TargetKind::Sphere(sphere) => {
                 let counter = Counter { stream: S::Word::splat(TARGET_STREAM + index as u32), ..counter };
                 let previous = (index > 0).then(|| state.position[index - 1]);
@@ -32,12 +32,12 @@ pub fn draw_targets<S: Scalar>(
 /// Centre and radius; the centre is redrawn while it is too close to the previous one.
 #[inline(always)]
 fn draw_sphere<S: Scalar>(
-    sphere: &Sphere<S::Const>,
+    sphere: &Sphere<S>,
     mask: S::Mask,
     counter: Counter<S::Word>,
     previous: Option<Point<S>>,
 ) -> (Point<S>, S) {
-    let least = S::splat(sphere.min_distance);
+    let least = sphere.min_distance;
     let mut search = Search {
         draw: S::Word::splat(0),
         best: [S::zero(); 3],
@@ -49,9 +49,9 @@ fn draw_sphere<S: Scalar>(
         let words = philox::<S>(Counter { step: search.draw, ..counter });
         let mut candidate = search.best;
         for (k, x) in candidate.iter_mut().enumerate() {
-            *x = unit::<S>(words[k]).mul_add(S::splat(sphere.extent[k]), S::splat(sphere.lo[k]));
+            *x = unit::<S>(words[k]).mul_add(sphere.extent[k], sphere.lo[k]);
         }
-        let radius = unit::<S>(words[3]).mul_add(S::splat(sphere.radius_extent), S::splat(sphere.radius));
+        let radius = unit::<S>(words[3]).mul_add(sphere.radius_extent, sphere.radius);
         let first = search.farthest.lt(S::zero());
         search.radius = S::select(first, radius, search.radius);
         let distance = previous.map_or(S::zero(), |p| norm(difference(candidate, p)));

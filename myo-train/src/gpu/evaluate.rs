@@ -257,7 +257,7 @@ impl DeviceEvaluator {
             let results = RESULT_ROWS * shard.num_envs;
             batch.copy(&shard.result, 0, &self.results, step * results, results);
             if rows > 0 {
-                batch.copy(&shard.episode, 0, &self.summaries, step * rows, rows);
+                batch.copy(&shard.result, RESULT_ROWS * shard.num_envs, &self.summaries, step * rows, rows);
             }
         }
         batch

@@ -31,7 +31,7 @@ impl Kernels {
         use Access::{Read, ReadWrite, Uniform};
         let compile = |label, text, access: &[Access]| gpu.compile(label, Source::Wgsl(text), "main", access);
         let observe = [Read, Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        let outcome = [Read, Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
+        let outcome = [Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
         Ok(Self {
             gpu: gpu.clone(),
             noise: compile("noise", &noise::text(), &[Read, Read, ReadWrite, ReadWrite, Uniform])?,

@@ -9,16 +9,14 @@ struct Shape {
     reward_scale: f32,
 }
 
-// Reward, terminated, truncated: (3, num_envs)
+// Reward, terminated, truncated, summary: (3 + summary, num_envs)
 @group(0) @binding(0) var<storage, read> result: array<f32>;
-// (summary, num_envs)
-@group(0) @binding(1) var<storage, read> episode: array<f32>;
-@group(0) @binding(2) var<storage, read_write> reward: array<f32>;
+@group(0) @binding(1) var<storage, read_write> reward: array<f32>;
 // 1 where the task ended the episode, 2 where the time limit did, else 0.
-@group(0) @binding(3) var<storage, read_write> ended: array<u32>;
+@group(0) @binding(2) var<storage, read_write> ended: array<u32>;
 // Episodes that ended, then per column of the summary the sum of its entries and their number: (1 + 2 summary, num_envs)
-@group(0) @binding(4) var<storage, read_write> episodes: array<f32>;
-@group(0) @binding(5) var<uniform> shape: Shape;
+@group(0) @binding(3) var<storage, read_write> episodes: array<f32>;
+@group(0) @binding(4) var<uniform> shape: Shape;
 
 @compute @workgroup_size(64)
 fn main(
@@ -54,7 +52,7 @@ fn main(
 fn entry(row: u32, env: u32) -> f32 {
     if row == 0u { return 1.0; }
     let column = (row - 1u) % shape.summary;
-    let x = episode[column * shape.num_envs + env];
+    let x = result[(3u + column) * shape.num_envs + env];
     let number = (bitcast<u32>(x) & 0x7fffffffu) <= 0x7f800000u;
     if row > shape.summary { return select(0.0, 1.0, number); }
     return select(0.0, x, number);

@@ -298,7 +298,6 @@ impl Parts<'_> {
         let shape = [sizes.envs as u32, (t * sizes.padded) as u32, sizes.summary as u32, scale];
         let buffers = [
             shard.result.binding(),
-            shard.episode.binding(),
             self.buffers.reward.binding(),
             self.buffers.ended.binding(),
             self.buffers.episodes.binding(),

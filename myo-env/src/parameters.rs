@@ -1,0 +1,154 @@
+//! The numbers of a task, which may change without anything being compiled again.
+
+use crate::tables::Tables;
+use myo_dynamics::{CompiledBox, Obstacles, Plan};
+use myo_scalar::{Real, Scalar};
+use myo_tasks::logic::{Button, CompiledTask};
+use myo_tasks::{Pose, Reset, Task};
+
+/// All numbers of a task, of type `T`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters<T> {
+    /// What is to do.
+    pub task: CompiledTask<T>,
+    /// Standard deviations of motor noise: signal-dependent, constant.
+    pub noise: Option<[T; 2]>,
+    /// How episodes begin.
+    pub start: Start<T>,
+}
+
+/// Distribution of the body's state at the start of an episode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start<T> {
+    /// Joint positions.
+    pub pose: Poses<T>,
+    /// Joint positions where environments explore: within all that the joints allow.
+    pub any_pose: Poses<T>,
+    /// Greatest speed, either way.
+    pub speed: T,
+    /// Greatest activation.
+    pub activation: T,
+}
+
+/// Joint positions, uniform in intervals (rad).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Poses<T> {
+    lowest: Vec<T>,
+    width: Vec<T>,
+}
+
+/// What a control step runs on: tables, and numbers of the lanes' own.
+pub struct World<'a, S: Scalar> {
+    /// What is the same for all.
+    pub tables: &'a Tables<S::Const>,
+    /// The numbers.
+    pub parameters: Parameters<S>,
+    /// What the fingertip can press, where these numbers say.
+    pub obstacles: Obstacles<S::Const, S>,
+}
+
+impl<C: Real> Parameters<C> {
+    /// Those of a task whose repeated targets are written out, for a body.
+    pub(crate) fn new(task: &Task, plan: &Plan<f64>) -> Self {
+        let noise = &task.noise;
+        let noisy = noise.signal_dependent > 0.0 || noise.constant > 0.0;
+        Self {
+            task: CompiledTask::new(task),
+            noise: noisy.then(|| [noise.signal_dependent, noise.constant].map(C::from_f64)),
+            start: Start::new(task, plan),
+        }
+    }
+}
+
+impl<T> Parameters<T> {
+    /// The same structure with other numbers: each is what `f` makes of this one, in a fixed order.
+    #[inline(always)]
+    pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Parameters<U> {
+        Parameters {
+            task: self.task.map(f),
+            noise: self.noise.as_ref().map(|noise| noise.each_ref().map(&mut *f)),
+            start: self.start.map(f),
+        }
+    }
+}
+
+impl<C: Real> Parameters<C> {
+    /// All numbers in the order of [`map`](Self::map), as they lie on a card.
+    pub fn rows(&self) -> Vec<f32> {
+        let mut rows = vec![];
+        self.map(&mut |number| rows.push(number.to_f64() as f32));
+        rows
+    }
+}
+
+impl<T: Copy> Parameters<T> {
+    /// What the fingertip can press.
+    #[inline(always)]
+    pub fn boxes(&self) -> Vec<CompiledBox<T>> {
+        let shape = |&Button { centre, axes, half_size, .. }: &Button<T>| CompiledBox { centre, axes, half_size };
+        self.task.buttons().map(shape).collect()
+    }
+}
+
+impl<C: Real> Start<C> {
+    fn new(task: &Task, plan: &Plan<f64>) -> Self {
+        let reset = &task.reset;
+        let poses = |pose| Poses::new(plan.dofs.iter().map(|dof| interval(reset, pose, dof.range)));
+        let speed = if reset.pose == Pose::Zero { 0.0 } else { reset.velocity_spread_rad_s };
+        Self {
+            pose: poses(reset.pose),
+            any_pose: poses(Pose::RangeUniform),
+            speed: C::from_f64(speed),
+            activation: C::from_f64(reset.activation_max),
+        }
+    }
+}
+
+impl<T> Start<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Start<U> {
+        Start {
+            pose: self.pose.map(f),
+            any_pose: self.any_pose.map(f),
+            speed: f(&self.speed),
+            activation: f(&self.activation),
+        }
+    }
+}
+
+impl<C: Real> Poses<C> {
+    fn new(intervals: impl Iterator<Item = [f64; 2]>) -> Self {
+        let (lowest, width) = intervals.map(|[lo, hi]| (C::from_f64(lo), C::from_f64(hi - lo))).unzip();
+        Self { lowest, width }
+    }
+}
+
+impl<T> Poses<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Poses<U> {
+        Poses { lowest: self.lowest.iter().map(&mut *f).collect(), width: self.width.iter().map(&mut *f).collect() }
+    }
+}
+
+impl<S: Scalar> Poses<S> {
+    /// A pose, from a number in [0, 1) per coordinate.
+    #[inline(always)]
+    pub fn at(&self, draws: Vec<S>) -> impl Iterator<Item = S> {
+        draws
+            .into_iter()
+            .zip(&self.lowest)
+            .zip(&self.width)
+            .map(|((draw, &lowest), &width)| draw.mul_add(width, lowest))
+    }
+}
+
+/// From where a joint of this range is drawn.
+fn interval(reset: &Reset, pose: Pose, range: Option<[f64; 2]>) -> [f64; 2] {
+    match (pose, range) {
+        (Pose::Zero, _) => [0.0, 0.0],
+        (Pose::RangeUniform, Some(range)) => range,
+        // A joint without limits has no range to draw from.
+        (Pose::NearZero, None) | (Pose::RangeUniform, None) => [-reset.pose_spread_rad, reset.pose_spread_rad],
+        (Pose::NearZero, Some([lo, hi])) => [-reset.pose_spread_rad, reset.pose_spread_rad].map(|q| q.clamp(lo, hi)),
+    }
+}
