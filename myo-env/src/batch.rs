@@ -177,6 +177,13 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
         Ok(())
     }
 
+    fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
+        self.tables.set_task(task).map_err(EnvError::other_task)?;
+        self.spec.max_episode_steps = task.time_limit_steps() as usize;
+        let n = self.spec.num_envs;
+        self.reset(None, Some(&vec![false; n]), &mut vec![0.0; n * self.spec.observation_size()])
+    }
+
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {
         let storage = &self.storage;
         Ok(self.header().save(|env, k| storage.number(env, k), |env, k| storage.word(env, k)))

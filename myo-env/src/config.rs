@@ -51,6 +51,12 @@ pub enum BuildError {
     /// The task has values out of bounds.
     #[error(transparent)]
     Task(#[from] InvalidTask),
+    /// A task was to be exchanged for one that code would have to be compiled for.
+    #[error("the task cannot take the place of the one before: {what}; make new environments")]
+    OtherStructure {
+        /// What differs, as half a sentence.
+        what: String,
+    },
     /// `MYO_LEVEL` asks for a level of instructions that there is not.
     #[error(transparent)]
     Level(#[from] LevelError),

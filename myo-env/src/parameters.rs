@@ -1,10 +1,13 @@
 //! The numbers of a task, which may change without anything being compiled again.
 
 use crate::tables::Tables;
-use myo_dynamics::{CompiledBox, Obstacles, Plan};
+use myo_dynamics::{CompiledBox, Obstacles};
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::{Button, CompiledTask};
+use myo_tasks::logic::{Button, CompiledTask, TargetKind};
 use myo_tasks::{Pose, Reset, Task};
+
+/// Least and greatest position of a joint (rad), where it has limits.
+pub(crate) type JointRange = Option<[f64; 2]>;
 
 /// All numbers of a task, of type `T`.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,14 +51,30 @@ pub struct World<'a, S: Scalar> {
 }
 
 impl<C: Real> Parameters<C> {
-    /// Those of a task whose repeated targets are written out, for a body.
-    pub(crate) fn new(task: &Task, plan: &Plan<f64>) -> Self {
-        let noise = &task.noise;
-        let noisy = noise.signal_dependent > 0.0 || noise.constant > 0.0;
+    /// Those of a task whose repeated targets are written out, for a body whose joints have these ranges (rad).
+    pub(crate) fn new(task: &Task, ranges: &[JointRange]) -> Self {
+        let noise = [task.noise.signal_dependent, task.noise.constant];
+        let noisy = noise.iter().any(|&deviation| deviation > 0.0);
         Self {
             task: CompiledTask::new(task),
-            noise: noisy.then(|| [noise.signal_dependent, noise.constant].map(C::from_f64)),
-            start: Start::new(task, plan),
+            noise: noisy.then(|| noise.map(C::from_f64)),
+            start: Start::new(task, ranges),
+        }
+    }
+
+    /// These numbers where others were, which code was compiled for.
+    ///
+    /// # Errors
+    /// What differs in structure, as half a sentence.
+    pub(crate) fn in_place_of(mut self, others: &Self) -> Result<Self, String> {
+        if others.noise.is_some() {
+            // Noise of no size is noise all the same.
+            self.noise = self.noise.or(Some([C::from_f64(0.0); 2]));
+        }
+        let (new, old) = (self.map(&mut |_| ()), others.map(&mut |_| ()));
+        match new.difference(&old) {
+            Some(what) => Err(what),
+            None => Ok(self),
         }
     }
 }
@@ -69,6 +88,33 @@ impl<T> Parameters<T> {
             noise: self.noise.as_ref().map(|noise| noise.each_ref().map(&mut *f)),
             start: self.start.map(f),
         }
+    }
+}
+
+impl Parameters<()> {
+    /// What differs from another structure, as half a sentence.
+    fn difference(&self, other: &Self) -> Option<String> {
+        let (ours, theirs) = (&self.task.targets, &other.task.targets);
+        if ours.len() != theirs.len() {
+            return Some(format!("it has {} targets instead of {}", ours.len(), theirs.len()));
+        }
+        let kind = |target: &TargetKind<()>| match target {
+            TargetKind::Sphere(_) => "a sphere",
+            TargetKind::Button(_) => "a button",
+        };
+        let other_kind = (1..).zip(ours.iter().zip(theirs)).find(|(_, (a, b))| a != b);
+        if let Some((number, (new, old))) = other_kind {
+            return Some(format!("its target {number} is {} instead of {}", kind(new), kind(old)));
+        }
+        if self.task.weights != other.task.weights {
+            return Some(
+                "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path)".into(),
+            );
+        }
+        if self.noise != other.noise {
+            return Some("it has motor noise where there was none".into());
+        }
+        (self != other).then(|| "it is of another body".into())
     }
 }
 
@@ -91,9 +137,9 @@ impl<T: Copy> Parameters<T> {
 }
 
 impl<C: Real> Start<C> {
-    fn new(task: &Task, plan: &Plan<f64>) -> Self {
+    fn new(task: &Task, ranges: &[JointRange]) -> Self {
         let reset = &task.reset;
-        let poses = |pose| Poses::new(plan.dofs.iter().map(|dof| interval(reset, pose, dof.range)));
+        let poses = |pose| Poses::new(ranges.iter().map(|&range| interval(reset, pose, range)));
         let speed = if reset.pose == Pose::Zero { 0.0 } else { reset.velocity_spread_rad_s };
         Self {
             pose: poses(reset.pose),
@@ -143,7 +189,7 @@ impl<S: Scalar> Poses<S> {
 }
 
 /// From where a joint of this range is drawn.
-fn interval(reset: &Reset, pose: Pose, range: Option<[f64; 2]>) -> [f64; 2] {
+fn interval(reset: &Reset, pose: Pose, range: JointRange) -> [f64; 2] {
     match (pose, range) {
         (Pose::Zero, _) => [0.0, 0.0],
         (Pose::RangeUniform, Some(range)) => range,

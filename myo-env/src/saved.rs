@@ -32,12 +32,21 @@ struct Named {
     fingerprint: u32,
 }
 
+impl Named {
+    fn new(name: &str, contents: String) -> Self {
+        Self { name: name.into(), fingerprint: crc32c(contents.as_bytes()) }
+    }
+}
+
 impl Identity {
     /// The identity of a model and a task whose repeated targets are written out.
     pub fn new(model: &Model, task: &Task) -> Self {
-        let named =
-            |name: &str, contents: String| Named { name: name.into(), fingerprint: crc32c(contents.as_bytes()) };
-        Self { model: named(&model.name, format!("{model:?}")), task: named(&task.name, format!("{task:?}")) }
+        Self { model: Named::new(&model.name, format!("{model:?}")), task: Named::new(&task.name, format!("{task:?}")) }
+    }
+
+    /// The same model with another task.
+    pub fn with_task(&self, task: &Task) -> Self {
+        Self { model: self.model.clone(), task: Named::new(&task.name, format!("{task:?}")) }
     }
 
     /// Says what differs from the identity that an environment has.

@@ -2,7 +2,7 @@
 
 use crate::config::BuildError;
 use crate::observe::{self, ObservationPart};
-use crate::parameters::{Parameters, World};
+use crate::parameters::{JointRange, Parameters, World};
 use crate::saved::Identity;
 use myo_dynamics::{CouplingMode, Obstacles, Plan};
 use myo_model::Model;
@@ -22,6 +22,10 @@ pub struct Tables<C> {
     pub substeps: u32,
     /// Parts of the observation, in order.
     pub observation: Vec<ObservationPart>,
+    /// Of every independent joint, unrounded.
+    ranges: Vec<JointRange>,
+    /// Seconds of a physics step, unrounded.
+    timestep: f64,
     /// Which model and task these are.
     pub(crate) identity: Identity,
 }
@@ -48,15 +52,39 @@ impl<C: Real> Tables<C> {
         let task = task.clone().expanded();
         let exact = Plan::exact(model, CouplingMode::Reduced)?;
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
+        let ranges: Vec<JointRange> = exact.dofs.iter().map(|dof| dof.range).collect();
         let plan = plan(&exact);
         Ok(Self {
             surface: Obstacles::none(&plan),
-            parameters: Parameters::new(&task, &exact),
+            parameters: Parameters::new(&task, &ranges),
             substeps: task.substeps(exact.timestep),
             observation: observe::parts(&task.observation),
             identity: Identity::new(model, &task),
+            ranges,
+            timestep: exact.timestep,
             plan,
         })
+    }
+
+    /// The numbers of another task of the same structure, and which one it is: everything may differ but the number and kinds of
+    /// targets, what is observed, the length of a control step, how the reward measures the distance, and whether there is noise.
+    ///
+    /// # Errors
+    /// [`BuildError::OtherStructure`] tells what differs; values out of bounds.
+    pub fn set_task(&mut self, task: &Task) -> Result<(), BuildError> {
+        task.check_values()?;
+        let task = task.clone().expanded();
+        task.check_control_step(self.timestep).map_err(InvalidTask::from)?;
+        let differs = |what: String| BuildError::OtherStructure { what };
+        if task.substeps(self.timestep) != self.substeps {
+            return Err(differs(format!("its control step is {} s", task.control_dt_s)));
+        }
+        if observe::parts(&task.observation) != self.observation {
+            return Err(differs("it is observed in another way".into()));
+        }
+        self.parameters = Parameters::new(&task, &self.ranges).in_place_of(&self.parameters).map_err(differs)?;
+        self.identity = self.identity.with_task(&task);
+        Ok(())
     }
 
     /// Targets of the task.

@@ -2,7 +2,9 @@
 
 use thiserror::Error;
 
+use crate::config::BuildError;
 use crate::control::explore::LEFT;
+use myo_tasks::Task;
 
 /// What happens when an episode ends, in the words of Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -163,10 +165,28 @@ pub enum EnvError {
         /// What differs.
         reason: String,
     },
+    /// The environment can do no other task.
+    #[error("the task cannot take the place of the one before: {what}")]
+    OtherTask {
+        /// Why, as half a sentence.
+        what: String,
+    },
     /// The graphics card failed. After a loss of the device the environment is gone.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] myo_gpu::GpuError),
+}
+
+impl EnvError {
+    /// Of what [`Tables::set_task`](crate::Tables::set_task) says.
+    pub(crate) fn other_task(error: BuildError) -> Self {
+        Self::OtherTask {
+            what: match error {
+                BuildError::OtherStructure { what } => what,
+                other => other.to_string(),
+            },
+        }
+    }
 }
 
 /// Many independent copies of one task, stepped together.
@@ -194,4 +214,16 @@ pub trait VectorEnv: Send {
     /// # Errors
     /// [`EnvError::BadState`] where the bytes are damaged or of something else; the environment is unchanged then.
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError>;
+
+    /// Goes on with another task of the same structure, whose numbers alone differ; nothing is compiled. Weights of the reward,
+    /// dwell, forces, noise, the time limit and where buttons are count from the next step on, where spheres are from an
+    /// environment's next episode on. Observations of before are out of date: a [reset](Self::reset) of no environment gives the new ones.
+    ///
+    /// # Errors
+    /// [`EnvError::OtherTask`] where the structure differs, values are out of bounds or the environment knows no tasks; it is
+    /// unchanged then.
+    fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
+        let _ = task;
+        Err(EnvError::OtherTask { what: "these environments have no task".into() })
+    }
 }

@@ -24,6 +24,7 @@ pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S
 /// `next_observation`.
 #[inline(always)]
 pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+    logic::place_buttons(&world.parameters.task, &mut env.task);
     if mask.any() {
         let done_before = env.task.phase;
         S::outline(stages::Draw { world, mask, env });
@@ -40,7 +41,7 @@ pub fn draw_episode<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut En
     env.episode = S::select_word(mask, env.episode + one, env.episode);
     env.step = S::select_word(mask, zero, env.step);
     draw_body(world, mask, env);
-    logic::draw_targets(&world.parameters.task, mask, env.counter(), &mut env.task);
+    logic::draw_spheres(&world.parameters.task, mask, env.counter(), &mut env.task);
     env.task.restart(mask);
     let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pressed, &mut env.pending]);
     for x in counters {

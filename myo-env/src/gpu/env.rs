@@ -7,13 +7,14 @@ use super::size::{check_memory, portable_envs, without_memory};
 use crate::batch;
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig};
-use crate::saved::{Header, Identity};
+use crate::saved::Header;
 use crate::state::{EnvState, StateRows};
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_gpu::{Gpu, GpuError};
 use myo_model::Model;
 use myo_tasks::Task;
+use std::sync::Arc;
 
 /// Integers per environment.
 const WORDS: usize = EnvState::<f64>::WORDS;
@@ -31,8 +32,7 @@ pub struct GpuEnv {
     spec: EnvSpec,
     /// Numbers in the state of one environment.
     rows: StateRows,
-    parameters: Vec<f32>,
-    identity: Identity,
+    tables: Arc<Tables<f64>>,
     finished: Finished,
     scratch: HostColumns,
 }
@@ -66,8 +66,7 @@ impl GpuEnv {
         check_memory(gpu, &spec, rows.count)?;
         let kernels = Kernels::new(gpu, &tables, config.autoreset, options.form)?;
         let per_shard = portable_envs(&spec, rows.count).min(options.envs_per_shard.max(1));
-        let parameters = tables.parameters.rows();
-        Self::start(gpu, kernels, spec, (rows, parameters, tables.identity), per_shard, config.seed)
+        Self::start(gpu, kernels, spec, (rows, Arc::new(tables)), per_shard, config.seed)
     }
 
     /// Other environments of the same model and task, with the same kernels: nothing is compiled again. They start their
@@ -83,8 +82,7 @@ impl GpuEnv {
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
         check_memory(&self.gpu, &spec, self.rows.count)?;
         let per_shard = portable_envs(&spec, self.rows.count);
-        let of = (self.rows, self.parameters.clone(), self.identity.clone());
-        Self::start(&self.gpu, self.kernels.clone(), spec, of, per_shard, seed)
+        Self::start(&self.gpu, self.kernels.clone(), spec, (self.rows, self.tables.clone()), per_shard, seed)
     }
 
     /// The environments of one group: those of a device without groups. Other groups are left alone, and none see each other.
@@ -92,15 +90,14 @@ impl GpuEnv {
     /// # Errors
     /// There is no such group, no memory left, or the device lost.
     pub fn of(&self, group: usize) -> Result<Self, GpuError> {
-        let Self { kernels, spec, rows, parameters, identity, .. } = self;
+        let Self { kernels, spec, rows, tables, .. } = self;
         Ok(Self {
             gpu: self.gpu.for_groups(&[group])?,
             kernels: kernels.clone(),
             shards: self.shards.iter().map(|shard| shard.of(group)).collect(),
             spec: spec.clone(),
             rows: *rows,
-            parameters: parameters.clone(),
-            identity: identity.clone(),
+            tables: tables.clone(),
             finished: Finished::new(spec),
             scratch: HostColumns::default(),
         })
@@ -111,10 +108,11 @@ impl GpuEnv {
         gpu: &Gpu,
         kernels: Kernels,
         spec: EnvSpec,
-        (rows, parameters, identity): (StateRows, Vec<f32>, Identity),
+        (rows, tables): (StateRows, Arc<Tables<f64>>),
         per_shard: usize,
         seed: u64,
     ) -> Result<Self, BuildError> {
+        let parameters = tables.parameters.rows();
         let shards = (0..spec.num_envs)
             .step_by(per_shard)
             .map(|first| {
@@ -125,7 +123,7 @@ impl GpuEnv {
             .map_err(|error| without_memory(error, gpu, &spec, rows.count))?;
         let (gpu, finished) = (gpu.clone(), Finished::new(&spec));
         let scratch = HostColumns::default();
-        let mut env = Self { gpu, kernels, shards, spec, rows, parameters, identity, finished, scratch };
+        let mut env = Self { gpu, kernels, shards, spec, rows, tables, finished, scratch };
         let started = env.start_episodes(Some(seed), None);
         started.map_err(|error| without_memory(error, &env.gpu, &env.spec, rows.count))?;
         Ok(env)
@@ -208,6 +206,18 @@ impl VectorEnv for GpuEnv {
         Ok(())
     }
 
+    fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
+        let mut tables = (*self.tables).clone();
+        tables.set_task(task).map_err(EnvError::other_task)?;
+        let parameters = tables.parameters.rows();
+        for shard in &self.shards {
+            self.gpu.write(&shard.parameters, 0, &parameters)?;
+        }
+        self.tables = Arc::new(tables);
+        self.spec.max_episode_steps = task.time_limit_steps() as usize;
+        Ok(self.command(0, 0, None)?)
+    }
+
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {
         let (n, count) = (self.spec.num_envs, self.rows.count);
         let (mut numbers, mut words) = (vec![0.0; n * count], vec![0; n * WORDS]);
@@ -244,7 +254,7 @@ impl VectorEnv for GpuEnv {
 impl GpuEnv {
     /// Header of its states.
     fn header(&self) -> Header {
-        Header::of::<f32>(self.spec.num_envs, self.rows.count, &self.identity)
+        Header::of::<f32>(self.spec.num_envs, self.rows.count, &self.tables.identity)
     }
 
     /// Index of entry `k` of an environment among the entries of all shards, `count` per environment.

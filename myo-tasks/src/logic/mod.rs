@@ -13,7 +13,7 @@ pub use arrival::{Aim, Contact, Stay};
 pub use compile::{Button, CompiledTask, Sphere, TargetKind, Weights};
 pub use progress::{Progress, Sensed, advance, inside};
 pub use reward::{RewardTerms, distance_to_target, remaining_path, reward};
-pub use sample::{MAX_DRAWS, draw_targets};
+pub use sample::{MAX_DRAWS, draw_spheres, place_buttons};
 
 use myo_scalar::Scalar;
 

@@ -7,25 +7,31 @@ use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 /// hardly be met is warned about before training.
 pub const MAX_DRAWS: u32 = 64;
 
-/// Draws all targets in order where the mask is true. `counter` names the episode; its step and stream are set here.
+/// Where buttons are is not drawn. It may change with the task, in the middle of an episode.
 #[inline(always)]
-pub fn draw_targets<S: Scalar>(
+pub fn place_buttons<S: Scalar>(task: &CompiledTask<S>, state: &mut TaskState<S>) {
+    for (index, target) in task.targets.iter().enumerate() {
+        if let TargetKind::Button(button) = target {
+            (state.position[index], state.size[index]) = (button.centre, button.half_size[1]);
+        }
+    }
+}
+
+/// Draws all spheres in order where the mask is true, after [`place_buttons`]. `counter` names the episode; its step and stream are set here.
+#[inline(always)]
+pub fn draw_spheres<S: Scalar>(
     task: &CompiledTask<S>,
     mask: S::Mask,
     counter: Counter<S::Word>,
     state: &mut TaskState<S>,
 ) {
     for (index, target) in task.targets.iter().enumerate() {
-        let (position, size) = match target {
-            TargetKind::Button(button) => (button.centre, button.half_size[1]),
-            TargetKind::Sphere(sphere) => {
-                let counter = Counter { stream: S::Word::splat(TARGET_STREAM + index as u32), ..counter };
-                let previous = (index > 0).then(|| state.position[index - 1]);
-                draw_sphere(sphere, mask, counter, previous)
-            }
-        };
+        let TargetKind::Sphere(sphere) = target else { continue };
+        let counter = Counter { stream: S::Word::splat(TARGET_STREAM + index as u32), ..counter };
+        let previous = (index > 0).then(|| state.position[index - 1]);
+        let (position, radius) = draw_sphere(sphere, mask, counter, previous);
         state.position[index] = select_point(mask, position, state.position[index]);
-        state.size[index] = S::select(mask, size, state.size[index]);
+        state.size[index] = S::select(mask, radius, state.size[index]);
     }
 }
 
