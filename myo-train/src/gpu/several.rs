@@ -4,10 +4,11 @@ use std::sync::Mutex;
 
 use myo_env::{EnvConfig, GpuEnv};
 use myo_gpu::Gpu;
+use myo_tasks::Task;
 
 use super::DeviceEvaluator;
 use super::testing::gpu;
-use super::tests::{config, env, envs};
+use super::tests::{config, env, envs, other_task, task};
 use crate::{Checkpoint, Member, PpoConfig, TrainError, Trainer};
 
 fn bytes(mut checkpoint: Checkpoint) -> Vec<u8> {
@@ -165,4 +166,24 @@ fn trainings_that_do_not_fit_each_other_are_refused() {
     // Another step size makes no other kernels.
     let slower = PpoConfig { learning_rate: 1e-5, learning_rate_max: 1e-4, ..config.clone() };
     assert_eq!(Trainer::several_on_card(env(&groups, 8), &[new(&config), new(&slower)]).unwrap().len(), 2);
+}
+
+#[test]
+fn every_group_may_have_a_task_of_its_own() {
+    let Some(gpu) = gpu() else { return };
+    let config = config(24);
+    let tasks = [task(), other_task()];
+    let train = |mut trainer: Trainer, task: &Task| {
+        trainer.set_task(task).unwrap();
+        (0..3).for_each(|_| drop(trainer.update().unwrap()));
+        bytes(trainer.save().unwrap())
+    };
+    let several = gpu.in_groups(2).unwrap();
+    let members = [1, 2].map(|seed| Member::New { config: &config, seed });
+    let trainers = Trainer::several_on_card(env(&several, 24), &members).unwrap();
+    let got = at_once(trainers, |member, trainer| train(trainer, &tasks[member]));
+    let base = env(&gpu, 24);
+    for (member, (got, seed)) in got.into_iter().zip([1, 2]).enumerate() {
+        assert!(got == train(alone(&base, &config, seed), &tasks[member]), "member {member}");
+    }
 }

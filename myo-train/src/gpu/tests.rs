@@ -18,7 +18,7 @@ pub const SEED: u64 = 0x0123_4567_89ab_cdef;
 pub const FIRST_STEP: u64 = u32::MAX as u64 - 2;
 
 /// Episodes of at most 3 control steps, of which some end earlier.
-fn task() -> Task {
+pub fn task() -> Task {
     let mut task = myo_tasks::preset("pointing-single").unwrap();
     let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
     target.radius = Range { min: 0.2, max: 0.7 };
@@ -243,6 +243,40 @@ fn training_on_the_card_resumes_with_the_same_bits() {
     let mut heir = Trainer::on_card(env(&gpu, envs), config(envs), 2).unwrap();
     heir.warm_start(&saved).unwrap();
     assert_eq!(heir.save().unwrap().parameters, saved.parameters);
+}
+
+/// A task whose reward counts time more, and whose spheres lie lower.
+pub fn other_task() -> Task {
+    let mut task = task();
+    let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
+    (target.position.z, target.dwell_s) = (Range { min: -0.4, max: -0.3 }, 0.1);
+    task.reward.time_cost = 20.0;
+    task
+}
+
+#[test]
+fn a_training_goes_on_with_other_numbers_between_two_updates() {
+    let Some(gpu) = gpu() else { return };
+    let envs = 64;
+    let mut card = Trainer::on_card(env(&gpu, envs), config(envs), 1).unwrap();
+    let mut host = Trainer::new(Box::new(env(&gpu, envs)), config(envs), 1).unwrap();
+    let before = [card.update().unwrap(), host.update().unwrap()];
+    for (trainer, before) in [&mut card, &mut host].into_iter().zip(before) {
+        let mut dear = task();
+        dear.reward.time_cost = 20.0;
+        trainer.set_task(&dear).unwrap();
+        let after = trainer.update().unwrap();
+        // A control step of 50 ms costs 20 / s instead of 0.6.
+        let costs = before.reward_per_step - after.reward_per_step;
+        assert!((0.6..1.4).contains(&costs), "{costs}");
+        assert_eq!(after.updates, 2);
+        let saved = trainer.save().unwrap();
+        trainer.go_back(&saved, 1.0).unwrap();
+    }
+    assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
+    let short = Task { time_limit_s: 0.05, ..other_task() };
+    let error = card.set_task(&short).unwrap_err().to_string();
+    assert!(error.contains("the time limit in control steps is 1, expected"), "{error}");
 }
 
 #[test]

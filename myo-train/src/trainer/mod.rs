@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use myo_env::{EnvSpec, GpuEnv, VectorEnv};
+use myo_tasks::Task;
 
 use crate::checkpoint::Checkpoint;
 use crate::device::TrainingDevice;
@@ -402,6 +403,32 @@ impl Trainer {
         self.learning_rate =
             (checkpoint.learning_rate * factor).clamp(config.learning_rate_min, config.learning_rate_max);
         Ok(())
+    }
+
+    /// Goes on with another task of the same structure, between two updates; see [`VectorEnv::set_task`]. Checkpoints of before are
+    /// of the other task and do not fit any more.
+    ///
+    /// # Errors
+    /// The environment refuses it, its time limit is too short for memory that was laid out for another, or the card is lost.
+    pub fn set_task(&mut self, task: &Task) -> Result<(), TrainError> {
+        let cuts = |spec: &EnvSpec| spec.steps_between_cuts().min(self.brain.config.steps_per_update);
+        let wanted = EnvSpec { max_episode_steps: task.time_limit_steps() as usize, ..self.brain.spec.clone() };
+        if cuts(&wanted) != cuts(&self.brain.spec) {
+            return Err(TrainError::Mismatch {
+                what: "the time limit in control steps",
+                got: wanted.max_episode_steps.to_string(),
+                expected: format!(
+                    "one whose episodes are cut as often within an update as those of {}",
+                    self.brain.spec.max_episode_steps
+                ),
+            });
+        }
+        let env = self.device.env_mut();
+        env.set_task(task)?;
+        self.brain.spec = env.spec().clone();
+        let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let none = vec![false; self.brain.spec.num_envs];
+        Ok(self.device.env_mut().reset(None, Some(&none), &mut host_state.observation)?)
     }
 
     /// Begins with what another training learned instead of with nothing; to be called before the first update.
