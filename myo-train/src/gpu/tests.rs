@@ -274,9 +274,22 @@ fn a_training_goes_on_with_other_numbers_between_two_updates() {
         trainer.go_back(&saved, 1.0).unwrap();
     }
     assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
-    let short = Task { time_limit_s: 0.05, ..other_task() };
-    let error = card.set_task(&short).unwrap_err().to_string();
-    assert!(error.contains("the time limit in control steps is 1, expected"), "{error}");
+    // Where environments explore, one control step is left of short episodes, two of those of a second.
+    for seconds in [1.0, 0.15] {
+        card.set_task(&Task { time_limit_s: seconds, ..task() }).unwrap();
+    }
+}
+
+#[test]
+fn a_time_limit_too_short_for_the_memory_of_a_training_is_refused() {
+    let Some(gpu) = gpu() else { return };
+    let long = Task { time_limit_s: 1.0, ..task() };
+    let model = Model::new(&builtin(&long.model).unwrap()).unwrap();
+    let env = GpuEnv::new(&gpu, &model, &long, &envs(8)).unwrap();
+    let mut trainer = Trainer::on_card(env, config(8), 1).unwrap();
+    let error = trainer.set_task(&task()).unwrap_err().to_string();
+    assert!(error.contains("the time limit in control steps is 3, expected"), "{error}");
+    trainer.update().unwrap();
 }
 
 #[test]
