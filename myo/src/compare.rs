@@ -258,7 +258,16 @@ fn judge(differences: &mut [Difference]) {
     }
 }
 
+/// Why an interval without zero is no difference.
+const CHANCE: &str =
+    "; that leaves out 0, as one of several quantities easily does by chance, so more users are needed to tell";
+
 impl Difference {
+    /// Whether its own interval leaves out zero.
+    fn seems_to_differ(&self) -> bool {
+        self.interval.is_some_and(|[low, high]| low > 0.0 || high < 0.0)
+    }
+
     fn sentence(&self, [first, second]: &[String; 2]) -> String {
         let show = |value| self.quantity.show(value);
         let (name, a, b) = (self.quantity.name(), show(self.first), show(self.second));
@@ -273,7 +282,10 @@ impl Difference {
             Verdict::WithinTraining => format!(
                 "no difference worth the name in {name}: {first} {a}, {second} {b}{between}; more training may bring as much"
             ),
-            Verdict::NoDifference => format!("no difference found in {name}: {first} {a}, {second} {b}{between}"),
+            Verdict::NoDifference => {
+                let chance = if self.seems_to_differ() { CHANCE } else { "" };
+                format!("no difference found in {name}: {first} {a}, {second} {b}{between}{chance}")
+            }
             Verdict::Unknown => {
                 format!(
                     "{name}: {first} {a}, {second} {b}; with a single user of a layout nobody can tell whether that is chance"
@@ -416,6 +428,7 @@ mod tests {
         let p = comparison.differences[1].p_value.unwrap();
         assert!((0.05 / 3.0..0.05).contains(&p), "{p}");
         assert_eq!(comparison.differences[1].verdict, Verdict::NoDifference);
+        assert_eq!(comparison.sentences().filter(|sentence| sentence.ends_with(CHANCE)).count(), 1, "{comparison}");
     }
 
     #[test]
