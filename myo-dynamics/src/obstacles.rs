@@ -97,8 +97,8 @@ impl<C: Real, T> Obstacles<C, T> {
 
     /// Other boxes of the same surface.
     pub fn with<U>(&self, boxes: Vec<CompiledBox<U>>) -> Obstacles<C, U> {
-        let &Self { margin, friction, ref impedance, diagonal, .. } = self;
-        Obstacles { boxes, margin, friction, impedance: impedance.clone(), diagonal }
+        let &Self { margin, friction, impedance, diagonal, .. } = self;
+        Obstacles { boxes, margin, friction, impedance, diagonal }
     }
 
     /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
