@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
 use myo::env::{EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv, reseed};
+use myo::tasks::Task;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
@@ -176,6 +177,14 @@ impl Live {
         let times = (0..steps).map(step).collect();
         self.change();
         times
+    }
+
+    /// Goes on with another task of the same structure.
+    pub fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
+        let Self { env, pool, .. } = self;
+        pool.install(|| env.set_task(task))?;
+        self.change();
+        Ok(())
     }
 
     /// Everything that the next steps depend on.

@@ -1,6 +1,6 @@
 //! Environments stepped side by side.
 
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 use myo::env::{Autoreset, EnvConfig, EnvError, Snapshot, Tables};
 use myo::picture::Painter;
@@ -28,15 +28,37 @@ pub struct Env {
     views: Option<Views>,
     backend: &'static str,
     device: Option<String>,
+    model: myo::model::Model,
+    scenery: RwLock<Scenery>,
+}
+
+/// What belongs to the task.
+struct Scenery {
     bounds: (Vec<f32>, Vec<f32>),
     /// In double precision, to read saved states with.
     tables: Tables<f64>,
     painter: Painter,
+    max_episode_steps: usize,
+}
+
+impl Scenery {
+    fn new(model: &myo::model::Model, task: &myo::tasks::Task, names: &[String]) -> PyResult<Self> {
+        Ok(Self {
+            bounds: space::bounds(model, task, names),
+            tables: Tables::new(model, task).map_err(error::build)?,
+            painter: Painter::new(model, task).map_err(error::task)?,
+            max_episode_steps: task.time_limit_steps() as usize,
+        })
+    }
 }
 
 impl Env {
     fn arrays<'py>(&self, py: Python<'py>) -> Arrays<'py> {
         self.views.as_ref().map_or_else(|| Arrays::new(py, &self.batch.spec), |views| Arrays::of(py, views))
+    }
+
+    fn scenery(&self) -> RwLockReadGuard<'_, Scenery> {
+        self.scenery.read().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn check_env(&self, env: usize) -> PyResult<()> {
@@ -69,15 +91,14 @@ impl Env {
         let built = choice.build(py, &pool, (model, task), &config)?;
         let (taken, env) = (built.device(), built.boxed());
         let views = (!copy).then(|| Arrays::new(py, env.spec()).into_views());
-        let bounds = space::bounds(model, task, &env.spec().observation_names);
+        let scenery = Scenery::new(model, task, &env.spec().observation_names)?;
         Ok(Self {
             batch: Arc::new(Batch::new(env, pool)),
             views,
             backend: taken.backend(),
             device: taken.card().map(String::from),
-            bounds,
-            tables: Tables::new(model, task).map_err(error::build)?,
-            painter: Painter::new(model, task).map_err(error::task)?,
+            model: model.clone(),
+            scenery: RwLock::new(scenery),
         })
     }
 
@@ -161,6 +182,16 @@ impl Env {
         compute(py, || live.load_state(state))?.map_err(error::env)
     }
 
+    /// Goes on with another task of the same structure; a reset of all must follow.
+    fn set_task(&self, py: Python<'_>, task: &Task) -> PyResult<()> {
+        let mut opened = self.batch.open()?;
+        let live = opened.live();
+        let scenery = Scenery::new(&self.model, task.inner(), &self.batch.spec.observation_names)?;
+        compute(py, || live.set_task(task.inner()))?.map_err(error::env)?;
+        *self.scenery.write().unwrap_or_else(PoisonError::into_inner) = scenery;
+        Ok(())
+    }
+
     /// Pictures of environments, `(height, width, 3)` of bytes each.
     fn render<'py>(
         &self,
@@ -178,10 +209,10 @@ impl Env {
             )));
         }
         let pictures = compute(py, move || {
-            let state = live.save_state()?;
+            let (state, scenery) = (live.save_state()?, self.scenery());
             let paint = |&env: &usize| {
-                let moment = Snapshot::read(&self.tables, &state, env)?;
-                Ok(pixels(&self.painter.moment(&moment), width, height))
+                let moment = Snapshot::read(&scenery.tables, &state, env)?;
+                Ok(pixels(&scenery.painter.moment(&moment), width, height))
             };
             envs.iter().map(paint).collect::<Result<Vec<_>, EnvError>>()
         })?
@@ -242,7 +273,7 @@ impl Env {
 
     #[getter]
     fn max_episode_steps(&self) -> usize {
-        self.batch.spec.max_episode_steps
+        self.scenery().max_episode_steps
     }
 
     #[getter]
@@ -258,7 +289,8 @@ impl Env {
     /// Least and greatest value of every entry of the observation.
     #[getter]
     fn observation_bounds<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>) {
-        (PyArray1::from_slice(py, &self.bounds.0), PyArray1::from_slice(py, &self.bounds.1))
+        let scenery = self.scenery();
+        (PyArray1::from_slice(py, &scenery.bounds.0), PyArray1::from_slice(py, &scenery.bounds.1))
     }
 }
 

@@ -299,6 +299,8 @@ class Env:
         """Everything that the next steps depend on."""
     def load_state(self, state: bytes) -> None:
         """Goes back to what `save_state` returned, bit for bit."""
+    def set_task(self, task: Task) -> None:
+        """Goes on with another task of the same structure; a reset of all must follow."""
     def render(self, envs: list[int], size: tuple[int, int]) -> list[NDArray[np.uint8]]:
         """Pictures of environments, `(height, width, 3)` each."""
     def close(self) -> None:

@@ -260,6 +260,27 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
             raise TypeError(f"a state is what save_state returned, bytes, not {type(state).__name__}")
         self._env.load_state(state)
 
+    def set_task(self, task: TaskLike) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Goes on with another task of the same structure, without compiling anything: a layout to try, a weight to change.
+
+        Positions, sizes, dwell, force, the reward's weights, noise, how episodes begin and the time limit may differ; the
+        number and kinds of targets, what is observed and the control step may not. All episodes begin anew.
+        `observation_space` and `max_episode_steps` are those of the new task.
+
+        Returns:
+            What `reset` returns.
+
+        Raises:
+            ValueError: The structure differs, or the body cannot do the task; everything is as before.
+        """
+        other, _ = task_and_model(task, self.model)
+        self._env.set_task(other)
+        self.task = other
+        self.max_episode_steps = self._env.max_episode_steps
+        self.single_observation_space, _ = spaces(self._env)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        return self.reset()
+
     def close_extras(self, **kwargs: Any) -> None:
         """Frees the environments; Gymnasium's `close` calls it."""
         self._env.close()
