@@ -261,10 +261,10 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         self._env.load_state(state)
 
     def set_task(self, task: TaskLike) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Goes on with another task of the same structure, without compiling anything: a layout to try, a weight to change.
+        """Goes on with another task of the same structure, such as a layout to try. Nothing is compiled.
 
-        Positions, sizes, dwell, force, the reward's weights, noise, how episodes begin and the time limit may differ; the
-        number and kinds of targets, what is observed and the control step may not. All episodes begin anew.
+        Positions, sizes, dwell, force, the reward's weights, noise, how episodes begin and the time limit may differ;
+        the number and kinds of targets, what is observed and the control step may not. All episodes begin anew.
         `observation_space` and `max_episode_steps` are those of the new task.
 
         Returns:
