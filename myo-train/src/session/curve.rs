@@ -109,7 +109,7 @@ impl Curve {
         self.recent = self.points.last().map(|point| point.mean.clone());
     }
 
-    /// EpisodeMeans episodes, if any has ended.
+    /// Means over recent episodes, if any has ended.
     pub fn recent(&self) -> Option<&EpisodeMeans> {
         self.recent.as_ref()
     }
