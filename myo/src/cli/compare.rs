@@ -132,7 +132,12 @@ fn group(name: String, folder: &Path) -> Result<Group> {
         let plan = several.plan();
         return Ok(Group { name, run: plan.run.clone(), ppo: plan.ppo.clone(), users });
     }
-    Ok(Group::of_runs(name, &[RunFolder::open(folder)?])?)
+    let run = RunFolder::open(folder)?;
+    if run.evaluation()?.is_none() {
+        let next = command(&["train", "--resume", &argument(folder)]);
+        return Err(Failure::sentence(format!("{} is not evaluated yet; go on with: {next}", folder.display())));
+    }
+    Ok(Group::of_runs(name, &[run])?)
 }
 
 fn report(comparison: &Comparison, folders: &[PathBuf; 2]) -> String {

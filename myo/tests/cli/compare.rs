@@ -33,6 +33,12 @@ fn two_tasks_are_compared_and_their_users_kept() {
     // One user of each says nothing about chance.
     let alone = stdout(&myo(folder.path(), &["compare", &format!("{}/seed-1", folders[0]), &folders[1]]));
     assert!(alone.contains("with a single user of a layout nobody can tell whether that is chance"), "{alone}");
+    // A run that was stopped before its evaluation is not compared, and the command that evaluates it is told.
+    let stopped = format!("{}/seed-1", folders[0]);
+    std::fs::remove_file(folder.path().join(&stopped).join("evaluation.json")).unwrap();
+    let refused = myo(folder.path(), &["compare", &stopped, &folders[1]]);
+    assert_refused(&refused, &format!("{stopped} is not evaluated yet; go on with: "));
+    assert_refused(&refused, &format!("train --resume {stopped}"));
 }
 
 #[test]
