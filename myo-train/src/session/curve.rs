@@ -289,6 +289,15 @@ mod tests {
         }
     }
 
+    #[test]
+    fn who_learns_faster_than_others_is_stopped_later_than_need_be_not_sooner() {
+        // Half as much per doubling: smaller than the factors that are believed.
+        let seconds = |x: f64| 1.0 + 1.0 / x;
+        let steps = plateau(seconds) as f64 / 1e6;
+        let gain = |millions: f64| 1.0 - seconds(4.0 * millions) / seconds(millions);
+        assert!((0.015..0.03).contains(&gain(steps)) && gain(0.5 * steps) > 0.03, "{steps}");
+    }
+
     /// Twenty trainings of 256 million steps on an H200, 2026-11-22: episodes of the policy without noise, `myo train TASK --seeds 5
     /// --until off --steps 256M`.
     const RECORDED: &str = include_str!("recorded.csv");
@@ -333,7 +342,7 @@ mod tests {
                 assert!((-0.005..0.035).contains(&gain), "{task} {seed}: {gain} after {plateau}");
             }
         }
-        // It goes on and on: by 3 to 5 per cent per doubling at first, and still by 2 to 3 after 200 million.
+        // It goes on and on: by 2 to 3 per cent per doubling to the end of the record.
         for seed in ["1", "2", "3", "4", "5"] {
             let (plateau, gain) = recorded_plateau("mobile-typing", seed);
             assert!(plateau > 55_000_000 && gain < 0.055, "mobile-typing {seed}: {gain} after {plateau}");
@@ -355,8 +364,8 @@ mod tests {
     fn who_becomes_worse_is_at_no_plateau() {
         let seconds = |x: f64| if x < 20.0 { 1.0 } else { 1.0 + 0.01 * (x - 20.0) };
         assert!(practised(20_000_000, seconds).trend().unwrap().is_plateau());
-        let trend = practised(30_000_000, seconds).trend().unwrap();
-        assert!(!trend.is_plateau() && trend.four_times.episode_time > 0.07, "{trend:?}");
+        let trend = practised(35_000_000, seconds).trend().unwrap();
+        assert!(!trend.is_plateau() && trend.four_times.episode_time > 0.1, "{trend:?}");
     }
 
     #[test]
