@@ -64,7 +64,7 @@ mod trial;
 mod workspace;
 
 pub use batch::Batch;
-pub use obstacles::{CompiledBox, Obstacles, StaticBox, Surface};
+pub use obstacles::{Obstacles, StaticBox, Surface};
 pub use plan::{CouplingMode, Plan, PlanError};
 pub use reach::{Nearest, ReachableSpace};
 pub use strength::Strength;

@@ -5,15 +5,23 @@ use crate::plan::Plan;
 use myo_model::description::Softness;
 use myo_scalar::{Real, Scalar};
 
-/// A box for the fingertip to press, as a task describes it.
+/// A box for the fingertip to press, in numbers of type `T`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticBox {
+pub struct StaticBox<T = f64> {
     /// Centre (m, from the shoulder centre in world axes).
-    pub centre: [f64; 3],
+    pub centre: [T; 3],
     /// Axes as columns.
-    pub axes: [[f64; 3]; 3],
+    pub axes: [[T; 3]; 3],
     /// Half sizes along the axes (m).
-    pub half_size: [f64; 3],
+    pub half_size: [T; 3],
+}
+
+impl<T> StaticBox<T> {
+    /// With each number converted.
+    pub fn map<U>(self, f: impl Fn(T) -> U + Copy) -> StaticBox<U> {
+        let Self { centre, axes, half_size } = self;
+        StaticBox { centre: centre.map(f), axes: axes.map(|axis| axis.map(f)), half_size: half_size.map(f) }
+    }
 }
 
 /// How surfaces behave in contact; the same for all boxes of a task.
@@ -38,7 +46,7 @@ impl Default for Surface {
 #[derive(Clone, Debug)]
 pub struct Obstacles<C, T = C> {
     /// The boxes.
-    pub boxes: Vec<CompiledBox<T>>,
+    pub boxes: Vec<StaticBox<T>>,
     /// Sum of the margins (m).
     pub margin: C,
     /// Sliding friction.
@@ -47,28 +55,6 @@ pub struct Obstacles<C, T = C> {
     pub impedance: Impedance<C>,
     /// Inverse inertia of every pyramid row.
     pub diagonal: C,
-}
-
-/// [`StaticBox`] in numbers of type `T`.
-#[derive(Clone, Copy, Debug)]
-pub struct CompiledBox<T> {
-    /// Centre (m, from O).
-    pub centre: [T; 3],
-    /// Axes as columns.
-    pub axes: [[T; 3]; 3],
-    /// Half sizes (m).
-    pub half_size: [T; 3],
-}
-
-impl StaticBox {
-    /// With each number converted.
-    pub fn map<T>(&self, f: impl Fn(f64) -> T + Copy) -> CompiledBox<T> {
-        CompiledBox {
-            centre: self.centre.map(f),
-            axes: self.axes.map(|axis| axis.map(f)),
-            half_size: self.half_size.map(f),
-        }
-    }
 }
 
 impl<C: Real> Obstacles<C> {
@@ -80,12 +66,7 @@ impl<C: Real> Obstacles<C> {
 
     /// The same in every lane.
     pub fn splat<S: Scalar<Const = C>>(&self) -> Obstacles<C, S> {
-        let splat = |each: &CompiledBox<C>| CompiledBox {
-            centre: each.centre.map(S::splat),
-            axes: each.axes.map(|axis| axis.map(S::splat)),
-            half_size: each.half_size.map(S::splat),
-        };
-        self.with(self.boxes.iter().map(splat).collect())
+        self.with(self.boxes.iter().map(|each| each.map(S::splat)).collect())
     }
 }
 
@@ -96,13 +77,13 @@ impl<C: Real, T> Obstacles<C, T> {
     }
 
     /// Other boxes of the same surface.
-    pub fn with<U>(&self, boxes: Vec<CompiledBox<U>>) -> Obstacles<C, U> {
+    pub fn with<U>(&self, boxes: Vec<StaticBox<U>>) -> Obstacles<C, U> {
         let &Self { margin, friction, impedance, diagonal, .. } = self;
         Obstacles { boxes, margin, friction, impedance, diagonal }
     }
 
     /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
-    pub fn with_boxes(plan: &Plan<C>, boxes: Vec<CompiledBox<T>>, surface: Surface) -> Self {
+    pub fn with_boxes(plan: &Plan<C>, boxes: Vec<StaticBox<T>>, surface: Surface) -> Self {
         let c = C::from_f64;
         let sphere = plan.contact_sphere.as_ref();
         let friction = sphere.map_or(0.0, |s| s.friction).max(surface.friction);

@@ -1,7 +1,7 @@
 //! The numbers of a task, which may change without anything being compiled again.
 
 use crate::tables::Tables;
-use myo_dynamics::{CompiledBox, Obstacles};
+use myo_dynamics::{Obstacles, StaticBox};
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{Button, CompiledTask, TargetKind};
 use myo_tasks::{Pose, Reset, Task};
@@ -114,7 +114,7 @@ impl Parameters<()> {
         if self.noise != other.noise {
             return Some("it has motor noise where there was none".into());
         }
-        (self != other).then(|| "it is of another body".into())
+        (self != other).then(|| "its structure is another".into())
     }
 }
 
@@ -130,8 +130,8 @@ impl<C: Real> Parameters<C> {
 impl<T: Copy> Parameters<T> {
     /// What the fingertip can press.
     #[inline(always)]
-    pub fn boxes(&self) -> Vec<CompiledBox<T>> {
-        let shape = |&Button { centre, axes, half_size, .. }: &Button<T>| CompiledBox { centre, axes, half_size };
+    pub fn boxes(&self) -> Vec<StaticBox<T>> {
+        let shape = |&Button { centre, axes, half_size, .. }: &Button<T>| StaticBox { centre, axes, half_size };
         self.task.buttons().map(shape).collect()
     }
 }

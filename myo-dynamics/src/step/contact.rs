@@ -2,7 +2,7 @@
 //!
 //! Boxes may not be so close that the fingertip touches two at once (tasks check it), so the nearest is the only one.
 
-use crate::obstacles::{CompiledBox, Obstacles};
+use crate::obstacles::{Obstacles, StaticBox};
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
 use crate::workspace::{Row, State, Workspace};
@@ -61,11 +61,7 @@ impl<S: Scalar> Carried<S> for Edges<'_, S> {
 }
 
 #[inline(always)]
-fn nearest_surface<S: Scalar>(
-    sphere: &ContactSphere<S::Const>,
-    boxes: &[CompiledBox<S>],
-    centre: Vec3<S>,
-) -> Nearest<S> {
+fn nearest_surface<S: Scalar>(sphere: &ContactSphere<S::Const>, boxes: &[StaticBox<S>], centre: Vec3<S>) -> Nearest<S> {
     let mut best = Nearest { distance: S::lit(FAR), normal: Vec3::zero(), index: S::zero() };
     for (index, each) in boxes.iter().enumerate() {
         let (distance, normal) = surface(each, centre);
@@ -80,7 +76,7 @@ fn nearest_surface<S: Scalar>(
 
 /// Signed distance of a point from a box's surface, and the direction out of the box (world axes).
 #[inline(always)]
-fn surface<S: Scalar>(each: &CompiledBox<S>, point: Vec3<S>) -> (S, Vec3<S>) {
+fn surface<S: Scalar>(each: &StaticBox<S>, point: Vec3<S>) -> (S, Vec3<S>) {
     let vector = |[x, y, z]: [S; 3]| Vec3::new(x, y, z);
     let [x, y, z] = each.axes.map(vector);
     let axes = Rotation { x, y, z };
