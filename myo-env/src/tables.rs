@@ -25,7 +25,7 @@ pub struct Tables<C> {
     /// Of every independent joint, unrounded.
     ranges: Vec<JointRange>,
     /// Seconds of a physics step, unrounded.
-    timestep: f64,
+    pub(crate) timestep: f64,
     /// Which model and task these are.
     pub(crate) identity: Identity,
 }
@@ -77,7 +77,8 @@ impl<C: Real> Tables<C> {
         task.check_control_step(self.timestep).map_err(InvalidTask::from)?;
         let differs = |what: String| BuildError::OtherStructure { what };
         if task.substeps(self.timestep) != self.substeps {
-            return Err(differs(format!("its control step is {} s", task.control_dt_s)));
+            let own = f64::from(self.substeps) * self.timestep;
+            return Err(differs(format!("its control step is {} s instead of {own} s", task.control_dt_s)));
         }
         if observe::parts(&task.observation) != self.observation {
             return Err(differs("it is observed in another way".into()));

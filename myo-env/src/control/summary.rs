@@ -4,7 +4,7 @@ use crate::columns::Column;
 use crate::parameters::World;
 use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM};
 use myo_dynamics::SolverTally;
-use myo_scalar::{Real, Scalar};
+use myo_scalar::Scalar;
 use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
@@ -95,7 +95,7 @@ pub fn summarise<S: Scalar>(
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
     out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
-    let timestep = world.tables.plan.timestep.to_f64();
+    let timestep = world.tables.timestep;
     let dt = f64::from(world.tables.substeps) * timestep;
     let substeps = S::lit(f64::from(world.tables.substeps));
     let mut start = S::zero();

@@ -8,7 +8,7 @@ use crate::vector::Autoreset;
 use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymMask, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 
-/// Buffers of a step, in the order of their bindings; entries are counted per environment.
+/// Buffers of a step, in the order of their bindings; entries are counted per environment, but for `parameters`, which all share.
 pub const STEP_BUFFERS: [&str; 7] =
     ["numbers", "words", "parameters", "actions", "observation", "final_observation", "result"];
 /// Bit of the buffer `command` that asks for a reset.

@@ -242,9 +242,7 @@ impl Card {
     fn result(&self, normalizer: &Normalizer, lesson: &Lesson) -> Result<CardUpdate, TrainError> {
         let Lesson { learner, settings, readback, collect_s, .. } = lesson;
         let (sizes, update, collect_s) = (self.rollout.sizes(), settings.update, collect_s.clone()?);
-        let (moments, rest) = readback.sums.split_at(2 * sizes.observations);
-        let (episodes, rest) = rest.split_at(sizes.episode_rows());
-        let (noise_free, rewards) = rest.split_at(sizes.episode_rows());
+        let [moments, episodes, noise_free, rewards] = sizes.split_sums(&readback.sums);
         let reward_sum: f64 = rewards.iter().map(|&sum| f64::from(sum)).sum();
         let names = &self.env().spec().observation_names;
         check(names, readback.wrong[0], reward_sum, update)?;

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use myo_env::gpu::Shard;
+use myo_env::gpu::record::RESULT_ROWS;
 use myo_env::{GpuEnv, VectorEnv};
 use myo_gpu::{Batch, Buffer, Gpu, GpuError};
 
@@ -17,9 +18,6 @@ use crate::{Policy, TrainError, Trainer};
 /// Control steps between two looks at what ended.
 const STEPS: usize = 16;
 
-/// Rows of an environment's result: reward, terminated, truncated.
-const RESULT_ROWS: usize = 3;
-
 /// Runs mean actions in an environment on the card; prepared once for policies of one kind, used again and again.
 pub struct DeviceEvaluator {
     group: usize,
@@ -28,9 +26,8 @@ pub struct DeviceEvaluator {
     scaling: Buffer<f32>,
     observe: Dispatch,
     pass: Pass,
-    /// Results and summaries of some steps, `(steps, rows, envs)`.
+    /// What some steps returned, summaries included, `(steps, rows, envs)`; see [`Shard::result`].
     results: Buffer<f32>,
-    summaries: Buffer<f32>,
     layout: Layout,
     shared: Arc<Shared>,
 }
@@ -45,9 +42,8 @@ struct Shared {
 
 /// What is read after some steps of one group.
 struct Look {
-    sources: [Buffer<f32>; 2],
+    source: Buffer<f32>,
     results: Vec<f32>,
-    summaries: Vec<f32>,
     outcome: Result<(), GpuError>,
 }
 
@@ -139,17 +135,9 @@ impl DeviceEvaluator {
         let scaling = gpu.buffer("scaling", 2 * spec.observation_size())?;
         let observe = observe(&gpu, &env.shards()[0], &between, &scaling, layout.limit)?;
         let pass = pass(&gpu, &env.shards()[0], &between, &parameters, &layout)?;
-        let results = gpu.buffer("results", STEPS * RESULT_ROWS * spec.num_envs)?;
-        let summaries = gpu.buffer("summaries", (STEPS * spec.episode_size() * spec.num_envs).max(1))?;
-        let look = |group| {
-            let look = Look {
-                sources: [results.of(group), summaries.of(group)],
-                results: vec![0.0; results.len()],
-                summaries: vec![0.0; summaries.len()],
-                outcome: Ok(()),
-            };
-            Mutex::new(look)
-        };
+        let results = gpu.buffer("results", STEPS * (RESULT_ROWS + spec.episode_size()) * spec.num_envs)?;
+        let look =
+            |group| Mutex::new(Look { source: results.of(group), results: vec![0.0; results.len()], outcome: Ok(()) });
         let groups = 0..gpu.groups();
         let shared = Arc::new(Shared { together, looks: groups.clone().map(look).collect(), device: Mutex::new(None) });
         let one = |group| {
@@ -161,7 +149,6 @@ impl DeviceEvaluator {
                 observe: observe.clone(),
                 pass: pass.clone(),
                 results: results.clone(),
-                summaries: summaries.clone(),
                 layout: layout.clone(),
                 shared: Arc::clone(&shared),
             })
@@ -196,7 +183,7 @@ impl DeviceEvaluator {
             self.shared.together.meet(self.group, Work::Look, |groups| self.step(groups));
             let look = self.shared.look(self.group);
             look.outcome.clone()?;
-            count(&mut tally, spec.num_envs, spec.episode_size(), &look.results, &look.summaries);
+            count(&mut tally, spec.num_envs, spec.episode_size(), &look.results);
             drop(look);
             if !progress(tally.counted) {
                 break;
@@ -238,8 +225,8 @@ impl DeviceEvaluator {
         };
         let mut reads = Vec::new();
         for look in looks {
-            let Look { sources: [a, b], results, summaries, .. } = &mut **look;
-            reads.extend([a.part(0, results)?, b.part(0, summaries)?]);
+            let Look { source, results, .. } = &mut **look;
+            reads.push(source.part(0, results)?);
         }
         self.batch(&gpu).submit_and_read(&mut reads)?;
         *device = Some((groups.to_vec(), gpu));
@@ -249,27 +236,23 @@ impl DeviceEvaluator {
     /// [`STEPS`] control steps, with copies of what they returned.
     fn batch(&self, gpu: &Gpu) -> Batch {
         let (shard, mut batch) = (&self.env.shards()[0], gpu.batch());
-        let rows = shard.num_envs * self.env.spec().episode_size();
+        let len = shard.result.len();
         for step in 0..STEPS {
             self.observe.add(&mut batch);
             self.pass.add(&mut batch);
             shard.step(&mut batch);
-            let results = RESULT_ROWS * shard.num_envs;
-            batch.copy(&shard.result, 0, &self.results, step * results, results);
-            if rows > 0 {
-                batch.copy(&shard.result, RESULT_ROWS * shard.num_envs, &self.summaries, step * rows, rows);
-            }
+            batch.copy(&shard.result, 0, &self.results, step * len, len);
         }
         batch
     }
 }
 
 /// Counts the episodes that ended in some steps.
-fn count(tally: &mut Tally, envs: usize, width: usize, results: &[f32], summaries: &[f32]) {
-    for (step, result) in results.chunks_exact(RESULT_ROWS * envs).enumerate() {
-        let summaries = &summaries[step * width * envs..];
+fn count(tally: &mut Tally, envs: usize, width: usize, results: &[f32]) {
+    for result in results.chunks_exact((RESULT_ROWS + width) * envs) {
+        let (flags, summaries) = result.split_at(RESULT_ROWS * envs);
         for env in 0..envs {
-            if result[envs + env] > 0.5 || result[2 * envs + env] > 0.5 {
+            if flags[envs + env] > 0.5 || flags[2 * envs + env] > 0.5 {
                 tally.add(env, (0..width).map(|row| summaries[row * envs + env]));
             }
         }

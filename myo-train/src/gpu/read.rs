@@ -92,10 +92,9 @@ fn unpack(sizes: &Sizes, normalizer: &Normalizer, host: &HostCopy, rollout: &mut
     let current = Sizes { padded: sizes.envs, ..*sizes };
     transpose(&host.current, sizes.envs, &current, sizes.observations, observation);
     unpack_ends(sizes, host, rollout);
-    let (moments, rest) = host.sums.split_at(2 * sizes.observations);
+    let [moments, episodes, noise_free, _] = sizes.split_sums(&host.sums);
     rollout.moments = normalizer.moments_from_f32(sizes.steps * sizes.envs, moments);
-    let mut episodes = rest.chunks_exact(sizes.episode_rows()).map(EpisodeSums::from_rows);
-    [rollout.episodes, rollout.noise_free] = [(); 2].map(|()| episodes.next().expect("both are among the sums"));
+    [rollout.episodes, rollout.noise_free] = [episodes, noise_free].map(EpisodeSums::from_rows);
 }
 
 /// Where episodes ended, and what the future was worth after every step.

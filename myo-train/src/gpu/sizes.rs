@@ -76,6 +76,14 @@ impl Sizes {
         (self.steps + 1) * self.observe_chunks()
     }
 
+    /// The parts of the [sums](super::RolloutBuffers::sums): of moments, of episodes with noise and without, of rewards.
+    pub(super) fn split_sums<'a>(&self, sums: &'a [f32]) -> [&'a [f32]; 4] {
+        let (moments, rest) = sums.split_at(2 * self.observations);
+        let (episodes, rest) = rest.split_at(self.episode_rows());
+        let (noise_free, rewards) = rest.split_at(self.episode_rows());
+        [moments, episodes, noise_free, rewards]
+    }
+
     /// Rows of the sums over episodes: their number, then sums and counts of the entries of their summaries.
     pub fn episode_rows(&self) -> usize {
         1 + 2 * self.summary

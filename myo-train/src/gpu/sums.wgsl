@@ -2,13 +2,13 @@
 
 struct Shape {
     rows: u32,
-    // Columns up to here.
-    columns: u32,
+    // Columns end before this one.
+    end: u32,
     // From one row to the next.
     stride: u32,
     // Place of the first sum.
     first: u32,
-    // First column.
+    // They start with this one.
     start: u32,
 }
 
@@ -27,7 +27,7 @@ fn main(
     let row = workgroup.y * workgroups.x + workgroup.x;
     var mine = 0.0;
     if row < shape.rows {
-        for (var column = shape.start + local; column < shape.columns; column += WORKGROUP) {
+        for (var column = shape.start + local; column < shape.end; column += WORKGROUP) {
             mine += numbers[row * shape.stride + column];
         }
     }
