@@ -49,7 +49,7 @@ impl Moving {
         let touches = (0..BODIES).filter(|&body| {
             let (state, _) = self.state(body);
             step::forward(&self.plan, &self.obstacles, &state, &mut ws);
-            ws.contact.force > 0.0
+            ws.contacts[0].force > 0.0
         });
         let share = touches.count() as f64 / BODIES as f64;
         let expected = if scene.table_z_m.is_some() { 0.5..=1.0 } else { 0.0..=0.0 };

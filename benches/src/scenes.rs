@@ -68,7 +68,7 @@ impl PhysicsScene {
     /// What there is to touch: nothing, or a table of two metres by two.
     pub fn boxes(&self) -> Vec<StaticBox> {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let table = |z: f64| StaticBox { centre: [0.0, 0.0, z - 0.5], axes, half_size: [1.0, 1.0, 0.5] };
+        let table = |z: f64| StaticBox::new([0.0, 0.0, z - 0.5], axes, [1.0, 1.0, 0.5]);
         self.table_z_m.map(table).into_iter().collect()
     }
 }

@@ -261,7 +261,7 @@ impl Simulation {
     #[getter]
     fn contact_force(&self) -> f64 {
         let moment = self.looked();
-        if moment.ws.contact.exists { moment.ws.contact.force } else { 0.0 }
+        if moment.ws.contacts[0].exists { moment.ws.contacts[0].force } else { 0.0 }
     }
 
     /// Position of the fingertip (m), `(3,)`.

@@ -3,7 +3,7 @@
 use myo::model::Model;
 use myo::model::description::JointKind;
 use myo::model::model::WORLD;
-use myo::tasks::{Target, Task};
+use myo::tasks::{Shape, Task};
 use nalgebra::{UnitQuaternion, Vector3};
 
 type Interval = [f64; 2];
@@ -34,18 +34,21 @@ struct Regions {
 
 impl Regions {
     fn new(model: &Model, task: &Task) -> Self {
+        // A task that cannot be run has no environments either.
+        let stage = task.stage().unwrap_or_default();
+        let wanted = || (0..stage.steps.len()).map(|step| stage.object(step));
         let region = |axis: usize| {
-            hull(task.targets.iter().map(|target| {
-                let region = target.region();
+            hull(wanted().map(|object| {
+                let region = object.region();
                 let range = [region.x, region.y, region.z][axis];
                 [range.min, range.max]
             }))
         };
-        let size = hull(task.targets.iter().map(|target| match target {
-            Target::Pointing(sphere) => [sphere.radius.min, sphere.radius.max],
-            Target::Pressing(button) => [0.5 * button.size[0]; 2],
+        let size = hull(wanted().map(|object| match &object.shape {
+            Shape::Sphere(sphere) => [sphere.radius.min, sphere.radius.max],
+            Shape::Button(block) | Shape::Obstacle(block) => [0.5 * block.size[0]; 2],
         }));
-        let targets = task.targets.len();
+        let targets = stage.steps.len();
         Self { fingertip: reach(model), target: [0, 1, 2].map(region), size, targets }
     }
 

@@ -68,10 +68,10 @@ impl Task {
         &self.source.task.model
     }
 
-    /// Number of targets, repetitions counted.
+    /// Number of targets: of the steps of its script, repetitions counted.
     #[getter]
     fn num_targets(&self) -> usize {
-        self.source.task.targets.len()
+        self.source.task.stage().map_or(0, |stage| stage.steps.len())
     }
 
     /// Whether it is a preset as it comes with the library: these need no check.
@@ -81,7 +81,7 @@ impl Task {
     }
 
     fn __repr__(&self) -> String {
-        format!("Task({:?}, {} targets)", self.source.task.name, self.source.task.targets.len())
+        format!("Task({:?}, {} targets)", self.source.task.name, self.num_targets())
     }
 
     fn __eq__(&self, other: &Self) -> bool {

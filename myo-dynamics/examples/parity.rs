@@ -3,13 +3,13 @@
 //!
 //! `model.xml` and `press.xml` are the arm for MuJoCo, without and with a button; `states.json` holds every quantity of one
 //! evaluation in 1,000 random states, `rollouts.json` joint positions over one second of random excitations, `press.json`
-//! the force on the button; `gadget.xml` and `gadget.json` are single steps of a body with what the arm lacks. Positions are those of all joints; forces have MuJoCo's sign.
+//! the force on the button; `keys.xml` and `keys.json` are a thick fingertip on several keys at once; `gadget.xml` and `gadget.json` are single steps of a body with what the arm lacks. Positions are those of all joints; forces have MuJoCo's sign.
 
 use myo_dynamics::spatial::Wrench;
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
 use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace};
 use myo_model::mjcf::{Button, MjcfOptions, to_mjcf};
-use myo_model::{Model, ModelDescription, builtin};
+use myo_model::{Model, ModelDescription, builtin, description};
 use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
 use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::{Value, json};
@@ -29,6 +29,12 @@ const SLACK: f64 = 1e-3;
 /// Half sizes of the button (m).
 const BUTTON: [f64; 3] = [0.03, 0.02, 0.01];
 const BUTTON_NAME: &str = "button";
+/// Radius (m) of a fingertip that touches several keys at once.
+const THICK: f64 = 0.012;
+/// Two rows of three keys, 1 mm apart.
+const KEYS: usize = 6;
+const KEY: [f64; 3] = [0.0045, 0.0045, 0.003];
+const PITCH: f64 = 0.01;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let directory = PathBuf::from(std::env::args().nth(1).ok_or("usage: parity DIRECTORY")?);
@@ -38,10 +44,21 @@ fn main() -> Result<(), Box<dyn Error>> {
         Arm { soft: Plan::exact(&model, CouplingMode::Soft)?, reduced: Plan::exact(&model, CouplingMode::Reduced)? };
     let write = |name: &str, text: String| std::fs::write(directory.join(name), text);
     write("model.xml", to_mjcf(&model, &MjcfOptions::default()))?;
-    write("press.xml", to_mjcf(&model, &MjcfOptions { buttons: vec![button()], ..MjcfOptions::default() }))?;
+    write(
+        "press.xml",
+        to_mjcf(&model, &MjcfOptions { buttons: vec![button(BUTTON_NAME.into())], ..MjcfOptions::default() }),
+    )?;
     write("states.json", Value::from_iter((0..STATES).map(|k| arm.state(Draws::new(1, k)))).to_string())?;
     write("rollouts.json", Value::from_iter((0..ROLLOUTS).map(|k| arm.rollout(Draws::new(2, k)))).to_string())?;
     write("press.json", Value::from_iter((0..PRESSES).map(|k| arm.press(Draws::new(3, k), k))).to_string())?;
+    let mut thick = builtin("mobl-arms")?;
+    thick.geoms[0].shape = description::Shape::Sphere { radius: THICK };
+    let thick = Model::new(&thick)?;
+    let keys: Vec<Button> = (0..KEYS).map(|k| Button { half_size: KEY, ..button(format!("key{k}")) }).collect();
+    write("keys.xml", to_mjcf(&thick, &MjcfOptions { buttons: keys, ..MjcfOptions::default() }))?;
+    let arm =
+        Arm { soft: Plan::exact(&thick, CouplingMode::Soft)?, reduced: Plan::exact(&thick, CouplingMode::Reduced)? };
+    write("keys.json", Value::from_iter((0..PRESSES).map(|k| arm.press_keys(Draws::new(5, k)))).to_string())?;
     let description = ModelDescription::from_yaml(include_str!("gadget.yaml"), "gadget.yaml")?;
     let gadget = Model::new(&description)?;
     write("gadget.xml", to_mjcf(&gadget, &MjcfOptions::default()))?;
@@ -179,17 +196,52 @@ impl Arm {
         let turn = draws.rotation();
         let centre = Vector3::from(step::fingertip(plan, &ws)) - turn * point_at_button(&mut draws, case);
         let axes = turn.to_rotation_matrix();
-        let obstacle = StaticBox {
-            centre: centre.into(),
-            axes: [0, 1, 2].map(|k| axes.matrix().column(k).into_owned().into()),
-            half_size: BUTTON,
-        };
+        let obstacle =
+            StaticBox::new(centre.into(), [0, 1, 2].map(|k| axes.matrix().column(k).into_owned().into()), BUTTON);
         step::forward(plan, &Obstacles::new(plan, &[obstacle], Surface::default()), &state, &mut ws);
         let in_world = centre + Vector3::from(plan.origin);
         json!({
             "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": draws.vector(plan.nmuscle(), 0.0, 1.0),
             "button": {"pos": in_world.as_slice(), "quat": [turn.w, turn.i, turn.j, turn.k]},
-            "touch_force": ws.contact.force,
+            "touch_force": ws.contacts[0].force,
+        })
+    }
+}
+
+impl Arm {
+    /// A thick fingertip on keys that stand close together.
+    fn press_keys(&self, mut draws: Draws) -> Value {
+        let plan = &self.soft;
+        let state = self.full_state(&mut draws, -BEYOND, 0.0);
+        let places: Vec<Vector3<f64>> =
+            (0..KEYS).map(|k| PITCH * Vector3::new((k % 2) as f64 - 0.5, (k / 2) as f64 - 1.0, 0.0)).collect();
+        let mut ws = Workspace::<f64>::with_contacts(plan, KEYS);
+        kinematics(plan, &state.qpos, &state.qvel, &mut ws);
+        let turn = draws.rotation();
+        let depth = draws.between(-0.002, 0.003);
+        let over = Vector3::new(draws.between(-0.012, 0.012), draws.between(-0.018, 0.018), KEY[2] + THICK - depth);
+        let middle = Vector3::from(step::fingertip(plan, &ws)) - turn * over;
+        let axes = turn.to_rotation_matrix();
+        let key = |place: &Vector3<f64>| {
+            StaticBox::new(
+                (middle + turn * place).into(),
+                [0, 1, 2].map(|k| axes.matrix().column(k).into_owned().into()),
+                KEY,
+            )
+        };
+        let keys: Vec<StaticBox> = places.iter().map(key).collect();
+        let obstacles = Obstacles::new(plan, &keys, Surface::default());
+        assert_eq!(obstacles.most_at_once(plan), KEYS);
+        step::forward(plan, &obstacles, &state, &mut ws);
+        let mut forces = [0.0; KEYS];
+        for contact in ws.contacts.iter().filter(|contact| contact.exists) {
+            forces[contact.index as usize] = contact.force;
+        }
+        let in_world = |key: &StaticBox| (Vector3::from(key.centre) + Vector3::from(plan.origin)).as_slice().to_vec();
+        json!({
+            "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": draws.vector(plan.nmuscle(), 0.0, 1.0),
+            "keys": keys.iter().map(in_world).collect::<Vec<_>>(), "quat": [turn.w, turn.i, turn.j, turn.k],
+            "touch_forces": forces, "qacc_soft": ws.qacc,
         })
     }
 }
@@ -234,10 +286,10 @@ fn point_at_button(draws: &mut Draws, case: u32) -> Vector3<f64> {
     point
 }
 
-fn button() -> Button {
+fn button(name: String) -> Button {
     let surface = Surface::default();
     Button {
-        name: BUTTON_NAME.into(),
+        name,
         pos: Vector3::new(1.0, 0.0, 1.0),
         quat: UnitQuaternion::identity(),
         half_size: BUTTON,

@@ -52,6 +52,7 @@
 //! faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
+mod crowd;
 mod impedance;
 mod obstacles;
 pub mod plan;
@@ -64,8 +65,9 @@ mod trial;
 mod workspace;
 
 pub use batch::Batch;
+pub use crowd::most_at_once;
 pub use obstacles::{Obstacles, StaticBox, Surface};
 pub use plan::{CouplingMode, Plan, PlanError};
 pub use reach::{Nearest, ReachableSpace};
 pub use strength::Strength;
-pub use workspace::{SolverCount, SolverTally, State, Workspace};
+pub use workspace::{Clearance, SolverCount, SolverTally, State, Workspace};

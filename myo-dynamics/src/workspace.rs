@@ -75,17 +75,56 @@ impl<S: Scalar> Row<S> {
     }
 }
 
-/// Contact of the fingertip with the nearest box.
+/// Contact of the fingertip with a box.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<S: Scalar> {
     /// Where there is one.
     pub exists: S::Mask,
     /// Index of the box.
     pub index: S,
+    /// Distance of the surfaces, negative inside (m).
+    pub distance: S,
+    /// Out of the box.
+    pub normal: Vec3<S>,
     /// The four edges of the friction pyramid.
     pub rows: [Row<S>; 4],
     /// Sum of normal forces (N): what MuJoCo's touch sensor reads.
     pub force: S,
+}
+
+impl<S: Scalar> Contact<S> {
+    /// No contact.
+    pub fn none() -> Self {
+        let (no, o) = (S::Mask::splat(false), S::zero());
+        Self { exists: no, index: o, distance: o, normal: Vec3::zero(), rows: [Row::none(); PYRAMID], force: o }
+    }
+
+    /// Ends it, everywhere.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        let no = S::Mask::splat(false);
+        (self.exists, self.force) = (no, S::zero());
+        for row in &mut self.rows {
+            (row.exists, row.active) = (no, no);
+        }
+    }
+}
+
+/// How far the fingertip may move before it can touch anything.
+#[derive(Clone, Copy, Debug)]
+pub struct Clearance<S> {
+    /// From where (m, from the shoulder centre).
+    pub from: Vec3<S>,
+    /// By how much (m); nothing is known where it is zero.
+    pub free: S,
+}
+
+impl<S: Scalar> Clearance<S> {
+    /// Nothing is known.
+    #[inline(always)]
+    pub fn unknown() -> Self {
+        Self { from: Vec3::zero(), free: S::zero() }
+    }
 }
 
 /// Number of edges of the friction pyramid.
@@ -208,9 +247,12 @@ pub struct Workspace<S: Scalar> {
     pub equality: Vec<Row<S>>,
     /// Jacobian of the equality rows, `(nequality, ndof)`.
     pub equality_jacobian: Vec<S>,
-    /// The contact.
-    pub contact: Contact<S>,
-    /// Jacobian of the contact's rows, `(4, ndof)`.
+    /// Contacts: as many as there can be at once.
+    pub contacts: Vec<Contact<S>>,
+    /// Where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
+    /// [unknown](Clearance::unknown).
+    pub clearance: Clearance<S>,
+    /// Jacobian of the contacts' rows, `(contacts, 4, ndof)`.
     pub contact_jacobian: Vec<S>,
     /// Matrix of the solver and its factor, `(ndof, ndof)`, lower triangle.
     pub matrix: Vec<S>,
@@ -227,8 +269,13 @@ pub struct Workspace<S: Scalar> {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// Memory for a plan.
+    /// Memory for a plan whose fingertip touches one box at a time.
     pub fn new(plan: &Plan<S::Const>) -> Self {
+        Self::with_contacts(plan, 1)
+    }
+
+    /// Memory for a plan and so many boxes that can be touched at once.
+    pub fn with_contacts(plan: &Plan<S::Const>, contacts: usize) -> Self {
         let o = S::zero();
         let (nlink, ndof, nmuscle) = (plan.links.len(), plan.ndof(), plan.nmuscle());
         let joint = JointState { position: o, rate: o, slope: o, drift: o, sin: o, cos: o };
@@ -261,8 +308,9 @@ impl<S: Scalar> Workspace<S> {
             limit: vec![Row::none(); plan.limits.len()],
             equality: vec![Row::none(); plan.equalities.len()],
             equality_jacobian: vec![o; plan.equalities.len() * ndof],
-            contact: Contact { exists: S::Mask::splat(false), index: o, rows: [Row::none(); PYRAMID], force: o },
-            contact_jacobian: vec![o; PYRAMID * ndof],
+            contacts: vec![Contact::none(); contacts],
+            clearance: Clearance::unknown(),
+            contact_jacobian: vec![o; contacts * PYRAMID * ndof],
             matrix: vec![o; ndof * ndof],
             pivot: vec![o; ndof],
             qacc: vec![o; ndof],

@@ -14,14 +14,10 @@ fn press(plan: &Plan<f64>, distances: &[f64]) -> (bool, f64, f64) {
     step::kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
     let [x, y, z] = step::fingertip(plan, &ws);
     let radius = plan.contact_sphere.as_ref().unwrap().radius;
-    let boxed = |&ahead: &f64| StaticBox {
-        centre: [x + radius + ahead + 0.01, y, z],
-        axes: AXES,
-        half_size: [0.01, 0.05, 0.05],
-    };
+    let boxed = |&ahead: &f64| StaticBox::new([x + radius + ahead + 0.01, y, z], AXES, [0.01, 0.05, 0.05]);
     let boxes: Vec<StaticBox> = distances.iter().map(boxed).collect();
     step::forward(plan, &Obstacles::new(plan, &boxes, Surface::default()), &state, &mut ws);
-    (ws.contact.exists, ws.contact.force, ws.contact.index)
+    (ws.contacts[0].exists, ws.contacts[0].force, ws.contacts[0].index)
 }
 
 #[test]

@@ -115,9 +115,10 @@ fn solve<S: Scalar>(plan: &Plan<S::Const>, numbers: &[S], ws: &mut Workspace<S>)
         row.active = row.exists;
         (row.weight, row.reference, row.slope) = (take(), take(), take());
     }
-    ws.contact.exists = is_true(take());
-    for row in &mut ws.contact.rows {
-        row.exists = ws.contact.exists;
+    ws.contacts[0].exists = is_true(take());
+    let exists = ws.contacts[0].exists;
+    for row in &mut ws.contacts[0].rows {
+        row.exists = exists;
         row.active = row.exists;
         (row.weight, row.reference) = (take(), take());
     }
@@ -233,7 +234,7 @@ fn rows_of(plan: &Plan<f64>, ws: &Workspace<f64>) -> Vec<DenseRow> {
         let jacobian = DVector::from_fn(n, |j, _| if limit.drive.dof == Some(j) { row.slope } else { 0.0 });
         DenseRow { jacobian, weight: row.weight, reference: row.reference }
     });
-    let edges = ws.contact.rows.iter().zip(ws.contact_jacobian.chunks_exact(n)).filter(|_| ws.contact.exists);
+    let edges = ws.contacts[0].rows.iter().zip(ws.contact_jacobian.chunks_exact(n)).filter(|_| ws.contacts[0].exists);
     let edges = edges.map(|(row, jacobian)| DenseRow {
         jacobian: DVector::from_column_slice(jacobian),
         weight: row.weight,
@@ -268,11 +269,11 @@ fn presses_with_joints_beyond_limits_end_at_the_best_of_all_sets() {
             step::kinematics::kinematics(&plan, &state.qpos, &state.qvel, &mut ws);
             let tip = step::fingertip(&plan, &ws);
             let centre = [0, 1, 2].map(|k| tip[k] + 0.03 * (draw(number, 700 + k) - 0.5));
-            let obstacle = StaticBox { centre, axes: AXES, half_size: [0.01, 0.02, 0.02] };
+            let obstacle = StaticBox::new(centre, AXES, [0.01, 0.02, 0.02]);
             let obstacles = Obstacles::new(&plan, &[obstacle], Surface::default());
             step::forward(&plan, &obstacles, &state, &mut ws);
             let rows = rows_of(&plan, &ws);
-            crowded += u32::from(ws.contact.exists && rows.len() >= 7);
+            crowded += u32::from(ws.contacts[0].exists && rows.len() >= 7);
             let torque = DVector::from_column_slice(&ws.torque);
             let wanted = best_of_all_sets(&full(plan.ndof(), &ws.mass), &torque, &rows);
             assert_close(&ws.qacc, &wanted, 1e-5, &format!("{name}, state {number}"));
@@ -294,7 +295,7 @@ fn a_press_that_went_round_in_circles_has_its_force() {
         let (at, size) = (vector(&button["position"]), vector(&button["size"]));
         // The face looks at the user: its normal is -x, its own x axis up.
         let axes = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
-        StaticBox { centre: [at[0], at[1], at[2]], axes, half_size: [size[1], size[0], size[2]].map(|x| 0.5 * x) }
+        StaticBox::new([at[0], at[1], at[2]], axes, [size[1], size[0], size[2]].map(|x| 0.5 * x))
     };
     let boxes: Vec<StaticBox> = found["buttons"].as_array().unwrap().iter().map(upright).collect();
     let [qpos, qvel, act] = ["qpos", "qvel", "activation"].map(|key| vector(&found[key]));
@@ -302,7 +303,7 @@ fn a_press_that_went_round_in_circles_has_its_force() {
         let state = State { qpos: qpos.clone(), qvel: qvel.clone(), act: act.clone() };
         let mut ws = Workspace::<f64>::new(plan);
         step::forward(plan, &Obstacles::new(plan, &boxes, Surface::default()), &state, &mut ws);
-        let (force, wanted) = (ws.contact.force, found["contact_force"].as_f64().unwrap());
+        let (force, wanted) = (ws.contacts[0].force, found["contact_force"].as_f64().unwrap());
         assert!((force / wanted - 1.0).abs() < tolerance, "{force} N, not {wanted} N");
         assert_close(&ws.qacc, &DVector::from_vec(vector(&found["qacc"])), tolerance, "acceleration");
         let mut count = [SolverCount::default()];

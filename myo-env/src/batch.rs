@@ -93,7 +93,7 @@ pub fn spec<C: Real>(model: &Model, task: &Task, tables: &Tables<C>, config: &En
         num_envs: config.num_envs,
         observation_names: observe::names(model, task, &dofs),
         action_names: model.muscles.iter().map(|m| m.name.clone()).collect(),
-        episode_names: episode_names(tables.targets()),
+        episode_names: episode_names(tables.steps()),
         control_dt: task.control_dt_s,
         max_episode_steps: task.time_limit_steps() as usize,
         autoreset: config.autoreset,

@@ -51,6 +51,16 @@ pub enum BuildError {
     /// The task has values out of bounds.
     #[error(transparent)]
     Task(#[from] InvalidTask),
+    /// More boxes in one place than are simulated.
+    #[error(
+        "{contacts} boxes of the task stand so close together that the fingertip may touch them all at once; at most {most} are          simulated: move them apart, or leave some out"
+    )]
+    Crowded {
+        /// How many there are.
+        contacts: usize,
+        /// How many there may be.
+        most: usize,
+    },
     /// A task was to be exchanged for one that code would have to be compiled for.
     #[error("the task cannot take the place of the one before: {what}; make new environments")]
     OtherStructure {

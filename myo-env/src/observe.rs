@@ -4,7 +4,7 @@ use crate::parameters::World;
 use crate::state::EnvState;
 use myo_model::Model;
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::{Sensed, TargetKind, difference, inside};
+use myo_tasks::logic::{Goal, Sensed, centre_ahead, difference, inside};
 use myo_tasks::{Observation, Task};
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
@@ -89,9 +89,14 @@ pub fn names(model: &Model, task: &Task, dofs: &[String]) -> Vec<String> {
 
 /// Appends the observation of the current state to `out`.
 #[inline(always)]
-pub fn observe<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, sensed: &Sensed<S>, out: &mut Vec<S>) {
-    let task = &env.task;
-    let centre = task.centre(0);
+pub fn observe<S: Scalar>(
+    world: &World<'_, S>,
+    goal: &Goal<S>,
+    env: &EnvState<S>,
+    sensed: &Sensed<S>,
+    out: &mut Vec<S>,
+) {
+    let (task, state) = (&world.parameters.task, &env.task);
     for part in &world.tables.observation {
         match part {
             ObservationPart::JointPosition => joint_positions(world, env, out),
@@ -99,17 +104,17 @@ pub fn observe<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, sensed: &Sens
             ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
             ObservationPart::FingertipPosition => out.extend_from_slice(&sensed.fingertip),
             ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
-            ObservationPart::TargetPosition => out.extend_from_slice(&centre),
-            ObservationPart::TargetSize => out.push(task.current_size()),
-            ObservationPart::TargetVector => out.extend_from_slice(&difference(centre, sensed.fingertip)),
-            ObservationPart::NextTargetVector => out.extend_from_slice(&difference(task.centre(1), centre)),
-            ObservationPart::Phase => out.push(task.phase * S::lit(1.0 / world.parameters.task.targets.len() as f64)),
-            ObservationPart::DwellFraction => out.push(dwell_fraction(world, env)),
-            ObservationPart::TimeLeft => {
-                out.push(S::lit(1.0) - task.step * world.parameters.task.time_limit.recip());
+            ObservationPart::TargetPosition => out.extend_from_slice(&goal.centre),
+            ObservationPart::TargetSize => out.push(goal.size),
+            ObservationPart::TargetVector => out.extend_from_slice(&difference(goal.centre, sensed.fingertip)),
+            ObservationPart::NextTargetVector => {
+                out.extend_from_slice(&difference(centre_ahead(task, state, 1), goal.centre));
             }
-            ObservationPart::Inside => out.push(S::indicator(inside(sensed, task))),
-            ObservationPart::Touch => out.push(touch(world, env)),
+            ObservationPart::Phase => out.push(state.phase * S::lit(1.0 / task.steps.len() as f64)),
+            ObservationPart::DwellFraction => out.push((state.dwell * goal.dwell.recip()).only(!goal.is_press)),
+            ObservationPart::TimeLeft => out.push(S::lit(1.0) - state.step * task.time_limit.recip()),
+            ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal))),
+            ObservationPart::Touch => out.push(touch(goal, env.touch)),
         }
     }
 }
@@ -134,26 +139,9 @@ fn joint_positions<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, out: &mut
     }
 }
 
+/// Share of the force that the current button needs, at most one.
 #[inline(always)]
-fn dwell_fraction<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>) -> S {
-    let mut fraction = S::zero();
-    for (index, target) in world.parameters.task.targets.iter().enumerate() {
-        if let TargetKind::Sphere(sphere) = target {
-            let share = env.task.dwell * sphere.dwell.recip();
-            fraction = S::select(env.task.is_current(index), share, fraction);
-        }
-    }
-    fraction
-}
-
-#[inline(always)]
-fn touch<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>) -> S {
-    let mut share = S::zero();
-    for (index, target) in world.parameters.task.targets.iter().enumerate() {
-        if let TargetKind::Button(button) = target {
-            let part = (env.touch * button.min_force.recip()).min(S::lit(1.0));
-            share = S::select(env.task.is_current(index), part, share);
-        }
-    }
-    share
+fn touch<S: Scalar>(goal: &Goal<S>, force: S) -> S {
+    let Some(button) = &goal.button else { return S::zero() };
+    (force * button.shape.min_force.recip()).min(S::lit(1.0)).only(goal.is_press)
 }

@@ -3,8 +3,8 @@
 use crate::tables::Tables;
 use myo_dynamics::{Obstacles, StaticBox};
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::{Button, CompiledTask, TargetKind};
-use myo_tasks::{Pose, Reset, Task};
+use myo_tasks::logic::{CompiledTask, TouchBox};
+use myo_tasks::{InvalidTask, Pose, Reset, Task};
 
 /// Least and greatest position of a joint (rad), where it has limits.
 pub(crate) type JointRange = Option<[f64; 2]>;
@@ -51,15 +51,18 @@ pub struct World<'a, S: Scalar> {
 }
 
 impl<C: Real> Parameters<C> {
-    /// Those of a task whose repeated targets are written out, for a body whose joints have these ranges (rad).
-    pub(crate) fn new(task: &Task, ranges: &[JointRange]) -> Self {
+    /// Those of a task, for a body whose joints have these ranges (rad).
+    ///
+    /// # Errors
+    /// What is wrong with the task's values.
+    pub(crate) fn new(task: &Task, ranges: &[JointRange]) -> Result<Self, InvalidTask> {
         let noise = [task.noise.signal_dependent, task.noise.constant];
         let noisy = noise.iter().any(|&deviation| deviation > 0.0);
-        Self {
-            task: CompiledTask::new(task),
+        Ok(Self {
+            task: CompiledTask::new(task)?,
             noise: noisy.then(|| noise.map(C::from_f64)),
             start: Start::new(task, ranges),
-        }
+        })
     }
 
     /// These numbers where others were, which code was compiled for.
@@ -94,17 +97,37 @@ impl<T> Parameters<T> {
 impl Parameters<()> {
     /// What differs from another structure, as half a sentence.
     fn difference(&self, other: &Self) -> Option<String> {
-        let (ours, theirs) = (&self.task.targets, &other.task.targets);
-        if ours.len() != theirs.len() {
-            return Some(format!("it has {} targets instead of {}", ours.len(), theirs.len()));
+        let (ours, theirs) = (&self.task, &other.task);
+        for (word, new, old) in [
+            ("steps", ours.steps.len(), theirs.steps.len()),
+            ("spheres", ours.spheres.len(), theirs.spheres.len()),
+            ("boxes", ours.boxes.len(), theirs.boxes.len()),
+        ] {
+            if new != old {
+                return Some(format!("it has {new} {word} instead of {old}"));
+            }
         }
-        let kind = |target: &TargetKind<()>| match target {
-            TargetKind::Sphere(_) => "a sphere",
-            TargetKind::Button(_) => "a button",
-        };
-        let other_kind = (1..).zip(ours.iter().zip(theirs)).find(|(_, (a, b))| a != b);
-        if let Some((number, (new, old))) = other_kind {
-            return Some(format!("its target {number} is {} instead of {}", kind(new), kind(old)));
+        let (new, old) = (ours.kinds, theirs.kinds);
+        for (new, old, with, without) in [
+            (new.dwell, old.dwell, "asks for dwells", "asks for no dwell"),
+            (new.press, old.press, "asks for presses", "asks for no press"),
+            (
+                new.release,
+                old.release,
+                "presses a button twice or asks to let go",
+                "presses no button twice and does not ask to let go",
+            ),
+        ] {
+            if new != old {
+                return Some(if new {
+                    format!("it {with}, and the other did not")
+                } else {
+                    format!("it {without}, and the other did")
+                });
+            }
+        }
+        if ours.spheres != theirs.spheres {
+            return Some("its spheres and boxes stand in another order".into());
         }
         if self.task.weights != other.task.weights {
             return Some(
@@ -131,8 +154,13 @@ impl<T: Copy> Parameters<T> {
     /// What the fingertip can press.
     #[inline(always)]
     pub fn boxes(&self) -> Vec<StaticBox<T>> {
-        let shape = |&Button { centre, axes, half_size, .. }: &Button<T>| StaticBox { centre, axes, half_size };
-        self.task.buttons().map(shape).collect()
+        let shape = |&TouchBox { centre, axes, half_size, radius, .. }: &TouchBox<T>| StaticBox {
+            centre,
+            axes,
+            half_size,
+            radius,
+        };
+        self.task.boxes.iter().map(shape).collect()
     }
 }
 

@@ -27,13 +27,8 @@ pub struct EnvState<S: Scalar> {
     pub task: TaskState<S>,
     /// Accelerations of the last physics step (rad/s^2); zero after a reset.
     pub qacc: Vec<S>,
-    /// Greatest contact force of the last control step (N).
+    /// Greatest force on the current button in the last control step (N).
     pub touch: S,
-    /// The button that it acted on; meaningless where there was no force.
-    pub touched: S,
-    /// Physics steps from the onset of the contact that pressed the current button in the last control step to its end; zero
-    /// without one.
-    pub pressed: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
     /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, and physics steps that
@@ -65,11 +60,9 @@ impl<S: Scalar> EnvState<S> {
         let (o, w) = (S::zero(), S::Word::splat(0));
         Self {
             body: State::new(&tables.plan),
-            task: TaskState::new(tables.targets()),
+            task: TaskState::new(tables.parameters.task.spheres.len(), tables.steps()),
             qacc: vec![o; tables.plan.ndof()],
             touch: o,
-            touched: o,
-            pressed: o,
             pending: o,
             sums: [o; SUMS],
             seed: [w; 2],
@@ -91,9 +84,10 @@ impl<S: Scalar> EnvState<S> {
         let body = body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act).chain(&mut self.qacc);
         let targets = task.position.iter_mut().flatten().chain(&mut task.size);
         let times = task.done_at.iter_mut().chain(&mut task.reached_at);
-        let counters = [&mut task.phase, &mut task.dwell, &mut task.held, &mut task.step];
-        let contact = [&mut self.touch, &mut self.touched, &mut self.pressed];
-        body.chain(targets).chain(times).chain(counters).chain(contact).chain([&mut self.pending]).chain(&mut self.sums)
+        let counters =
+            [&mut task.phase, &mut task.dwell, &mut task.held, &mut task.down, &mut task.old, &mut task.step];
+        let rest = [&mut self.touch, &mut self.pending];
+        body.chain(targets).chain(times).chain(counters).chain(rest).chain(&mut self.sums)
     }
 
     /// Every integer, in a fixed order.

@@ -9,6 +9,9 @@ use myo_model::Model;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::{InvalidTask, Task};
 
+/// Boxes that may be touched at once: code grows with each.
+const MOST_CONTACTS: usize = 16;
+
 /// One environment: what code is compiled for, and the numbers of its task.
 #[derive(Clone, Debug)]
 pub struct Tables<C> {
@@ -18,6 +21,8 @@ pub struct Tables<C> {
     surface: Obstacles<C>,
     /// The numbers of the task.
     pub parameters: Parameters<C>,
+    /// How many boxes the fingertip can touch at once, at most.
+    pub contacts: usize,
     /// Physics steps per control step.
     pub substeps: u32,
     /// Parts of the observation, in order.
@@ -54,9 +59,15 @@ impl<C: Real> Tables<C> {
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
         let ranges: Vec<JointRange> = exact.dofs.iter().map(|dof| dof.range).collect();
         let plan = plan(&exact);
+        let (surface, parameters) = (Obstacles::none(&plan), Parameters::new(&task, &ranges)?);
+        let contacts = surface.with(parameters.boxes()).most_at_once(&plan);
+        if contacts > MOST_CONTACTS {
+            return Err(BuildError::Crowded { contacts, most: MOST_CONTACTS });
+        }
         Ok(Self {
-            surface: Obstacles::none(&plan),
-            parameters: Parameters::new(&task, &ranges),
+            contacts,
+            surface,
+            parameters,
             substeps: task.substeps(exact.timestep),
             observation: observe::parts(&task.observation),
             identity: Identity::new(model, &task),
@@ -66,8 +77,8 @@ impl<C: Real> Tables<C> {
         })
     }
 
-    /// The numbers of another task of the same structure, and which one it is: everything may differ but the number and kinds of
-    /// targets, what is observed, the length of a control step, how the reward measures the distance, and whether there is noise.
+    /// The numbers of another task of the same structure, and which one it is: everything may differ but the numbers of steps,
+    /// spheres and boxes, which kinds of steps there are, what is observed, the length of a control step, how the reward measures the distance, and whether there is noise.
     ///
     /// # Errors
     /// [`BuildError::OtherStructure`] tells what differs; values out of bounds.
@@ -83,14 +94,19 @@ impl<C: Real> Tables<C> {
         if observe::parts(&task.observation) != self.observation {
             return Err(differs("it is observed in another way".into()));
         }
-        self.parameters = Parameters::new(&task, &self.ranges).in_place_of(&self.parameters).map_err(differs)?;
+        let parameters = Parameters::new(&task, &self.ranges)?.in_place_of(&self.parameters).map_err(differs)?;
+        let (contacts, most) = (self.surface.with(parameters.boxes()).most_at_once(&self.plan), self.contacts);
+        if contacts > most {
+            return Err(differs(format!("{contacts} of its boxes may be touched at once instead of {most}")));
+        }
+        self.parameters = parameters;
         self.identity = self.identity.with_task(&task);
         Ok(())
     }
 
-    /// Targets of the task.
-    pub fn targets(&self) -> usize {
-        self.parameters.task.targets.len()
+    /// Steps of the task.
+    pub fn steps(&self) -> usize {
+        self.parameters.task.steps.len()
     }
 
     /// What the fingertip can press.

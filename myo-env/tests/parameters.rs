@@ -142,8 +142,8 @@ fn a_task_of_another_structure_is_refused_and_changes_nothing() {
         change(&mut other);
         other
     };
-    refuse(&noisy("pointing"), "it has 10 targets instead of 8");
-    refuse(&with(|task| task.targets.swap(0, 1)), "its target 1 is a button instead of a sphere");
+    refuse(&noisy("pointing"), "it has 10 steps instead of 8");
+    refuse(&with(|task| task.targets.swap(0, 1)), "its spheres and boxes stand in another order");
     refuse(&with(|task| task.observation.touch = false), "it is observed in another way");
     refuse(&with(|task| task.control_dt_s = 0.1), "its control step is 0.1 s instead of 0.05 s");
     let inside = "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path)";

@@ -23,7 +23,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
     refused(Task { targets: vec![], ..task.clone() }, "the task has no target; a task has from 1 to 10");
     refused(Task { time_limit_s: 1e308, ..task.clone() }, "`time_limit_s` is 1e308 s; it must be");
     refused(Task { control_dt_s: f64::NAN, ..task.clone() }, "`control_dt_s` is NaN; it must be from 0.001 to 0.5 s");
-    refused(Task { version: 7, ..task.clone() }, "`version` is 7; only version 1 is known");
+    refused(Task { version: 7, ..task.clone() }, "`version` is 7; versions 1 to 2 are known");
     let mut blind = task.clone();
     blind.observation = Observation {
         joint_position: false,

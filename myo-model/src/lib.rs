@@ -24,6 +24,7 @@ mod error;
 pub mod mjcf;
 pub mod model;
 mod nearest;
+mod oriented_box;
 #[cfg(feature = "files")]
 mod text;
 
@@ -34,3 +35,4 @@ pub use description::ModelDescription;
 pub use error::{Element, ElementKind, ModelError};
 pub use model::Model;
 pub use nearest::Nearest;
+pub use oriented_box::OrientedBox;

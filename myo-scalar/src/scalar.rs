@@ -53,6 +53,15 @@ pub trait Stage<S> {
     fn run(self) -> Self::Output;
 }
 
+/// A row of tables, within [`Scalar::for_each_row`].
+#[derive(Clone, Copy, Debug)]
+pub enum Row<W> {
+    /// Its number is known.
+    Known(usize),
+    /// Its number is counted as the loop runs.
+    Counted(W),
+}
+
 /// A number per lane, with the few operations that the physics needs.
 pub trait Scalar:
     Copy
@@ -184,6 +193,55 @@ pub trait Scalar:
         for (k, value) in output.iter_mut().enumerate() {
             *value = body(constants(k).map(Self::splat), inputs.map(|input| input[k]), *value);
         }
+    }
+
+    /// Runs `body` for each of `count` rows of tables, whose entries [`Scalar::of_row`] reads. `vars` are what it changes and what
+    /// is read afterwards. A symbolic number may record the body once.
+    #[inline(always)]
+    fn for_each_row<V: Carried<Self>>(count: usize, vars: &mut V, mut body: impl FnMut(&mut V, Row<Self::Word>)) {
+        for row in 0..count {
+            body(vars, Row::Known(row));
+        }
+    }
+
+    /// The number of a row.
+    #[inline(always)]
+    fn row_number(row: Row<Self::Word>) -> Self {
+        match row {
+            Row::Known(row) => Self::lit(row as f64),
+            Row::Counted(row) => Self::from_word(row),
+        }
+    }
+
+    /// The entries of a row in columns of `count` entries each.
+    ///
+    /// # Panics
+    /// The columns have no such row.
+    #[inline(always)]
+    fn of_row<const N: usize>(row: Row<Self::Word>, count: usize, entry: impl Fn(usize) -> [Self; N]) -> [Self; N] {
+        match row {
+            Row::Known(row) => entry(row),
+            Row::Counted(row) => Self::gather(count, entry, Self::from_word(row)),
+        }
+    }
+
+    /// Row `index`, a whole number, of `count` rows of a table; the first one below them and the last one beyond. A symbolic
+    /// number reads a column from memory where its entries are a buffer's, evenly spaced.
+    ///
+    /// # Panics
+    /// Without any row.
+    #[inline(always)]
+    fn gather<const N: usize>(count: usize, entry: impl Fn(usize) -> [Self; N], index: Self) -> [Self; N] {
+        assert!(count > 0, "there is a row");
+        let mut found = [Self::zero(); N];
+        // One call, else the closure would not be inlined.
+        for k in (0..count).rev() {
+            let here = if k + 1 < count { index.lt(Self::lit(k as f64 + 0.5)) } else { Self::Mask::splat(true) };
+            for (x, entry) in found.iter_mut().zip(entry(k)) {
+                *x = Self::select(here, entry, *x);
+            }
+        }
+        found
     }
 
     /// `self <= other`, for numbers.

@@ -3,15 +3,17 @@
 use garde::Validate;
 
 use crate::description::{Task, rounded_steps};
-use crate::geometry::{distance, farthest, farthest_at_worst, gap, spread};
+use crate::geometry::{distance, farthest, farthest_at_worst, spread};
 use crate::range::Range;
 use crate::remedy::{Remedy, least_move, reached_part, shrink_and_move};
 use crate::report::{Element, Report, TaskError, TaskWarning, subject};
-use crate::target::{Pointing, Pressing, Region, Target};
+use crate::rules::parts_rule;
+use crate::stage::{Block, Object, Shape, Sphere, Stage, Step};
+use crate::target::Region;
 use crate::weakness::weakness;
 
-/// Contact begins so far in m from a button's surface.
-pub const CONTACT_MARGIN: f64 = 0.002;
+/// Boxes that touch may overlap by what rounding makes of it (m).
+const ROUNDING: f64 = 1e-9;
 
 /// A warning is given when fewer than this share of drawn positions keeps the least distance.
 pub const RARE_ACCEPTANCE: f64 = 0.05;
@@ -64,44 +66,60 @@ impl Reach for Anywhere {
 ///
 /// Values come first: when one is out of bounds the rest is not looked at, because it would speak of nonsense.
 pub fn check(task: &Task, reach: &dyn Reach) -> Report {
-    let mut report = Report { errors: value_errors(task), ..Report::default() };
-    if report.is_ok() {
-        let task = task.clone().expanded();
-        report.errors.extend(reach.physics_dt_s().and_then(|dt| task.check_control_step(dt).err()));
-        times(&task, &mut report);
-        distances(&task, &mut report);
-        buttons(&task, &mut report);
-        reachability(&task, reach, &mut report);
-        report
-            .warnings
-            .extend(runs(&task).filter_map(|(target, sphere)| weakness(&task, target, as_sphere(sphere)?, reach)));
-    }
+    let mut report = Report::default();
+    let stage = match task.stage() {
+        Ok(stage) => stage,
+        Err(invalid) => {
+            report.errors = invalid.errors;
+            return report;
+        }
+    };
+    report.errors.extend(reach.physics_dt_s().and_then(|dt| task.check_control_step(dt).err()));
+    times(task, &stage, &mut report);
+    distances(&stage, &mut report);
+    overlaps(&stage, &mut report);
+    reachability(&stage, reach, &mut report);
+    report.warnings.extend(runs(&stage).filter_map(|(element, object)| {
+        let dwell_s = stage.steps_of(element.first).filter_map(Step::dwell_s).reduce(f64::max)?;
+        weakness(task, element, object.sphere()?, dwell_s, reach)
+    }));
     report
 }
 
-/// The bounds of single values, in the order of the fields.
+/// The bounds of single values, in the order of the fields; then what the script asks for.
 pub(crate) fn value_errors(task: &Task) -> Vec<TaskError> {
-    let Err(report) = task.validate() else { return Vec::new() };
     let error = |(path, error): &(garde::Path, garde::Error)| {
         let path = path.to_string();
         TaskError::Value { subject: subject(task, &path), problem: error.message().to_owned(), path }
     };
-    report.iter().map(error).collect()
+    let parts = parts_rule(task).map(|(path, subject, problem)| TaskError::Value {
+        path: path.into(),
+        subject: subject.into(),
+        problem,
+    });
+    let values = task.validate().err();
+    let mut errors: Vec<TaskError> =
+        parts.into_iter().chain(values.iter().flat_map(garde::Report::iter).map(error)).collect();
+    if errors.is_empty() {
+        errors.extend(Stage::of(task).err().unwrap_or_default());
+    }
+    errors
 }
 
 /// Dwells against the time limit, and times that are not whole control steps.
-fn times(task: &Task, report: &mut Report) {
+fn times(task: &Task, stage: &Stage, report: &mut Report) {
     let time_limit_s = task.time_limit_s;
     warn_if_rounded(task, time_limit_s, "the time limit".into(), "time_limit_s".into(), report);
     let mut dwells = 0;
     let mut one_too_long = false;
-    for (target, sphere) in runs(task).filter_map(|(element, target)| Some((element, as_sphere(target)?))) {
-        warn_if_rounded(task, sphere.dwell_s, format!("the dwell of {target}"), target.path("dwell_s"), report);
-        let steps = task.dwell_steps(target.first);
+    for (target, step) in step_runs(stage) {
+        let Some(dwell_s) = step.dwell_s() else { continue };
+        warn_if_rounded(task, dwell_s, format!("the dwell of {target}"), target.field("for_s"), report);
+        let steps = step.dwell_steps(task.control_dt_s);
         dwells += steps * (target.last - target.first + 1) as u32;
         if steps > task.time_limit_steps() {
             one_too_long = true;
-            report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s: sphere.dwell_s, time_limit_s });
+            report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s, time_limit_s });
         }
     }
     if !one_too_long && dwells > task.time_limit_steps() {
@@ -119,33 +137,26 @@ fn warn_if_rounded(task: &Task, given_s: f64, what: String, path: String, report
     }
 }
 
-/// The least distance of each sphere from the target before it.
-fn distances(task: &Task, report: &mut Report) {
-    let mut seen: Vec<[&Target; 2]> = Vec::new();
-    for (i, pair) in task.targets.windows(2).enumerate() {
-        let [previous, target] = pair else { continue };
-        let Some(needed) = target.min_distance() else { continue };
+/// The least distance of each sphere from the object before it.
+fn distances(stage: &Stage, report: &mut Report) {
+    let mut seen: Vec<[&Object; 2]> = Vec::new();
+    for (index, object) in stage.objects.iter().enumerate() {
+        let Some((before, needed)) = object.sphere().and_then(|sphere| sphere.apart) else { continue };
+        let previous = &stage.objects[before];
         // Ten equal spheres in a row have one thing to say, not nine.
-        if seen.contains(&[previous, target]) {
+        if seen.iter().any(|[a, b]| is_alike(a, previous) && is_alike(b, object)) {
             continue;
         }
-        seen.push([previous, target]);
-        distance_rule(single(i, previous), previous, single(i + 1, target), target, needed, report);
+        seen.push([previous, object]);
+        let [previous, target] = [before, index].map(|k| Element::objects(stage, k, k));
+        distance_rule(previous, stage.objects[before].region(), target, object.region(), needed, report);
     }
 }
 
-fn distance_rule(
-    previous: Element,
-    before: &Target,
-    target: Element,
-    sphere: &Target,
-    needed: f64,
-    report: &mut Report,
-) {
-    let (from, to) = (before.region(), sphere.region());
+fn distance_rule(previous: Element, from: Region, target: Element, to: Region, needed: f64, report: &mut Report) {
     let possible = farthest(&from, &to);
     if possible < needed {
-        report.errors.push(TaskError::DistanceImpossible { target, previous, needed, possible });
+        report.errors.push(TaskError::DistanceImpossible { target, previous: Box::new(previous), needed, possible });
         return;
     }
     let acceptance = share(|[a, b, c, d, e, f]| distance(from.at([a, b, c]), to.at([d, e, f])) >= needed);
@@ -160,33 +171,29 @@ fn distance_rule(
     }
 }
 
-/// Buttons that the fingertip could touch two at a time.
-fn buttons(task: &Task, report: &mut Report) {
-    let buttons: Vec<_> = task
-        .targets
-        .iter()
-        .enumerate()
-        .filter_map(|(i, target)| Some((single(i, target), as_button(target)?)))
-        .collect();
-    for (i, (a, first)) in buttons.iter().enumerate() {
-        for (b, second) in &buttons[i + 1..] {
-            let gap_m = gap(first, second);
-            if gap_m < 2.0 * CONTACT_MARGIN {
-                report.errors.push(TaskError::ButtonsTooClose { a: a.clone(), b: b.clone(), gap_m });
+/// Boxes that stand in each other.
+fn overlaps(stage: &Stage, report: &mut Report) {
+    let blocks = || stage.objects.iter().enumerate().filter_map(|(index, object)| Some((index, object.block()?)));
+    for (a, first) in blocks() {
+        for (b, second) in blocks().filter(|(b, _)| *b > a) {
+            let overlap_m = -first.gap(second);
+            if overlap_m > ROUNDING {
+                let [a, b] = [a, b].map(|index| Element::objects(stage, index, index));
+                report.errors.push(TaskError::Overlap { a, b: Box::new(b), overlap_m });
             }
         }
     }
 }
 
-/// Spheres and buttons against the model's reach.
-fn reachability(task: &Task, reach: &dyn Reach, report: &mut Report) {
-    for (target, description) in runs(task) {
-        let found = look(description, reach);
+/// What the script asks for against the model's reach.
+fn reachability(stage: &Stage, reach: &dyn Reach, report: &mut Report) {
+    for (target, object) in runs(stage) {
+        let found = look(object, reach);
         if found.missed().next().is_none() {
             continue;
         }
         let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
-        let remedy = Box::new(remedy(description, &found, reach));
+        let remedy = Box::new(remedy(object, &found, reach));
         if fraction == 1.0 {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
         } else {
@@ -236,15 +243,15 @@ impl Unreached {
     }
 }
 
-fn look(target: &Target, reach: &dyn Reach) -> Unreached {
-    match target {
-        Target::Pointing(sphere) => look_at_sphere(sphere, reach),
-        Target::Pressing(button) => look_at_button(button, reach),
+fn look(object: &Object, reach: &dyn Reach) -> Unreached {
+    match &object.shape {
+        Shape::Sphere(sphere) => look_at_sphere(sphere, reach),
+        Shape::Button(block) | Shape::Obstacle(block) => look_at_face(block, reach),
     }
 }
 
 /// A sphere counts as reached when the fingertip gets inside it: its centre may be out of reach by less than the radius.
-fn look_at_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
+fn look_at_sphere(sphere: &Sphere, reach: &dyn Reach) -> Unreached {
     // Evenly spread points never lie on the corners, where a target is farthest out or just within reach.
     let corners = Region::corner_shares().map(|share| (share, sphere.radius.max));
     let inside = (0..REACH_SAMPLES).map(|k| {
@@ -253,7 +260,7 @@ fn look_at_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
     });
     let mut last = ([f64::NAN; 3], f64::NAN);
     let tried = corners.into_iter().chain(inside).map(|(share, radius)| {
-        let point = sphere.position.at(share);
+        let point = sphere.region.at(share);
         // All places of a fixed sphere are one.
         if last.0 != point {
             last = (point, reach.distance_out_of_reach(point));
@@ -264,9 +271,9 @@ fn look_at_sphere(sphere: &Pointing, reach: &dyn Reach) -> Unreached {
 }
 
 /// A button counts as reached when the fingertip gets to some point of its face.
-fn look_at_button(button: &Pressing, reach: &dyn Reach) -> Unreached {
+fn look_at_face(block: &Block, reach: &dyn Reach) -> Unreached {
     const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let tried = GRID.iter().flat_map(|across| GRID.map(|up| button.face_point(*across, up))).map(|point| {
+    let tried = GRID.iter().flat_map(|across| GRID.map(|up| block.face_point(*across, up))).map(|point| {
         let beyond_m = reach.distance_out_of_reach(point);
         Tried { point, beyond_m, is_reached: beyond_m <= 0.0 }
     });
@@ -274,23 +281,23 @@ fn look_at_button(button: &Pressing, reach: &dyn Reach) -> Unreached {
 }
 
 /// What brings all of a target into reach.
-fn remedy(target: &Target, found: &Unreached, reach: &dyn Reach) -> Remedy {
+fn remedy(object: &Object, found: &Unreached, reach: &dyn Reach) -> Remedy {
     let mut points: Vec<_> = found.tried.iter().map(|tried| tried.point).collect();
     points.dedup();
-    let moved = least_move(target.region(), &points, reach);
-    let Target::Pointing(sphere) = target else { return Remedy { moved, narrowed: None } };
-    let narrowed = if sphere.position.is_point() { None } else { narrowed(sphere, found, reach) };
+    let moved = least_move(object.region(), &points, reach);
+    let Some(sphere) = object.sphere() else { return Remedy { moved, narrowed: None } };
+    let narrowed = if sphere.region.is_point() { None } else { narrowed(sphere, found, reach) };
     let can_shrink = moved.is_none() && narrowed.is_none();
-    Remedy { moved: moved.or_else(|| can_shrink.then(|| shrink_and_move(&sphere.position, reach))?), narrowed }
+    Remedy { moved: moved.or_else(|| can_shrink.then(|| shrink_and_move(&sphere.region, reach))?), narrowed }
 }
 
 /// A part of a sphere's range that can be reached, looked at as closely as the whole.
-fn narrowed(sphere: &Pointing, found: &Unreached, reach: &dyn Reach) -> Option<Region> {
+fn narrowed(sphere: &Sphere, found: &Unreached, reach: &dyn Reach) -> Option<Region> {
     let place = |tried: &Tried| (tried.point, tried.is_reached);
     let mut places: Vec<_> = found.tried.iter().map(place).collect();
     for _ in 0..CLOSER_LOOKS {
-        let part = reached_part(&sphere.position, &places)?;
-        let closer = look_at_sphere(&Pointing { position: part, ..sphere.clone() }, reach);
+        let part = reached_part(&sphere.region, &places)?;
+        let closer = look_at_sphere(&Sphere { region: part, ..sphere.clone() }, reach);
         if closer.missed().next().is_none() {
             return Some(part);
         }
@@ -304,30 +311,36 @@ fn share<const N: usize>(test: impl Fn([f64; N]) -> bool) -> f64 {
     (0..SAMPLES).filter(|k| test(spread(*k))).count() as f64 / f64::from(SAMPLES)
 }
 
-/// Equal targets in a row taken together.
-fn runs(task: &Task) -> impl Iterator<Item = (Element, &Target)> {
+/// Objects that the script asks for, equal ones in a row taken together.
+fn runs(stage: &Stage) -> impl Iterator<Item = (Element, &Object)> {
     let mut first = 0;
-    task.targets.chunk_by(|a, b| a == b).map(move |run| {
-        let element = Element { first, last: first + run.len() - 1, kind: run[0].kind() };
+    stage.objects.chunk_by(is_alike).filter_map(move |run| {
+        let (from, last) = (first, first + run.len() - 1);
         first += run.len();
+        let is_wanted = stage.steps.iter().any(|step| (from..=last).contains(&step.object));
+        is_wanted.then(|| (Element::objects(stage, from, last), &run[0]))
+    })
+}
+
+/// Steps, those in a row that ask the same of equal objects taken together.
+fn step_runs(stage: &Stage) -> impl Iterator<Item = (Element, &Step)> {
+    let mut first = 0;
+    let is_same =
+        |a: &Step, b: &Step| a.action == b.action && is_alike(&stage.objects[a.object], &stage.objects[b.object]);
+    stage.steps.chunk_by(is_same).map(move |run| {
+        let last = first + run.len() - 1;
+        let element = Element::steps(stage, first, last);
+        first = last + 1;
         (element, &run[0])
     })
 }
 
-fn single(i: usize, target: &Target) -> Element {
-    Element { first: i, last: i, kind: target.kind() }
-}
-
-fn as_sphere(target: &Target) -> Option<&Pointing> {
-    match target {
-        Target::Pointing(sphere) => Some(sphere),
-        Target::Pressing(_) => None,
-    }
-}
-
-fn as_button(target: &Target) -> Option<&Pressing> {
-    match target {
-        Target::Pressing(button) => Some(button),
-        Target::Pointing(_) => None,
-    }
+/// Whether two objects are one description's: spheres that are drawn from the same places and sizes.
+fn is_alike(a: &Object, b: &Object) -> bool {
+    let (Some(x), Some(y)) = (a.sphere(), b.sphere()) else { return false };
+    let same_rule = match (x.apart, y.apart) {
+        (Some((_, x)), Some((_, y))) => x == y,
+        _ => true,
+    };
+    (x.region, x.radius) == (y.region, y.radius) && same_rule
 }

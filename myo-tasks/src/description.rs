@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::check::value_errors;
 use crate::quantity::Quantity;
 use crate::report::{InvalidTask, TaskError};
-use crate::rules::{count_rule, description_rule, model_rule, name_rule, observation_rule, version_rule};
+use crate::rules::{description_rule, model_rule, name_rule, observation_rule, version_rule};
+use crate::scene::Scene;
+use crate::script::Instruction;
 use crate::target::{Pointing, Target};
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
@@ -17,17 +19,17 @@ const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
 const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
 
-/// The version of the task format that this library reads and writes.
-pub const FORMAT_VERSION: u32 = 1;
+/// The newest version of the task format. Files of version 1 are read as well.
+pub const FORMAT_VERSION: u32 = 2;
 
-/// A task: targets to be reached one after the other within a time limit.
+/// A task: what stands before the user, and what is to do with it within a time limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Myo task")]
 pub struct Task {
-    /// Version of this format: 1.
+    /// Version of this format: 2, or 1 with `targets` instead of a scene and a script.
     #[garde(custom(version_rule))]
-    #[schemars(range(min = 1, max = 1))]
+    #[schemars(range(min = 1, max = 2))]
     pub version: u32,
 
     /// Short name, used for run folders and tables.
@@ -48,9 +50,20 @@ pub struct Task {
     #[schemars(length(min = 1, max = 4096))]
     pub model: String,
 
-    /// The targets in the order in which they must be done: 1 to 10, repetitions counted.
-    #[garde(custom(count_rule), dive)]
-    #[schemars(length(min = 1, max = 10))]
+    /// What stands there: objects by name, alone or in groups; up to 256.
+    #[serde(default, skip_serializing_if = "Scene::is_empty")]
+    #[garde(dive)]
+    pub scene: Scene,
+
+    /// What is to do with them, one after the other; up to 256 steps.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[garde(skip)]
+    pub script: Vec<Instruction>,
+
+    /// Of version 1 alone: the targets in the order in which they must be done, 1 to 10, repetitions counted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[garde(dive)]
+    #[schemars(length(max = 10))]
     pub targets: Vec<Target>,
 
     /// When an episode ends without success, in s. Rounded to whole control steps. Default 12.
@@ -224,17 +237,6 @@ pub struct Noise {
 }
 
 impl Task {
-    /// Control steps that make the dwell of target `index` (from 0); 1 for a button, which is done at once.
-    ///
-    /// # Panics
-    /// When there is no such target.
-    pub fn dwell_steps(&self, index: usize) -> u32 {
-        match &self.targets[index] {
-            Target::Pointing(sphere) => self.steps(sphere.dwell_s),
-            Target::Pressing(_) => 1,
-        }
-    }
-
     /// Control steps until the time limit.
     pub fn time_limit_steps(&self) -> u32 {
         self.steps(self.time_limit_s)

@@ -1,8 +1,8 @@
 //! Distances between regions and boxes, and points spread evenly without chance.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-use crate::target::{Pressing, Region};
+use crate::target::Region;
 
 /// Greatest distance in m between a point of `a` and a point of `b`.
 pub(crate) fn farthest(a: &Region, b: &Region) -> f64 {
@@ -20,25 +20,6 @@ pub(crate) fn farthest_at_worst(from: &Region, to: &Region) -> f64 {
         (c.clamp(from.min, from.max) - c).abs() + 0.5 * to.width()
     };
     norm([axis(from.x, to.x), axis(from.y, to.y), axis(from.z, to.z)])
-}
-
-/// Gap in m between two oriented boxes; negative when they overlap.
-///
-/// Separating axis test (Gottschalk, Lin and Manocha 1996): the widest gap over the 15 candidate axes. Where two corners
-/// face each other the true gap is a little larger, so the answer errs on the side of refusing.
-pub(crate) fn gap(a: &Pressing, b: &Pressing) -> f64 {
-    let (rot_a, rot_b) = (a.rotation().into_inner(), b.rotation().into_inner());
-    let (h_a, h_b) = (Vector3::from(a.half_extents()), Vector3::from(b.half_extents()));
-    let d = Vector3::from(b.position) - Vector3::from(a.position);
-    let extent = |rot: &Matrix3<f64>, h: &Vector3<f64>, axis: &Vector3<f64>| (rot.transpose() * axis).abs().dot(h);
-    let faces = rot_a.column_iter().chain(rot_b.column_iter()).map(|c| c.into_owned());
-    let edges = rot_a.column_iter().flat_map(|u| rot_b.column_iter().map(move |v| u.cross(&v)));
-    faces
-        .chain(edges)
-        // Parallel edges give no axis of their own.
-        .filter_map(|axis| axis.try_normalize(1e-9))
-        .map(|axis| d.dot(&axis).abs() - extent(&rot_a, &h_a, &axis) - extent(&rot_b, &h_b, &axis))
-        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Point `k` of a sequence that fills the unit cube evenly (Halton 1960), the same on every run; in at most six dimensions.
@@ -72,21 +53,21 @@ fn norm(v: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Range;
+    use crate::{Block, Pressing, Range};
 
-    fn button(position: [f64; 3], size: [f64; 3], tilt_deg: f64) -> Pressing {
-        Pressing { position, size, tilt_deg, min_force_n: 1.0 }
+    fn button(position: [f64; 3], size: [f64; 3], tilt_deg: f64) -> Block {
+        Pressing { position, size, tilt_deg, min_force_n: 1.0 }.block()
     }
 
     /// The nearest two of many points of the two boxes: never nearer than the boxes are.
-    fn nearest_points(a: &Pressing, b: &Pressing) -> f64 {
-        let points = |button: &Pressing| -> Vec<Vector3<f64>> {
-            let (rot, h) = (button.rotation(), Vector3::from(button.half_extents()));
+    fn nearest_points(a: &Block, b: &Block) -> f64 {
+        let points = |button: &Block| -> Vec<Vector3<f64>> {
+            let (rot, h) = (button.rotation, Vector3::from(button.half_extents()));
             (0..3000)
                 .map(|k| {
                     // Stretched beyond the box and cut back, so that faces and edges are met too.
                     let t = spread::<3>(k).map(|t| (3.0 * t - 1.5).clamp(-1.0, 1.0));
-                    Vector3::from(button.position) + rot * h.component_mul(&Vector3::from(t))
+                    Vector3::from(button.centre) + rot * h.component_mul(&Vector3::from(t))
                 })
                 .collect()
         };
@@ -101,7 +82,7 @@ mod tests {
             let [x, z, tilt] = spread(k);
             let a = button([0.4, 0.0, 0.0], size, 30.0);
             let b = button([0.3 + 0.2 * x, 0.01, 0.1 - 0.2 * z], size, 180.0 * tilt);
-            let (gap, near) = (gap(&a, &b), nearest_points(&a, &b));
+            let (gap, near) = (a.gap(&b), nearest_points(&a, &b));
             assert!(gap <= near, "pair {k}: {gap} {near}");
             // Corner to corner the axes underestimate; all else is met within the spacing of the points.
             assert!(gap < 0.0 || near < 1.5 * gap + 0.006, "pair {k}: {gap} {near}");
@@ -113,9 +94,9 @@ mod tests {
         let a = button([0.4, 0.0, 0.0], [0.05, 0.04, 0.02], 90.0);
         let beside = button([0.4, 0.06, 0.0], [0.05, 0.04, 0.02], 90.0);
         let above = button([0.4, 0.0, 0.06], [0.05, 0.04, 0.02], 90.0);
-        assert!((gap(&a, &beside) - 0.01).abs() < 1e-12, "width runs along y");
-        assert!((gap(&a, &above) - 0.02).abs() < 1e-12, "height runs along z");
-        assert!((gap(&a, &a) + 0.02).abs() < 1e-12, "the same box twice overlaps by its thinnest side");
+        assert!((a.gap(&beside) - 0.01).abs() < 1e-12, "width runs along y");
+        assert!((a.gap(&above) - 0.02).abs() < 1e-12, "height runs along z");
+        assert!((a.gap(&a) + 0.02).abs() < 1e-12, "the same box twice overlaps by its thinnest side");
     }
 
     #[test]

@@ -11,13 +11,13 @@
 //! // One of the tasks that come with the library, slower.
 //! let text = preset_text("pointing-single").unwrap().replace("dwell_s: 0.25", "dwell_s: 0.5");
 //! let task = Task::from_yaml(&text, "my.yaml")?;
-//! assert_eq!(task.dwell_steps(0), 10); // 0.5 s at 20 decisions a second
+//! assert_eq!(task.stage()?.steps[0].dwell_steps(task.control_dt_s), 10); // 0.5 s at 20 decisions a second
 //! assert!(check(&task, &Anywhere).is_ok());
 //!
 //! // What is wrong is said where it stands.
 //! let error = Task::from_yaml(&text.replace("dwell_s", "dwel_s"), "my.yaml").unwrap_err();
 //! assert!(error.to_string().contains("unknown key `dwel_s` in target 1; did you mean `dwell_s`?"));
-//! # Ok::<(), myo_tasks::LoadError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! Lengths are metres relative to the shoulder centre (x forward, y to the left, z up), times seconds, forces newtons.
@@ -27,6 +27,7 @@
 
 mod check;
 mod description;
+mod expand;
 mod explain;
 mod geometry;
 mod layout;
@@ -39,13 +40,17 @@ mod range;
 mod remedy;
 mod report;
 mod rules;
+mod scene;
 mod schema;
+mod script;
+mod stage;
 mod tagged;
 mod target;
 mod weakness;
 
-pub use check::{Anywhere, CONTACT_MARGIN, RARE_ACCEPTANCE, Reach, check};
+pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
+pub use expand::{OBJECTS_MAX, STEPS_MAX};
 pub use geometry::spread;
 pub use layout::SourceLocation;
 pub use load::{SCHEMA_HINT, Source, load};
@@ -54,5 +59,10 @@ pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;
 pub use remedy::{Move, Remedy};
 pub use report::{Element, HeldPlace, InvalidTask, Report, TaskError, TaskWarning};
+pub use scene::{
+    ButtonItem, Circle, Grid, Group, Item, Keyboard, Letters, Name, ObstacleItem, Pitch, Place, Scene, SphereItem,
+};
 pub use schema::task_schema;
+pub use script::{Dwell, Instruction, Names, Repeat, Typing};
+pub use stage::{Action, Block, Object, Shape, Sphere, Stage, Step};
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};

@@ -10,7 +10,7 @@ macro_rules! presets {
     };
 }
 
-presets!("pointing", "pointing-single", "ar", "public-display", "mobile-typing");
+presets!("pointing", "pointing-single", "ar", "public-display", "mobile-typing", "ticket", "hello");
 
 /// Names of the presets.
 pub fn preset_names() -> Vec<&'static str> {

@@ -40,7 +40,7 @@ impl Quantity {
         }
     }
 
-    fn check(self, value: f64) -> garde::Result {
+    pub(crate) fn check(self, value: f64) -> garde::Result {
         // NaN compares false with everything and so ends in the error.
         if value >= self.min && value <= self.max {
             return Ok(());

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::check::CONTACT_MARGIN;
 use crate::description::Task;
 use crate::remedy::{Place, Remedy};
+use crate::stage::Stage;
 use crate::target::Region;
 
 /// What is wrong with a task and what is odd about it.
@@ -23,32 +23,70 @@ impl Report {
     }
 }
 
-/// One target, or several equal ones in a row; `target 3 (pressing)` or `targets 1 to 10 (pointing)`.
+/// One object or step, or several equal ones in a row; `target 3 (pressing)`, `targets 1 to 10 (pointing)`, `panel.ok`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Element {
-    /// Index of the first target, from 0.
+    /// Index of the first object or step, from 0.
     pub first: usize,
-    /// Index of the last target.
+    /// Index of the last.
     pub last: usize,
-    /// `pointing` or `pressing`.
+    /// What it is: `sphere`, `button` or `obstacle`.
     pub kind: &'static str,
+    /// What people call it.
+    pub label: String,
+    /// Path in the file of what describes it.
+    pub path: String,
 }
 
 impl Element {
-    /// Path of one of its fields, such as `targets[1].radius`.
-    pub(crate) fn path(&self, field: &str) -> String {
-        format!("targets[{}].{field}", self.first)
+    /// An object, or equal ones in a row.
+    pub(crate) fn objects(stage: &Stage, first: usize, last: usize) -> Self {
+        let object = &stage.objects[first];
+        let label = match (first == last, object.is_target()) {
+            (true, _) => object.name.clone(),
+            (false, true) => {
+                let kind = if object.kind() == "sphere" { "pointing" } else { "pressing" };
+                format!("targets {} to {} ({kind})", first + 1, last + 1)
+            }
+            (false, false) => format!("{} to {}", object.name, stage.objects[last].name),
+        };
+        Self { first, last, kind: object.kind(), label, path: object.path.clone() }
+    }
+
+    /// Steps in a row that ask the same of equal objects.
+    pub(crate) fn steps(stage: &Stage, first: usize, last: usize) -> Self {
+        let (from, to) = (&stage.steps[first], &stage.steps[last]);
+        let objects = Self::objects(stage, from.object, to.object.max(from.object));
+        let label = if stage.object(first).is_target() {
+            objects.label
+        } else if first == last {
+            format!("step {} ({})", first + 1, stage.label(first))
+        } else {
+            format!("steps {} to {} ({})", first + 1, last + 1, stage.label(first))
+        };
+        Self { first, last, label, path: from.path.clone(), ..objects }
+    }
+
+    /// Whether it is a button, of which the face counts.
+    fn is_button(&self) -> bool {
+        self.kind == "button"
+    }
+
+    /// Path of one of its fields: of its place (`at`), of its dwell (`for_s`), or another one.
+    pub(crate) fn field(&self, field: &str) -> String {
+        let is_target = self.path.starts_with("targets[");
+        let field = match field {
+            "at" if is_target => "position",
+            "for_s" if is_target => "dwell_s",
+            other => other,
+        };
+        format!("{}.{field}", self.path)
     }
 }
 
 impl fmt::Display for Element {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (first, last, kind) = (self.first + 1, self.last + 1, self.kind);
-        if first == last {
-            write!(f, "target {first} ({kind})")
-        } else {
-            write!(f, "targets {first} to {last} ({kind})")
-        }
+        f.write_str(&self.label)
     }
 }
 
@@ -125,21 +163,21 @@ pub enum TaskError {
         /// The target.
         target: Element,
         /// The one before it.
-        previous: Element,
+        previous: Box<Element>,
         /// The rule in m.
         needed: f64,
         /// Greatest distance in m that the two ranges allow.
         possible: f64,
     },
-    /// Two buttons that a fingertip could touch at once, which is not simulated.
-    #[error("{} and {} {}; buttons must lie at least {:.1} mm apart", a, b, gap_in_words(*gap_m), 2e3 * CONTACT_MARGIN)]
-    ButtonsTooClose {
-        /// The earlier button.
+    /// Two solid boxes that stand in each other.
+    #[error("{a} and {b} overlap by {:.1} mm; move one of them, or make it smaller", 1e3 * overlap_m)]
+    Overlap {
+        /// The earlier box.
         a: Element,
-        /// The later button.
-        b: Element,
-        /// Gap between them in m, negative when they overlap.
-        gap_m: f64,
+        /// The later box.
+        b: Box<Element>,
+        /// How far in m one of them must be moved at least.
+        overlap_m: f64,
     },
     /// No part of the target can be reached.
     #[error(
@@ -271,11 +309,11 @@ impl TaskError {
         match self {
             Self::Value { path, .. } => path.clone(),
             Self::UnevenControlStep { .. } => "control_dt_s".into(),
-            Self::DwellBeyondLimit { target, .. } => target.path("dwell_s"),
+            Self::DwellBeyondLimit { target, .. } => target.field("for_s"),
             Self::DwellsBeyondLimit { .. } => "time_limit_s".into(),
-            Self::DistanceImpossible { target, .. } => target.path("min_distance_from_previous"),
-            Self::ButtonsTooClose { b, .. } => b.path("position"),
-            Self::OutOfReach { target, .. } => target.path("position"),
+            Self::DistanceImpossible { target, .. } => target.field("min_distance_from_previous"),
+            Self::Overlap { b, .. } => b.field("at"),
+            Self::OutOfReach { target, .. } => target.field("at"),
         }
     }
 }
@@ -285,9 +323,9 @@ impl TaskWarning {
     pub fn path(&self) -> String {
         match self {
             Self::DistanceRare { target, .. } | Self::DistanceDeadEnds { target, .. } => {
-                target.path("min_distance_from_previous")
+                target.field("min_distance_from_previous")
             }
-            Self::PartlyOutOfReach { target, .. } | Self::CannotHold { target, .. } => target.path("position"),
+            Self::PartlyOutOfReach { target, .. } | Self::CannotHold { target, .. } => target.field("at"),
             Self::Rounded { path, .. } => path.clone(),
         }
     }
@@ -299,15 +337,15 @@ fn is_or_are(element: &Element) -> &'static str {
 
 /// What of it the distance out of reach is measured to.
 fn hull(element: &Element) -> &'static str {
-    if element.kind == "pressing" { "its face" } else { "its surface" }
+    if element.is_button() { "its face" } else { "its surface" }
 }
 
 fn advice(element: &Element, remedy: &Remedy) -> String {
-    remedy.advice(if element.kind == "pressing" { "it" } else { "its centre" })
+    remedy.advice(if element.is_button() { "it" } else { "its centre" })
 }
 
 fn part_of(element: &Element) -> &'static str {
-    if element.kind == "pressing" { "the face of " } else { "the range of " }
+    if element.is_button() { "the face of " } else { "the range of " }
 }
 
 /// Where the places lie that cannot be reached, unless they are one.
@@ -321,10 +359,6 @@ fn share_of(fraction: f64) -> String {
 
 fn nearest_steps([shorter, longer]: &[f64; 2]) -> String {
     if *shorter > 0.0 { format!("{shorter} or {longer} s") } else { format!("{longer} s") }
-}
-
-fn gap_in_words(gap_m: f64) -> String {
-    if gap_m < 0.0 { "overlap".into() } else { format!("are {:.1} mm apart", 1e3 * gap_m) }
 }
 
 /// The name people read for the value at `path`: `the width of target 3 (pressing)` for `targets[2].size[0]`.

@@ -1,12 +1,12 @@
 //! Rules for what is no number: texts, lists and groups.
 
-use crate::description::{FORMAT_VERSION, Observation};
+use crate::description::{FORMAT_VERSION, Observation, Task};
 use crate::target::{TARGETS_MAX, Target};
 
 pub(crate) fn version_rule(version: &u32, (): &()) -> garde::Result {
     match *version {
-        FORMAT_VERSION => Ok(()),
-        other => Err(garde::Error::new(format!("is {other}; only version {FORMAT_VERSION} is known"))),
+        1..=FORMAT_VERSION => Ok(()),
+        other => Err(garde::Error::new(format!("is {other}; versions 1 to {FORMAT_VERSION} are known"))),
     }
 }
 
@@ -44,12 +44,28 @@ pub(crate) fn observation_rule(observation: &Observation, (): &()) -> garde::Res
     }
 }
 
-pub(crate) fn count_rule(targets: &[Target], (): &()) -> garde::Result {
-    match targets.iter().map(|target| target.repeat() as usize).sum() {
-        1..=TARGETS_MAX => Ok(()),
-        0 => Err(garde::Error::new(format!("has no target; a task has from 1 to {TARGETS_MAX}"))),
-        n => {
-            Err(garde::Error::new(format!("has {n} targets, repetitions counted; a task has from 1 to {TARGETS_MAX}")))
+/// What a task of this version has, and what it must not have: path, subject and problem of the first thing wrong.
+pub(crate) fn parts_rule(task: &Task) -> Option<(&'static str, &'static str, String)> {
+    let has_scene = !task.scene.is_empty() || !task.script.is_empty();
+    if task.version == 1 {
+        let part = if task.scene.is_empty() { "script" } else { "scene" };
+        if has_scene {
+            return Some((part, "a task of version 1", format!("has no {part}; write `version: 2`, or targets alone")));
         }
+        return count_rule(&task.targets).map(|problem| ("targets", "the task", problem));
+    }
+    if task.version > FORMAT_VERSION {
+        return None;
+    }
+    let problem =
+        "has no targets; write what stands there as its `scene` and what is to do as its `script`, or `version: 1`";
+    (!task.targets.is_empty()).then(|| ("targets", "a task of version 2", problem.into()))
+}
+
+fn count_rule(targets: &[Target]) -> Option<String> {
+    match targets.iter().map(|target| target.repeat() as usize).sum() {
+        1..=TARGETS_MAX => None,
+        0 => Some(format!("has no target; a task has from 1 to {TARGETS_MAX}")),
+        n => Some(format!("has {n} targets, repetitions counted; a task has from 1 to {TARGETS_MAX}")),
     }
 }

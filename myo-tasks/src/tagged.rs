@@ -1,4 +1,4 @@
-//! Reading a target so that mistakes inside it are reported where they stand.
+//! Reading targets and items so that mistakes inside them are reported where they stand.
 //!
 //! Serde's own reading of a tagged enum first collects the whole map and forgets positions. When `kind` is the first key,
 //! as in every file written by hand, nothing needs to be collected. In any other order the derived reading takes over.
@@ -9,57 +9,65 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use crate::scene::{ButtonItem, Circle, Grid, Group, Item, Keyboard, ObstacleItem, SphereItem};
 use crate::target::{Pointing, Pressing, Target};
 
 const KIND: &str = "kind";
-const KINDS: &[&str] = &["pointing", "pressing"];
 
-impl<'de> Deserialize<'de> for Target {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(TargetVisitor)
-    }
-}
-
-struct TargetVisitor;
-
-impl<'de> Visitor<'de> for TargetVisitor {
-    type Value = Target;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a target: keys and values, `kind` first")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Target, A::Error> {
-        let first: Option<String> = map.next_key()?;
-        if first.as_deref() != Some(KIND) {
-            return AnyOrder::deserialize(MapAccessDeserializer::new(Unread { first, rest: map })).map(Into::into);
+/// Reads an enum whose variant is the word behind `kind`.
+macro_rules! tagged {
+    ($type:ident, $what:literal, $any_order:ident, $visitor:ident: $($kind:literal => $variant:ident($fields:ty)),*) => {
+        impl<'de> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_map($visitor)
+            }
         }
-        let kind: String = map.next_value()?;
-        let fields = MapAccessDeserializer::new(map);
-        match kind.as_str() {
-            "pointing" => Pointing::deserialize(fields).map(Target::Pointing),
-            "pressing" => Pressing::deserialize(fields).map(Target::Pressing),
-            other => Err(A::Error::unknown_variant(other, KINDS)),
+
+        struct $visitor;
+
+        impl<'de> Visitor<'de> for $visitor {
+            type Value = $type;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(concat!($what, ": keys and values, `kind` first"))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<$type, A::Error> {
+                let first: Option<String> = map.next_key()?;
+                if first.as_deref() != Some(KIND) {
+                    let rest = MapAccessDeserializer::new(Unread { first, rest: map });
+                    return $any_order::deserialize(rest).map(Into::into);
+                }
+                let kind: String = map.next_value()?;
+                let fields = MapAccessDeserializer::new(map);
+                match kind.as_str() {
+                    $($kind => <$fields>::deserialize(fields).map($type::$variant),)*
+                    other => Err(A::Error::unknown_variant(other, &[$($kind),*])),
+                }
+            }
         }
-    }
+
+        /// The same with the derived reading.
+        #[derive(Deserialize)]
+        #[serde(tag = "kind", rename_all = "snake_case")]
+        enum $any_order {
+            $($variant($fields)),*
+        }
+
+        impl From<$any_order> for $type {
+            fn from(read: $any_order) -> Self {
+                match read {
+                    $($any_order::$variant(fields) => Self::$variant(fields)),*
+                }
+            }
+        }
+    };
 }
 
-/// [`Target`] with the derived reading.
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-enum AnyOrder {
-    Pointing(Pointing),
-    Pressing(Pressing),
-}
-
-impl From<AnyOrder> for Target {
-    fn from(target: AnyOrder) -> Self {
-        match target {
-            AnyOrder::Pointing(sphere) => Self::Pointing(sphere),
-            AnyOrder::Pressing(button) => Self::Pressing(button),
-        }
-    }
-}
+tagged!(Target, "a target", TargetInAnyOrder, TargetVisitor: "pointing" => Pointing(Pointing), "pressing" => Pressing(Pressing));
+tagged!(Item, "an object", ItemInAnyOrder, ItemVisitor:
+    "sphere" => Sphere(SphereItem), "button" => Button(ButtonItem), "obstacle" => Obstacle(ObstacleItem),
+    "group" => Group(Group), "grid" => Grid(Grid), "circle" => Circle(Circle), "keyboard" => Keyboard(Keyboard));
 
 /// A map whose first key has been read already.
 struct Unread<A> {

@@ -1,21 +1,22 @@
-//! The two primitives that a task is a sequence of.
+//! The targets of tasks of version 1: object and step at once.
 
 use garde::Validate;
-use nalgebra::{Rotation3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_saphyr::FlowSeq;
 
 use crate::quantity::Quantity;
 use crate::range::Range;
+use crate::scene::tilted_and_turned;
+use crate::stage::Block;
 
-const COORDINATE: Quantity = Quantity::between(-2.0, 2.0, "m");
+pub(crate) const COORDINATE: Quantity = Quantity::between(-2.0, 2.0, "m");
 /// Nothing smaller than a millimetre can be hit.
-const LENGTH: Quantity = Quantity::between(0.001, 2.0, "m");
-const DISTANCE: Quantity = Quantity::between(0.0, 4.0, "m");
-const DWELL: Quantity = Quantity::between(0.0, 600.0, "s");
-const FORCE: Quantity = Quantity::between(0.01, 1000.0, "N");
-const TILT: Quantity = Quantity::between(0.0, 180.0, "deg");
+pub(crate) const LENGTH: Quantity = Quantity::between(0.001, 2.0, "m");
+pub(crate) const DISTANCE: Quantity = Quantity::between(0.0, 4.0, "m");
+pub(crate) const DWELL: Quantity = Quantity::between(0.0, 600.0, "s");
+pub(crate) const FORCE: Quantity = Quantity::between(0.01, 1000.0, "N");
+pub(crate) const TILT: Quantity = Quantity::between(0.0, 180.0, "deg");
 
 /// Most targets that one task may have, repetitions counted.
 pub const TARGETS_MAX: usize = 10;
@@ -128,10 +129,7 @@ impl Target {
     pub fn region(&self) -> Region {
         match self {
             Self::Pointing(sphere) => sphere.position,
-            Self::Pressing(button) => {
-                let [x, y, z] = button.position.map(Range::fixed);
-                Region { x, y, z }
-            }
+            Self::Pressing(button) => Region::point(button.position),
         }
     }
 
@@ -160,31 +158,19 @@ impl Pointing {
 }
 
 impl Pressing {
-    /// Half sizes in m along the box's own axes: x up the upright face (height), y across it (width), z out of it (depth).
-    pub fn half_extents(&self) -> [f64; 3] {
-        let [width, height, depth] = self.size;
-        [0.5 * height, 0.5 * width, 0.5 * depth]
-    }
-
-    /// Rotation from the box's own axes to the world's: `R = Ry(-tilt)`, so that own z, the face normal, is up at
-    /// 0 degrees and points to the user, `-x`, at 90.
-    pub fn rotation(&self) -> Rotation3<f64> {
-        Rotation3::from_axis_angle(&Vector3::y_axis(), -self.tilt_deg.to_radians())
-    }
-
-    /// The face's outward unit normal in world axes.
-    pub fn normal(&self) -> [f64; 3] {
-        (self.rotation() * Vector3::z()).into()
-    }
-
-    /// A point of the pressed face in m relative to the shoulder centre; `across` and `up` run from -1 to 1.
-    pub fn face_point(&self, across: f64, up: f64) -> [f64; 3] {
-        let [h, w, d] = self.half_extents();
-        (Vector3::from(self.position) + self.rotation() * Vector3::new(up * h, across * w, d)).into()
+    /// The box that it is.
+    pub fn block(&self) -> Block {
+        let rotation = tilted_and_turned(self.tilt_deg, 0.0);
+        Block { centre: self.position, rotation, size: self.size, min_force_n: self.min_force_n }
     }
 }
 
 impl Region {
+    /// A single point.
+    pub const fn point([x, y, z]: [f64; 3]) -> Self {
+        Self { x: Range::fixed(x), y: Range::fixed(y), z: Range::fixed(z) }
+    }
+
     /// The point at shares `t` of the three intervals.
     pub fn at(&self, t: [f64; 3]) -> [f64; 3] {
         [self.x.at(t[0]), self.y.at(t[1]), self.z.at(t[2])]
@@ -229,6 +215,6 @@ fn repeat_rule(repeat: &u32, (): &()) -> garde::Result {
     }
 }
 
-fn on_one_line<S: Serializer>(values: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn on_one_line<S: Serializer>(values: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
     FlowSeq(values).serialize(serializer)
 }

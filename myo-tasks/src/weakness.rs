@@ -1,10 +1,10 @@
 //! Spheres in which muscles cannot hold the fingertip still.
 
 use crate::check::Reach;
-use crate::description::Task;
+use crate::description::{Task, rounded_steps};
 use crate::geometry::spread;
 use crate::report::{Element, HeldPlace, TaskWarning};
-use crate::target::Pointing;
+use crate::stage::Sphere;
 
 /// Places of a sphere that are tried.
 const PLACES: u32 = 32;
@@ -24,13 +24,19 @@ const WAYS: [(usize, f64, &str); 6] = [
 
 /// The warning about a sphere, where there is one. A sphere that is done in a single control step needs no hold, and what is
 /// out of reach is another finding.
-pub(crate) fn weakness(task: &Task, target: Element, sphere: &Pointing, reach: &dyn Reach) -> Option<TaskWarning> {
-    if task.dwell_steps(target.first) < 2 {
+pub(crate) fn weakness(
+    task: &Task,
+    target: Element,
+    sphere: &Sphere,
+    dwell_s: f64,
+    reach: &dyn Reach,
+) -> Option<TaskWarning> {
+    if rounded_steps(dwell_s, task.control_dt_s) < 2 {
         return None;
     }
     let place = |number| {
         let [x, y, z, radius] = spread(number);
-        (sphere.position.at([x, y, z]), sphere.radius.at(radius))
+        (sphere.region.at([x, y, z]), sphere.radius.at(radius))
     };
     let mut places: Vec<_> = (0..PLACES).map(place).collect();
     places.dedup();
@@ -41,7 +47,7 @@ pub(crate) fn weakness(task: &Task, target: Element, sphere: &Pointing, reach: &
         target,
         fraction: lost.len() as f64 / places.len() as f64,
         place,
-        dwell_s: sphere.dwell_s,
+        dwell_s,
         held: held_nearby(place, radius, reach),
     })
 }

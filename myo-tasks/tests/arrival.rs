@@ -1,13 +1,13 @@
 //! When the fingertip came to its target, against movements made by hand.
 
-use myo_tasks::logic::{Aim, CompiledTask, Contact, Point, Sensed, Stay, TaskState, advance};
+use myo_tasks::logic::{CompiledTask, Contact, Goal, Point, Sensed, Stay, TaskState, advance};
 use myo_tasks::{Pointing, Pressing, Range, Region, Target, Task, preset};
 
 /// Physics steps per control step.
 const SUBSTEPS: usize = 25;
 /// A point that is in no target and on no button.
 const AWAY: Point<f64> = [0.0; 3];
-const NO_CONTACT: Contact<f64> = Contact { exists: false, button: 0.0, force: 0.0 };
+const NO_CONTACT: Contact<f64> = Contact { exists: false, number: 0.0, force: 0.0 };
 
 /// A sphere of 5 cm around a point `x` m ahead; its dwell in control steps.
 fn sphere(x: f64, dwell: u32) -> Target {
@@ -29,35 +29,29 @@ fn button() -> Target {
 
 /// A contact with a button.
 fn touch(button: usize, force: f64) -> Contact<f64> {
-    Contact { exists: true, button: button as f64, force }
+    Contact { exists: true, number: button as f64, force }
 }
 
 /// Moves through the targets; `body` says where the fingertip is and what it touches at a physics step since the reset.
 /// Returns, per target, the control step at which it was done and the physics step at which it was reached.
 fn run(targets: Vec<Target>, body: impl Fn(usize) -> (Point<f64>, Contact<f64>)) -> Vec<(f64, f64)> {
     let task = Task { targets, time_limit_s: 2.0, ..preset("ar").unwrap() };
-    let (compiled, mut state) = (CompiledTask::<f64>::new(&task), TaskState::new(task.targets.len()));
+    let compiled = CompiledTask::<f64>::new(&task).unwrap();
+    let mut state = TaskState::new(compiled.spheres.len(), compiled.steps.len());
     state.restart(true);
-    for (index, target) in task.targets.iter().enumerate() {
-        state.position[index] = target.region().at([0.5; 3]);
-        state.size[index] = 0.05;
+    for (index, sphere) in compiled.spheres.iter().enumerate() {
+        (state.position[index], state.size[index]) = (sphere.lo, 0.05);
     }
     for step in 0..40 {
-        let aim = Aim::new(&compiled, &state);
-        let mut stay = Stay { held: state.held, pressed: 0.0 };
-        let (mut touch_force, mut touched) = (0.0, -1.0);
+        let goal = Goal::of(&compiled, &state);
+        let mut stay = Stay::new(&state);
         for now in step * SUBSTEPS..(step + 1) * SUBSTEPS {
             let (fingertip, contact) = body(now);
-            aim.follow(fingertip, &contact, &mut stay);
-            if contact.exists && contact.force > touch_force {
-                (touch_force, touched) = (contact.force, contact.button);
-            }
+            stay.follow(&compiled, &goal, fingertip, std::iter::once(contact));
         }
-        state.held = stay.held;
         let end = (step + 1) * SUBSTEPS;
-        let reached_at = end as f64 - stay.since_arrival();
-        let sensed = Sensed { fingertip: body(end).0, touch_force, touched, reached_at };
-        if advance(&compiled, &sensed, &mut state).task_done {
+        let sensed = Sensed { fingertip: body(end).0, stay, now: end as f64 };
+        if advance(&compiled, &goal, &sensed, &mut state).task_done {
             break;
         }
     }

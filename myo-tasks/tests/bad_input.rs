@@ -155,7 +155,7 @@ fn values_out_of_bounds() {
         "time_limit_s: -4",
         "my.yaml:16:15: `time_limit_s` is -4 s; it must be from 0.001 to 600 s",
     );
-    refused("version: 1", "version: 2", "my.yaml:1:10: `version` is 2; only version 1 is known");
+    refused("version: 1", "version: 3", "my.yaml:1:10: `version` is 3; versions 1 to 2 are known");
     refused("name: two", "name: ''", "my.yaml:2:7: `name` has 0 characters; it must have from 1 to 64");
     refused(
         "dwell_s: 0.25",
@@ -337,9 +337,9 @@ fn unknown_presets_get_the_nearest_valid_ones() {
     let message = |name| load(name).expect_err("no such preset").to_string();
     assert_eq!(message("pointng"), "there is no preset and no file called `pointng`; did you mean `pointing`?");
     assert!(message("typing").ends_with("did you mean `mobile-typing`?"));
-    assert!(
-        message("qqqq").ends_with("valid are `pointing`, `pointing-single`, `ar`, `public-display`, `mobile-typing`")
-    );
+    assert!(message("qqqq").ends_with(
+        "valid are `pointing`, `pointing-single`, `ar`, `public-display`, `mobile-typing`, `ticket`, `hello`"
+    ));
     assert!(message("no/such.yaml").starts_with("cannot read no/such.yaml: "));
 }
 
@@ -426,8 +426,8 @@ fn distance_rule_after_a_button_is_checked_too() {
 }
 
 #[test]
-fn buttons_that_could_be_touched_at_once() {
-    // 4 cm high faces, tilted alike, one beside the other: the gap is 0.0520 - 0.05 m = 2 mm.
+fn boxes_that_overlap() {
+    // 5 cm wide faces, tilted alike, one beside the other.
     let beside = |y: f64| {
         format!(
             "  - kind: pressing\n    position: [0.4, {y}, -0.2]\n    size: [0.05, 0.04, 0.02]\n    tilt_deg: 45\n    min_force_n: 1\ntime_limit_s: 4"
@@ -435,19 +435,23 @@ fn buttons_that_could_be_touched_at_once() {
     };
     checked(
         "time_limit_s: 4",
-        &beside(0.152),
+        &beside(0.145),
         &Anywhere,
         &[
-            "my.yaml:17:15: target 2 (pressing) and target 3 (pressing) are 2.0 mm apart; buttons must lie at least 4.0 mm apart",
+            "my.yaml:17:15: target 2 (pressing) and target 3 (pressing) overlap by 5.0 mm; move one of them, or make it smaller",
         ],
     );
     checked(
         "time_limit_s: 4",
         &beside(0.12),
         &Anywhere,
-        &["my.yaml:17:15: target 2 (pressing) and target 3 (pressing) overlap; buttons must lie at least 4.0 mm apart"],
+        &[
+            "my.yaml:17:15: target 2 (pressing) and target 3 (pressing) overlap by 20.0 mm; move one of them, or make it smaller",
+        ],
     );
-    checked("time_limit_s: 4", &beside(0.155), &Anywhere, &[]);
+    for touching in [0.15, 0.151, 0.155] {
+        checked("time_limit_s: 4", &beside(touching), &Anywhere, &[]);
+    }
 }
 
 /// In reach: everything up to so many metres from the shoulder.

@@ -1,7 +1,8 @@
 //! Distances, rewards and counts against values worked out by hand.
 
 use myo_tasks::logic::{
-    CompiledTask, Progress, Sensed, TaskState, advance, distance_to_target, inside, remaining_path, reward,
+    CompiledTask, Contact, Goal, Progress, Sensed, Stay, TaskState, advance, distance_to_goal, inside, remaining_path,
+    reward,
 };
 use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task, preset};
 
@@ -22,28 +23,43 @@ fn task(targets: Vec<Target>, reward: Reward) -> Task {
     Task { targets, reward, time_limit_s: 0.5, ..preset("ar").unwrap() }
 }
 
-/// The task in numbers, and its state with every target at the centre of where it may be.
+/// The task in numbers, and its state with every sphere at the centre of where it may be.
 fn start(task: &Task) -> (CompiledTask<f64>, TaskState<f64>) {
-    let mut state = TaskState::new(task.targets.len());
+    let compiled = CompiledTask::new(task).unwrap();
+    let stage = task.stage().unwrap();
+    let spheres: Vec<_> = stage.objects.iter().filter_map(|object| object.sphere()).collect();
+    let mut state = TaskState::new(spheres.len(), stage.steps.len());
     state.restart(true);
-    for (index, target) in task.targets.iter().enumerate() {
-        state.position[index] = target.region().at([0.5; 3]);
-        state.size[index] = match target {
-            Target::Pointing(sphere) => sphere.radius.centre(),
-            Target::Pressing(button) => 0.5 * button.size[0],
-        };
+    for (index, sphere) in spheres.into_iter().enumerate() {
+        state.position[index] = sphere.region.at([0.5; 3]);
+        state.size[index] = sphere.radius.centre();
     }
-    (CompiledTask::new(task), state)
+    (compiled, state)
 }
 
 /// The fingertip at a point, touching nothing.
 fn at(fingertip: [f64; 3]) -> Sensed<f64> {
-    Sensed { fingertip, touch_force: 0.0, touched: -1.0, reached_at: 0.0 }
+    let stay = Stay { held: 0.0, touch: 0.0, pressed: 0.0, let_go: 0.0, down: 0.0, old: -1.0 };
+    Sensed { fingertip, stay, now: 25.0 }
 }
 
-/// The fingertip pressing a button.
-fn pressing(button: usize, touch_force: f64) -> Sensed<f64> {
-    Sensed { touch_force, touched: button as f64, ..at([0.0; 3]) }
+/// The fingertip pressing a button for some physics steps, as it was followed.
+fn pressing(task: &CompiledTask<f64>, state: &TaskState<f64>, button: usize, force: f64) -> Sensed<f64> {
+    let mut sensed = at([0.0; 3]);
+    let contact = Contact { exists: true, number: button as f64, force };
+    for _ in 0..5 {
+        sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], std::iter::once(contact));
+    }
+    sensed
+}
+
+/// A control step that ends so.
+fn step(task: &CompiledTask<f64>, sensed: &Sensed<f64>, state: &mut TaskState<f64>) -> Progress<f64> {
+    advance(task, &Goal::of(task, state), sensed, state)
+}
+
+fn distance_to(task: &CompiledTask<f64>, sensed: &Sensed<f64>, state: &TaskState<f64>) -> f64 {
+    distance_to_goal(task, sensed, &Goal::of(task, state))
 }
 
 #[track_caller]
@@ -57,8 +73,8 @@ fn distance_to_a_sphere() {
         let reward = Reward { inside_is_zero, ..Reward::default() };
         let (task, state) = start(&task(vec![sphere([0.4, 0.1, -0.2], 0.1, 0.1)], reward));
         // 30 cm aside and 40 cm up from the centre: 50 cm from it, 40 cm from the surface.
-        assert_close(distance_to_target(&task, &at([0.4, 0.4, 0.2]), &state), outside);
-        assert_close(distance_to_target(&task, &at([0.45, 0.1, -0.2]), &state), within);
+        assert_close(distance_to(&task, &at([0.4, 0.4, 0.2]), &state), outside);
+        assert_close(distance_to(&task, &at([0.45, 0.1, -0.2]), &state), within);
     }
 }
 
@@ -67,7 +83,7 @@ fn distance_to_a_button() {
     let distance = |inside_is_zero, tilt_deg, point| {
         let reward = Reward { inside_is_zero, ..Reward::default() };
         let (task, state) = start(&task(vec![button([0.4, 0.0, 0.0], tilt_deg)], reward));
-        distance_to_target(&task, &at(point), &state)
+        distance_to(&task, &at(point), &state)
     };
     // From the centre, whatever the tilt.
     assert_close(distance(false, 90.0, [0.1, 0.4, 0.0]), 0.5);
@@ -90,10 +106,10 @@ fn the_remaining_path_goes_over_the_centres_still_to_come() {
         sphere([0.3, 0.3, 0.4], 0.05, 0.0),
         sphere([0.3, 0.3, 0.0], 0.05, 0.0),
     ];
-    let (_, mut state) = start(&task(targets, Reward::default()));
+    let (task, mut state) = start(&task(targets, Reward::default()));
     for (phase, path) in [(0.0, 0.9), (1.0, 0.4), (2.0, 0.0), (3.0, 0.0)] {
         state.phase = phase;
-        assert_close(remaining_path(&state), path);
+        assert_close(remaining_path(&task, &state), path);
     }
 }
 
@@ -129,16 +145,17 @@ fn every_term_of_the_reward() {
 fn a_dwell_is_counted_in_a_row_and_starts_again_outside() {
     let (task, mut state) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.15)], Reward::default()));
     let (near, far) = (at([0.3, 0.04, 0.0]), at([0.3, 0.06, 0.0]));
-    assert!(inside(&near, &state) && !inside(&far, &state) && !inside(&at([0.3, 0.05, 0.0]), &state));
+    let goal = Goal::of(&task, &state);
+    assert!(inside(&near, &goal) && !inside(&far, &goal) && !inside(&at([0.3, 0.05, 0.0]), &goal));
     // 0.15 s are three steps at 20 a second.
-    for (step, (sensed, dwell)) in
+    for (count, (sensed, dwell)) in
         [(&near, 1.0), (&near, 2.0), (&far, 0.0), (&near, 1.0), (&near, 2.0)].iter().enumerate()
     {
-        let progress = advance(&task, sensed, &mut state);
-        assert_eq!((state.dwell, progress.target_done, state.step), (*dwell, false, step as f64 + 1.0));
+        let progress = step(&task, sensed, &mut state);
+        assert_eq!((state.dwell, progress.target_done, state.step), (*dwell, false, count as f64 + 1.0));
         assert_eq!(state.done_at, [-1.0]);
     }
-    let progress = advance(&task, &near, &mut state);
+    let progress = step(&task, &near, &mut state);
     assert!(progress.target_done && progress.task_done && !progress.timed_out);
     assert_eq!((state.phase, state.dwell, &state.done_at[..]), (1.0, 0.0, &[6.0][..]));
 }
@@ -147,13 +164,18 @@ fn a_dwell_is_counted_in_a_row_and_starts_again_outside() {
 fn a_button_is_done_by_enough_force_on_itself() {
     let targets = vec![button([0.4, 0.1, 0.0], 90.0), button([0.4, -0.1, 0.0], 90.0)];
     let (task, mut state) = start(&task(targets, Reward::default()));
-    let mut done = |sensed: Sensed<f64>| advance(&task, &sensed, &mut state).target_done;
-    assert!(!done(pressing(0, 1.99)), "2 N are needed");
-    assert!(!done(pressing(1, 50.0)), "the second button is not yet asked for");
-    assert!(!done(at([0.4, 0.1, 0.0])), "being there is not pressing");
-    assert!(done(pressing(0, 2.0)));
-    assert!(!done(pressing(0, 2.0)), "the first one is done");
-    assert!(done(pressing(1, 2.0)));
+    let task = &task;
+    let mut done = |sensed: &dyn Fn(&TaskState<f64>) -> Sensed<f64>| {
+        let sensed = sensed(&state);
+        step(task, &sensed, &mut state).target_done
+    };
+    let press = |button, force| move |state: &TaskState<f64>| pressing(task, state, button, force);
+    assert!(!done(&press(0, 1.99)), "2 N are needed");
+    assert!(!done(&press(1, 50.0)), "the second button is not yet asked for");
+    assert!(!done(&|_| at([0.4, 0.1, 0.0])), "being there is not pressing");
+    assert!(done(&press(0, 2.0)));
+    assert!(!done(&press(0, 2.0)), "the first one is done");
+    assert!(done(&press(1, 2.0)));
     assert_eq!((state.phase, &state.done_at[..]), (2.0, &[4.0, 6.0][..]));
 }
 
@@ -161,9 +183,9 @@ fn a_button_is_done_by_enough_force_on_itself() {
 fn the_time_limit_ends_what_is_not_done() {
     let (task, mut state) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], Reward::default()));
     // 0.5 s are ten steps.
-    let ends: Vec<bool> = (0..10).map(|_| advance(&task, &at([0.0; 3]), &mut state).timed_out).collect();
+    let ends: Vec<bool> = (0..10).map(|_| step(&task, &at([0.0; 3]), &mut state).timed_out).collect();
     assert_eq!(ends, [false, false, false, false, false, false, false, false, false, true]);
     state.step = 9.0;
-    let progress = advance(&task, &at([0.3, 0.0, 0.0]), &mut state);
+    let progress = step(&task, &at([0.3, 0.0, 0.0]), &mut state);
     assert!(progress.task_done && !progress.timed_out, "done in the last step is done");
 }

@@ -49,14 +49,14 @@ fn presets_have_the_published_values() {
     let (y, z) = (Range::new(-0.2, 0.4), Range::new(-0.3, 0.3));
     assert_eq!(pointing.targets[9].region(), Region { x: 0.55.into(), y, z });
     assert_eq!(pointing.targets[9].min_distance(), Some(0.3));
-    assert_eq!(pointing.dwell_steps(9), 5);
+    assert_eq!(pointing.stage().unwrap().steps[9].dwell_steps(pointing.control_dt_s), 5);
 
     let ar = preset("ar").unwrap();
     for (target, y) in [(0, 0.15), (2, 0.15), (4, 0.1), (6, 0.15)] {
         assert_eq!(ar.targets[target].region().y, Range::new(-y, y));
     }
     assert_eq!(ar.targets[6].min_distance(), Some(0.3));
-    assert_eq!(preset("mobile-typing").unwrap().dwell_steps(0), 1);
+    assert_eq!(preset("mobile-typing").unwrap().stage().unwrap().steps[0].dwell_steps(0.05), 1);
 }
 
 #[test]
@@ -95,11 +95,11 @@ fn button_axes_follow_the_tilt() {
     button.size = [0.06, 0.04, 0.02];
     let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
     // Upright: the face looks to the user, its width runs along y and its height along z.
-    assert!(close(button.normal(), [-1.0, 0.0, 0.0]));
-    assert!(close(button.face_point(1.0, 1.0), [0.42 - 0.01, -0.15 + 0.03, 0.01 + 0.02]));
+    assert!(close(button.block().normal(), [-1.0, 0.0, 0.0]));
+    assert!(close(button.block().face_point(1.0, 1.0), [0.42 - 0.01, -0.15 + 0.03, 0.01 + 0.02]));
     button.tilt_deg = 0.0;
-    assert!(close(button.normal(), [0.0, 0.0, 1.0]));
-    assert!(close(button.face_point(0.0, 0.0), [0.42, -0.15, 0.01 + 0.01]));
+    assert!(close(button.block().normal(), [0.0, 0.0, 1.0]));
+    assert!(close(button.block().face_point(0.0, 0.0), [0.42, -0.15, 0.01 + 0.01]));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use myo_tasks::{Target, Task};
+use myo_tasks::{Stage, Step, Task};
 use myo_train::session::Trend;
 use myo_train::statistics::{Sample, rank_sum, welch};
 use myo_train::{Evaluation, PpoConfig, RunError, RunFolder};
@@ -317,7 +317,7 @@ fn caveats(first: &Group, second: &Group) -> Vec<String> {
             "the tasks ask for different things (pointing and pressing): times are those of different actions".into(),
         );
     }
-    let counts = both.map(|group| group.run.task.targets.iter().map(Target::repeat).sum::<u32>());
+    let counts = both.map(|group| stage(&group.run.task).steps.len());
     if counts[0] != counts[1] {
         caveats.push(format!(
             "the tasks have {} and {} targets: whole tasks are compared, not targets",
@@ -346,8 +346,14 @@ fn caveats(first: &Group, second: &Group) -> Vec<String> {
 
 /// Which kinds of targets a task has: pointing, pressing.
 fn kinds(task: &Task) -> [bool; 2] {
-    let pointing = |target: &Target| matches!(target, Target::Pointing(_));
-    [task.targets.iter().any(pointing), !task.targets.iter().all(pointing)]
+    let is_dwell = |step: &Step| step.dwell_s().is_some();
+    let steps = stage(task).steps;
+    [steps.iter().any(is_dwell), !steps.iter().all(is_dwell)]
+}
+
+/// The stage of a task that was trained, so it is right.
+fn stage(task: &Task) -> Stage {
+    task.stage().unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -27,8 +27,9 @@ pub struct ProgressLine {
 impl ProgressLine {
     /// For a training of a task that ends after `limit` control steps at the latest.
     pub fn new(task: &Task, limit: u64) -> Self {
-        let targets = task.clone().expanded().targets;
-        let targets = targets.iter().enumerate().map(|(index, target)| target.label(index)).collect();
+        // A task that cannot be trained has no line of progress either.
+        let targets =
+            task.stage().map_or(vec![], |stage| (0..stage.steps.len()).map(|step| stage.label(step)).collect());
         Self { limit, control_dt_s: task.control_dt_s, targets, rate: None }
     }
 

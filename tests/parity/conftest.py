@@ -8,6 +8,8 @@ where that has been done already. The directory holds
     states.json    [{qpos, qvel, act, ctrl, tendon_length, tendon_velocity, muscle_force, qfrc_bias, qfrc_passive, qacc_soft}]
     rollouts.json  [{qpos0, qvel0, act0, ctrl: one row per control step, qpos_reduced, qpos_lanes: one row after each}]
     press.json     [{qpos, qvel, act, ctrl, button: {pos, quat}, touch_force}]
+    keys.xml       the arm with a thick fingertip, and six boxes named `key0` to `key5`
+    keys.json      [{qpos, qvel, act, ctrl, keys: their positions, quat: of all, touch_forces, qacc_soft}]
     gadget.xml     a small body with slides, curved couplings and implicit damping
     gadget.json    [{qpos, qvel, act, ctrl, qacc, muscle_force, qpos_next, qvel_next, act_next}]
 
@@ -88,6 +90,16 @@ def arm(data):
 @pytest.fixture(scope="session")
 def arm_with_button(data):
     return load(data / "press.xml")
+
+
+@pytest.fixture(scope="session")
+def arm_with_keys(data):
+    return load(data / "keys.xml")
+
+
+@pytest.fixture(scope="session")
+def key_presses(data):
+    return read(data / "keys.json")
 
 
 @pytest.fixture(scope="session")

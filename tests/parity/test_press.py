@@ -27,3 +27,33 @@ def test_cases_press_and_miss(forces):
 def test_pressing_forces(forces):
     found, wanted = forces.T
     assert (np.abs(found - wanted) / np.maximum(np.abs(wanted), 1.0)).max() < 1e-3
+
+
+@pytest.fixture(scope="module")
+def key_forces(arm_with_keys, key_presses):
+    """Of each case: Myo's and MuJoCo's force on every key, and the accelerations."""
+
+    def case(press):
+        model = arm_with_keys
+        for k, place in enumerate(press["keys"]):
+            body = model.body(f"key{k}").id
+            model.body_pos[body] = place
+            model.body_quat[body] = press["quat"]
+        data = forward(model, press)
+        felt = [data.sensor(f"key{k}").data[0] for k in range(len(press["keys"]))]
+        return press["touch_forces"], felt, press["qacc_soft"], data.qacc.copy()
+
+    return [case(press) for press in key_presses]
+
+
+def test_several_keys_are_pressed_at_once(key_forces):
+    touched = [np.count_nonzero(np.array(felt) > 0.01) for _, felt, _, _ in key_forces]
+    for count in (0, 1, 2, 3, 4):
+        assert count in touched, f"MuJoCo must feel {count} keys in one case at least: {touched}"
+
+
+def test_forces_on_several_keys(key_forces):
+    for found, wanted, qacc, wanted_qacc in key_forces:
+        scale = max(np.abs(wanted).max(), 1.0)
+        assert np.abs(np.array(found) - wanted).max() / scale < 1e-3
+        assert np.abs(np.array(qacc) - wanted_qacc).max() / np.abs(wanted_qacc).max() < 1e-3

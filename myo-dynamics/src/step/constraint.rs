@@ -71,7 +71,8 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     for row in &ws.limit {
         violated = violated | row.exists;
     }
-    let rows = Rows { limited: violated.any(), touching: ws.contact.exists.any() };
+    let touching = ws.contacts.iter().any(|contact| contact.exists.any());
+    let rows = Rows { limited: violated.any(), touching };
     ws.tally.rounds = ws.tally.rounds + S::Word::splat(1);
     ws.unsettled = S::Mask::splat(false);
     S::repeat_while(BLOCK_ROUNDS, &mut Round(ws), |Round(ws)| {
@@ -108,7 +109,8 @@ struct Round<'a, S: Scalar>(&'a mut Workspace<S>);
 impl<S: Scalar> Carried<S> for Round<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let Round(ws) = self;
-        for row in ws.limit.iter_mut().chain(&mut ws.contact.rows) {
+        let touched = ws.contacts.iter_mut().flat_map(|contact| &mut contact.rows);
+        for row in ws.limit.iter_mut().chain(touched) {
             visitor.mask(&mut row.active);
         }
         visitor.numbers(&mut ws.qacc);
@@ -139,11 +141,43 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
         }
     }
     if rows.touching {
-        for (row, jacobian) in ws.contact.rows.iter().zip(ws.contact_jacobian.chunks_exact(n)) {
-            add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+        for number in 0..ws.contacts.len() {
+            where_touched(ws, number, |ws, number| add_contact(n, number, ws));
         }
     }
     for (row, jacobian) in ws.equality.iter().zip(ws.equality_jacobian.chunks_exact(n)) {
+        add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+    }
+}
+
+/// Runs a part of a round for one contact. The first one of a step is there so often that a card does not branch for it.
+#[inline(always)]
+fn where_touched<S: Scalar>(ws: &mut Workspace<S>, number: usize, part: impl FnOnce(&mut Workspace<S>, usize)) {
+    if number == 0 {
+        return part(ws, 0);
+    }
+    S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| part(ws, *number));
+}
+
+/// What a contact's part of a round changes.
+struct Touched<'a, S: Scalar>(&'a mut Workspace<S>, usize);
+
+impl<S: Scalar> Carried<S> for Touched<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Self(ws, number) = self;
+        visitor.numbers(ws.matrix.iter_mut().chain(&mut ws.qacc));
+        for row in &mut ws.contacts[*number].rows {
+            visitor.mask(&mut row.active);
+        }
+        visitor.mask(&mut ws.unsettled);
+    }
+}
+
+/// The rows of a contact.
+#[inline(always)]
+fn add_contact<S: Scalar>(n: usize, number: usize, ws: &mut Workspace<S>) {
+    let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
+    for (row, jacobian) in ws.contacts[number].rows.iter().zip(jacobians) {
         add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
     }
 }
@@ -169,13 +203,22 @@ fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: R
             changed = changed | judge(row, ws.qacc[dof] * row.slope);
         }
     }
+    ws.unsettled = changed;
     if rows.touching {
-        let jacobians = ws.contact_jacobian.chunks_exact(plan.ndof());
-        for (row, jacobian) in ws.contact.rows.iter_mut().zip(jacobians) {
-            changed = changed | judge(row, product(jacobian, &ws.qacc));
+        for number in 0..ws.contacts.len() {
+            where_touched(ws, number, |ws, number| judge_contact(plan.ndof(), number, ws));
         }
     }
-    settle(ws, changed);
+    settle(ws, ws.unsettled);
+}
+
+/// Decides which rows of a contact push; adds to `unsettled` where that is news.
+#[inline(always)]
+fn judge_contact<S: Scalar>(n: usize, number: usize, ws: &mut Workspace<S>) {
+    let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
+    for (row, jacobian) in ws.contacts[number].rows.iter_mut().zip(jacobians) {
+        ws.unsettled = ws.unsettled | judge(row, product(jacobian, &ws.qacc));
+    }
 }
 
 /// Decides whether a row pushes; returns where that is news.
@@ -199,7 +242,7 @@ fn exchange_first<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows:
     }
     if rows.touching {
         let jacobians = ws.contact_jacobian.chunks_exact(plan.ndof());
-        for (row, jacobian) in ws.contact.rows.iter_mut().zip(jacobians) {
+        for (row, jacobian) in ws.contacts.iter_mut().flat_map(|contact| &mut contact.rows).zip(jacobians) {
             let mut size = S::zero();
             for (&x, &y) in jacobian.iter().zip(&ws.qacc) {
                 size += (x * y).abs();
@@ -244,15 +287,16 @@ fn product<S: Scalar>(a: &[S], b: &[S]) -> S {
     sum
 }
 
-/// Normal force: the sum of the pyramid's edge forces `-D (J a - aref)`.
+/// Normal forces: the sum of the pyramid's edge forces `-D (J a - aref)` of each contact.
 #[inline(always)]
 fn contact_force<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let n = plan.ndof();
-    let mut force = S::zero();
-    for k in 0..PYRAMID {
-        let row = &ws.contact.rows[k];
-        let acceleration = product(&ws.contact_jacobian[k * n..(k + 1) * n], &ws.qacc);
-        force += (row.weight * (row.reference - acceleration)).only(row.active);
+    for (contact, jacobians) in ws.contacts.iter_mut().zip(ws.contact_jacobian.chunks_exact(PYRAMID * n)) {
+        let mut force = S::zero();
+        for (row, jacobian) in contact.rows.iter().zip(jacobians.chunks_exact(n)) {
+            let acceleration = product(jacobian, &ws.qacc);
+            force += (row.weight * (row.reference - acceleration)).only(row.active);
+        }
+        contact.force = force;
     }
-    ws.contact.force = force;
 }

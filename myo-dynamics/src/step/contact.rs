@@ -1,29 +1,25 @@
-//! Contact of the fingertip's sphere with the nearest box: MuJoCo's sphere-box geometry and its pyramidal friction cone.
+//! Contact of the fingertip's sphere with boxes: MuJoCo's sphere-box geometry and its pyramidal friction cone, one contact per
+//! box that is near enough.
 //!
-//! Boxes may not be so close that the fingertip touches two at once (tasks check it), so the nearest is the only one.
+//! Most of the time the fingertip is far from everything, so the distance to the nearest box is remembered as a clearance:
+//! as long as the fingertip has moved by less, nothing is looked at. Where it has, all boxes are gone through, most of which a
+//! ball around them rules out. How many can be touched at once is known when a task is compiled
+//! ([`most_at_once`](crate::most_at_once)), so there is a slot for each of them, and none is left out.
 
-use crate::obstacles::{Obstacles, StaticBox};
+use crate::obstacles::Obstacles;
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
-use crate::workspace::{Row, State, Workspace};
-use myo_scalar::{Carried, Mask, Scalar, Visitor};
+use crate::workspace::{Clearance, Contact, PYRAMID, Row, State, Workspace};
+use myo_scalar::{Carried, Scalar, Visitor};
 
 /// Farther than anything in reach (m).
 const FAR: f64 = 1e3;
 /// Centres nearer to the surface than this are inside (m); MuJoCo's smallest norm, in reach of single precision.
 const SURFACE: f64 = 1e-15;
+/// What rounding may add to a distance (m).
+const ROUNDING: f64 = 1e-6;
 
-/// The nearest surface point.
-#[derive(Clone, Copy)]
-struct Nearest<S> {
-    /// Distance of the surfaces, negative inside (m).
-    distance: S,
-    /// Out of the box.
-    normal: Vec3<S>,
-    index: S,
-}
-
-/// Fills `contact` and `contact_jacobian`.
+/// Fills `contacts` and `contact_jacobian`.
 #[inline(always)]
 pub fn contact<S: Scalar>(
     plan: &Plan<S::Const>,
@@ -31,60 +27,142 @@ pub fn contact<S: Scalar>(
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
-    ws.contact.exists = S::Mask::splat(false);
-    ws.contact.force = S::zero();
+    for contact in &mut ws.contacts {
+        contact.clear();
+    }
     let Some(sphere) = &plan.contact_sphere else { return };
     if obstacles.boxes.is_empty() {
         return;
     }
     let centre = ws.place(&sphere.centre);
-    let nearest = nearest_surface(sphere, &obstacles.boxes, centre);
-    ws.contact.index = nearest.index;
-    ws.contact.exists = nearest.distance.lt(S::splat(obstacles.margin));
-    S::when(ws.contact.exists, &mut Edges(ws), |Edges(ws)| {
-        pyramid(plan, sphere, obstacles, state, centre, nearest, ws);
+    let moved = centre - ws.clearance.from;
+    let near = !moved.dot(moved).lt(ws.clearance.free.sq());
+    let mut around = Around { contacts: &mut ws.contacts, clearance: &mut ws.clearance, found: S::zero() };
+    S::when(near, &mut around, |around| look_around(sphere, obstacles, centre, around));
+    for number in 0..ws.contacts.len() {
+        S::when(ws.contacts[number].exists, &mut Edges(ws, number), |Edges(ws, number)| {
+            pyramid(plan, sphere, obstacles, state, centre, *number, ws);
+        });
+    }
+}
+
+/// What a look around finds.
+struct Around<'a, S: Scalar> {
+    contacts: &'a mut Vec<Contact<S>>,
+    clearance: &'a mut Clearance<S>,
+    /// Contacts found so far.
+    found: S,
+}
+
+impl<S: Scalar> Carried<S> for Around<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        for Contact { exists, index, distance, normal, .. } in self.contacts.iter_mut() {
+            visitor.mask(exists);
+            visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
+        }
+        let Clearance { from, free } = &mut *self.clearance;
+        visitor.numbers([&mut from.x, &mut from.y, &mut from.z, free, &mut self.found]);
+    }
+}
+
+/// Goes through all boxes: what is touched, and how far away the nearest one is otherwise. Where the clearance is not used up,
+/// nothing is touched, and a new one does no harm.
+#[inline(always)]
+fn look_around<S: Scalar>(
+    sphere: &ContactSphere<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
+    centre: Vec3<S>,
+    around: &mut Around<'_, S>,
+) {
+    let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
+    let reach = S::splat(sphere.radius) + S::splat(obstacles.margin);
+    *around.clearance = Clearance { from: centre, free: S::lit(FAR) };
+    S::for_each_row(n, around, |around, row| {
+        let [x, y, z, radius] = S::of_row(row, n, |k| {
+            let [x, y, z] = boxes[k].centre;
+            [x, y, z, boxes[k].radius]
+        });
+        let away = centre - Vec3::new(x, y, z);
+        // From the ball around the box.
+        let clear = away.dot(away).sqrt() - radius - reach;
+        let near = clear.lt(S::zero());
+        let mut beside = Beside { around, clear };
+        S::when(near, &mut beside, |Beside { around, clear }| {
+            let [a, b, c, e, f, g, i, j, k, h, w, d] = S::of_row(row, n, |k| {
+                let ([h, w, d], [[a, b, c], [e, f, g], [i, j, k]]) = (boxes[k].half_size, boxes[k].axes);
+                [a, b, c, e, f, g, i, j, k, h, w, d]
+            });
+            let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
+            let (distance, normal) = surface(axes, half_size, away);
+            *clear = S::select(near, distance - reach, *clear);
+            let touches = near & clear.lt(S::zero());
+            let distance = distance - S::splat(sphere.radius);
+            around.add(touches, Contact { index: S::row_number(row), distance, normal, ..Contact::none() });
+        });
+        let Beside { around, clear } = beside;
+        around.clearance.free = around.clearance.free.min((clear - S::lit(ROUNDING)).max(S::zero()));
     });
 }
 
-/// The rows that [`pyramid`] writes.
-struct Edges<'a, S: Scalar>(&'a mut Workspace<S>);
+/// A box that is looked at.
+struct Beside<'a, 'b, S: Scalar> {
+    around: &'a mut Around<'b, S>,
+    /// Distance from what can be touched (m).
+    clear: S,
+}
+
+impl<S: Scalar> Carried<S> for Beside<'_, '_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        for Contact { exists, index, distance, normal, .. } in self.around.contacts.iter_mut() {
+            visitor.mask(exists);
+            visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
+        }
+        visitor.numbers([&mut self.clear, &mut self.around.found]);
+    }
+}
+
+impl<S: Scalar> Around<'_, S> {
+    /// Puts a contact into the next free slot where the mask is true.
+    #[inline(always)]
+    fn add(&mut self, mask: S::Mask, new: Contact<S>) {
+        for (slot, contact) in self.contacts.iter_mut().enumerate() {
+            let here = mask & (self.found - S::lit(slot as f64)).abs().lt(S::lit(0.5));
+            contact.exists = contact.exists | here;
+            contact.index = S::select(here, new.index, contact.index);
+            contact.distance = S::select(here, new.distance, contact.distance);
+            contact.normal = Vec3::select(here, new.normal, contact.normal);
+        }
+        self.found += S::indicator(mask);
+    }
+}
+
+/// The rows that [`pyramid`] writes, of the contact of this number.
+struct Edges<'a, S: Scalar>(&'a mut Workspace<S>, usize);
 
 impl<S: Scalar> Carried<S> for Edges<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        for row in &mut self.0.contact.rows {
+        let Self(ws, number) = self;
+        for row in &mut ws.contacts[*number].rows {
             visitor.mask(&mut row.exists);
             visitor.mask(&mut row.active);
             visitor.numbers([&mut row.weight, &mut row.reference, &mut row.slope]);
         }
-        visitor.numbers(&mut self.0.contact_jacobian);
+        let size = ws.contact_jacobian.len() / ws.contacts.len();
+        visitor.numbers(&mut ws.contact_jacobian[*number * size..(*number + 1) * size]);
     }
 }
 
+/// Signed distance of a point from the surface of a box with these axes as columns, and the direction out of the box (world
+/// axes). The point is given from the centre of the box.
 #[inline(always)]
-fn nearest_surface<S: Scalar>(sphere: &ContactSphere<S::Const>, boxes: &[StaticBox<S>], centre: Vec3<S>) -> Nearest<S> {
-    let mut best = Nearest { distance: S::lit(FAR), normal: Vec3::zero(), index: S::zero() };
-    for (index, each) in boxes.iter().enumerate() {
-        let (distance, normal) = surface(each, centre);
-        let closer = distance.lt(best.distance);
-        best.distance = S::select(closer, distance, best.distance);
-        best.normal = Vec3::select(closer, normal, best.normal);
-        best.index = S::select(closer, S::lit(index as f64), best.index);
-    }
-    best.distance -= S::splat(sphere.radius);
-    best
-}
-
-/// Signed distance of a point from a box's surface, and the direction out of the box (world axes).
-#[inline(always)]
-fn surface<S: Scalar>(each: &StaticBox<S>, point: Vec3<S>) -> (S, Vec3<S>) {
-    let vector = |[x, y, z]: [S; 3]| Vec3::new(x, y, z);
-    let [x, y, z] = each.axes.map(vector);
+fn surface<S: Scalar>(axes: [[S; 3]; 3], half_size: [S; 3], point: Vec3<S>) -> (S, Vec3<S>) {
+    let [x, y, z] = axes.map(|[x, y, z]| Vec3::new(x, y, z));
     let axes = Rotation { x, y, z };
-    let local = axes.apply_inverse(point - vector(each.centre)).array();
+    let local = axes.apply_inverse(point).array();
     let mut excess = [S::zero(); 3];
     let (mut depth, mut face) = (S::lit(FAR), [S::zero(); 3]);
     for k in 0..3 {
-        let half = each.half_size[k];
+        let half = half_size[k];
         excess[k] = local[k] - local[k].max(-half).min(half);
         // Depth below the nearer of the two faces across this axis; the negative face wins ties.
         let inside = half - local[k].abs();
@@ -105,7 +183,7 @@ fn surface<S: Scalar>(each: &StaticBox<S>, point: Vec3<S>) -> (S, Vec3<S>) {
     (S::select(outside, square * inverse, -depth), axes.apply(normal))
 }
 
-/// The four edges of the friction pyramid as constraint rows.
+/// The four edges of a contact's friction pyramid as constraint rows.
 #[inline(always)]
 fn pyramid<S: Scalar>(
     plan: &Plan<S::Const>,
@@ -113,31 +191,31 @@ fn pyramid<S: Scalar>(
     obstacles: &Obstacles<S::Const, S>,
     state: &State<S>,
     centre: Vec3<S>,
-    nearest: Nearest<S>,
+    number: usize,
     ws: &mut Workspace<S>,
 ) {
+    let Contact { exists, distance, normal, .. } = ws.contacts[number];
     // Midway between the two surfaces.
-    let depth = nearest.distance.mul_add(S::lit(0.5), S::splat(sphere.radius));
-    let at = centre - nearest.normal.scale(depth);
-    let [first, second] = tangents(nearest.normal);
+    let depth = distance.mul_add(S::lit(0.5), S::splat(sphere.radius));
+    let at = centre - normal.scale(depth);
+    let [first, second] = tangents(normal);
     let n = plan.ndof();
     let friction = S::splat(obstacles.friction);
-    let violation = nearest.distance - S::splat(obstacles.margin);
+    let violation = distance - S::splat(obstacles.margin);
     let screws = &plan.links[sphere.centre.link].screw_of_dof;
     for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
-        let edge = Wrench::at(at, direction.mul_add(friction, nearest.normal));
+        let edge = Wrench::at(at, direction.mul_add(friction, normal));
         let mut velocity = S::zero();
         for (dof, screw) in screws.iter().enumerate() {
             let entry = match *screw {
                 Some(screw) => ws.screw[screw].dot(edge),
                 None => S::zero(),
             };
-            ws.contact_jacobian[k * n + dof] = entry;
+            ws.contact_jacobian[(number * PYRAMID + k) * n + dof] = entry;
             velocity = entry.mul_add(state.qvel[dof], velocity);
         }
         let (weight, reference) = obstacles.impedance.row(violation, velocity, S::splat(obstacles.diagonal));
-        let exists = ws.contact.exists;
-        ws.contact.rows[k] = Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
+        ws.contacts[number].rows[k] = Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
     }
 }
 

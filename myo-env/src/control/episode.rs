@@ -4,7 +4,7 @@ use super::{Scratch, sense, stages};
 use crate::parameters::World;
 use crate::state::EnvState;
 use myo_scalar::{Counter, Mask, Scalar, Word, philox, unit};
-use myo_tasks::logic;
+use myo_tasks::logic::{self, Goal, Stay};
 
 /// Random streams of the body's state.
 const POSE_STREAM: u32 = 0x2000;
@@ -24,14 +24,14 @@ pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S
 /// `next_observation`.
 #[inline(always)]
 pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
-    logic::place_buttons(&world.parameters.task, &mut env.task);
     if mask.any() {
         let done_before = env.task.phase;
         S::outline(stages::Draw { world, mask, env });
         S::outline(stages::Explore { world, mask, done_before, env, physics: &mut ws.physics });
     }
-    let sensed = sense(world, env, &mut ws.physics);
-    S::outline(stages::Observe { world, env, sensed: &sensed, out: &mut ws.next_observation });
+    let sensed = sense(world, env, Stay::new(&env.task), &mut ws.physics);
+    let goal = Goal::of(&world.parameters.task, &env.task);
+    S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.next_observation });
 }
 
 /// Draws body and targets, and starts all counters.
@@ -43,7 +43,7 @@ pub fn draw_episode<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut En
     draw_body(world, mask, env);
     logic::draw_spheres(&world.parameters.task, mask, env.counter(), &mut env.task);
     env.task.restart(mask);
-    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pressed, &mut env.pending]);
+    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
     for x in counters {
         *x = S::select(mask, S::zero(), *x);
     }

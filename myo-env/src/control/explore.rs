@@ -42,7 +42,7 @@ pub fn explore<S: Scalar>(
     S::when(explores, &mut Beginning { env, physics }, |Beginning { env, physics }| {
         let draws = uniform::<S>(env.counter(), MOMENT_STREAM, 4);
         let (targets, is_not_first) =
-            (world.parameters.task.targets.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
+            (world.parameters.task.steps.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
         let failed = is_not_first & done_before.lt(S::lit(targets));
         let succeeded = is_not_first & S::lit(targets).le(done_before);
         let middle = explores & !(succeeded & draws[3].lt(S::lit(WHOLE)));
@@ -57,7 +57,7 @@ pub fn explore<S: Scalar>(
 /// Any target.
 #[inline(always)]
 fn any_target<S: Scalar>(world: &World<'_, S>, draw: S) -> S {
-    let targets = world.parameters.task.targets.len();
+    let targets = world.parameters.task.steps.len();
     let mut done = S::zero();
     for target in 1..targets {
         done += S::indicator(S::lit(target as f64 / targets as f64).le(draw));
@@ -92,7 +92,7 @@ fn draw_pose<S: Scalar>(
 /// Looks at so many further poses.
 #[inline(always)]
 fn search_poses<S: Scalar>(world: &World<'_, S>, mask: S::Mask, poses: usize, search: &mut Search<'_, S>) {
-    let target = search.env.task.centre(0);
+    let target = logic::centre_ahead(&world.parameters.task, &search.env.task, 0);
     S::repeat(poses, search, |Search { best, nearest, draw, env, physics }| {
         S::outline(stages::DrawPose { world, draw: *draw, env });
         let mut fingertip = [S::zero(); 3];

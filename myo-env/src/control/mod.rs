@@ -18,7 +18,7 @@ use crate::tables::Tables;
 use crate::vector::Autoreset;
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
-use myo_tasks::logic::{self, Sensed, Stay};
+use myo_tasks::logic::{self, Goal, Progress, Sensed, Stay};
 
 /// Scratch memory and results of one control step.
 pub struct Scratch<S: Scalar> {
@@ -41,7 +41,7 @@ impl<S: Scalar> Scratch<S> {
     #[inline(always)]
     pub fn new(tables: &Tables<S::Const>) -> Self {
         Self {
-            physics: Workspace::new(&tables.plan),
+            physics: Workspace::with_contacts(&tables.plan, tables.contacts),
             ctrl: vec![S::zero(); tables.plan.nmuscle()],
             noisy: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(2)],
             observation: vec![],
@@ -65,33 +65,46 @@ pub struct Outcome<S: Scalar> {
 #[inline(always)]
 pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
     S::outline(stages::Excite { world, env, ws });
-    S::outline(stages::Physics { world, env, ws });
-    let sensed = sense(world, env, &mut ws.physics);
-    let distance = distance_before(world, env, &sensed);
-    let progress = logic::advance(&world.parameters.task, &sensed, &mut env.task);
+    let mut stay = Stay::new(&env.task);
+    let goal = Goal::of(&world.parameters.task, &env.task);
+    S::outline(stages::Physics { world, goal: &goal, env, ws, stay: &mut stay });
+    let sensed = sense(world, env, stay, &mut ws.physics);
+    let (distance, progress) = judge(world, &goal, env, &sensed);
+    let goal = Goal::of(&world.parameters.task, &env.task);
     let effort = sum_of_squares(&ws.ctrl);
     let terms = logic::reward(&world.parameters.task, &progress, distance, effort, sum_of_squares(&env.qacc));
     summary::add_up(world, env, &terms, effort, &ws.physics.tally);
-    S::outline(stages::Observe { world, env, sensed: &sensed, out: &mut ws.observation });
-    summary::summarise(world, env, &sensed, &progress, &mut ws.episode);
+    S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.observation });
+    summary::summarise(world, &goal, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }
 
-/// Where the fingertip is at the state reached, what it touched on the way, and when it came to its target. The control step
-/// is not counted yet.
+/// Where the fingertip is at the state reached, and what it did on the way. The control step is not counted yet.
 #[inline(always)]
-fn sense<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, physics: &mut Workspace<S>) -> Sensed<S> {
+fn sense<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, stay: Stay<S>, physics: &mut Workspace<S>) -> Sensed<S> {
     let mut fingertip = [S::zero(); 3];
     S::outline(stages::Look { world, env, physics, out: &mut fingertip });
     let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(world.tables.substeps));
-    let reached_at = now - Stay { held: env.task.held, pressed: env.pressed }.since_arrival();
-    Sensed { fingertip, touch_force: env.touch, touched: env.touched, reached_at }
+    Sensed { fingertip, stay, now }
 }
 
+/// How far (m) the fingertip still has to go, as the reward counts it; and what became of the current step.
 #[inline(always)]
-fn distance_before<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, sensed: &Sensed<S>) -> S {
-    let distance = logic::distance_to_target(&world.parameters.task, sensed, &env.task);
-    if world.parameters.task.weights.remaining_path { distance + logic::remaining_path(&env.task) } else { distance }
+fn judge<S: Scalar>(
+    world: &World<'_, S>,
+    goal: &Goal<S>,
+    env: &mut EnvState<S>,
+    sensed: &Sensed<S>,
+) -> (S, Progress<S>) {
+    let task = &world.parameters.task;
+    let mut distance = logic::distance_to_goal(task, sensed, goal);
+    if task.weights.remaining_path {
+        distance += logic::remaining_path(task, &env.task);
+    }
+    let progress = logic::advance(task, goal, sensed, &mut env.task);
+    // What comes next was not touched yet; the last one stays the current one.
+    env.touch = sensed.stay.touch.only(!progress.target_done | progress.task_done);
+    (distance, progress)
 }
 
 #[inline(always)]

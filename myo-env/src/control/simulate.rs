@@ -3,32 +3,33 @@
 use super::Scratch;
 use crate::parameters::World;
 use crate::state::EnvState;
-use myo_dynamics::{SolverTally, Workspace, step};
+use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Visitor};
-use myo_tasks::logic::{self, Aim, Stay};
+use myo_tasks::logic::{self, Goal, Kinds, Stay};
 
-/// Runs the physics; a short tap between two control steps counts, so the greatest force is kept. How long the fingertip has
-/// been on its target is counted in physics steps. The solver's tally is that of this control step afterwards.
+/// Runs the physics and follows what the fingertip does with the current object, so that a short tap between two control
+/// steps counts. The solver's tally is that of this control step afterwards.
 #[inline(always)]
-pub fn simulate<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
+pub fn simulate<S: Scalar>(
+    world: &World<'_, S>,
+    goal: &Goal<S>,
+    env: &mut EnvState<S>,
+    ws: &mut Scratch<S>,
+    stay: &mut Stay<S>,
+) {
     let Scratch { physics, ctrl, .. } = ws;
-    (env.touch, env.touched) = (S::zero(), S::lit(-1.0));
     physics.tally = SolverTally::new();
-    let aim = Aim::new(&world.parameters.task, &env.task);
-    let mut stay = Stay { held: env.task.held, pressed: S::zero() };
-    let presses = aim.has_buttons();
-    let mut carried = Substep { env, physics, stay: &mut stay, presses };
+    physics.clearance = Clearance::unknown();
+    let task = &world.parameters.task;
+    let mut carried = Substep { env, physics, stay, kinds: task.kinds, has_boxes: !task.boxes.is_empty() };
     S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, stay, .. }| {
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
-        let contact = &physics.contact;
-        let harder = contact.exists & env.touch.lt(contact.force);
-        env.touch = S::select(harder, contact.force, env.touch);
-        env.touched = S::select(harder, contact.index, env.touched);
         // Positions and contact are those from which the step was made.
-        let contact = logic::Contact { exists: contact.exists, button: contact.index, force: contact.force };
-        aim.follow(step::fingertip(&world.tables.plan, physics), &contact, stay);
+        let fingertip = step::fingertip(&world.tables.plan, physics);
+        let contacts = physics.contacts.iter();
+        let contacts = contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force });
+        stay.follow(task, goal, fingertip, contacts);
     });
-    (env.task.held, env.pressed) = (stay.held, stay.pressed);
     env.qacc.copy_from_slice(&ws.physics.qacc);
 }
 
@@ -37,19 +38,29 @@ struct Substep<'a, S: Scalar> {
     env: &'a mut EnvState<S>,
     physics: &'a mut Workspace<S>,
     stay: &'a mut Stay<S>,
-    /// Whether presses are followed.
-    presses: bool,
+    /// What is followed.
+    kinds: Kinds,
+    /// Whether there is anything to touch.
+    has_boxes: bool,
 }
 
 impl<S: Scalar> Carried<S> for Substep<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let body = &mut self.env.body;
         visitor.numbers(body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act));
-        visitor.numbers([&mut self.env.touch, &mut self.env.touched, &mut self.stay.held]);
-        if self.presses {
-            visitor.number(&mut self.stay.pressed);
+        let Stay { held, touch, pressed, let_go, down, old } = &mut self.stay;
+        visitor.number(held);
+        if self.kinds.press {
+            visitor.numbers([touch, pressed]);
+        }
+        if self.kinds.release {
+            visitor.numbers([let_go, down, old]);
         }
         visitor.numbers(&mut self.physics.qacc);
+        if self.has_boxes {
+            let Clearance { from, free } = &mut self.physics.clearance;
+            visitor.numbers([&mut from.x, &mut from.y, &mut from.z, free]);
+        }
         visitor.word(&mut self.physics.tally.rounds);
         visitor.word(&mut self.physics.tally.unsolved);
     }

@@ -10,7 +10,7 @@ use crate::parameters::World;
 use crate::state::EnvState;
 use myo_dynamics::{Workspace, step};
 use myo_scalar::{Scalar, Stage};
-use myo_tasks::logic::Sensed;
+use myo_tasks::logic::{Goal, Sensed, Stay};
 
 /// Noise.
 pub struct Excite<'a, S: Scalar> {
@@ -31,8 +31,10 @@ impl<S: Scalar> Stage<S> for Excite<'_, S> {
 /// All physics steps of a control step.
 pub struct Physics<'a, S: Scalar> {
     pub world: &'a World<'a, S>,
+    pub goal: &'a Goal<S>,
     pub env: &'a mut EnvState<S>,
     pub ws: &'a mut Scratch<S>,
+    pub stay: &'a mut Stay<S>,
 }
 
 impl<S: Scalar> Stage<S> for Physics<'_, S> {
@@ -40,7 +42,7 @@ impl<S: Scalar> Stage<S> for Physics<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        simulate(self.world, self.env, self.ws);
+        simulate(self.world, self.goal, self.env, self.ws, self.stay);
     }
 }
 
@@ -66,6 +68,7 @@ impl<S: Scalar> Stage<S> for Look<'_, S> {
 /// The observation.
 pub struct Observe<'a, S: Scalar> {
     pub world: &'a World<'a, S>,
+    pub goal: &'a Goal<S>,
     pub env: &'a EnvState<S>,
     pub sensed: &'a Sensed<S>,
     pub out: &'a mut Vec<S>,
@@ -77,7 +80,7 @@ impl<S: Scalar> Stage<S> for Observe<'_, S> {
     #[inline(always)]
     fn run(self) {
         self.out.clear();
-        observe(self.world, self.env, self.sensed, self.out);
+        observe(self.world, self.goal, self.env, self.sensed, self.out);
     }
 }
 

@@ -5,7 +5,7 @@ use crate::parameters::World;
 use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM};
 use myo_dynamics::SolverTally;
 use myo_scalar::Scalar;
-use myo_tasks::logic::{self, Progress, RewardTerms, Sensed};
+use myo_tasks::logic::{self, Goal, Progress, RewardTerms, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
 pub const EPISODE_COLUMNS: [Column; 13] = [
@@ -74,6 +74,7 @@ pub fn add_up<S: Scalar>(
 #[inline(always)]
 pub fn summarise<S: Scalar>(
     world: &World<'_, S>,
+    goal: &Goal<S>,
     env: &EnvState<S>,
     sensed: &Sensed<S>,
     progress: &Progress<S>,
@@ -89,7 +90,7 @@ pub fn summarise<S: Scalar>(
     out.push(task.step);
     out.push(S::indicator(progress.task_done));
     out.push(task.phase);
-    out.push(logic::norm(logic::difference(sensed.fingertip, task.centre(0))));
+    out.push(logic::norm(logic::difference(sensed.fingertip, goal.centre)));
     let per_step = task.step.recip();
     out.push(env.sums[EFFORT_SUM] * per_step);
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
@@ -123,7 +124,7 @@ mod tests {
         let model = myo_model::Model::new(&myo_model::builtin(&task.model).unwrap()).unwrap();
         let tables = Tables::<f64>::exact(&model, &task).unwrap();
         let (mut env, mut ws) = (EnvState::new(&tables), Scratch::new(&tables));
-        let names = episode_names(tables.targets());
+        let names = episode_names(tables.steps());
         let column = names.iter().position(|name| name == "solver_unsolved").unwrap();
         let word = <f64 as Scalar>::Word::splat;
         let (rounds, unsolved) = (word(300), word(2));

@@ -7,6 +7,7 @@ use crate::tables::Tables;
 use crate::vector::Autoreset;
 use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymMask, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
+use myo_tasks::logic::{Goal, Stay};
 
 /// Buffers of a step, in the order of their bindings; entries are counted per environment, but for `parameters`, which all share.
 pub const STEP_BUFFERS: [&str; 7] =
@@ -80,7 +81,11 @@ pub fn physics(tables: &Tables<f64>, form: Form) -> Program {
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = ctrl.number(row);
         }
-        simulate(&world, &mut env, &mut ws);
+        let mut stay = Stay::new(&env.task);
+        let goal = Goal::of(&world.parameters.task, &env.task);
+        simulate(&world, &goal, &mut env, &mut ws, &mut stay);
+        // Kept, so that following it counts.
+        (env.task.held, env.touch) = (stay.held, stay.touch);
         store(&mut env);
     })
 }

@@ -62,6 +62,24 @@ impl Buffer {
     }
 }
 
+/// Evenly spaced entries of a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Rows {
+    /// The first one.
+    pub first: u32,
+    /// From one to the next.
+    pub step: u32,
+    /// How many.
+    pub count: u32,
+}
+
+impl Rows {
+    /// Entry `index`, the last one beyond them.
+    pub fn at(self, index: u32) -> u32 {
+        self.first + self.step * index.min(self.count - 1)
+    }
+}
+
 /// An operation; operands are in [`Node::args`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Op {
@@ -133,6 +151,8 @@ pub enum Op {
     MulLow,
     /// Integer to number.
     ToNumber,
+    /// What a buffer held before the program, in the row of this number; in the last of the rows where there is no such one.
+    Gather(Buffer, Rows),
     /// Entry of the program's table: `table[base + a]`.
     Table(u32),
     /// Whole number to integer, two's complement.
@@ -164,8 +184,8 @@ impl Op {
         use Op::*;
         match self {
             Number(_) | Word(_) | Truth(_) | Input(..) | Carried(..) | Outcome(..) => 0,
-            Table(_) | Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not | ShiftLeft(_)
-            | ShiftRight(_) | ToNumber | ToWord | ToBits | FromBits => 1,
+            Gather(..) | Table(_) | Neg | Sqrt | Rsqrt | Recip | Abs | Saturate | Floor | Round | Not
+            | ShiftLeft(_) | ShiftRight(_) | ToNumber | ToWord | ToBits | FromBits => 1,
             Add | Sub | Mul | Min | Max | Less | And | Or | WordAdd | Xor | BitAnd | BitOr | MulHigh | MulLow => 2,
             MulAdd | Select => 3,
         }
@@ -273,6 +293,18 @@ impl Graph {
     /// A node without operands that belongs to the whole program.
     pub fn leaf(&mut self, op: Op, kind: Kind) -> Id {
         self.share(op, [0; 3], kind, 0)
+    }
+
+    /// Where these nodes are what a buffer held, evenly spaced from the first to the last.
+    pub fn rows(&self, ids: &[Id]) -> Option<(Buffer, Rows)> {
+        let input = |id: Id| match self.nodes[id as usize].op {
+            Op::Input(buffer, row) => Some((buffer, row)),
+            _ => None,
+        };
+        let ((buffer, first), (_, second)) = (input(*ids.first()?)?, input(*ids.get(1)?)?);
+        let rows = Rows { first, step: second.checked_sub(first)?, count: ids.len() as u32 };
+        let fits = |(index, &id): (u32, &Id)| input(id) == Some((buffer, rows.at(index)));
+        (0..).zip(ids).all(fits).then_some((buffer, rows))
     }
 
     /// A node that is not shared, of a given region.

@@ -167,6 +167,9 @@ impl Run<'_> {
         let node = &self.program.nodes[id as usize];
         match node.op {
             Op::Input(buffer, row) => self.buffers[buffer.binding as usize].get(row as usize),
+            Op::Gather(buffer, rows) => {
+                self.buffers[buffer.binding as usize].get(rows.at(self.word(node.args[0])) as usize)
+            }
             // The index and the entries of a chunk are set when its body begins.
             Op::Carried(statement, index) => match &self.program.statements[statement as usize] {
                 Statement::Chunks(_) => self.values[id as usize].expect("set when the body began"),

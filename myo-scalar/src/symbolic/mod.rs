@@ -32,7 +32,7 @@ mod program;
 mod region;
 
 pub use count::StageCount;
-pub use graph::{Buffer, Form, Id, Kind, Node, Op, Sharing};
+pub use graph::{Buffer, Form, Id, Kind, Node, Op, Rows, Sharing};
 pub use interpret::Contents;
 pub use number::{Sym, SymMask, SymWord};
 pub use order::Item;

@@ -2,9 +2,9 @@
 
 use super::graph::{Form, Id, Kind, Op};
 use super::{region, with_graph};
-use crate::carried::Carried;
+use crate::carried::{Carried, Visitor};
 use crate::elementary::{self, Bits};
-use crate::scalar::{Mask, Scalar, Stage, Word};
+use crate::scalar::{Mask, Row, Scalar, Stage, Word};
 use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Mul, Neg, Not, Shl, Shr, Sub, SubAssign};
 
 /// A node of the running trace as a value.
@@ -160,6 +160,40 @@ impl Sym {
     }
 }
 
+/// Variables of a loop over rows, and the row.
+struct Counted<'a, V> {
+    row: SymWord,
+    vars: &'a mut V,
+}
+
+impl<V: Carried<Sym>> Carried<Sym> for Counted<'_, V> {
+    fn visit(&mut self, visitor: &mut impl Visitor<Sym>) {
+        visitor.word(&mut self.row);
+        self.vars.visit(visitor);
+    }
+}
+
+/// A row by its number.
+fn gather<const N: usize>(count: usize, entry: impl Fn(usize) -> [Sym; N], index: SymWord) -> [Sym; N] {
+    let rows: Vec<[Sym; N]> = (0..count).map(entry).collect();
+    std::array::from_fn(|column| gather_column(&rows.iter().map(|row| row[column]).collect::<Vec<_>>(), index))
+}
+
+/// An entry by its number: from memory where it lies there, else chosen from all.
+fn gather_column(entries: &[Sym], index: SymWord) -> Sym {
+    let ids: Vec<Id> = entries.iter().map(|x| x.id()).collect();
+    if ids.iter().all(|id| *id == ids[0]) {
+        return entries[0];
+    }
+    if let Some((buffer, rows)) = with_graph(|graph| graph.rows(&ids)) {
+        return Sym::apply(Op::Gather(buffer, rows), &[index.0]);
+    }
+    let number = Sym::from_word(index);
+    let [others @ .., last] = entries else { unreachable!("there is an entry") };
+    let choose = |found, (k, &entry): (usize, &Sym)| Sym::select(number.lt(Sym::lit(k as f64 + 0.5)), entry, found);
+    others.iter().enumerate().rev().fold(*last, choose)
+}
+
 impl Scalar for Sym {
     type Const = f64;
     type Mask = SymMask;
@@ -252,6 +286,25 @@ impl Scalar for Sym {
         if !values.is_empty() {
             region::record_chunks(values, N, |index, chunk| body(index, std::array::from_fn(|k| chunk[k])).to_vec());
         }
+    }
+    fn for_each_row<V: Carried<Self>>(count: usize, vars: &mut V, mut body: impl FnMut(&mut V, Row<SymWord>)) {
+        if count < 2 {
+            return (0..count).for_each(|row| body(vars, Row::Known(row)));
+        }
+        let mut counted = Counted { row: SymWord::splat(0), vars };
+        Self::repeat(count, &mut counted, |Counted { row, vars }| {
+            body(vars, Row::Counted(*row));
+            *row = *row + SymWord::splat(1);
+        });
+    }
+    fn of_row<const N: usize>(row: Row<SymWord>, count: usize, entry: impl Fn(usize) -> [Self; N]) -> [Self; N] {
+        match row {
+            Row::Known(row) => entry(row),
+            Row::Counted(row) => gather(count, entry, row),
+        }
+    }
+    fn gather<const N: usize>(count: usize, entry: impl Fn(usize) -> [Self; N], index: Self) -> [Self; N] {
+        gather(count, entry, index.clamp(0.0, (count - 1) as f64).to_word())
     }
     fn for_rows<const K: usize, const I: usize>(
         constants: impl Fn(usize) -> [f64; K],

@@ -93,6 +93,7 @@ impl Program {
     pub fn entries(&self, binding: u32) -> Entries {
         let read = self.live_nodes().filter_map(|id| match self.nodes[id as usize].op {
             Op::Input(buffer, row) => Some((buffer, row)),
+            Op::Gather(buffer, rows) => Some((buffer, rows.at(u32::MAX))),
             _ => None,
         });
         let written = self.statements.iter().filter_map(|statement| match statement {

@@ -1,93 +1,108 @@
-//! When the fingertip came to the current target, to the physics step.
+//! What the fingertip does with the current object between the ends of two control steps, to the physics step.
 //!
-//! Whether a target is done is judged at the ends of control steps. When the fingertip got there is followed in between, so
-//! that movement times are as fine as the physics and know nothing of the control step.
+//! Whether a dwell is over is judged at the ends of control steps. When the fingertip got there, and whether it pressed and
+//! let go, is followed in between, so that movement times are as fine as the physics and know nothing of the control step.
 
-use super::{CompiledTask, Point, TargetKind, TaskState, difference};
+use super::{CompiledTask, Goal, Point, TaskState, difference};
 use myo_scalar::{Mask, Scalar};
 
-/// What counts as being on the current target; the same for a whole control step.
-#[derive(Clone, Debug)]
-pub struct Aim<S> {
-    /// Centre and squared radius (m, m^2) of a sphere; the square is negative where the target is a button.
-    sphere: Option<(Point<S>, S)>,
-    /// Number of a button and the force (N) that counts as pressed; the number is negative where the target is a sphere.
-    button: Option<(S, S)>,
-}
-
-/// Contact of the fingertip in a physics step.
+/// Contact of the fingertip with a box in a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<S: Scalar> {
     /// Where there is one.
     pub exists: S::Mask,
-    /// Number of the button.
-    pub button: S,
+    /// Number of the box.
+    pub number: S,
     /// Its force (N).
     pub force: S,
 }
 
-/// How long the fingertip has been on the current target, in physics steps.
+/// What the fingertip did with the current object, up to a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stay<S> {
-    /// Inside the sphere or in contact with the button, without a break.
+    /// Physics steps inside the sphere or in contact with the button, without a break.
     pub held: S,
-    /// From the onset of the contact that first pressed the button, within the control step, until now; zero without one.
+    /// Greatest force on the button within the control step (N).
+    pub touch: S,
+    /// Physics steps from the onset of the contact that first pressed the button, within the control step, until now; zero
+    /// without one.
     pub pressed: S,
-}
-
-impl<S: Scalar> Aim<S> {
-    /// At the current target.
-    #[inline(always)]
-    pub fn new(task: &CompiledTask<S>, state: &TaskState<S>) -> Self {
-        let (mut spheres, mut number, mut min_force) = (false, S::lit(-1.0), S::zero());
-        let mut square = state.current_size() * state.current_size();
-        for (index, target) in task.targets.iter().enumerate() {
-            let current = state.is_current(index);
-            match target {
-                TargetKind::Sphere(_) => spheres = true,
-                TargetKind::Button(button) => {
-                    square = S::select(current, S::lit(-1.0), square);
-                    number = S::select(current, S::lit(button.number as f64), number);
-                    min_force = S::select(current, button.min_force, min_force);
-                }
-            }
-        }
-        let buttons = task.buttons().next().is_some();
-        Self { sphere: spheres.then(|| (state.centre(0), square)), button: buttons.then_some((number, min_force)) }
-    }
-
-    /// Whether presses are followed.
-    #[inline(always)]
-    pub fn has_buttons(&self) -> bool {
-        self.button.is_some()
-    }
-
-    /// Counts a physics step that began with this fingertip and contact.
-    #[inline(always)]
-    pub fn follow(&self, fingertip: Point<S>, contact: &Contact<S>, stay: &mut Stay<S>) {
-        let one = S::lit(1.0);
-        let mut on = S::Mask::splat(false);
-        if let Some((centre, square)) = self.sphere {
-            let [x, y, z] = difference(fingertip, centre);
-            on = x.mul_add(x, y.mul_add(y, z * z)).lt(square);
-        }
-        let Some((number, min_force)) = self.button else {
-            stay.held = (stay.held + one).only(on);
-            return;
-        };
-        let touches = contact.exists & (contact.button - number).abs().lt(S::lit(0.5));
-        stay.held = (stay.held + one).only(on | touches);
-        let presses = touches & min_force.le(contact.force);
-        let before = S::zero().lt(stay.pressed);
-        stay.pressed = S::select(before, stay.pressed + one, stay.held.only(presses));
-    }
+    /// One where the button was pressed, and let go within the control step.
+    pub let_go: S,
+    /// See [`TaskState::down`].
+    pub down: S,
+    /// See [`TaskState::old`].
+    pub old: S,
 }
 
 impl<S: Scalar> Stay<S> {
-    /// Physics steps from the arrival at the current target to the end of the control step: to where the last unbroken stay
+    /// At the beginning of a control step.
+    #[inline(always)]
+    pub fn new(state: &TaskState<S>) -> Self {
+        let o = S::zero();
+        Self { held: state.held, touch: o, pressed: o, let_go: o, down: state.down, old: state.old }
+    }
+
+    /// Counts a physics step that began with this fingertip and these contacts.
+    #[inline(always)]
+    pub fn follow(
+        &mut self,
+        task: &CompiledTask<S>,
+        goal: &Goal<S>,
+        fingertip: Point<S>,
+        contacts: impl Iterator<Item = Contact<S>> + Clone,
+    ) {
+        let one = S::lit(1.0);
+        let mut on = S::Mask::splat(false);
+        if task.kinds.dwell {
+            let [x, y, z] = difference(fingertip, goal.centre);
+            on = x.mul_add(x, y.mul_add(y, z * z)).lt(goal.size * goal.size) & !goal.is_press;
+        }
+        let Some(button) = &goal.button else {
+            self.held = (self.held + one).only(on);
+            return;
+        };
+        let (touches, force) = touch(contacts.clone(), button.number);
+        self.held = (self.held + one).only(on | touches);
+        self.touch = self.touch.max(force);
+        let mut presses = touches & button.shape.min_force.le(force);
+        if task.kinds.release {
+            presses = presses & !is_same(button.number, self.old);
+        }
+        let before = S::zero().lt(self.pressed);
+        self.pressed = S::select(before, self.pressed + one, self.held.only(presses));
+        if task.kinds.release {
+            self.down = S::select(presses, one, self.down);
+            let lets_go = S::lit(0.5).lt(self.down) & !touches;
+            self.let_go = S::select(lets_go, one, self.let_go);
+            self.down = S::select(lets_go, S::zero(), self.down);
+            let (touches_old, _) = touch(contacts, self.old);
+            self.old = S::select(touches_old, self.old, S::lit(-1.0));
+        }
+    }
+
+    /// Physics steps from the arrival at the current object to the end of the control step: to where the last unbroken stay
     /// in the sphere began, or to the onset of the contact that pressed the button.
     #[inline(always)]
     pub fn since_arrival(&self) -> S {
         S::select(S::zero().lt(self.pressed), self.pressed, self.held)
     }
+}
+
+/// Whether the box of this number is touched, and how hard.
+#[inline(always)]
+fn touch<S: Scalar>(contacts: impl Iterator<Item = Contact<S>>, number: S) -> (S::Mask, S) {
+    let (mut touches, mut force) = (S::Mask::splat(false), S::zero());
+    for contact in contacts {
+        let here = contact.exists & is_same(contact.number, number);
+        touches = touches | here;
+        force += contact.force.only(here);
+    }
+    (touches, force)
+}
+
+/// Whether two whole numbers are equal.
+#[inline(always)]
+fn is_same<S: Scalar>(a: S, b: S) -> S::Mask {
+    (a - b).abs().lt(S::lit(0.5))
 }

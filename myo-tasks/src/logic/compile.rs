@@ -1,20 +1,40 @@
 //! The task in numbers.
 
-use crate::{Reward, Target, Task};
+use crate::stage::{Action, Block, Object, Shape, Stage, Step};
+use crate::{InvalidTask, Reward, Task};
 use myo_scalar::Real;
+use nalgebra::Vector3;
 
 /// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
 /// shoulder centre, times in control steps, forces N.
 ///
-/// What is no `T` is its structure: code is compiled for it. All numbers may differ between tasks of one structure.
+/// What is no `T` is its structure: code is compiled for it. All numbers may differ between tasks of one structure, those
+/// included that say which object a step asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompiledTask<T> {
-    /// Targets in order.
-    pub targets: Vec<TargetKind<T>>,
+    /// Spheres, in the order of the scene.
+    pub spheres: Vec<DrawnSphere<T>>,
+    /// Boxes that can be touched, in the order of the scene.
+    pub boxes: Vec<TouchBox<T>>,
+    /// What is to do, one after the other.
+    pub steps: Vec<TaskStep<T>>,
+    /// Which kinds of steps there are.
+    pub kinds: Kinds,
     /// Control steps until the episode is cut.
     pub time_limit: T,
     /// Reward weights.
     pub weights: Weights<T>,
+}
+
+/// Kinds of steps that code is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kinds {
+    /// Some step is a dwell.
+    pub dwell: bool,
+    /// Some step is a press.
+    pub press: bool,
+    /// It matters when a button is let go: some step asks for it, or a button is pressed by several steps.
+    pub release: bool,
 }
 
 /// [`Reward`] per control step.
@@ -38,18 +58,9 @@ pub struct Weights<T> {
     pub acceleration_effort: T,
 }
 
-/// One target.
+/// Where a sphere may lie.
 #[derive(Clone, Debug, PartialEq)]
-pub enum TargetKind<T> {
-    /// Stay inside.
-    Sphere(Sphere<T>),
-    /// Press.
-    Button(Button<T>),
-}
-
-/// Where a sphere may lie and how long to stay in it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sphere<T> {
+pub struct DrawnSphere<T> {
     /// Corner of the box of centres.
     pub lo: [T; 3],
     /// Size of that box.
@@ -58,96 +69,219 @@ pub struct Sphere<T> {
     pub radius: T,
     /// Greatest radius minus the least.
     pub radius_extent: T,
-    /// Control steps to stay inside.
-    pub dwell: T,
-    /// Least distance from the target before.
+    /// Least distance from the object before.
     pub min_distance: T,
+    /// That object.
+    pub previous: Option<Which>,
+    /// Its number among all objects, which its random draws depend on.
+    pub number: u32,
 }
 
-/// A button.
+/// An object by its number among those of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// A sphere.
+    Sphere(usize),
+    /// A box.
+    Box(usize),
+}
+
+/// A box that can be touched.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Button<T> {
+pub struct TouchBox<T> {
     /// Centre.
     pub centre: [T; 3],
     /// Own axes as columns: up the face, across it, out of it.
     pub axes: [[T; 3]; 3],
     /// Half sizes along the own axes.
     pub half_size: [T; 3],
+    /// Radius of the ball around it.
+    pub radius: T,
     /// Force that counts as pressed.
     pub min_force: T,
-    /// Its number among the task's buttons.
-    pub number: usize,
+}
+
+/// Something to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaskStep<T> {
+    /// One if it is a press, zero if it is a dwell.
+    pub is_press: T,
+    /// Number of the sphere or box.
+    pub object: T,
+    /// Control steps to stay in a sphere.
+    pub dwell: T,
+    /// One if the button must be let go, too.
+    pub releases: T,
 }
 
 impl<C: Real> CompiledTask<C> {
     /// Works a task out.
-    pub fn new(task: &Task) -> Self {
-        let c = C::from_f64;
-        let task = task.clone().expanded();
-        let mut buttons = 0;
-        let targets = (0..task.targets.len()).map(|index| target(&task, index, &mut buttons)).collect();
-        Self {
-            targets,
-            time_limit: c(f64::from(task.time_limit_steps())),
+    ///
+    /// # Errors
+    /// What is wrong with its values.
+    pub fn new(task: &Task) -> Result<Self, InvalidTask> {
+        let stage = task.stage()?;
+        let numbers = Numbers::of(&stage);
+        let sphere = |(number, object): (usize, &Object)| sphere(object, number, &numbers);
+        let step = |step: &Step| TaskStep::new(step, numbers.0[step.object], task.control_dt_s);
+        Ok(Self {
+            spheres: stage.objects.iter().enumerate().filter_map(sphere).collect(),
+            boxes: stage.objects.iter().filter_map(|object| object.block().map(TouchBox::new)).collect(),
+            steps: stage.steps.iter().map(step).collect(),
+            kinds: Kinds::of(&stage),
+            time_limit: C::from_f64(f64::from(task.time_limit_steps())),
             weights: Weights::new(&task.reward, task.control_dt_s),
-        }
+        })
     }
 }
 
 impl<T> CompiledTask<T> {
-    /// The buttons in order.
-    pub fn buttons(&self) -> impl Iterator<Item = &Button<T>> {
-        self.targets.iter().filter_map(|target| match target {
-            TargetKind::Button(button) => Some(button),
-            TargetKind::Sphere(_) => None,
-        })
-    }
-
     /// The same structure with other numbers: each is what `f` makes of this one, in a fixed order.
+    #[inline(always)]
     pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> CompiledTask<U> {
         CompiledTask {
-            targets: self.targets.iter().map(|target| target.map(f)).collect(),
+            spheres: self.spheres.iter().map(|sphere| sphere.map(f)).collect(),
+            boxes: self.boxes.iter().map(|each| each.map(f)).collect(),
+            steps: self.steps.iter().map(|step| step.map(f)).collect(),
+            kinds: self.kinds,
             time_limit: f(&self.time_limit),
             weights: self.weights.map(f),
         }
     }
 }
 
-impl<T> TargetKind<T> {
-    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> TargetKind<U> {
-        match self {
-            Self::Sphere(sphere) => TargetKind::Sphere(sphere.map(f)),
-            Self::Button(button) => TargetKind::Button(button.map(f)),
+impl Kinds {
+    fn of(stage: &Stage) -> Self {
+        let is_dwell = |step: &Step| matches!(step.action, Action::Dwell(_));
+        let asks_for_release = |step: &Step| step.action == Action::PressAndRelease;
+        let is_press_again = |k: usize| {
+            let step = &stage.steps[k];
+            !is_dwell(step) && stage.steps[..k].iter().any(|earlier| earlier.object == step.object)
+        };
+        Self {
+            dwell: stage.steps.iter().any(is_dwell),
+            press: !stage.steps.iter().all(is_dwell),
+            release: stage.steps.iter().any(asks_for_release) || (0..stage.steps.len()).any(is_press_again),
         }
     }
 }
 
-impl<T> Sphere<T> {
-    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Sphere<U> {
-        Sphere {
+/// Number of each object among those of its kind.
+struct Numbers(Vec<Which>);
+
+impl Numbers {
+    fn of(stage: &Stage) -> Self {
+        let (mut spheres, mut boxes) = (0.., 0..);
+        let number = |object: &Object| match object.shape {
+            Shape::Sphere(_) => Which::Sphere(spheres.next().expect("there is no end")),
+            Shape::Button(_) | Shape::Obstacle(_) => Which::Box(boxes.next().expect("there is no end")),
+        };
+        Self(stage.objects.iter().map(number).collect())
+    }
+}
+
+fn sphere<C: Real>(object: &Object, number: usize, numbers: &Numbers) -> Option<DrawnSphere<C>> {
+    let c = C::from_f64;
+    let sphere = object.sphere()?;
+    let axes = [sphere.region.x, sphere.region.y, sphere.region.z];
+    Some(DrawnSphere {
+        lo: axes.map(|range| c(range.min)),
+        extent: axes.map(|range| c(range.max - range.min)),
+        radius: c(sphere.radius.min),
+        radius_extent: c(sphere.radius.max - sphere.radius.min),
+        min_distance: c(sphere.apart.map_or(0.0, |(_, least)| least)),
+        previous: sphere.apart.map(|(previous, _)| numbers.0[previous]),
+        number: number as u32,
+    })
+}
+
+impl<T> DrawnSphere<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> DrawnSphere<U> {
+        DrawnSphere {
             lo: self.lo.each_ref().map(&mut *f),
             extent: self.extent.each_ref().map(&mut *f),
             radius: f(&self.radius),
             radius_extent: f(&self.radius_extent),
-            dwell: f(&self.dwell),
             min_distance: f(&self.min_distance),
-        }
-    }
-}
-
-impl<T> Button<T> {
-    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Button<U> {
-        Button {
-            centre: self.centre.each_ref().map(&mut *f),
-            axes: self.axes.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
-            half_size: self.half_size.each_ref().map(&mut *f),
-            min_force: f(&self.min_force),
+            previous: self.previous,
             number: self.number,
         }
     }
 }
 
+impl<C: Real> TouchBox<C> {
+    fn new(block: &Block) -> Self {
+        let c = C::from_f64;
+        let column = |k: usize| [0, 1, 2].map(|row| c(block.rotation[(row, k)]));
+        Self {
+            centre: block.centre.map(c),
+            axes: [column(0), column(1), column(2)],
+            half_size: block.half_extents().map(c),
+            radius: c(Vector3::from(block.half_extents()).norm()),
+            min_force: c(block.min_force_n),
+        }
+    }
+}
+
+impl<T> TouchBox<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> TouchBox<U> {
+        TouchBox {
+            centre: self.centre.each_ref().map(&mut *f),
+            axes: self.axes.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
+            half_size: self.half_size.each_ref().map(&mut *f),
+            radius: f(&self.radius),
+            min_force: f(&self.min_force),
+        }
+    }
+}
+
+impl<T: Copy> TouchBox<T> {
+    /// All numbers, in the order of the fields.
+    #[inline(always)]
+    pub(super) fn row(&self) -> [T; 17] {
+        let ([x, y, z], [h, w, d]) = (self.centre, self.half_size);
+        let [[a, b, c], [e, f, g], [i, j, k]] = self.axes;
+        [x, y, z, a, b, c, e, f, g, i, j, k, h, w, d, self.radius, self.min_force]
+    }
+
+    /// The opposite of [`row`](Self::row).
+    #[inline(always)]
+    pub(super) fn from_row(row: [T; 17]) -> Self {
+        let [x, y, z, a, b, c, e, f, g, i, j, k, h, w, d, radius, min_force] = row;
+        Self { centre: [x, y, z], axes: [[a, b, c], [e, f, g], [i, j, k]], half_size: [h, w, d], radius, min_force }
+    }
+}
+
+impl<C: Real> TaskStep<C> {
+    fn new(step: &Step, which: Which, control_dt_s: f64) -> Self {
+        let c = C::from_f64;
+        let truth = |truth: bool| c(f64::from(u8::from(truth)));
+        let (Which::Sphere(object) | Which::Box(object)) = which;
+        Self {
+            is_press: truth(step.dwell_s().is_none()),
+            object: c(object as f64),
+            dwell: c(f64::from(step.dwell_steps(control_dt_s))),
+            releases: truth(step.action == Action::PressAndRelease),
+        }
+    }
+}
+
+impl<T> TaskStep<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> TaskStep<U> {
+        TaskStep {
+            is_press: f(&self.is_press),
+            object: f(&self.object),
+            dwell: f(&self.dwell),
+            releases: f(&self.releases),
+        }
+    }
+}
+
 impl<T> Weights<T> {
+    #[inline(always)]
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Weights<U> {
         Weights {
             distance: f(&self.distance),
@@ -174,35 +308,6 @@ impl<C: Real> Weights<C> {
             completion_bonus: c(reward.completion_bonus),
             neural_effort: c(reward.neural_effort),
             acceleration_effort: c(reward.acceleration_effort),
-        }
-    }
-}
-
-fn target<C: Real>(task: &Task, index: usize, buttons: &mut usize) -> TargetKind<C> {
-    let c = C::from_f64;
-    match &task.targets[index] {
-        Target::Pointing(sphere) => {
-            let axes = [sphere.position.x, sphere.position.y, sphere.position.z];
-            TargetKind::Sphere(Sphere {
-                lo: axes.map(|range| c(range.min)),
-                extent: axes.map(|range| c(range.max - range.min)),
-                radius: c(sphere.radius.min),
-                radius_extent: c(sphere.radius.max - sphere.radius.min),
-                dwell: c(f64::from(task.dwell_steps(index))),
-                min_distance: c(if index == 0 { 0.0 } else { sphere.min_distance() }),
-            })
-        }
-        Target::Pressing(button) => {
-            *buttons += 1;
-            let rotation = button.rotation();
-            let column = |k: usize| [0, 1, 2].map(|row| c(rotation[(row, k)]));
-            TargetKind::Button(Button {
-                centre: button.position.map(c),
-                axes: [column(0), column(1), column(2)],
-                half_size: button.half_extents().map(c),
-                min_force: c(button.min_force_n),
-                number: *buttons - 1,
-            })
         }
     }
 }

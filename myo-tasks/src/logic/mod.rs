@@ -1,23 +1,25 @@
-//! What happens to one task in one control step, generic over the number that runs it: drawing targets, telling whether
-//! they are done, and the reward.
+//! What happens to one task in one control step, generic over the number that runs it: drawing objects, telling whether
+//! steps are done, and the reward.
 //!
-//! No branch depends on the state: every lane computes every target and selects its own.
+//! No branch depends on the state: the current step and its object are gathered from tables.
 
 mod arrival;
 mod compile;
+mod goal;
 mod progress;
 mod reward;
 mod sample;
 
-pub use arrival::{Aim, Contact, Stay};
-pub use compile::{Button, CompiledTask, Sphere, TargetKind, Weights};
+pub use arrival::{Contact, Stay};
+pub use compile::{CompiledTask, DrawnSphere, Kinds, TaskStep, TouchBox, Weights, Which};
+pub use goal::{Goal, GoalButton, centre_ahead};
 pub use progress::{Progress, Sensed, advance, inside};
-pub use reward::{RewardTerms, distance_to_target, remaining_path, reward};
-pub use sample::{MAX_DRAWS, draw_spheres, place_buttons};
+pub use reward::{RewardTerms, distance_to_goal, remaining_path, reward};
+pub use sample::{MAX_DRAWS, draw_spheres};
 
 use myo_scalar::Scalar;
 
-/// Random streams of this crate; [`myo_scalar::Counter::stream`] of target `i` is `TARGET_STREAM + i`.
+/// Random streams of this crate; [`myo_scalar::Counter::stream`] of object `i` is `TARGET_STREAM + i`.
 pub const TARGET_STREAM: u32 = 0x100;
 
 /// A point (m, from the shoulder centre).
@@ -26,21 +28,25 @@ pub type Point<S> = [S; 3];
 /// State of a task within an episode.
 #[derive(Clone, Debug)]
 pub struct TaskState<S> {
-    /// Centre of each target (m).
+    /// Centre of each sphere (m).
     pub position: Vec<Point<S>>,
-    /// Radius of each sphere, half the width of each button (m).
+    /// Radius of each sphere (m).
     pub size: Vec<S>,
-    /// Number of targets done.
+    /// Number of steps done.
     pub phase: S,
-    /// Control steps inside the current target without a break.
+    /// Control steps inside the current sphere without a break.
     pub dwell: S,
-    /// Physics steps on the current target without a break, up to the end of the last control step.
+    /// Physics steps on the current object without a break, up to the end of the last control step.
     pub held: S,
+    /// One where the current step's press has counted and the button was not let go since.
+    pub down: S,
+    /// Number of the button that the last step pressed and that was not let go since; negative without one.
+    pub old: S,
     /// Control steps since the episode began.
     pub step: S,
-    /// Per target: the control step at which it was done; negative if it was not.
+    /// Per step: the control step at which it was done; negative if it was not.
     pub done_at: Vec<S>,
-    /// Per target: the physics step, counted from the reset, at which the fingertip last came to it, see [`advance`];
+    /// Per step: the physics step, counted from the reset, at which the fingertip last came to its object, see [`advance`];
     /// negative if it did not.
     pub reached_at: Vec<S>,
 }
@@ -48,58 +54,50 @@ pub struct TaskState<S> {
 impl<S: Scalar> TaskState<S> {
     /// Before the first episode.
     #[inline(always)]
-    pub fn new(ntarget: usize) -> Self {
+    pub fn new(spheres: usize, steps: usize) -> Self {
         let o = S::zero();
         Self {
-            position: vec![[o; 3]; ntarget],
-            size: vec![o; ntarget],
+            position: vec![[o; 3]; spheres],
+            size: vec![o; spheres],
             phase: o,
             dwell: o,
             held: o,
+            down: o,
+            old: S::lit(-1.0),
             step: o,
-            done_at: vec![o; ntarget],
-            reached_at: vec![o; ntarget],
+            done_at: vec![o; steps],
+            reached_at: vec![o; steps],
         }
     }
 
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        for counter in [&mut self.phase, &mut self.dwell, &mut self.held, &mut self.step] {
+        for counter in [&mut self.phase, &mut self.dwell, &mut self.held, &mut self.down, &mut self.step] {
             *counter = S::select(mask, S::zero(), *counter);
         }
-        for at in self.done_at.iter_mut().chain(&mut self.reached_at) {
+        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain([&mut self.old]) {
             *at = S::select(mask, S::lit(-1.0), *at);
         }
     }
 
-    /// Where target `index` is the current one; after the last is done it stays the current one.
+    /// Where step `index` is the current one; after the last is done it stays the current one.
     #[inline(always)]
     pub fn is_current(&self, index: usize) -> S::Mask {
-        let last = index + 1 == self.position.len();
+        let last = index + 1 == self.done_at.len();
         let reached = S::lit(index as f64 - 0.5).lt(self.phase);
         if last { reached } else { reached & self.phase.lt(S::lit(index as f64 + 0.5)) }
     }
 
-    /// Centre of the current target, or of the one `ahead` of it; the last one where there is none.
+    /// Centre and radius of the sphere of this number.
     #[inline(always)]
-    pub fn centre(&self, ahead: usize) -> Point<S> {
-        let last = self.position.len() - 1;
-        let mut centre = self.position[last];
-        for index in 0..last {
-            centre = select_point(self.is_current(index), self.position[(index + ahead).min(last)], centre);
-        }
-        centre
-    }
-
-    /// Size of the current target (m).
-    #[inline(always)]
-    pub fn current_size(&self) -> S {
-        let mut size = self.size[self.size.len() - 1];
-        for index in 0..self.size.len() - 1 {
-            size = S::select(self.is_current(index), self.size[index], size);
-        }
-        size
+    fn sphere(&self, number: S) -> (Point<S>, S) {
+        let sphere = |index: usize| {
+            let [x, y, z] = self.position[index];
+            [x, y, z, self.size[index]]
+        };
+        let [x, y, z, radius] = S::gather(self.position.len(), sphere, number);
+        ([x, y, z], radius)
     }
 }
 

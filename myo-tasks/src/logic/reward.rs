@@ -1,6 +1,6 @@
 //! The reward of a control step.
 
-use super::{Button, CompiledTask, Progress, Sensed, TargetKind, TaskState, difference, norm};
+use super::{CompiledTask, Goal, Progress, Sensed, TaskState, TouchBox, centre_ahead, difference, norm};
 use myo_scalar::Scalar;
 
 /// Weighted terms of the reward; their sum is the reward.
@@ -31,25 +31,23 @@ impl<S: Scalar> RewardTerms<S> {
     }
 }
 
-/// Distance (m) from the fingertip to what counts of the current target, before [`super::advance`].
+/// Distance (m) from the fingertip to what counts of the current object.
 #[inline(always)]
-pub fn distance_to_target<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, state: &TaskState<S>) -> S {
-    let to_centre = norm(difference(sensed.fingertip, state.centre(0)));
+pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, goal: &Goal<S>) -> S {
+    let to_centre = norm(difference(sensed.fingertip, goal.centre));
     if !task.weights.inside_is_zero {
         return to_centre;
     }
-    let mut distance = (to_centre - state.current_size()).max(S::zero());
-    for (index, target) in task.targets.iter().enumerate() {
-        if let TargetKind::Button(button) = target {
-            distance = S::select(state.is_current(index), distance_to_face(button, sensed), distance);
-        }
+    let distance = (to_centre - goal.size).max(S::zero());
+    match &goal.button {
+        Some(button) => S::select(goal.is_press, distance_to_face(&button.shape, sensed), distance),
+        None => distance,
     }
-    distance
 }
 
 /// Distance (m) to the nearest point of the pressed face.
 #[inline(always)]
-fn distance_to_face<S: Scalar>(button: &Button<S>, sensed: &Sensed<S>) -> S {
+fn distance_to_face<S: Scalar>(button: &TouchBox<S>, sensed: &Sensed<S>) -> S {
     let from_centre = difference(sensed.fingertip, button.centre);
     let mut excess = [S::zero(); 3];
     for (k, e) in excess.iter_mut().enumerate() {
@@ -62,18 +60,21 @@ fn distance_to_face<S: Scalar>(button: &Button<S>, sensed: &Sensed<S>) -> S {
     norm(excess)
 }
 
-/// Length of the path over the centres from the current target to the last (m), before [`super::advance`].
+/// Length of the path over the centres from the current object to the last (m).
 #[inline(always)]
-pub fn remaining_path<S: Scalar>(state: &TaskState<S>) -> S {
+pub fn remaining_path<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -> S {
     let mut path = S::zero();
-    for index in 1..state.position.len() {
-        let leg = norm(difference(state.position[index], state.position[index - 1]));
-        path += leg.only(state.phase.lt(S::lit(index as f64 - 0.5)));
+    let mut centre = centre_ahead(task, state, 0);
+    for ahead in 1..task.steps.len() {
+        // Past the last step the object stays the same, and the leg is zero.
+        let next = centre_ahead(task, state, ahead);
+        path += norm(difference(next, centre));
+        centre = next;
     }
     path
 }
 
-/// The reward of a step. `distance` is what [`distance_to_target`] and, if it counts, [`remaining_path`] gave before the
+/// The reward of a step. `distance` is what [`distance_to_goal`] and, if it counts, [`remaining_path`] gave before the
 /// step was judged; sums run over muscles and independent joints.
 #[inline(always)]
 pub fn reward<S: Scalar>(

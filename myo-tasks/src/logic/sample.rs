@@ -1,23 +1,13 @@
-//! Drawing the targets of an episode.
+//! Drawing the spheres of an episode.
 
-use super::{CompiledTask, Point, Sphere, TARGET_STREAM, TargetKind, TaskState, difference, norm, select_point};
+use super::{CompiledTask, DrawnSphere, Point, TARGET_STREAM, TaskState, Which, difference, norm, select_point};
 use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 
 /// Draws of one position before the farthest of them is taken, closer to its predecessor than asked. A task whose rule can
 /// hardly be met is warned about before training.
 pub const MAX_DRAWS: u32 = 64;
 
-/// Where buttons are is not drawn. It may change with the task, in the middle of an episode.
-#[inline(always)]
-pub fn place_buttons<S: Scalar>(task: &CompiledTask<S>, state: &mut TaskState<S>) {
-    for (index, target) in task.targets.iter().enumerate() {
-        if let TargetKind::Button(button) = target {
-            (state.position[index], state.size[index]) = (button.centre, button.half_size[1]);
-        }
-    }
-}
-
-/// Draws all spheres in order where the mask is true, after [`place_buttons`]. `counter` names the episode; its step and stream are set here.
+/// Draws all spheres in order where the mask is true. `counter` names the episode; its step and stream are set here.
 #[inline(always)]
 pub fn draw_spheres<S: Scalar>(
     task: &CompiledTask<S>,
@@ -25,10 +15,12 @@ pub fn draw_spheres<S: Scalar>(
     counter: Counter<S::Word>,
     state: &mut TaskState<S>,
 ) {
-    for (index, target) in task.targets.iter().enumerate() {
-        let TargetKind::Sphere(sphere) = target else { continue };
-        let counter = Counter { stream: S::Word::splat(TARGET_STREAM + index as u32), ..counter };
-        let previous = (index > 0).then(|| state.position[index - 1]);
+    for (index, sphere) in task.spheres.iter().enumerate() {
+        let counter = Counter { stream: S::Word::splat(TARGET_STREAM + sphere.number), ..counter };
+        let previous = sphere.previous.map(|previous| match previous {
+            Which::Sphere(index) => state.position[index],
+            Which::Box(index) => task.boxes[index].centre,
+        });
         let (position, radius) = draw_sphere(sphere, mask, counter, previous);
         state.position[index] = select_point(mask, position, state.position[index]);
         state.size[index] = S::select(mask, radius, state.size[index]);
@@ -38,7 +30,7 @@ pub fn draw_spheres<S: Scalar>(
 /// Centre and radius; the centre is redrawn while it is too close to the previous one.
 #[inline(always)]
 fn draw_sphere<S: Scalar>(
-    sphere: &Sphere<S>,
+    sphere: &DrawnSphere<S>,
     mask: S::Mask,
     counter: Counter<S::Word>,
     previous: Option<Point<S>>,

@@ -132,7 +132,7 @@ pub fn run(args: &Eval) -> Result<()> {
     let elsewhere = if args.task.is_some() { format!(" on {}", name(trained_task)) } else { String::new() };
     print(&format!(
         "{}{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
-        report::evaluation(task, &evaluation),
+        report::evaluation(&stage.task, &evaluation),
         report::practice(checkpoint.trend()),
         sentence(&device)
     ))

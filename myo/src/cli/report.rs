@@ -1,15 +1,16 @@
 //! Evaluations for people.
 
+use myo::tasks::Task;
 use myo::train::Evaluation;
 use myo::train::session::Trend;
 
 use super::output::{grouped, name, percent, row, table};
 
 /// A short report; lines of the same form may be added.
-pub fn evaluation(task: &str, evaluation: &Evaluation) -> String {
-    let mut text = format!("{}\n", headline(task, evaluation));
+pub fn evaluation(task: &Task, evaluation: &Evaluation) -> String {
+    let mut text = format!("{}\n", headline(&task.name, evaluation));
     if !evaluation.targets.is_empty() {
-        text += &format!("\n{}\n", targets(evaluation));
+        text += &format!("\n{}\n", targets(task, evaluation));
     }
     let mut line = |quantity: &str, value: Option<f64>, interval, kind: &Kind| {
         if let Some(value) = value {
@@ -62,12 +63,13 @@ fn headline(task: &str, evaluation: &Evaluation) -> String {
     format!("{task}: {success} of {episodes} fresh episodes succeeded{interval}")
 }
 
-fn targets(evaluation: &Evaluation) -> String {
+fn targets(task: &Task, evaluation: &Evaluation) -> String {
+    let stage = task.stage().ok().filter(|stage| stage.steps.len() == evaluation.targets.len());
     let mut rows = vec![row(["target", "success", "movement time", "sd", "with dwell"])];
     rows.extend(evaluation.targets.iter().enumerate().map(|(index, target)| {
         let seconds = |s: Option<f64>, interval| s.map_or("-".into(), |s| SECONDS.text(s, interval));
         vec![
-            (index + 1).to_string(),
+            stage.as_ref().map_or_else(|| (index + 1).to_string(), |stage| stage.number(index)),
             PERCENT.text(target.success, target.success_interval),
             seconds(target.movement_time_s, target.movement_time_s_interval),
             seconds(target.movement_time_s_sd, None),
@@ -116,6 +118,9 @@ pair: 50.0 % of 1,000 fresh episodes succeeded (95 % interval 25.0 to 75.0 %)
   in brackets     95 % confidence interval of the mean
   movement time   from the start of the target to the last entry or the touch, without dwell
 ";
-        assert_eq!(evaluation("pair", &read), want);
+        let mut task = myo::tasks::preset("public-display").unwrap();
+        task.name = "pair".into();
+        task.targets.truncate(2);
+        assert_eq!(evaluation(&task, &read), want);
     }
 }

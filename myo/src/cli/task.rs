@@ -71,7 +71,7 @@ fn list(json: bool) -> Result<()> {
             json!({
                 "name": name,
                 "description": task.description,
-                "targets": task.targets.len(),
+                "targets": targets(task),
                 "time_limit_s": task.time_limit_s,
                 "model": task.model,
             })
@@ -80,9 +80,14 @@ fn list(json: bool) -> Result<()> {
     }
     let mut rows = vec![row(["name", "targets", "time limit", "description"])];
     rows.extend(tasks.iter().map(|(name, task)| {
-        row([name, &task.targets.len().to_string(), &format!("{} s", task.time_limit_s), &task.description])
+        row([name, &targets(task).to_string(), &format!("{} s", task.time_limit_s), &task.description])
     }));
     print(&table(&rows))
+}
+
+/// Targets of a task that has been read: steps of its script.
+fn targets(task: &Task) -> usize {
+    task.stage().map_or(0, |stage| stage.steps.len())
 }
 
 fn show(name: &str) -> Result<()> {

@@ -1,11 +1,9 @@
 //! From moments of one environment to a drawing.
 
-use std::cmp::Ordering;
-
 use myo_dynamics::{CouplingMode, Plan, PlanError, Workspace, step};
 use myo_env::Snapshot;
 use myo_model::Model;
-use myo_tasks::{Pressing, Target, Task};
+use myo_tasks::{Block, Shape as Form, Stage, Task};
 
 use super::{Colour, Drawing, Shape};
 
@@ -39,7 +37,9 @@ pub struct Painter {
     plan: Plan<f64>,
     bones: Vec<usize>,
     paths: Vec<Vec<usize>>,
-    targets: Vec<Target>,
+    stage: Stage,
+    /// Of each object, its number among the spheres.
+    spheres: Vec<usize>,
 }
 
 impl Painter {
@@ -48,25 +48,33 @@ impl Painter {
     /// # Errors
     /// The model cannot be simulated.
     pub fn new(model: &Model, task: &Task) -> Result<Self, PlanError> {
+        // A task that cannot be run has nothing to draw.
+        let stage = task.stage().unwrap_or_default();
+        let before = |index: usize| stage.objects[..index].iter().filter(|object| object.sphere().is_some()).count();
         Ok(Self {
             plan: Plan::exact(model, CouplingMode::Reduced)?,
             bones: bones(model),
             paths: model.muscles.iter().map(|muscle| muscle.path.clone()).collect(),
-            targets: task.clone().expanded().targets,
+            spheres: (0..stage.objects.len()).map(before).collect(),
+            stage,
         })
     }
 
-    /// One moment: targets that are done are grey, the current one strong, later ones faint.
+    /// One moment: the current object is strong, those of later steps are faint, all others grey.
     pub fn moment(&self, moment: &Snapshot) -> Drawing {
         let mut page = Page::new();
         let phase = moment.task.phase.round() as usize;
-        for (k, target) in self.targets.iter().enumerate().rev() {
-            let (tone, strength) = match k.cmp(&phase) {
-                Ordering::Less => (DONE, 0.35),
-                Ordering::Equal => (TARGET, 1.0),
-                Ordering::Greater => (TARGET, 0.3),
+        let is_asked_for = |object: usize, from: usize| self.stage.steps.iter().skip(from).any(|s| s.object == object);
+        let current = self.stage.steps.get(phase).map(|step| step.object);
+        for object in (0..self.stage.objects.len()).rev().filter(|object| Some(*object) != current).chain(current) {
+            let (tone, strength) = if Some(object) == current {
+                (TARGET, 1.0)
+            } else if is_asked_for(object, phase) {
+                (TARGET, 0.3)
+            } else {
+                (DONE, 0.35)
             };
-            page.target(target, moment, k, tone, strength);
+            self.object(&mut page, object, moment, tone, strength);
         }
         self.arm(&mut page, moment);
         page.drawing
@@ -77,9 +85,18 @@ impl Painter {
     pub fn episode(&self, moments: &[Snapshot]) -> Drawing {
         let mut page = Page::new();
         let Some(last) = moments.last() else { return page.drawing };
-        for (k, target) in self.targets.iter().enumerate() {
-            page.target(target, last, k, TARGET, 0.5);
-            page.label(last.task.position[k], 0.035, (k + 1).to_string(), TARGET);
+        for object in 0..self.stage.objects.len() {
+            let numbers: Vec<String> = (1..)
+                .zip(&self.stage.steps)
+                .filter(|(_, step)| step.object == object)
+                .map(|(number, _)| number.to_string())
+                .collect();
+            let (tone, strength) = if numbers.is_empty() { (DONE, 0.25) } else { (TARGET, 0.5) };
+            self.object(&mut page, object, last, tone, strength);
+            let (centre, size) = self.place(object, last);
+            if !numbers.is_empty() {
+                page.label(centre, size.clamp(0.008, 0.035), numbers.join(" "), TARGET);
+            }
         }
         let path: Vec<Point> = moments.iter().map(|moment| self.fingertip(moment)).collect();
         page.line(&path, 0.004, shade(PATH, 0.75));
@@ -88,6 +105,27 @@ impl Painter {
         }
         self.arm(&mut page, last);
         page.drawing
+    }
+
+    /// Centre of an object, and its radius or half its lesser side (m).
+    fn place(&self, object: usize, moment: &Snapshot) -> (Point, f64) {
+        match &self.stage.objects[object].shape {
+            Form::Sphere(_) => {
+                let number = self.spheres[object];
+                (moment.task.position[number], moment.task.size[number])
+            }
+            Form::Button(block) | Form::Obstacle(block) => (block.centre, 0.5 * block.size[0].min(block.size[1])),
+        }
+    }
+
+    fn object(&self, page: &mut Page, object: usize, moment: &Snapshot, tone: Colour, strength: f64) {
+        match &self.stage.objects[object].shape {
+            Form::Sphere(_) => {
+                let (centre, radius) = self.place(object, moment);
+                page.sphere(centre, radius, tone, strength);
+            }
+            Form::Button(block) | Form::Obstacle(block) => page.block(block, tone, strength),
+        }
     }
 
     fn fingertip(&self, moment: &Snapshot) -> Point {
@@ -152,18 +190,12 @@ impl Page {
         page
     }
 
-    fn target(&mut self, target: &Target, moment: &Snapshot, index: usize, tone: Colour, strength: f64) {
-        match target {
-            Target::Pointing(_) => {
-                let (centre, radius) = (moment.task.position[index], moment.task.size[index]);
-                self.disc(centre, radius, shade(tone, 0.25 * strength));
-                self.push(Shape::Ring { centre: on_page(centre), radius, width: 0.004, colour: shade(tone, strength) });
-            }
-            Target::Pressing(button) => self.button(button, tone, strength),
-        }
+    fn sphere(&mut self, centre: Point, radius: f64, tone: Colour, strength: f64) {
+        self.disc(centre, radius, shade(tone, 0.25 * strength));
+        self.push(Shape::Ring { centre: on_page(centre), radius, width: 0.004, colour: shade(tone, strength) });
     }
 
-    fn button(&mut self, button: &Pressing, tone: Colour, strength: f64) {
+    fn block(&mut self, button: &Block, tone: Colour, strength: f64) {
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let front = corners.map(|(across, up)| button.face_point(across, up));
         let (normal, depth) = (button.normal(), button.size[2]);
@@ -174,7 +206,8 @@ impl Page {
             self.polygon(&side, shade(tone, 0.2 * strength));
         }
         self.polygon(&front, shade(tone, 0.55 * strength));
-        self.line(&[front[0], front[1], front[2], front[3], front[0]], 0.003, shade(tone, strength));
+        let width = (0.06 * button.size[0].min(button.size[1])).clamp(0.001, 0.003);
+        self.line(&[front[0], front[1], front[2], front[3], front[0]], width, shade(tone, strength));
     }
 
     fn line(&mut self, points: &[Point], width: f64, colour: Colour) {

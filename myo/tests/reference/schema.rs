@@ -21,13 +21,24 @@ fn section(name: &str, schema: &Value, page: &mut String) {
     }
     if let Some(properties) = schema["properties"].as_object() {
         table(schema, properties, page);
+    } else if schema["anyOf"].is_array() || schema["additionalProperties"].is_object() {
+        write!(page, "\n{}.\n", capitalised(&value(schema))).unwrap();
     }
 }
 
-/// One of several forms: a word of its own, or keys that a `kind` selects.
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
+}
+
+/// One of several forms: a word of its own, a key of its own, or keys that a `kind` selects.
 fn alternative(variant: &Value, page: &mut String) {
     match (variant["const"].as_str(), variant["properties"].as_object()) {
         (Some(word), _) => write!(page, "\n- `{word}`: {}", text(variant)).unwrap(),
+        (None, Some(properties)) if properties.len() == 1 => {
+            let (key, form) = properties.iter().next().expect("there is one");
+            write!(page, "\n- `{key}`: {}. {}\n", value(form), text(variant)).unwrap();
+        }
         (None, Some(properties)) => {
             let kind = properties["kind"]["const"].as_str().expect("forms with keys have a kind");
             write!(page, "\n### `kind: {kind}`\n\n{}\n", text(variant)).unwrap();
@@ -74,6 +85,7 @@ fn value(schema: &Value) -> String {
         "array" => list(schema),
         "boolean" => "`true` or `false`".into(),
         "string" => "text".into(),
+        "object" => format!("names, each with: {}", value(&schema["additionalProperties"])),
         kind @ ("number" | "integer") => {
             let kind = if kind == "integer" { "whole number" } else { "number" };
             [kind.to_owned(), unit(schema), bounds(schema)]

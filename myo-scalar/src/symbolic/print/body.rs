@@ -1,7 +1,7 @@
 //! The computation itself.
 
-use super::shell::{Types, entry};
-use crate::symbolic::graph::{Id, Op};
+use super::shell::{Types, entry, entry_of};
+use crate::symbolic::graph::{Buffer, Id, Op, Rows};
 use crate::symbolic::order::Item;
 use crate::symbolic::program::Program;
 use crate::symbolic::region::{Branch, Chunks, Loop, Statement, Store};
@@ -400,6 +400,7 @@ impl<'a> Body<'a> {
                 let op = if left { BinaryOperator::ShiftLeft } else { BinaryOperator::ShiftRight };
                 self.binary(op, args[0], by)
             }
+            Op::Gather(buffer, rows) => self.gather(buffer, rows, args[0]),
             Op::Table(base) => self.look_up(base, args[0]),
             Op::MulHigh => self.mul_high(args[0], args[1]),
             Op::ToNumber => self.emit(Expression::As { expr: args[0], kind: ScalarKind::Float, convert: Some(4) }),
@@ -421,6 +422,17 @@ impl<'a> Body<'a> {
             return self.load(pointer);
         }
         self.load(self.variables[&(statement, index as usize)])
+    }
+
+    /// Never reads beyond the rows, whatever the index is.
+    fn gather(&mut self, buffer: Buffer, rows: Rows, index: Expr) -> Expr {
+        let [first, step, last] = [rows.first, rows.step, rows.count - 1].map(|word| self.literal_word(word));
+        let index = self.math(MathFunction::Min, &[index, last]);
+        let row = self.binary(BinaryOperator::Multiply, index, step);
+        let row = self.binary(BinaryOperator::Add, row, first);
+        let index = entry_of(self, buffer.sharing, row);
+        let pointer = self.access(self.buffers[buffer.binding as usize], index);
+        self.load(pointer)
     }
 
     fn look_up(&mut self, base: u32, row: Expr) -> Expr {

@@ -106,7 +106,7 @@ fn buffer_uses(program: &Program, count: usize) -> Vec<BufferUse> {
     let mut uses = vec![BufferUse { kind: Kind::Number, written: false }; count];
     for id in program.live_nodes() {
         let node = &program.nodes[id as usize];
-        if let Op::Input(buffer, _) = node.op {
+        if let Op::Input(buffer, _) | Op::Gather(buffer, _) = node.op {
             uses[buffer.binding as usize].kind = node.kind;
         }
     }
@@ -192,6 +192,11 @@ impl Body<'_> {
 /// Position of an entry in a buffer.
 pub fn entry(body: &mut Body<'_>, sharing: Sharing, row: u32) -> Handle<Expression> {
     let row = body.literal_word(row);
+    entry_of(body, sharing, row)
+}
+
+/// The same where the row is computed.
+pub fn entry_of(body: &mut Body<'_>, sharing: Sharing, row: Handle<Expression>) -> Handle<Expression> {
     match sharing {
         Sharing::Shared => row,
         Sharing::PerEnv => {

@@ -422,7 +422,7 @@ fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Until, run: &Path
     };
     format!(
         "\n{}{}  trained         {steps} control steps in {time}, seed {seed}\n  run folder      {}\n\n{missed}next: {next}\n",
-        report::evaluation(&stage.task.name, evaluation),
+        report::evaluation(&stage.task, evaluation),
         report::practice(outcome.trend),
         run.display()
     )

@@ -1,0 +1,167 @@
+//! The script of a task as it stands in a file: what is to do with which objects, one after the other.
+
+use schemars::JsonSchema;
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_saphyr::FlowSeq;
+use std::borrow::Cow;
+use std::fmt;
+
+use crate::scene::Name;
+
+/// Something to do. Where it names a group, it means each object of it in turn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Instruction {
+    /// Stay in spheres: `dwell: {in: slot, for_s: 0.3}`.
+    Dwell(Dwell),
+    /// Press buttons: `press: [1, 3, 3, 5]`. A button is done as soon as it is pressed hard enough; one that is pressed twice
+    /// in a row must be let go in between.
+    Press(Names),
+    /// Press buttons and let go of them: `press_and_release: [1, 3, 3, 5]`. A button is done when it is let go.
+    PressAndRelease(Names),
+    /// Press the keys of a keyboard: `type: hello`, or `type: {text: hello, on: keyboard}`.
+    Type(Typing),
+    /// The same steps again: `repeat: {times: 3, steps: [...]}`.
+    Repeat(Repeat),
+}
+
+/// Spheres to stay in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dwell {
+    /// Which.
+    #[serde(rename = "in")]
+    pub within: Names,
+    /// How long in each without a break, in s, from 0 to 600. Rounded to whole control steps, at least one.
+    pub for_s: f64,
+}
+
+/// A text to be typed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Typing {
+    /// The text: each letter is the name of a key, a blank is `space`. Capital letters are typed as small ones.
+    pub text: String,
+    /// On which keyboard or group. Without it: on the only keyboard there is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on: Option<String>,
+}
+
+/// Steps that are done several times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Repeat {
+    /// How often, 1 to 256.
+    #[schemars(range(min = 1, max = 256))]
+    pub times: u32,
+    /// What.
+    pub steps: Vec<Instruction>,
+}
+
+/// One or several names, in a file `slot`, `3` or `[1, 3, 3, 5]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names(pub Vec<Name>);
+
+impl Serialize for Names {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0[..] {
+            [name] => name.serialize(serializer),
+            names => FlowSeq(names).serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Names {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NamesVisitor)
+    }
+}
+
+struct NamesVisitor;
+
+impl<'de> Visitor<'de> for NamesVisitor {
+    type Value = Names;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a name or a list of names")
+    }
+
+    fn visit_str<E>(self, name: &str) -> Result<Names, E> {
+        Ok(Names(vec![Name(name.to_owned())]))
+    }
+
+    fn visit_u64<E>(self, number: u64) -> Result<Names, E> {
+        Ok(Names(vec![Name(number.to_string())]))
+    }
+
+    fn visit_i64<E>(self, number: i64) -> Result<Names, E> {
+        Ok(Names(vec![Name(number.to_string())]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Names, A::Error> {
+        let mut names = vec![];
+        while let Some(name) = list.next_element()? {
+            names.push(name);
+        }
+        Ok(Names(names))
+    }
+}
+
+impl JsonSchema for Names {
+    fn schema_name() -> Cow<'static, str> {
+        "Names".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let name = generator.subschema_for::<Name>();
+        schemars::json_schema!({ "anyOf": [name, { "type": "array", "items": name }] })
+    }
+}
+
+impl<'de> Deserialize<'de> for Typing {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(TypingVisitor)
+    }
+}
+
+struct TypingVisitor;
+
+/// The long form.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "Text")]
+struct TextOn {
+    /// Each letter is the name of a key, a blank is `space`. Capital letters are typed as small ones.
+    text: String,
+    /// On which keyboard or group. Without it: on the only keyboard there is.
+    #[serde(default)]
+    on: Option<String>,
+}
+
+impl JsonSchema for Typing {
+    fn schema_name() -> Cow<'static, str> {
+        "Typing".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let long = generator.subschema_for::<TextOn>();
+        schemars::json_schema!({ "anyOf": [{ "type": "string" }, long] })
+    }
+}
+
+impl<'de> Visitor<'de> for TypingVisitor {
+    type Value = Typing;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a text, or `text` and `on`")
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Typing, E> {
+        Ok(Typing { text: text.to_owned(), on: None })
+    }
+
+    fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<Typing, A::Error> {
+        let TextOn { text, on } = TextOn::deserialize(serde::de::value::MapAccessDeserializer::new(map))?;
+        Ok(Typing { text, on })
+    }
+}
