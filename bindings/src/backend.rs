@@ -6,7 +6,7 @@ use myo::env::{BuildError, EnvConfig};
 use myo::gpu::{AdapterChoice, AdapterKind, GpuError, adapters};
 use myo::model::Model;
 use myo::tasks::Task;
-use myo::{Envs, auto_envs};
+use myo::{Device, Envs, auto_envs};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -60,6 +60,12 @@ impl BackendChoice {
             BuildError::Gpu(refusal) => no_card(&refusal),
             other => error::build(other),
         })
+    }
+
+    /// The device for so many environments.
+    pub fn device(&self, num_envs: usize) -> PyResult<Device> {
+        let mut silent = |_: &dyn Error| ();
+        self.in_this_process(num_envs)?.device(num_envs, &mut silent).map_err(|refusal| no_card(&refusal))
     }
 
     /// The same choice without graphics cards where this process cannot have one.

@@ -51,6 +51,8 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
     m.add_function(wrap_pyfunction!(train::compare, m)?)?;
     m.add_function(wrap_pyfunction!(train::trained_users, m)?)?;
+    m.add_function(wrap_pyfunction!(train::train_at_once, m)?)?;
+    m.add_function(wrap_pyfunction!(train::task_batches, m)?)?;
     m.add_function(wrap_pyfunction!(files::write_whole, m)?)?;
     m.add_function(wrap_pyfunction!(xla::xla_step_handler, m)?)?;
     m.add_function(wrap_pyfunction!(train::default_settings, m)?)

@@ -21,7 +21,7 @@ const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     pool: &ThreadPool,
-    work: impl FnOnce(&dyn Fn() -> bool) -> T + Send,
+    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
 ) -> PyResult<(T, Option<PyErr>)> {
     let stop = AtomicBool::new(false);
     let (sender, mut receiver) = mpsc::sync_channel::<Result<T, Box<dyn Any + Send>>>(1);

@@ -8,7 +8,7 @@ use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError}
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
-use myo::{Comparison, Envs, Group, ModelReach, ProgressLine, RunDescription, Start, WarmStart, likely_cause};
+use myo::{Comparison, Envs, Group, ModelReach, ProgressLine, RunDescription, Start, User, WarmStart, likely_cause};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -408,6 +408,46 @@ fn table(outcome: &Outcome) -> serde_json::Value {
         "evaluation": outcome.evaluation,
         "checkpoint": outcome.checkpoint,
     })
+}
+
+/// How a training of several went as JSON, or what went wrong.
+type Told = (Option<String>, String);
+
+/// Users of one batch of tasks and seeds, trained at once on a graphics card without run folders: for each, how it went as
+/// JSON, or what went wrong. And what a signal handler raised meanwhile, which is left to the caller.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
+#[pyo3(signature = (tasks, model, seeds, *, config, device, until, steps))]
+pub fn train_at_once(
+    py: Python<'_>,
+    tasks: Vec<PyRef<'_, Task>>,
+    model: &Model,
+    seeds: Vec<u64>,
+    config: &str,
+    device: Option<String>,
+    until: &str,
+    steps: u64,
+) -> PyResult<(Vec<Told>, Option<PyErr>)> {
+    let tasks: Vec<myo::tasks::Task> = tasks.iter().map(|task| task.inner().clone()).collect();
+    let users: Vec<User<'_>> = tasks.iter().zip(&seeds).map(|(task, &seed)| User { task, seed }).collect();
+    let config = settings(config, &PpoConfig::default())?;
+    let goal = Goal { until: goal_of(until)?, steps };
+    let device = BackendChoice::new("gpu", device)?.device(config.num_envs)?;
+    let body = model.inner();
+    let (outcomes, raised) =
+        interruptible(py, &*pool()?, |go_on| myo::train_at_once(&device, body, &users, &config, goal, go_on))?;
+    let told = outcomes.map_err(error::run)?.into_iter().map(|outcome| match outcome {
+        Ok(outcome) => (Some(table(&outcome).to_string()), String::new()),
+        Err(error) => (None, error.to_string()),
+    });
+    Ok((told.collect(), raised))
+}
+
+/// Which of these tasks users can do at once on a graphics card: batches of their numbers.
+#[pyfunction]
+pub fn task_batches(tasks: Vec<PyRef<'_, Task>>, model: &Model) -> PyResult<Vec<Vec<usize>>> {
+    let users: Vec<User<'_>> = tasks.iter().map(|task| User { task: task.inner(), seed: 0 }).collect();
+    myo::batches(model.inner(), &users).map_err(error::build)
 }
 
 /// `config.json` of a run folder, refused if no training could have begun with it.

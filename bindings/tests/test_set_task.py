@@ -47,7 +47,7 @@ def test_another_structure_is_refused_and_changes_nothing(make, short_task, othe
     state, space = env.save_state(), env.observation_space
     first = other_task["targets"][0]
     other_task["targets"] = [first, {**first, "min_distance_from_previous": 0}]
-    with pytest.raises(ValueError, match="it has 2 targets instead of 1"):
+    with pytest.raises(ValueError, match="it has 2 steps instead of 1"):
         env.set_task(other_task)
     with pytest.raises(ValueError, match="radius"):
         env.set_task({**short_task, "targets": [{**short_task["targets"][0], "radius": -1}]})

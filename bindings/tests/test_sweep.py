@@ -1,10 +1,12 @@
 """Sweeps on a local cluster of two workers."""
 
 import csv
+import os
 import sys
 
 import pytest
 
+from myoenv import train
 from myoenv.sweep import button_grid, sweep
 from myoenv.tasks import TaskError, load_task, to_dict
 
@@ -41,6 +43,28 @@ def test_without_ray_it_says_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(ImportError, match=r"pip install 'myoenv\[sweep\]'"):
         sweep(button_grid(), folder=tmp_path)
+
+
+def test_a_card_trains_layouts_at_once_each_as_alone(tmp_path):
+    if os.environ.get("MYO_NO_GPU") == "1":
+        pytest.skip("MYO_NO_GPU=1")
+    layouts = button_grid(columns=2, rows=1)
+    rows = sweep(layouts, [1, 2], tmp_path, backend="gpu", device=0, until=None, **SHORT)
+    assert [(row["layout"], row["seed"], row["error"]) for row in rows] == [
+        ("r0c0", 1, ""),
+        ("r0c0", 2, ""),
+        ("r0c1", 1, ""),
+        ("r0c1", 2, ""),
+    ]
+    alone = train(layouts["r0c1"], seed=2, until=None, backend="gpu", device=0, **SHORT)
+    assert rows[3]["return"] == alone.evaluation["return"]
+    heard = []
+    assert sweep(layouts, [1, 2], tmp_path, backend="gpu", until=None, progress=heard.append, **SHORT) == rows == heard
+
+
+def test_a_device_belongs_to_a_card(tmp_path):
+    with pytest.raises(ValueError, match='take "cpu" without a device'):
+        sweep(button_grid(), folder=tmp_path, device=0)
 
 
 def test_a_bad_layout_is_refused_before_anything_is_trained(cluster, tmp_path):

@@ -7,7 +7,7 @@ use myo_scalar::{Counter, Real, Scalar, Word};
 use myo_tasks::logic::TaskState;
 
 /// Number of weighted reward terms that are summed up over an episode.
-pub const REWARD_TERMS: usize = 5;
+pub const REWARD_TERMS: usize = 6;
 
 /// Where the other sums over an episode stand behind those of the reward terms.
 pub const EFFORT_SUM: usize = REWARD_TERMS;
@@ -15,8 +15,10 @@ pub const EFFORT_SUM: usize = REWARD_TERMS;
 pub const ROUNDS_SUM: usize = EFFORT_SUM + 1;
 /// See [`EnvState::sums`].
 pub const UNSOLVED_SUM: usize = ROUNDS_SUM + 1;
+/// See [`EnvState::sums`].
+pub const WRONG_SUM: usize = UNSOLVED_SUM + 1;
 /// How many sums there are.
-const SUMS: usize = UNSOLVED_SUM + 1;
+const SUMS: usize = WRONG_SUM + 1;
 
 /// State of one environment per lane.
 #[derive(Clone, Debug)]
@@ -31,8 +33,8 @@ pub struct EnvState<S: Scalar> {
     pub touch: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
-    /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, and physics steps that
-    /// it left unsolved. Counts are exact up to 2^24.
+    /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, physics steps that it left
+    /// unsolved, and presses that were not asked for. Counts are exact up to 2^24.
     pub sums: [S; SUMS],
     /// Seed, low half first.
     pub seed: [S::Word; 2],
@@ -86,7 +88,7 @@ impl<S: Scalar> EnvState<S> {
         let times = task.done_at.iter_mut().chain(&mut task.reached_at);
         let counters =
             [&mut task.phase, &mut task.dwell, &mut task.held, &mut task.down, &mut task.old, &mut task.step];
-        let rest = [&mut self.touch, &mut self.pending];
+        let rest = [&mut task.wrong, &mut self.touch, &mut self.pending];
         body.chain(targets).chain(times).chain(counters).chain(rest).chain(&mut self.sums)
     }
 

@@ -253,7 +253,7 @@ fn dwell_counts_rounded_steps<E: Subject>() {
     let row = &out.episode[..env.spec().episode_size()];
     assert_eq!(row[column(&env, "success")], 1.0);
     assert!((row[column(&env, "target_1_time")] - 0.3).abs() < 1e-6);
-    let terms: f32 = ["distance", "subtask", "completion", "neural_effort", "acceleration_effort"]
+    let terms: f32 = ["distance", "subtask", "completion", "neural_effort", "acceleration_effort", "wrong_press"]
         .iter()
         .map(|name| row[column(&env, &format!("reward_{name}"))])
         .sum();

@@ -174,6 +174,11 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub completion_bonus: f64,
 
+    /// Cost of pressing a button that the current step does not ask for, each time. Default 0: it is counted, and that is all.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub wrong_press: f64,
+
     /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0.001.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
@@ -358,6 +363,7 @@ impl Default for Reward {
             time_cost: 0.6,
             subtask_bonus: 3.0,
             completion_bonus: 6.0,
+            wrong_press: 0.0,
             neural_effort: 0.001,
             acceleration_effort: 0.0,
         }

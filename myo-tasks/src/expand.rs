@@ -80,7 +80,7 @@ impl Builder {
             }
             Item::Obstacle(obstacle) => {
                 let frame = frame.child(obstacle.at, obstacle.tilt_deg, obstacle.turn_deg, 1.0);
-                self.push(name, path, Shape::Obstacle(block(frame, obstacle.size, 0.0)));
+                self.push(name, path, Shape::Obstacle(block(frame, obstacle.size, f64::INFINITY)));
             }
             Item::Group(group) => self.group(group, name, path, frame, depth),
             Item::Grid(grid) => self.grid(grid, name, path, frame, depth),

@@ -26,6 +26,7 @@
 //! reward once it is given. Files it only reads.
 
 mod check;
+mod convert;
 mod description;
 mod expand;
 mod explain;

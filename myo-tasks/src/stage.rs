@@ -59,7 +59,7 @@ pub struct Block {
     pub rotation: Rotation3<f64>,
     /// Full width, height and depth (m): along y, x and z of its own.
     pub size: [f64; 3],
-    /// Force that counts as pressed (N); nothing counts for an obstacle.
+    /// Force that counts as pressed (N); infinite for an obstacle.
     pub min_force_n: f64,
 }
 

@@ -39,7 +39,8 @@ fn start(task: &Task) -> (CompiledTask<f64>, TaskState<f64>) {
 
 /// The fingertip at a point, touching nothing.
 fn at(fingertip: [f64; 3]) -> Sensed<f64> {
-    let stay = Stay { held: 0.0, touch: 0.0, pressed: 0.0, let_go: 0.0, down: 0.0, old: -1.0 };
+    let (held, touch, pressed, let_go) = (0.0, 0.0, 0.0, 0.0);
+    let stay = Stay { held, touch, pressed, let_go, down: 0.0, old: -1.0, wrong: 0.0, wrong_presses: 0.0 };
     Sensed { fingertip, stay, now: 25.0 }
 }
 
@@ -122,6 +123,7 @@ fn every_term_of_the_reward() {
         completion_bonus: 11.0,
         neural_effort: 0.25,
         acceleration_effort: 0.001,
+        wrong_press: 0.5,
         ..Reward::default()
     };
     let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
@@ -129,14 +131,15 @@ fn every_term_of_the_reward() {
     for (target_done, task_done, bonuses) in
         [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 11.0])]
     {
-        let progress: Progress<f64> = Progress { target_done, task_done, timed_out: false };
+        let progress: Progress<f64> = Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0 };
         let terms = reward(&task, &progress, 0.3, 8.0, 1000.0);
         assert_close(terms.distance, -0.62);
         assert_close(terms.subtask, bonuses[0]);
         assert_close(terms.completion, bonuses[1]);
         assert_close(terms.neural_effort, -2.0);
         assert_close(terms.acceleration_effort, -1.0);
-        assert_close(terms.sum(), -3.62 + bonuses[0] + bonuses[1]);
+        assert_close(terms.wrong_press, -1.5);
+        assert_close(terms.sum(), -5.12 + bonuses[0] + bonuses[1]);
         assert_eq!(terms.array().iter().sum::<f64>(), terms.sum());
     }
 }

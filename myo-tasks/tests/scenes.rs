@@ -214,7 +214,7 @@ fn what_a_scene_cannot_hold_is_refused() {
         press,
         "t.yaml:4:38: unknown key `sise` in `scene.b`; did you mean `size`?",
     );
-    let deep = format!("{}{button}{}", "{kind: group, objects: {g: ".repeat(40), "}}".repeat(40));
+    let deep = format!("{}{button}{}", "{kind: group, objects: {g: ".repeat(20), "}}".repeat(20));
     let error = Task::from_yaml(&text(&format!("  b: {deep}"), press), "t.yaml").unwrap_err().to_string();
     assert!(error.contains("within another; write fewer groups within groups"), "{error}");
 }
@@ -305,4 +305,68 @@ fn press_and_release_is_done_when_the_button_is_let_go() {
     let mixed = "  - press: b\n  - press_and_release: b";
     assert_eq!(press(mixed, during(&[(30, 80)])), [(2.0, 30.0), (-1.0, -1.0)]);
     assert_eq!(press(mixed, during(&[(30, 80), (100, 140)])), [(2.0, 30.0), (6.0, 100.0)]);
+}
+
+/// How often a wrong button is counted in each control step of a task that asks for `a`, then `b`; `contact` tells which
+/// boxes are touched at a physics step, and how hard.
+fn wrong_presses(contact: impl Fn(usize) -> Vec<(f64, f64)>) -> Vec<f64> {
+    let scene = "  a: {kind: button, at: [0.4, 0, 0], size: [0.03, 0.03, 0.01], min_force_n: 2}\n  b: {kind: button, at: [0.4, 0.1, 0], size: [0.03, 0.03, 0.01], min_force_n: 1}\n  desk: {kind: obstacle, at: [0.4, 0, -0.5], size: [1, 1, 0.01]}";
+    let task = Task::from_yaml(&text(scene, "  - press: [a, b]"), "t.yaml").unwrap();
+    let task = CompiledTask::<f64>::new(&task).unwrap();
+    let mut state = TaskState::new(0, task.steps.len());
+    state.restart(true);
+    let mut counted = vec![];
+    for step in 0..6 {
+        let goal = Goal::of(&task, &state);
+        let mut stay = Stay::new(&state);
+        for now in step * 25..(step + 1) * 25 {
+            let none = Contact { exists: false, number: 0.0, force: 0.0 };
+            let mut contacts = [none; 2];
+            for (slot, (number, force)) in contacts.iter_mut().zip(contact(now)) {
+                *slot = Contact { exists: true, number, force };
+            }
+            stay.follow(&task, &goal, [0.0; 3], contacts.into_iter());
+        }
+        let sensed = Sensed { fingertip: [0.0; 3], stay, now: ((step + 1) * 25) as f64 };
+        counted.push(advance(&task, &goal, &sensed, &mut state).wrong_presses);
+    }
+    counted
+}
+
+#[test]
+fn presses_that_were_not_asked_for_are_counted_once_each() {
+    let at = |ranges: &'static [(usize, usize, f64, f64)]| {
+        move |now: usize| -> Vec<(f64, f64)> {
+            let here = ranges.iter().filter(|(from, to, ..)| (*from..*to).contains(&now));
+            here.map(|&(_, _, number, force)| (number, force)).collect()
+        }
+    };
+    // The second button first, held over control steps: once. Lightly touched: not at all.
+    assert_eq!(wrong_presses(at(&[(30, 80, 1.0, 1.0)])), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(wrong_presses(at(&[(30, 80, 1.0, 0.9)])), [0.0; 6]);
+    // Let go, and again.
+    assert_eq!(wrong_presses(at(&[(30, 40, 1.0, 1.0), (45, 60, 1.0, 1.0)])), [0.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+    // Together with the right one.
+    assert_eq!(wrong_presses(at(&[(30, 40, 0.0, 2.0), (30, 40, 1.0, 1.0)])), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    // The first button is right, and still down while the second is asked for; once let go, it is wrong.
+    let again = at(&[(30, 70, 0.0, 3.0), (80, 90, 0.0, 3.0), (110, 120, 1.0, 1.0)]);
+    assert_eq!(wrong_presses(again), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    // What only stands in the way cannot be pressed.
+    assert_eq!(wrong_presses(at(&[(30, 80, 2.0, 500.0)])), [0.0; 6]);
+}
+
+#[test]
+fn converted_tasks_are_the_same_tasks_and_come_out_of_their_files_again() {
+    let mut one_of_each = preset("ar").unwrap();
+    one_of_each.targets.truncate(2);
+    for old in myo_tasks::preset_names().into_iter().map(|name| preset(name).unwrap()).chain([one_of_each]) {
+        let new = old.clone().converted();
+        assert!(new.targets.is_empty() && new.version == 2);
+        assert_eq!(CompiledTask::<f64>::new(&new).unwrap(), CompiledTask::new(&old).unwrap(), "{}", old.name);
+        let text = new.to_yaml();
+        assert_eq!(Task::from_yaml(&text, "t.yaml").unwrap(), new, "{text}");
+        assert_eq!(new.clone().converted(), new);
+    }
+    let text = preset("public-display").unwrap().converted().to_yaml();
+    assert!(text.contains("- press: [button1, button2, button3, button4]"), "{text}");
 }

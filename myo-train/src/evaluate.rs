@@ -30,6 +30,12 @@ pub struct Evaluation {
     pub effort: Option<f64>,
     /// 95 % confidence interval of it.
     pub effort_interval: Option<[f64; 2]>,
+    /// Mean number of presses per episode of buttons that were not asked for.
+    #[serde(default)]
+    pub wrong_presses: Option<f64>,
+    /// 95 % confidence interval of it.
+    #[serde(default)]
+    pub wrong_presses_interval: Option<[f64; 2]>,
     /// Mean duration of an episode, in seconds.
     pub episode_length_s: Option<f64>,
     /// 95 % confidence interval of it.
@@ -189,6 +195,8 @@ impl Evaluation {
             final_distance_m_interval: interval(distance),
             effort: mean(effort),
             effort_interval: interval(effort),
+            wrong_presses: mean(sample("wrong_presses")),
+            wrong_presses_interval: interval(sample("wrong_presses")),
             episode_length_s: mean(length),
             episode_length_s_interval: interval(length),
             episode_return: mean(episode_return),

@@ -392,6 +392,8 @@ fn an_evaluation_goes_out_and_in_under_its_names() {
         "success",
         "success_interval",
         "targets",
+        "wrong_presses",
+        "wrong_presses_interval",
     ];
     assert_eq!(keys, expected);
     let mut keys: Vec<_> = json["targets"][0].as_object().unwrap().keys().map(String::as_str).collect();

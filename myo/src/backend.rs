@@ -10,6 +10,8 @@ use myo_train::gpu::DeviceEvaluator;
 use myo_train::session::{Examiner, Goal};
 use myo_train::{Checkpoint, Member, PpoConfig, Session, TrainError, Trainer};
 
+use crate::users::User;
+
 /// [`Backend::Auto`] takes a graphics card from this many environments per thread of the processor.
 ///
 /// A step on a card takes as long for one environment as for some thousands: 0.15 ms on an H200. In that time two AVX-512
@@ -81,6 +83,11 @@ impl Start<'_> {
     fn from(&self) -> Option<&Checkpoint> {
         if let Self::New { from, .. } = self { *from } else { None }
     }
+}
+
+fn not_on_a_card() -> TrainError {
+    let (what, expected) = ("the device of several trainings at once", "a graphics card".to_owned());
+    TrainError::Mismatch { what, got: "the processor".into(), expected }
 }
 
 /// [`Backend::Auto`] takes a graphics card from this many environments, in this pool of threads.
@@ -252,10 +259,7 @@ impl Envs {
     /// Environments for another number of trainings or on the processor, settings that differ in more than step sizes;
     /// otherwise as for [`Envs::session`].
     pub fn sessions(self, looks: Self, starts: &[Start<'_>], goal: Goal) -> Result<Vec<Session>, TrainError> {
-        let (Self::Gpu(env), Self::Gpu(looks)) = (self, looks) else {
-            let (what, expected) = ("the device of several trainings at once", "a graphics card".to_owned());
-            return Err(TrainError::Mismatch { what, got: "the processor".into(), expected });
-        };
+        let (Self::Gpu(env), Self::Gpu(looks)) = (self, looks) else { return Err(not_on_a_card()) };
         let members: Vec<_> = starts.iter().map(Start::member).collect();
         let mut trainers = Trainer::several_on_card(*env, &members)?;
         for (trainer, start) in trainers.iter_mut().zip(starts) {
@@ -270,6 +274,33 @@ impl Envs {
             }
         };
         trainers.into_iter().zip(evaluators).zip(starts).map(session).collect()
+    }
+
+    /// As [`Envs::sessions`], of new users, each of whom does a task of its own. All tasks must have the structure of these
+    /// environments' task.
+    ///
+    /// # Errors
+    /// A task of another structure; otherwise as for [`Envs::sessions`].
+    pub fn sessions_of(
+        self,
+        looks: Self,
+        users: &[User<'_>],
+        config: &PpoConfig,
+        goal: Goal,
+    ) -> Result<Vec<Session>, TrainError> {
+        let (Self::Gpu(env), Self::Gpu(looks)) = (self, looks) else { return Err(not_on_a_card()) };
+        let members: Vec<Member<'_>> =
+            users.iter().map(|user| Member::Of { task: user.task, config, seed: user.seed }).collect();
+        let trainers = Trainer::several_on_card(*env, &members)?;
+        let mut evaluators = DeviceEvaluator::several(*looks, &trainers)?;
+        for (evaluator, user) in evaluators.iter_mut().zip(users) {
+            evaluator.set_task(user.task)?;
+        }
+        let session = |(trainer, evaluator): (Trainer, _)| {
+            let examiner = Examiner::on_card(evaluator, trainer.seed());
+            Session::new(trainer, examiner, goal)
+        };
+        trainers.into_iter().zip(evaluators).map(session).collect()
     }
 
     /// A trainer with a new policy, which acts and learns where the environments are.

@@ -51,6 +51,7 @@ pub mod picture;
 pub mod progress;
 mod reach;
 mod run_description;
+mod users;
 
 pub use advice::{Body, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
@@ -58,6 +59,7 @@ pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict}
 pub use progress::ProgressLine;
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
+pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};
 
 /// The example on the repository's front page compiles and runs.
 #[cfg(doctest)]

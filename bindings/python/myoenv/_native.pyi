@@ -30,6 +30,8 @@ __all__ = [
     "model_names",
     "preset_names",
     "run_config",
+    "task_batches",
+    "train_at_once",
     "trained_users",
     "write_whole",
     "xla_step_handler",
@@ -75,6 +77,24 @@ def default_settings() -> str:
 
 def compare(first: str, second: str) -> str:
     """What users of two layouts allow to say, from two groups as JSON; JSON with the sentences."""
+
+def task_batches(tasks: Sequence[Task], model: Model) -> list[list[int]]:
+    """Which of these tasks users can do at once on a graphics card: batches of their numbers."""
+
+def train_at_once(
+    tasks: Sequence[Task],
+    model: Model,
+    seeds: Sequence[int],
+    *,
+    config: str,
+    device: str | None,
+    until: str,
+    steps: int,
+) -> tuple[list[tuple[str | None, str]], BaseException | None]:
+    """Users of one batch, trained at once on a graphics card: for each, how it went as JSON, or what went wrong.
+
+    And what a signal handler raised meanwhile.
+    """
 
 def trained_users(name: str, runs: Sequence[str | PathLike[str]]) -> str:
     """The users of some runs of one layout, as JSON for `compare`."""

@@ -1,11 +1,13 @@
-"""Many trainings side by side on as many machines as Ray knows: layouts times seeds, one table.
+"""Many trainings side by side, layouts times seeds, one table.
+
+At once on a graphics card, or on as many machines as Ray knows:
 
 >>> from myoenv.sweep import button_grid, sweep
 >>> rows = sweep(button_grid(columns=6, rows=4), seeds=[1, 2, 3], folder="layouts")
 >>> pandas.DataFrame(rows).groupby("layout")[["success", "target_1_time_s"]].mean()
 
 A finished trial leaves a file in the folder and is not run again: the same call goes on where an earlier one was
-stopped. Needs `pip install myoenv[sweep]`.
+stopped. On processors it needs `pip install myoenv[sweep]`.
 """
 
 from __future__ import annotations
@@ -21,16 +23,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from myoenv._native import __version__, write_whole
+from myoenv._native import __version__, task_batches, train_at_once, write_whole
 from myoenv.arguments import (
     MOST_THREADS,
     as_count,
+    as_device,
     as_mapping,
     as_num_envs,
     as_number,
     as_pair,
     as_path,
     as_seed,
+    as_text,
     as_until,
 )
 from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
@@ -75,6 +79,8 @@ def sweep(
     steps: int = STEPS,
     settings: Mapping[str, Any] | None = None,
     num_envs: int | None = None,
+    backend: Literal["cpu", "gpu"] = "cpu",
+    device: str | int | None = None,
     cpus_per_trial: int = 1,
     address: str | None = None,
     progress: Callable[[Row], Any] | None = None,
@@ -94,12 +100,19 @@ def sweep(
         steps: Control steps of all environments after which a trial stops in any case.
         settings: Settings of PPO that differ from their defaults.
         num_envs: Environments of a trial.
+        backend: `"cpu"`, where Ray spreads trials over processors; or `"gpu"`, where one card of this machine trains
+            layouts of one structure (as many objects and steps of the same kinds, the same time limit) at once, up to
+            64 users at a time, each as it would be trained alone.
+        device: A graphics card by its number or a part of its name.
         cpus_per_trial: Processor threads of a trial, also what Ray reserves for it.
         address: A Ray cluster, `"auto"` for the one that runs here; by default, if there is none, one is started for
             the call.
         progress: Called with every row as it is there, also with those of earlier calls.
     """
-    ray = _ray()
+    on_card = as_text("backend", backend) == "gpu"
+    if not on_card and (backend != "cpu" or device is not None):
+        raise ValueError(f'backend is {backend!r} and device {device!r}; take "cpu" without a device, or "gpu"')
+    ray = None if on_card else _ray()
     goal = as_until(until)
     options = {
         "until": until if isinstance(until, str) or until is None else float(goal),
@@ -114,7 +127,9 @@ def sweep(
     trials = _trials(as_mapping("layouts", layouts), [as_seed(seed) for seed in seeds], options)
     results = _Results(folder, progress)
     missing = [trial for trial in trials if not results.load(trial)]
-    if missing:
+    if missing and ray is None:
+        _run_on_card(missing, as_device(device), goal, results)
+    elif missing:
         started = not ray.is_initialized()
         if started:
             ray.init(address=address, include_dashboard=False, log_to_driver=False)
@@ -215,6 +230,37 @@ def _run(ray: Any, trials: list[Trial], threads: int, results: _Results) -> None
             ray.cancel(unfinished, force=True)
 
 
+def _run_on_card(trials: list[Trial], device: str | None, goal: str, results: _Results) -> None:
+    """Trains trials at once, batch after batch."""
+    described = [json.loads(trial.description) for trial in trials]
+    pairs = [task_and_model(each["task"]) for each in described]
+    bodies: dict[str, list[int]] = {}
+    for k, (_, body) in enumerate(pairs):
+        bodies.setdefault(body.to_json(), []).append(k)
+    for same in bodies.values():
+        body = pairs[same[0]][1]
+        for batch in task_batches([pairs[k][0] for k in same], body):
+            members = [same[k] for k in batch]
+            first = described[members[0]]
+            config = {**first["settings"], **({} if first["num_envs"] is None else {"num_envs": first["num_envs"]})}
+            outcomes, raised = train_at_once(
+                [pairs[k][0] for k in members],
+                body,
+                [described[k]["seed"] for k in members],
+                config=json.dumps(config),
+                device=device,
+                until=goal,
+                steps=first["steps"],
+            )
+            if raised is not None:
+                raise raised
+            for k, (outcome, error) in zip(members, outcomes, strict=True):
+                if outcome is None:
+                    results.fail(trials[k], RuntimeError(error))
+                else:
+                    results.finish(trials[k], _row(trials[k], **json.loads(outcome)))
+
+
 def run_trial(trial: Trial, threads: int) -> Row:
     """Trains one layout with one seed, here; its row."""
     from myoenv.training import train
@@ -230,12 +276,24 @@ def run_trial(trial: Trial, threads: int) -> Row:
         backend="cpu",
         threads=threads,
     )
-    evaluation = result.evaluation or {}
+    return _row(
+        trial,
+        evaluation=result.evaluation,
+        env_steps=result.env_steps,
+        wall_s=result.wall_s,
+        stopped_by=result.stopped_by,
+    )
+
+
+def _row(
+    trial: Trial, *, evaluation: dict[str, Any] | None, env_steps: int, wall_s: float, stopped_by: str, **_: Any
+) -> Row:
+    evaluation = evaluation or {}
     means = ("success", "return", "effort", "final_distance_m", "episode_length_s")
     row: Row = {"layout": trial.layout, "seed": trial.seed, **{name: evaluation.get(name) for name in means}}
     for k, target in enumerate(evaluation.get("targets", ()), start=1):
         row |= {f"target_{k}_{name}": target[name] for name in ("success", "movement_time_s", "time_s")}
-    run = {"env_steps": result.env_steps, "wall_s": round(result.wall_s, 2), "stopped_by": result.stopped_by}
+    run = {"env_steps": env_steps, "wall_s": round(wall_s, 2), "stopped_by": stopped_by}
     return row | run | {"error": ""}
 
 

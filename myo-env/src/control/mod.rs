@@ -73,7 +73,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     let goal = Goal::of(&world.parameters.task, &env.task);
     let effort = sum_of_squares(&ws.ctrl);
     let terms = logic::reward(&world.parameters.task, &progress, distance, effort, sum_of_squares(&env.qacc));
-    summary::add_up(world, env, &terms, effort, &ws.physics.tally);
+    summary::add_up(world, env, &terms, progress.wrong_presses, effort, &ws.physics.tally);
     S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.observation });
     summary::summarise(world, &goal, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }

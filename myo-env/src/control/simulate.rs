@@ -48,13 +48,13 @@ impl<S: Scalar> Carried<S> for Substep<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let body = &mut self.env.body;
         visitor.numbers(body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act));
-        let Stay { held, touch, pressed, let_go, down, old } = &mut self.stay;
+        let Stay { held, touch, pressed, let_go, down, old, wrong, wrong_presses } = &mut self.stay;
         visitor.number(held);
         if self.kinds.press {
             visitor.numbers([touch, pressed]);
         }
         if self.kinds.release {
-            visitor.numbers([let_go, down, old]);
+            visitor.numbers([let_go, down, old, wrong, wrong_presses]);
         }
         visitor.numbers(&mut self.physics.qacc);
         if self.has_boxes {

@@ -2,13 +2,13 @@
 
 use crate::columns::Column;
 use crate::parameters::World;
-use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM};
+use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM, WRONG_SUM};
 use myo_dynamics::SolverTally;
 use myo_scalar::Scalar;
 use myo_tasks::logic::{self, Goal, Progress, RewardTerms, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
-pub const EPISODE_COLUMNS: [Column; 13] = [
+pub const EPISODE_COLUMNS: [Column; 15] = [
     Column::new("return", "", "Sum of the rewards."),
     Column::new("length", "control steps", "Control steps from reset to end."),
     Column::new("success", "", "1 if every target was done, else 0."),
@@ -20,12 +20,14 @@ pub const EPISODE_COLUMNS: [Column; 13] = [
     Column::new("reward_completion", "", "What was given for the whole task."),
     Column::new("reward_neural_effort", "", "What muscle control cost, negative."),
     Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
+    Column::new("reward_wrong_press", "", "What presses cost that were not asked for, negative."),
     Column::new(
         "solver_rounds",
         "",
         "Rounds of the constraint solver per physics step, mean; 1 without limits and contact.",
     ),
     Column::new("solver_unsolved", "", "Physics steps that the solver gave up on: their forces are not to be trusted."),
+    Column::new("wrong_presses", "", "How often a button was pressed that the current step did not ask for."),
 ];
 
 /// Columns of every target `k`, counted from 1, which are called `target_{k}_` and this.
@@ -58,6 +60,7 @@ pub fn add_up<S: Scalar>(
     world: &World<'_, S>,
     env: &mut EnvState<S>,
     terms: &RewardTerms<S>,
+    wrong_presses: S,
     effort: S,
     solver: &SolverTally<S>,
 ) {
@@ -68,6 +71,7 @@ pub fn add_up<S: Scalar>(
     env.sums[EFFORT_SUM] += effort * S::lit(1.0 / world.tables.plan.nmuscle().max(1) as f64);
     env.sums[ROUNDS_SUM] += S::from_word(solver.rounds);
     env.sums[UNSOLVED_SUM] += S::from_word(solver.unsolved);
+    env.sums[WRONG_SUM] += wrong_presses;
 }
 
 /// Summary of the episode up to now; meaningful where it just ended.
@@ -96,6 +100,7 @@ pub fn summarise<S: Scalar>(
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
     out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
+    out.push(env.sums[WRONG_SUM]);
     let timestep = world.tables.timestep;
     let dt = f64::from(world.tables.substeps) * timestep;
     let substeps = S::lit(f64::from(world.tables.substeps));
@@ -128,13 +133,15 @@ mod tests {
         let column = names.iter().position(|name| name == "solver_unsolved").unwrap();
         let word = <f64 as Scalar>::Word::splat;
         let (rounds, unsolved) = (word(300), word(2));
+        let (o, efforts) = (0.0, (0.0, 0.0));
+        let (neural_effort, acceleration_effort) = efforts;
         let nothing =
-            RewardTerms { distance: 0.0, subtask: 0.0, completion: 0.0, neural_effort: 0.0, acceleration_effort: 0.0 };
+            RewardTerms { distance: o, subtask: o, completion: o, neural_effort, acceleration_effort, wrong_press: o };
 
         let world = &tables.splat();
         reset(world, true, &mut env, &mut ws);
         for _ in 0..3 {
-            add_up(world, &mut env, &nothing, 0.0, &SolverTally { rounds, unsolved });
+            add_up(world, &mut env, &nothing, 0.0, 0.0, &SolverTally { rounds, unsolved });
         }
         control_step(world, &mut env, &mut ws);
         assert_eq!(ws.episode[column], 6.0);

@@ -4,7 +4,7 @@
 //! let go, is followed in between, so that movement times are as fine as the physics and know nothing of the control step.
 
 use super::{CompiledTask, Goal, Point, TaskState, difference};
-use myo_scalar::{Mask, Scalar};
+use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
 /// Contact of the fingertip with a box in a physics step.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,10 @@ pub struct Stay<S> {
     pub down: S,
     /// See [`TaskState::old`].
     pub old: S,
+    /// See [`TaskState::wrong`].
+    pub wrong: S,
+    /// Presses of buttons that were not asked for, within the control step.
+    pub wrong_presses: S,
 }
 
 impl<S: Scalar> Stay<S> {
@@ -40,7 +44,8 @@ impl<S: Scalar> Stay<S> {
     #[inline(always)]
     pub fn new(state: &TaskState<S>) -> Self {
         let o = S::zero();
-        Self { held: state.held, touch: o, pressed: o, let_go: o, down: state.down, old: state.old }
+        let TaskState { held, down, old, wrong, .. } = *state;
+        Self { held, touch: o, pressed: o, let_go: o, down, old, wrong, wrong_presses: o }
     }
 
     /// Counts a physics step that began with this fingertip and these contacts.
@@ -76,9 +81,34 @@ impl<S: Scalar> Stay<S> {
             let lets_go = S::lit(0.5).lt(self.down) & !touches;
             self.let_go = S::select(lets_go, one, self.let_go);
             self.down = S::select(lets_go, S::zero(), self.down);
-            let (touches_old, _) = touch(contacts, self.old);
+            let (touches_old, _) = touch(contacts.clone(), self.old);
             self.old = S::select(touches_old, self.old, S::lit(-1.0));
+            self.watch_others(task, button.number, contacts);
         }
+    }
+
+    /// Counts presses of boxes that are neither to be pressed nor still down from the step before. From the first one to where no such
+    /// box is touched any more is one press.
+    #[inline(always)]
+    fn watch_others(&mut self, task: &CompiledTask<S>, number: S, contacts: impl Iterator<Item = Contact<S>> + Clone) {
+        let old = self.old;
+        let others =
+            contacts.map(|c| Contact { exists: c.exists & !is_same(c.number, number) & !is_same(c.number, old), ..c });
+        let mut touched = S::Mask::splat(false);
+        for contact in others.clone() {
+            touched = touched | contact.exists;
+        }
+        S::when(touched, &mut Wrong(self), |Wrong(stay)| {
+            let mut pressed = S::Mask::splat(false);
+            for contact in others {
+                let [min_force] = S::gather(task.boxes.len(), |k| [task.boxes[k].min_force], contact.number);
+                pressed = pressed | (contact.exists & min_force.le(contact.force));
+            }
+            let begins = pressed & stay.wrong.lt(S::lit(0.5));
+            stay.wrong_presses += S::indicator(begins);
+            stay.wrong = S::select(begins, S::lit(1.0), stay.wrong);
+        });
+        self.wrong = self.wrong.only(touched);
     }
 
     /// Physics steps from the arrival at the current object to the end of the control step: to where the last unbroken stay
@@ -86,6 +116,15 @@ impl<S: Scalar> Stay<S> {
     #[inline(always)]
     pub fn since_arrival(&self) -> S {
         S::select(S::zero().lt(self.pressed), self.pressed, self.held)
+    }
+}
+
+/// What a wrong press changes.
+struct Wrong<'a, S>(&'a mut Stay<S>);
+
+impl<S: Scalar> Carried<S> for Wrong<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.numbers([&mut self.0.wrong, &mut self.0.wrong_presses]);
     }
 }
 

@@ -33,7 +33,7 @@ pub struct Kinds {
     pub dwell: bool,
     /// Some step is a press.
     pub press: bool,
-    /// It matters when a button is let go: some step asks for it, or a button is pressed by several steps.
+    /// It matters when a button is let go, and what else is pressed: some step asks to let go, or there are several presses or boxes.
     pub release: bool,
 }
 
@@ -52,6 +52,8 @@ pub struct Weights<T> {
     pub subtask_bonus: T,
     /// For the whole task.
     pub completion_bonus: T,
+    /// Per press of a button that was not asked for.
+    pub wrong_press: T,
     /// Per squared control.
     pub neural_effort: T,
     /// Per squared acceleration.
@@ -154,14 +156,12 @@ impl Kinds {
     fn of(stage: &Stage) -> Self {
         let is_dwell = |step: &Step| matches!(step.action, Action::Dwell(_));
         let asks_for_release = |step: &Step| step.action == Action::PressAndRelease;
-        let is_press_again = |k: usize| {
-            let step = &stage.steps[k];
-            !is_dwell(step) && stage.steps[..k].iter().any(|earlier| earlier.object == step.object)
-        };
+        let presses = stage.steps.iter().filter(|step| !is_dwell(step)).count();
+        let boxes = stage.objects.iter().filter(|object| object.block().is_some()).count();
         Self {
             dwell: stage.steps.iter().any(is_dwell),
-            press: !stage.steps.iter().all(is_dwell),
-            release: stage.steps.iter().any(asks_for_release) || (0..stage.steps.len()).any(is_press_again),
+            press: presses > 0,
+            release: stage.steps.iter().any(asks_for_release) || presses > 0 && presses.max(boxes) > 1,
         }
     }
 }
@@ -219,7 +219,7 @@ impl<C: Real> TouchBox<C> {
             axes: [column(0), column(1), column(2)],
             half_size: block.half_extents().map(c),
             radius: c(Vector3::from(block.half_extents()).norm()),
-            min_force: c(block.min_force_n),
+            min_force: c(block.min_force_n.min(f64::from(f32::MAX))),
         }
     }
 }
@@ -290,6 +290,7 @@ impl<T> Weights<T> {
             time_cost: f(&self.time_cost),
             subtask_bonus: f(&self.subtask_bonus),
             completion_bonus: f(&self.completion_bonus),
+            wrong_press: f(&self.wrong_press),
             neural_effort: f(&self.neural_effort),
             acceleration_effort: f(&self.acceleration_effort),
         }
@@ -306,6 +307,7 @@ impl<C: Real> Weights<C> {
             time_cost: c(reward.time_cost * control_dt_s),
             subtask_bonus: c(reward.subtask_bonus),
             completion_bonus: c(reward.completion_bonus),
+            wrong_press: c(reward.wrong_press),
             neural_effort: c(reward.neural_effort),
             acceleration_effort: c(reward.acceleration_effort),
         }

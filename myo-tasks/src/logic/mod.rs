@@ -42,6 +42,8 @@ pub struct TaskState<S> {
     pub down: S,
     /// Number of the button that the last step pressed and that was not let go since; negative without one.
     pub old: S,
+    /// One where a button is down that was not asked for.
+    pub wrong: S,
     /// Control steps since the episode began.
     pub step: S,
     /// Per step: the control step at which it was done; negative if it was not.
@@ -64,6 +66,7 @@ impl<S: Scalar> TaskState<S> {
             held: o,
             down: o,
             old: S::lit(-1.0),
+            wrong: o,
             step: o,
             done_at: vec![o; steps],
             reached_at: vec![o; steps],
@@ -73,7 +76,8 @@ impl<S: Scalar> TaskState<S> {
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        for counter in [&mut self.phase, &mut self.dwell, &mut self.held, &mut self.down, &mut self.step] {
+        let marks = [&mut self.held, &mut self.down, &mut self.wrong];
+        for counter in marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]) {
             *counter = S::select(mask, S::zero(), *counter);
         }
         for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain([&mut self.old]) {

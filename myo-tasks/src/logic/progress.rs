@@ -23,6 +23,8 @@ pub struct Progress<S: Scalar> {
     pub task_done: S::Mask,
     /// The time limit is reached and the task is not done.
     pub timed_out: S::Mask,
+    /// How often a button was pressed that was not asked for.
+    pub wrong_presses: S,
 }
 
 /// Counts the control step, judges the current step of the task, and moves on to the next one when it is done. The dwell counter
@@ -60,11 +62,12 @@ pub fn advance<S: Scalar>(
     state.held = S::select(done, S::zero(), sensed.stay.held);
     if task.kinds.release {
         hand_over(goal, &sensed.stay, done, state);
+        state.wrong = sensed.stay.wrong;
     }
     state.phase += S::indicator(done);
     let task_done = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);
     let timed_out = task.time_limit.le(state.step) & !task_done;
-    Progress { target_done: done, task_done, timed_out }
+    Progress { target_done: done, task_done, timed_out, wrong_presses: sensed.stay.wrong_presses }
 }
 
 /// A button that is still down when its step is done must be let go before it can be pressed again.

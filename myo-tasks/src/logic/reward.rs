@@ -16,18 +16,26 @@ pub struct RewardTerms<S> {
     pub neural_effort: S,
     /// Minus squared accelerations.
     pub acceleration_effort: S,
+    /// Minus presses that were not asked for.
+    pub wrong_press: S,
 }
 
 impl<S: Scalar> RewardTerms<S> {
     /// Their sum.
     #[inline(always)]
     pub fn sum(&self) -> S {
-        self.distance + self.subtask + self.completion + self.neural_effort + self.acceleration_effort
+        self.distance
+            + self.subtask
+            + self.completion
+            + self.neural_effort
+            + self.acceleration_effort
+            + self.wrong_press
     }
     /// In the order of the fields.
     #[inline(always)]
-    pub fn array(&self) -> [S; 5] {
-        [self.distance, self.subtask, self.completion, self.neural_effort, self.acceleration_effort]
+    pub fn array(&self) -> [S; 6] {
+        let Self { distance, subtask, completion, neural_effort, acceleration_effort, wrong_press } = *self;
+        [distance, subtask, completion, neural_effort, acceleration_effort, wrong_press]
     }
 }
 
@@ -91,5 +99,6 @@ pub fn reward<S: Scalar>(
         completion: w.completion_bonus.only(progress.task_done),
         neural_effort: -(w.neural_effort * squared_control),
         acceleration_effort: -(w.acceleration_effort * squared_acceleration),
+        wrong_press: -(w.wrong_press * progress.wrong_presses),
     }
 }

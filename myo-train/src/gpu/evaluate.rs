@@ -6,6 +6,7 @@ use myo_env::gpu::Shard;
 use myo_env::gpu::record::RESULT_ROWS;
 use myo_env::{GpuEnv, VectorEnv};
 use myo_gpu::{Batch, Buffer, Gpu, GpuError};
+use myo_tasks::Task;
 
 use super::dense::{Columns, DenseKernels, Dispatch, GROUP, Sampling};
 use super::kernels::{Kernels, OBSERVE_WORKGROUP};
@@ -154,6 +155,14 @@ impl DeviceEvaluator {
             })
         };
         groups.map(one).collect()
+    }
+
+    /// Goes on with another task of the same structure; see [`VectorEnv::set_task`].
+    ///
+    /// # Errors
+    /// A task of another structure or out of bounds, or the card is lost.
+    pub fn set_task(&mut self, task: &Task) -> Result<(), TrainError> {
+        Ok(self.env.set_task(task)?)
     }
 
     /// The environment.

@@ -50,6 +50,15 @@ pub enum Member<'a> {
         /// Seed of everything random.
         seed: u64,
     },
+    /// With a new policy and a task of its own, which has the structure of the environment's, see [`VectorEnv::set_task`].
+    Of {
+        /// The task.
+        task: &'a Task,
+        /// Its settings.
+        config: &'a PpoConfig,
+        /// Seed of everything random.
+        seed: u64,
+    },
     /// Goes on from a checkpoint.
     Resumed(&'a Checkpoint),
 }
@@ -57,7 +66,7 @@ pub enum Member<'a> {
 impl Member<'_> {
     fn config(&self) -> &PpoConfig {
         match self {
-            Self::New { config, .. } => config,
+            Self::New { config, .. } | Self::Of { config, .. } => config,
             Self::Resumed(checkpoint) => &checkpoint.config,
         }
     }
@@ -139,6 +148,13 @@ impl Trainer {
         let devices = TrainingDevice::on_card(env, config)?;
         let start = |(device, member): (_, &Member<'_>)| match member {
             Member::New { config, seed } => Self::start(device, (*config).clone(), *seed),
+            Member::Of { task, config, seed } => {
+                let mut device: TrainingDevice = device;
+                let least = between_cuts(device.spec(), config);
+                check_cuts(task, device.spec(), config, least)?;
+                device.env_mut().set_task(task)?;
+                Self::start(device, (*config).clone(), *seed)
+            }
             Member::Resumed(checkpoint) => Self::resume(device, checkpoint),
         };
         devices.into_iter().zip(members).map(start).collect()
@@ -415,14 +431,7 @@ impl Trainer {
     /// # Errors
     /// The environment refuses it, its time limit is too short for memory that was laid out for another, or the card is lost.
     pub fn set_task(&mut self, task: &Task) -> Result<(), TrainError> {
-        let wanted = EnvSpec { max_episode_steps: task.time_limit_steps() as usize, ..self.brain.spec.clone() };
-        if between_cuts(&wanted, &self.brain.config) < self.between_cuts {
-            return Err(TrainError::Mismatch {
-                what: "the time limit in control steps",
-                got: wanted.max_episode_steps.to_string(),
-                expected: "one whose episodes are cut no more often within an update than those before".into(),
-            });
-        }
+        check_cuts(task, &self.brain.spec, &self.brain.config, self.between_cuts)?;
         let env = self.device.env_mut();
         env.set_task(task)?;
         self.brain.spec = env.spec().clone();
@@ -465,6 +474,19 @@ impl From<CardUpdate> for UpdateResult {
 /// Control steps between cuts of one environment, at least; more than an update has are all the same.
 fn between_cuts(spec: &EnvSpec, config: &PpoConfig) -> usize {
     spec.steps_between_cuts().min(config.steps_per_update)
+}
+
+/// Refuses a task whose episodes are cut more often than the memory of a training is made for.
+fn check_cuts(task: &Task, spec: &EnvSpec, config: &PpoConfig, least: usize) -> Result<(), TrainError> {
+    let wanted = EnvSpec { max_episode_steps: task.time_limit_steps() as usize, ..spec.clone() };
+    if between_cuts(&wanted, config) >= least {
+        return Ok(());
+    }
+    Err(TrainError::Mismatch {
+        what: "the time limit in control steps",
+        got: wanted.max_episode_steps.to_string(),
+        expected: "one whose episodes are cut no more often within an update than those before".into(),
+    })
 }
 
 /// The device of a training that has its card for itself.

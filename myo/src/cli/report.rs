@@ -20,6 +20,8 @@ pub fn evaluation(task: &Task, evaluation: &Evaluation) -> String {
     let (distance, effort, length) = (evaluation.final_distance_m, evaluation.effort, evaluation.episode_length_s);
     line("final distance", distance, evaluation.final_distance_m_interval, &CENTIMETRES);
     line("effort", effort, evaluation.effort_interval, &EFFORT);
+    let wrong = evaluation.wrong_presses.filter(|_| task_has_presses(task));
+    line("wrong presses", wrong, evaluation.wrong_presses_interval, &PER_EPISODE);
     line("episode", length, evaluation.episode_length_s_interval, &SECONDS);
     line("return", evaluation.episode_return, evaluation.episode_return_interval, &RETURN);
     text + NOTE
@@ -39,6 +41,7 @@ struct Kind {
 
 const CENTIMETRES: Kind = Kind { factor: 100.0, digits: 2, unit: " cm" };
 const EFFORT: Kind = Kind { factor: 1.0, digits: 4, unit: " mean squared muscle control" };
+const PER_EPISODE: Kind = Kind { factor: 1.0, digits: 3, unit: " per episode" };
 const SECONDS: Kind = Kind { factor: 1.0, digits: 3, unit: " s" };
 const RETURN: Kind = Kind { factor: 1.0, digits: 2, unit: "" };
 const PERCENT: Kind = Kind { factor: 100.0, digits: 1, unit: " %" };
@@ -51,6 +54,11 @@ impl Kind {
         let interval = interval.map_or(String::new(), |ends| format!(" [{}]", ends.map(number).join(", ")));
         format!("{}{unit}{interval}", number(value))
     }
+}
+
+/// Whether there is anything to press.
+fn task_has_presses(task: &Task) -> bool {
+    task.stage().is_ok_and(|stage| stage.steps.iter().any(|step| step.dwell_s().is_none()))
 }
 
 fn headline(task: &str, evaluation: &Evaluation) -> String {

@@ -30,6 +30,12 @@ pub enum Command {
         /// Name of a task, or a run folder
         name: String,
     },
+    /// Print a task in the newest version of the format, without comments
+    #[command(after_help = "Example:\n  myo task convert old.yaml > new.yaml")]
+    Convert {
+        /// Task file, or name of a task
+        task: String,
+    },
     /// Say what is wrong with a task, and what is odd
     #[command(after_help = "Examples:
   myo task check my.yaml
@@ -59,6 +65,7 @@ pub fn run(command: Command) -> Result<()> {
     match command {
         Command::List { json } => list(json),
         Command::Show { name } => show(&name),
+        Command::Convert { task } => print_file(&stage::read(&task)?.task.converted().to_yaml()),
         Command::Check { task, json } => check(&task, json),
         Command::Schema => print_json(&task_schema()),
     }
