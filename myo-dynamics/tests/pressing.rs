@@ -42,3 +42,67 @@ fn the_nearest_box_is_the_one_that_counts() {
     assert!(touches && force == press(&plan, &[-0.001]).1);
     assert_eq!(index, 1.0);
 }
+
+/// Twelve keys, 1 mm apart, in a plane before the fingertip.
+fn keys(plan: &Plan<f64>, state: &State<f64>) -> Obstacles<f64> {
+    let mut ws = Workspace::<f64>::new(plan);
+    step::kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
+    let [x, y, z] = step::fingertip(plan, &ws);
+    let key = |k: usize| {
+        let (row, column) = ((k / 4) as f64 - 1.0, (k % 4) as f64 - 1.5);
+        StaticBox::new([x + 0.018, y + 0.02 * column, z + 0.02 * row], AXES, [0.01, 0.0095, 0.0095])
+    };
+    Obstacles::new(plan, &(0..12).map(key).collect::<Vec<_>>(), Surface::default())
+}
+
+#[test]
+fn what_is_not_looked_at_is_not_touched() {
+    let plan = exact(CouplingMode::Reduced);
+    let start = State { qpos: vec![0.6, 0.9, -0.5, 1.2, 0.3], ..State::<f64>::new(&plan) };
+    let (mut state, obstacles) = (start.clone(), keys(&plan, &start));
+    let most = obstacles.most_at_once(&plan);
+    assert_eq!(most, 4);
+    let mut ws = Workspace::<f64>::with_contacts(&plan, most);
+    let (mut touched, mut several, mut skipped) = (0, 0, 0);
+    for now in 0..6000_usize {
+        if now.is_multiple_of(100) {
+            // From the keys, with a push of another direction.
+            let push = |k: usize| 2.0 * ((now / 100 * (k + 2)) as f64).sin();
+            state = State { qvel: (0..plan.ndof()).map(push).collect(), ..start.clone() };
+        }
+        let mut fresh = Workspace::<f64>::with_contacts(&plan, most);
+        let before = ws.clearance;
+        step::forward(&plan, &obstacles, &state, &mut ws);
+        step::forward(&plan, &obstacles, &state, &mut fresh);
+        skipped += usize::from(before.free > 0.0 && before.from.array() == ws.clearance.from.array());
+        let found = |ws: &Workspace<f64>| -> Vec<(f64, f64)> {
+            ws.contacts.iter().filter(|c| c.exists).map(|c| (c.index, c.force)).collect()
+        };
+        assert_eq!(found(&ws), found(&fresh), "step {now}");
+        assert_eq!(ws.qacc, fresh.qacc, "step {now}");
+        touched += usize::from(!found(&ws).is_empty());
+        several += usize::from(found(&ws).len() > 1);
+        // Muscles by turns, so that the arm comes and goes.
+        let muscle = |m: usize| if (m + now / 150).is_multiple_of(3) { 0.9 } else { 0.05 };
+        let ctrl: Vec<f64> = (0..plan.nmuscle()).map(muscle).collect();
+        step::integrate(&plan, &ctrl, &mut state, &mut ws);
+    }
+    assert!(touched > 50 && several > 5 && skipped > 1000, "{touched} {several} {skipped}");
+}
+
+#[test]
+fn a_thick_fingertip_feels_every_box_that_it_touches() {
+    let mut description = myo_model::builtin("mobl-arms").unwrap();
+    description.geoms[0].shape = myo_model::description::Shape::Sphere { radius: 0.05 };
+    let plan = Plan::exact(&myo_model::Model::new(&description).unwrap(), CouplingMode::Reduced).unwrap();
+    let state = State { qpos: vec![0.6, 0.9, -0.5, 1.2, 0.3], ..State::<f64>::new(&plan) };
+    let mut ws = Workspace::<f64>::with_contacts(&plan, 2);
+    step::kinematics::kinematics(&plan, &state.qpos, &state.qvel, &mut ws);
+    let [x, y, z] = step::fingertip(&plan, &ws);
+    // Two buttons whose edges lie 2 mm aside of the middle, 1 mm within the sphere.
+    let aside = |side: f64| StaticBox::new([x + 0.049 + 0.01, y + side * 0.022, z], AXES, [0.01, 0.02, 0.02]);
+    let obstacles = Obstacles::new(&plan, &[aside(-1.0), aside(1.0)], Surface::default());
+    assert_eq!(obstacles.most_at_once(&plan), 2);
+    step::forward(&plan, &obstacles, &state, &mut ws);
+    assert!(ws.contacts.iter().all(|contact| contact.exists && contact.force > 0.0), "{:?}", ws.contacts);
+}

@@ -250,3 +250,17 @@ fn a_level_is_one_that_this_processor_runs() {
         assert_eq!(dispatch(level, Lanes), level.lanes(), "{}", level.name());
     }
 }
+
+function!(Gather, |a, b| S::gather(5, |k| [b * S::lit(k as f64)], a)[0]);
+
+#[test]
+fn rows_are_gathered_lane_by_lane_and_kept_within_the_table() {
+    let index: Vec<f32> = (0..64).map(|k| (k % 9) as f32 - 2.0).collect();
+    let values: Vec<f32> = (0..64).map(|k| 1.0 + k as f32).collect();
+    for level in Level::available() {
+        let out = dispatch(level, Map { a: &index, b: &values, f: Gather });
+        for ((got, index), value) in out.iter().zip(&index).zip(&values) {
+            assert_eq!(*got, value * index.clamp(0.0, 4.0), "{}", level.name());
+        }
+    }
+}

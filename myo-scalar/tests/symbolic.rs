@@ -282,3 +282,72 @@ fn a_function_takes_its_buffers_as_arrays() {
     }
     assert!(!wgsl.contains("var<"), "{wgsl}");
 }
+
+/// A sum over the rows of a table, and a row of it by number. Written once, as all code is.
+fn rows<S: Scalar>(table: &[[S; 2]], index: S) -> [S; 4] {
+    struct Sum<S> {
+        plain: S,
+        numbered: S,
+    }
+    impl<S: Scalar> Carried<S> for Sum<S> {
+        fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+            visitor.numbers([&mut self.plain, &mut self.numbered]);
+        }
+    }
+    let mut sum = Sum { plain: S::zero(), numbered: S::zero() };
+    S::for_each_row(table.len(), &mut sum, |sum, row| {
+        let [a, b] = S::of_row(row, table.len(), |k| table[k]);
+        sum.plain += a;
+        sum.numbered += S::row_number(row) * b;
+    });
+    let [a, b] = S::gather(table.len(), |k| table[k], index);
+    [sum.plain, sum.numbered, a, b]
+}
+
+proptest! {
+    #[test]
+    fn rows_by_number_are_those_of_plain_code(table in prop::collection::vec([-9.0..9.0, -9.0..9.0], 1..12), index in -3.0..15.0_f64) {
+        let index = index.floor();
+        let want = rows(&table, index);
+        let last = (table.len() - 1) as f64;
+        prop_assert_eq!(&want[2..], &table[index.clamp(0.0, last) as usize][..]);
+        let flat: Vec<f64> = table.iter().flatten().copied().chain([index]).collect();
+        // Read from memory, evenly spaced; and chosen from computed numbers.
+        for computed in [false, true] {
+            let program = record(flat.len(), |x| {
+                let change = |x: Sym| if computed { x * Sym::lit(2.0) } else { x };
+                let table: Vec<[Sym; 2]> = x[..flat.len() - 1].chunks(2).map(|row| [row[0], row[1]].map(change)).collect();
+                rows(&table, x[flat.len() - 1]).to_vec()
+            });
+            let [plain, numbered, a, b] = want;
+            let want = if computed { [2.0 * plain, 2.0 * numbered, 2.0 * a, 2.0 * b] } else { want };
+            for (got, want) in run(&program, &flat, 4).into_iter().zip(want) {
+                prop_assert!((got - want).abs() < 1e-9, "{} for {}", got, want);
+            }
+        }
+    }
+}
+
+#[test]
+fn programs_do_not_grow_with_the_rows_of_a_table_in_memory() {
+    let operations = |count: usize| {
+        record(2 * count + 1, |x| {
+            let table: Vec<[Sym; 2]> = x[..2 * count].chunks(2).map(|row| [row[0], row[1]]).collect();
+            rows(&table, x[2 * count]).to_vec()
+        })
+        .operations()
+    };
+    assert_eq!(operations(4), operations(200));
+}
+
+#[test]
+fn a_row_beyond_its_table_is_counted_among_what_a_program_touches() {
+    let program = record(8, |x| vec![Sym::gather(4, |k| [x[2 * k]], x[7] * x[7])[0]]);
+    assert_eq!(program.entries(0), Entries { per_env: 8, shared: 0 });
+    let program = trace(|| {
+        let table = Buffer { binding: 2, sharing: Sharing::Shared };
+        let [x] = Sym::gather(50, |k| [table.number(3 + 2 * k)], IN.number(0));
+        OUT.set_number(0, x);
+    });
+    assert_eq!(program.entries(2), Entries { per_env: 0, shared: 102 });
+}

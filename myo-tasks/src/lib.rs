@@ -1,9 +1,10 @@
 //! Pointing and pressing tasks for a simulated user: their description, presets and checks.
 //!
-//! A [`Task`] is a sequence of one to ten [`Target`]s within a time limit: a sphere to stay in ([`Pointing`]) or a button
-//! to press ([`Pressing`]). It is a YAML text with documented fields ([`task_schema`] gives them to editors and forms),
-//! read by [`load`] or [`Task::from_yaml`]; anything wrong in the text is reported with file, line and column. [`check`]
-//! then tells, before any training, what cannot be done by a body of a given [`Reach`].
+//! A [`Task`] is a [`Scene`] of named objects (spheres, buttons, obstacles; in groups, grids, circles and keyboards) and a
+//! script of [`Instruction`]s that name them, within a time limit. It is a YAML text with documented fields ([`task_schema`] gives
+//! them to editors and forms), read by [`load`] or [`Task::from_yaml`]; anything wrong in the text is reported with file, line
+//! and column. [`Task::stage`] writes out every object and every step. [`check`] then tells, before any training, what cannot be
+//! done by a body of a given [`Reach`]. Files of version 1, a list of [`Target`]s, are read as well.
 //!
 //! ```
 //! use myo_tasks::{Anywhere, Task, check, preset_text};

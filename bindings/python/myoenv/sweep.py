@@ -129,7 +129,7 @@ def sweep(
     missing = [trial for trial in trials if not results.load(trial)]
     if missing and ray is None:
         _run_on_card(missing, as_device(device), goal, results)
-    elif missing:
+    elif missing and ray is not None:
         started = not ray.is_initialized()
         if started:
             ray.init(address=address, include_dashboard=False, log_to_driver=False)

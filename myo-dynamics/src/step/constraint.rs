@@ -13,7 +13,7 @@
 use crate::plan::{Form, Plan};
 use crate::step::{cholesky, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
-use myo_scalar::{Carried, Mask, Scalar, Visitor, Word};
+use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor, Word};
 
 /// Rounds that may change several rows.
 pub const BLOCK_ROUNDS: usize = 4;
@@ -141,8 +141,11 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
         }
     }
     if rows.touching {
-        for number in 0..ws.contacts.len() {
-            where_touched(ws, number, |ws, number| add_contact(n, number, ws));
+        add_contact(n, 0, ws);
+        for number in 1..ws.contacts.len() {
+            S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| {
+                S::outline(AddContact { n, number: *number, ws });
+            });
         }
     }
     for (row, jacobian) in ws.equality.iter().zip(ws.equality_jacobian.chunks_exact(n)) {
@@ -150,13 +153,37 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
     }
 }
 
-/// Runs a part of a round for one contact. The first one of a step is there so often that a card does not branch for it.
-#[inline(always)]
-fn where_touched<S: Scalar>(ws: &mut Workspace<S>, number: usize, part: impl FnOnce(&mut Workspace<S>, usize)) {
-    if number == 0 {
-        return part(ws, 0);
+/// See [`add_contact`]. The first contact of a step is there so often that a card does not branch for it; others are stages,
+/// since a closure that is not inlined would be compiled without its level's instructions.
+struct AddContact<'a, S: Scalar> {
+    n: usize,
+    number: usize,
+    ws: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Stage<S> for AddContact<'_, S> {
+    const NAME: &'static str = "further contacts";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        add_contact(self.n, self.number, self.ws);
     }
-    S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| part(ws, *number));
+}
+
+/// See [`judge_contact`].
+struct JudgeContact<'a, S: Scalar> {
+    n: usize,
+    number: usize,
+    ws: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Stage<S> for JudgeContact<'_, S> {
+    const NAME: &'static str = "further contacts";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        judge_contact(self.n, self.number, self.ws);
+    }
 }
 
 /// What a contact's part of a round changes.
@@ -205,8 +232,12 @@ fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: R
     }
     ws.unsettled = changed;
     if rows.touching {
-        for number in 0..ws.contacts.len() {
-            where_touched(ws, number, |ws, number| judge_contact(plan.ndof(), number, ws));
+        let n = plan.ndof();
+        judge_contact(n, 0, ws);
+        for number in 1..ws.contacts.len() {
+            S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| {
+                S::outline(JudgeContact { n, number: *number, ws });
+            });
         }
     }
     settle(ws, ws.unsettled);

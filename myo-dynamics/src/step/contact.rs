@@ -9,8 +9,8 @@
 use crate::obstacles::Obstacles;
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
-use crate::workspace::{Clearance, Contact, PYRAMID, Row, State, Workspace};
-use myo_scalar::{Carried, Scalar, Visitor};
+use crate::workspace::{self, Clearance, Contact, PYRAMID, State, Workspace};
+use myo_scalar::{Carried, Row, Scalar, Stage, Visitor};
 
 /// Farther than anything in reach (m).
 const FAR: f64 = 1e3;
@@ -38,11 +38,50 @@ pub fn contact<S: Scalar>(
     let moved = centre - ws.clearance.from;
     let near = !moved.dot(moved).lt(ws.clearance.free.sq());
     let mut around = Around { contacts: &mut ws.contacts, clearance: &mut ws.clearance, found: S::zero() };
-    S::when(near, &mut around, |around| look_around(sphere, obstacles, centre, around));
+    S::when(near, &mut around, |around| S::outline(LookAround { sphere, obstacles, centre, around }));
     for number in 0..ws.contacts.len() {
         S::when(ws.contacts[number].exists, &mut Edges(ws, number), |Edges(ws, number)| {
-            pyramid(plan, sphere, obstacles, state, centre, *number, ws);
+            S::outline(Pyramid { plan, sphere, obstacles, state, centre, number: *number, ws });
         });
+    }
+}
+
+/// See [`look_around`]. Branches of this size are stages: a closure that is not inlined would be compiled without its level's
+/// instructions.
+struct LookAround<'a, 'b, S: Scalar> {
+    sphere: &'a ContactSphere<S::Const>,
+    obstacles: &'a Obstacles<S::Const, S>,
+    centre: Vec3<S>,
+    around: &'a mut Around<'b, S>,
+}
+
+impl<S: Scalar> Stage<S> for LookAround<'_, '_, S> {
+    const NAME: &'static str = "boxes around";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        look_around(self.sphere, self.obstacles, self.centre, self.around);
+    }
+}
+
+/// See [`pyramid`].
+struct Pyramid<'a, S: Scalar> {
+    plan: &'a Plan<S::Const>,
+    sphere: &'a ContactSphere<S::Const>,
+    obstacles: &'a Obstacles<S::Const, S>,
+    state: &'a State<S>,
+    centre: Vec3<S>,
+    number: usize,
+    ws: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> Stage<S> for Pyramid<'_, S> {
+    const NAME: &'static str = "friction pyramid";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { plan, sphere, obstacles, state, centre, number, ws } = self;
+        pyramid(plan, sphere, obstacles, state, centre, number, ws);
     }
 }
 
@@ -87,21 +126,45 @@ fn look_around<S: Scalar>(
         let clear = away.dot(away).sqrt() - radius - reach;
         let near = clear.lt(S::zero());
         let mut beside = Beside { around, clear };
-        S::when(near, &mut beside, |Beside { around, clear }| {
-            let [a, b, c, e, f, g, i, j, k, h, w, d] = S::of_row(row, n, |k| {
-                let ([h, w, d], [[a, b, c], [e, f, g], [i, j, k]]) = (boxes[k].half_size, boxes[k].axes);
-                [a, b, c, e, f, g, i, j, k, h, w, d]
-            });
-            let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
-            let (distance, normal) = surface(axes, half_size, away);
-            *clear = S::select(near, distance - reach, *clear);
-            let touches = near & clear.lt(S::zero());
-            let distance = distance - S::splat(sphere.radius);
-            around.add(touches, Contact { index: S::row_number(row), distance, normal, ..Contact::none() });
-        });
+        S::when(near, &mut beside, |beside| S::outline(Inspect { sphere, obstacles, row, away, near, reach, beside }));
         let Beside { around, clear } = beside;
         around.clearance.free = around.clearance.free.min((clear - S::lit(ROUNDING)).max(S::zero()));
     });
+}
+
+/// A closer look at a box.
+struct Inspect<'a, 'b, 'c, S: Scalar> {
+    sphere: &'a ContactSphere<S::Const>,
+    obstacles: &'a Obstacles<S::Const, S>,
+    /// The box.
+    row: Row<S::Word>,
+    /// The fingertip, from its centre.
+    away: Vec3<S>,
+    /// Where it is looked at.
+    near: S::Mask,
+    /// From the centre of the fingertip to where contact begins (m).
+    reach: S,
+    beside: &'a mut Beside<'b, 'c, S>,
+}
+
+impl<S: Scalar> Stage<S> for Inspect<'_, '_, '_, S> {
+    const NAME: &'static str = "box nearby";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { sphere, obstacles, row, away, near, reach, beside: Beside { around, clear } } = self;
+        let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
+        let [a, b, c, e, f, g, i, j, k, h, w, d] = S::of_row(row, n, |k| {
+            let ([h, w, d], [[a, b, c], [e, f, g], [i, j, k]]) = (boxes[k].half_size, boxes[k].axes);
+            [a, b, c, e, f, g, i, j, k, h, w, d]
+        });
+        let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
+        let (distance, normal) = surface(axes, half_size, away);
+        *clear = S::select(near, distance - reach, *clear);
+        let touches = near & clear.lt(S::zero());
+        let distance = distance - S::splat(sphere.radius);
+        around.add(touches, Contact { index: S::row_number(row), distance, normal, ..Contact::none() });
+    }
 }
 
 /// A box that is looked at.
@@ -215,7 +278,7 @@ fn pyramid<S: Scalar>(
             velocity = entry.mul_add(state.qvel[dof], velocity);
         }
         let (weight, reference) = obstacles.impedance.row(violation, velocity, S::splat(obstacles.diagonal));
-        ws.contacts[number].rows[k] = Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
+        ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
     }
 }
 

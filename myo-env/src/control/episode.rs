@@ -3,7 +3,7 @@
 use super::{Scratch, sense, stages};
 use crate::parameters::World;
 use crate::state::EnvState;
-use myo_scalar::{Counter, Mask, Scalar, Word, philox, unit};
+use myo_scalar::{Counter, Mask, Scalar, Stage, Word, philox, unit};
 use myo_tasks::logic::{self, Goal, Stay};
 
 /// Random streams of the body's state.
@@ -71,8 +71,27 @@ fn draw_body<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
 pub fn uniform<S: Scalar>(counter: Counter<S::Word>, stream: u32, count: usize) -> Vec<S> {
     let mut draws = vec![S::zero(); count.next_multiple_of(4)];
     S::map_chunks(&mut draws, |block, _: [S; 4]| {
-        philox::<S>(Counter { stream: S::Word::splat(stream) + block, ..counter }).map(unit)
+        let mut four = [S::zero(); 4];
+        S::outline(Four { counter: Counter { stream: S::Word::splat(stream) + block, ..counter }, four: &mut four });
+        four
     });
     draws.truncate(count);
     draws
+}
+
+/// Four uniform numbers. A stage, since closures that are called from several places are not inlined.
+struct Four<'a, S: Scalar> {
+    counter: Counter<S::Word>,
+    four: &'a mut [S; 4],
+}
+
+impl<S: Scalar> Stage<S> for Four<'_, S> {
+    const NAME: &'static str = "random numbers";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for (x, word) in self.four.iter_mut().zip(philox::<S>(self.counter)) {
+            *x = unit(word);
+        }
+    }
 }

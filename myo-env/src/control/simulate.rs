@@ -4,7 +4,7 @@ use super::Scratch;
 use crate::parameters::World;
 use crate::state::EnvState;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
-use myo_scalar::{Carried, Scalar, Visitor};
+use myo_scalar::{Carried, Scalar, Stage, Visitor};
 use myo_tasks::logic::{self, Goal, Kinds, Stay};
 
 /// Runs the physics and follows what the fingertip does with the current object, so that a short tap between two control
@@ -24,13 +24,31 @@ pub fn simulate<S: Scalar>(
     let mut carried = Substep { env, physics, stay, kinds: task.kinds, has_boxes: !task.boxes.is_empty() };
     S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, stay, .. }| {
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
+        S::outline(Follow { world, goal, physics, stay });
+    });
+    env.qacc.copy_from_slice(&ws.physics.qacc);
+}
+
+/// What the fingertip does with the current object in a physics step.
+struct Follow<'a, S: Scalar> {
+    world: &'a World<'a, S>,
+    goal: &'a Goal<S>,
+    physics: &'a Workspace<S>,
+    stay: &'a mut Stay<S>,
+}
+
+impl<S: Scalar> Stage<S> for Follow<'_, S> {
+    const NAME: &'static str = "following the fingertip";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { world, goal, physics, stay } = self;
         // Positions and contact are those from which the step was made.
         let fingertip = step::fingertip(&world.tables.plan, physics);
         let contacts = physics.contacts.iter();
         let contacts = contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force });
-        stay.follow(task, goal, fingertip, contacts);
-    });
-    env.qacc.copy_from_slice(&ws.physics.qacc);
+        stay.follow(&world.parameters.task, goal, fingertip, contacts);
+    }
 }
 
 /// What a physics step hands on.
