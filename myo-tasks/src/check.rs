@@ -174,10 +174,14 @@ fn distance_rule(previous: Element, from: Region, target: Element, to: Region, n
 /// Boxes that stand in each other.
 fn overlaps(stage: &Stage, report: &mut Report) {
     let blocks = || stage.objects.iter().enumerate().filter_map(|(index, object)| Some((index, object.block()?)));
+    let mut seen: Vec<[&str; 2]> = Vec::new();
     for (a, first) in blocks() {
         for (b, second) in blocks().filter(|(b, _)| *b > a) {
             let overlap_m = -first.gap(second);
-            if overlap_m > ROUNDING {
+            // Keys that are too large have one thing to say, not sixty.
+            let paths = [a, b].map(|index| &*stage.objects[index].path);
+            if overlap_m > ROUNDING && !seen.contains(&paths) {
+                seen.push(paths);
                 let [a, b] = [a, b].map(|index| Element::objects(stage, index, index));
                 report.errors.push(TaskError::Overlap { a, b: Box::new(b), overlap_m });
             }

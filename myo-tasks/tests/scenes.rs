@@ -241,6 +241,9 @@ fn boxes_may_touch_but_not_overlap() {
         source.messages(&source.check(&Anywhere))
     };
     assert_eq!(findings(0.03), [""; 0]);
+    let source = Source::parse(&text(&KEYS.replace("0.009", "0.012"), "  - type: hi"), "t.yaml").unwrap();
+    let said = source.messages(&source.check(&Anywhere));
+    assert_eq!(said, ["t.yaml:4:30: keys.q and keys.w overlap by 2.0 mm; move one of them, or make it smaller"]);
     assert_eq!(findings(0.028), ["t.yaml:5:27: a and b overlap by 2.0 mm; move one of them, or make it smaller"]);
 }
 
