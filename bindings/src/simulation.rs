@@ -106,7 +106,8 @@ impl Simulation {
             None => Obstacles::none(&plan),
         };
         let names = |all: Vec<&String>| all.into_iter().cloned().collect();
-        let moment = Moment { state: State::new(&plan), ws: Workspace::new(&plan), time: 0.0, fresh: false };
+        let ws = Workspace::with_contacts(&plan, obstacles.most_at_once(&plan));
+        let moment = Moment { state: State::new(&plan), ws, time: 0.0, fresh: false };
         Ok(Self {
             joint_names: plan.dofs.iter().map(|dof| dof.name.clone()).collect(),
             muscle_names: names(model.muscles.iter().map(|m| &m.name).collect()),
@@ -257,11 +258,10 @@ impl Simulation {
         forces.into_pyarray(py)
     }
 
-    /// Sum of normal forces on the button that the fingertip touches (N), 0 without contact.
+    /// Sum of normal forces on the boxes that the fingertip touches (N), 0 without contact.
     #[getter]
     fn contact_force(&self) -> f64 {
-        let moment = self.looked();
-        if moment.ws.contacts[0].exists { moment.ws.contacts[0].force } else { 0.0 }
+        self.looked().ws.contacts.iter().filter(|contact| contact.exists).map(|contact| contact.force).sum()
     }
 
     /// Position of the fingertip (m), `(3,)`.

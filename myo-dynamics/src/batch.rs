@@ -15,6 +15,8 @@ use rayon::prelude::*;
 pub struct Batch {
     plan: Plan<f32>,
     obstacles: Obstacles<f32>,
+    /// Boxes that can be touched at once, at most.
+    contacts: usize,
     level: Level,
     size: usize,
     blocks: Vec<f32>,
@@ -37,12 +39,13 @@ impl Batch {
         let obstacles = Obstacles::none(&plan);
         let nblock = size.div_ceil(level.lanes());
         let blocks = vec![0.0; nblock * entries(&plan) * level.lanes()];
-        Self { plan, obstacles, level, size, blocks, solver: vec![SolverCount::default(); size] }
+        Self { plan, obstacles, contacts: 1, level, size, blocks, solver: vec![SolverCount::default(); size] }
     }
 
     /// The same with boxes that every fingertip can press.
     pub fn touching(mut self, boxes: &[StaticBox], surface: Surface) -> Self {
         self.obstacles = Obstacles::new(&self.plan, boxes, surface);
+        self.contacts = self.obstacles.most_at_once(&self.plan);
         self
     }
 
@@ -88,13 +91,13 @@ impl Batch {
 
     /// Advances every body by `steps` physics steps, on the current rayon threads.
     pub fn step(&mut self, steps: usize) {
-        let Self { plan, obstacles, level, blocks, solver, .. } = self;
+        let Self { plan, obstacles, contacts, level, blocks, solver, .. } = self;
         let block = entries(plan) * level.lanes();
         // Several blocks to a task, so that scratch memory is allocated rarely.
         let per_task = (blocks.len() / block).div_ceil(4 * rayon::current_num_threads()).max(1);
         let solver = solver.par_chunks_mut(level.lanes() * per_task);
         blocks.par_chunks_mut(block * per_task).zip(solver).for_each(|(blocks, solver)| {
-            dispatch(*level, Steps { plan, obstacles, blocks, solver, steps });
+            dispatch(*level, Steps { plan, obstacles, contacts: *contacts, blocks, solver, steps });
         });
     }
 
@@ -142,6 +145,7 @@ fn entries<C>(plan: &Plan<C>) -> usize {
 struct Steps<'a> {
     plan: &'a Plan<f32>,
     obstacles: &'a Obstacles<f32>,
+    contacts: usize,
     blocks: &'a mut [f32],
     /// Of the bodies that somebody looks at.
     solver: &'a mut [SolverCount],
@@ -153,8 +157,8 @@ impl LaneTask for Steps<'_> {
 
     #[inline(always)]
     fn run<S: Scalar<Const = f32>>(self) {
-        let Self { plan, obstacles, blocks, solver, steps } = self;
-        let (mut state, mut ws) = (State::<S>::new(plan), Workspace::<S>::new(plan));
+        let Self { plan, obstacles, contacts, blocks, solver, steps } = self;
+        let (mut state, mut ws) = (State::<S>::new(plan), Workspace::<S>::with_contacts(plan, contacts));
         let obstacles = &obstacles.splat::<S>();
         let mut ctrl = vec![S::zero(); plan.nmuscle()];
         let blocks = blocks.chunks_exact_mut(entries(plan) * S::LANES);

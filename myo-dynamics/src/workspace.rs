@@ -274,7 +274,8 @@ impl<S: Scalar> Workspace<S> {
         Self::with_contacts(plan, 1)
     }
 
-    /// Memory for a plan and so many boxes that can be touched at once.
+    /// Memory for a plan and so many boxes that can be touched at once: no fewer than
+    /// [`Obstacles::most_at_once`](crate::Obstacles::most_at_once) says, else contacts are left out.
     pub fn with_contacts(plan: &Plan<S::Const>, contacts: usize) -> Self {
         let o = S::zero();
         let (nlink, ndof, nmuscle) = (plan.links.len(), plan.ndof(), plan.nmuscle());

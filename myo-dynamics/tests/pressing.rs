@@ -3,7 +3,8 @@
 mod common;
 
 use common::exact;
-use myo_dynamics::{CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace, step};
+use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace, step};
+use myo_scalar::Level;
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -105,4 +106,32 @@ fn a_thick_fingertip_feels_every_box_that_it_touches() {
     assert_eq!(obstacles.most_at_once(&plan), 2);
     step::forward(&plan, &obstacles, &state, &mut ws);
     assert!(ws.contacts.iter().all(|contact| contact.exists && contact.force > 0.0), "{:?}", ws.contacts);
+}
+
+#[test]
+fn lanes_feel_every_box_that_they_touch() {
+    let plan = exact(CouplingMode::Reduced);
+    let state = State { qpos: vec![0.6, 0.9, -0.5, 1.2, 0.3], ..State::<f64>::new(&plan) };
+    let mut ws = Workspace::<f64>::with_contacts(&plan, 2);
+    step::kinematics::kinematics(&plan, &state.qpos, &state.qvel, &mut ws);
+    let [x, y, z] = step::fingertip(&plan, &ws);
+    // Side by side, the fingertip half a millimetre within both where they meet.
+    let aside = |side: f64| StaticBox::new([x - 0.0005 + 0.01, y + side * 0.02, z], AXES, [0.01, 0.02, 0.02]);
+    let boxes = [aside(-1.0), aside(1.0)];
+    let after = |contacts: usize| {
+        let (mut state, obstacles) = (state.clone(), Obstacles::new(&plan, &boxes, Surface::default()));
+        let mut ws = Workspace::<f64>::with_contacts(&plan, contacts);
+        for _ in 0..5 {
+            step::step(&plan, &obstacles, &vec![0.0; plan.nmuscle()], &mut state, &mut ws);
+        }
+        state.qpos
+    };
+    let (both, one) = (after(2), after(1));
+    let mut batch = Batch::new(&plan, 1, Level::current()).touching(&boxes, Surface::default());
+    batch.set_state(0, &state.qpos, &state.qvel, &state.act);
+    batch.set_ctrl(0, &vec![0.0; plan.nmuscle()]);
+    batch.step(5);
+    let difference = |a: &[f64]| a.iter().zip(batch.qpos(0)).map(|(a, b)| (a - f64::from(b)).abs()).fold(0.0, f64::max);
+    let (right, wrong) = (difference(&both), difference(&one));
+    assert!(right < 1e-5 && wrong > 10.0 * right, "{right} {wrong}");
 }

@@ -114,8 +114,8 @@ impl Parameters<()> {
             (
                 new.release,
                 old.release,
-                "presses a button twice or asks to let go",
-                "presses no button twice and does not ask to let go",
+                "asks to let go, or has several presses or boxes",
+                "does not ask to let go, and has one press and one box",
             ),
         ] {
             if new != old {

@@ -133,10 +133,14 @@ mod tests {
         let column = names.iter().position(|name| name == "solver_unsolved").unwrap();
         let word = <f64 as Scalar>::Word::splat;
         let (rounds, unsolved) = (word(300), word(2));
-        let (o, efforts) = (0.0, (0.0, 0.0));
-        let (neural_effort, acceleration_effort) = efforts;
-        let nothing =
-            RewardTerms { distance: o, subtask: o, completion: o, neural_effort, acceleration_effort, wrong_press: o };
+        let nothing = RewardTerms {
+            distance: 0.0,
+            subtask: 0.0,
+            completion: 0.0,
+            neural_effort: 0.0,
+            acceleration_effort: 0.0,
+            wrong_press: 0.0,
+        };
 
         let world = &tables.splat();
         reset(world, true, &mut env, &mut ws);
