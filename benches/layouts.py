@@ -21,36 +21,36 @@ from pathlib import Path
 SPACE = {"x": (0.25, 0.5), "y": (-0.25, 0.25), "z": (-0.35, 0.2)}
 
 
-def sphere(rng, place):
-    return {
-        "kind": "pointing",
-        "position": dict(zip("xyz", place, strict=True)),
-        "radius": round(rng.uniform(0.03, 0.08), 3),
-        "dwell_s": rng.choice([0.1, 0.2, 0.3]),
-        "min_distance_from_previous": 0,
-    }
+def sphere(rng, place, name):
+    """A sphere, and the step that asks for it."""
+    radius = round(rng.uniform(0.03, 0.08), 3)
+    thing = {"kind": "sphere", "at": place, "radius": radius, "min_distance_from_previous": 0}
+    return thing, {"dwell": {"in": name, "for_s": rng.choice([0.1, 0.2, 0.3])}}
 
 
-def button(rng, place):
+def button(rng, place, name):
+    """A button, and the step that asks for it."""
     side = round(rng.uniform(0.03, 0.07), 3)
-    return {
-        "kind": "pressing",
-        "position": place,
+    thing = {
+        "kind": "button",
+        "at": place,
         "size": [side, side, 0.02],
         "tilt_deg": rng.choice([0, 45, 90]),
         "min_force_n": rng.choice([0.5, 1, 2]),
     }
+    return thing, {"press": name}
 
 
 def draw(rng, name, count):
     """A layout of so many targets, as a task file: JSON is YAML."""
-
-    def target():
+    task = {"version": 2, "name": name, "scene": {}, "script": [], "time_limit_s": 1.5 * count + 1}
+    for number in range(1, count + 1):
         place = [round(rng.uniform(*SPACE[axis]), 3) for axis in "xyz"]
-        return rng.choice([sphere, button])(rng, place)
-
-    targets = [target() for _ in range(count)]
-    return {"version": 1, "name": name, "targets": targets, "time_limit_s": 1.5 * count + 1}
+        target = f"target{number}"
+        thing, step = rng.choice([sphere, button])(rng, place, target)
+        task["scene"][target] = thing
+        task["script"].append(step)
+    return task
 
 
 def layouts(count, folder, myo):
@@ -83,7 +83,8 @@ def main():
         for file in layouts(args.layouts, Path(place), args.myo):
             command = [args.myo, "bench", "train", str(file), "--seeds", str(args.seeds), "--json", *args.options]
             told = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)
-            rows += [{"targets": json.loads(file.read_text())["targets"], **row} for row in told["rows"]]
+            task = json.loads(file.read_text())
+            rows += [{"scene": task["scene"], "script": task["script"], **row} for row in told["rows"]]
             steps = [row["env_steps"] / 1e6 for row in told["rows"]]
             reached, shown = told["reached"], " ".join(f"{x:.1f}" for x in sorted(steps))
             print(f"{file.stem}: {reached} of {args.seeds} reached it; {shown} M control steps", flush=True)

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use myo::gpu::{AdapterChoice, Gpu};
 use myo::model::{Model, builtin};
-use myo::tasks::{Target, Task, preset, spread};
+use myo::tasks::{Item, Task, preset, spread};
 use myo::train::PpoConfig;
 use myo::train::session::{Goal, Outcome, SessionError, Until};
 use myo::{Device, User, batches, train_at_once};
@@ -51,10 +51,10 @@ fn layout(number: u32) -> Task {
     let mut task = preset("public-display").expect("it comes with the library");
     task.name = format!("layout-{number}");
     let places = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
-    for (target, (right, up)) in task.targets.iter_mut().zip(places) {
-        let Target::Pressing(button) = target else { continue };
+    for (item, (right, up)) in task.scene.0.values_mut().zip(places) {
+        let Item::Button(button) = item else { continue };
         let (half_y, half_z) = (0.05 + 0.1 * apart_y, 0.05 + 0.1 * apart_z);
-        button.position = [0.42, -0.05 + 0.1 * across - right * half_y, -0.24 + 0.2 * down + up * half_z];
+        button.at = [0.42, -0.05 + 0.1 * across - right * half_y, -0.24 + 0.2 * down + up * half_z];
         let size = 0.03 + 0.03 * size;
         button.size = [size, size, 0.02];
     }

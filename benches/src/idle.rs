@@ -23,6 +23,7 @@ impl Idle {
             episode_names: Vec::new(),
             control_dt: 0.05,
             max_episode_steps: 240,
+            layout_limits: vec![],
             autoreset: Default::default(),
             exploring,
         })

@@ -26,6 +26,7 @@ impl RollOut {
             envs,
             counted: envs,
             noise_free: config.noise_free_envs(),
+            layouts: 0,
             padded,
             observations,
             actions,

@@ -19,7 +19,7 @@ PRETENDS = """#!{python}
 import json, sys
 task = json.load(open(sys.argv[3]))
 if sys.argv[1] == "task":
-    buttons = [target for target in task["targets"] if target["kind"] == "pressing"]
+    buttons = [thing for thing in task["scene"].values() if thing["kind"] == "button"]
     print(json.dumps({{"ok": True, "errors": [], "warnings": buttons}}))
 else:
     stopped_by = "steps" if task["name"] == "layout-2" else "until"
@@ -40,18 +40,19 @@ def program(tmp_path):
 def test_layouts_are_tasks_of_spheres_and_buttons_and_the_same_each_time():
     drawn = [layouts.draw(random.Random(seed), "drawn", 6) for seed in range(8)]
     assert drawn == [layouts.draw(random.Random(seed), "drawn", 6) for seed in range(8)]
-    kinds = {target["kind"] for layout in drawn for target in layout["targets"]}
-    assert kinds == {"pointing", "pressing"}
+    kinds = {thing["kind"] for layout in drawn for thing in layout["scene"].values()}
+    assert kinds == {"sphere", "button"}
     for layout in drawn:
-        assert myoenv.load_task(layout).name == "drawn"
+        task = myoenv.load_task(layout)
+        assert (task.name, task.num_targets) == ("drawn", 6)
 
 
 def test_only_layouts_without_warnings_are_taken(tmp_path, program):
     files = layouts.layouts(3, tmp_path, program)
     assert [file.stem for file in files] == ["layout-1", "layout-2", "layout-3"]
     tasks = [json.loads(file.read_text()) for file in files]
-    assert all(target["kind"] == "pointing" for task in tasks for target in task["targets"])
-    assert all(3 <= len(task["targets"]) <= 6 for task in tasks)
+    assert all(thing["kind"] == "sphere" for task in tasks for thing in task["scene"].values())
+    assert all(3 <= len(task["scene"]) == len(task["script"]) <= 6 for task in tasks)
 
 
 def test_the_slowest_and_those_who_fail_are_told(tmp_path, program, monkeypatch, capsys):

@@ -44,7 +44,7 @@ impl BackendChoice {
         &self,
         py: Python<'_>,
         pool: &ThreadPool,
-        (model, task): (&Model, &Task),
+        (model, layouts): (&Model, &[Task]),
         config: &EnvConfig,
     ) -> PyResult<Envs> {
         let mut notices = Vec::new();
@@ -52,7 +52,7 @@ impl BackendChoice {
             pool.install(|| {
                 let mut notice =
                     |refusal: &dyn Error| notices.push(format!("{refusal}; the processor is taken instead"));
-                Ok::<_, PyErr>(self.in_this_process(config.num_envs)?.build(model, task, config, &mut notice))
+                Ok::<_, PyErr>(self.in_this_process(config.num_envs)?.build(model, layouts, config, &mut notice))
             })
         })?;
         notices.iter().try_for_each(|notice| error::warn(py, notice))?;

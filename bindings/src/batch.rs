@@ -1,10 +1,11 @@
 //! Environments that Python's object and programs of XLA both step: locked, counted, and told when they are gone.
 
 use std::hash::{BuildHasher, RandomState};
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
-use myo::env::{EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv, reseed};
+use myo::env::{EnvError, EnvSpec, Snapshot, StepBuffers, StepStorage, VectorEnv, reseed};
 use myo::tasks::Task;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
@@ -185,6 +186,11 @@ impl Live {
         pool.install(|| env.set_task(task))?;
         self.change();
         Ok(())
+    }
+
+    /// Some environments as they are now.
+    pub fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
+        self.env.peek(envs)
     }
 
     /// Everything that the next steps depend on.

@@ -2,25 +2,26 @@
 
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
-use myo::env::{Autoreset, EnvConfig, EnvError, Snapshot, Tables};
+use myo::env::{Autoreset, EnvConfig, EnvError};
 use myo::picture::Painter;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::{Arrays, Stepped, Views, ended};
 use crate::backend::BackendChoice;
 use crate::batch::{Batch, Shown, Token};
 use crate::error::{self, compute};
 use crate::model::Model;
+use crate::peek::{fields, posed};
 use crate::picture::pixels;
 use crate::process::{own_pool, pool};
 use crate::space;
-use crate::task::Task;
+use crate::task::{Task, inner};
 use crate::xla;
 
-/// Copies of one task. All arrays have the environments as their first axis.
+/// Copies of one task, or of several layouts by turns. All arrays have the environments as their first axis.
 #[pyclass(module = "myoenv._native", frozen)]
 pub struct Env {
     batch: Arc<Batch>,
@@ -32,23 +33,27 @@ pub struct Env {
     scenery: RwLock<Scenery>,
 }
 
-/// What belongs to the task.
+/// What belongs to the task, or to the layouts.
 struct Scenery {
     bounds: (Vec<f32>, Vec<f32>),
-    /// In double precision, to read saved states with.
-    tables: Tables<f64>,
-    painter: Painter,
+    /// One for each layout.
+    painters: Vec<Painter>,
     max_episode_steps: usize,
 }
 
 impl Scenery {
-    fn new(model: &myo::model::Model, task: &myo::tasks::Task, names: &[String]) -> PyResult<Self> {
+    fn new(model: &myo::model::Model, layouts: &[myo::tasks::Task], names: &[String]) -> PyResult<Self> {
+        let painter = |task| Painter::new(model, task).map_err(error::build);
         Ok(Self {
-            bounds: space::bounds(model, task, names),
-            tables: Tables::new(model, task).map_err(error::build)?,
-            painter: Painter::new(model, task).map_err(error::task)?,
-            max_episode_steps: task.time_limit_steps() as usize,
+            bounds: space::bounds(model, layouts, names),
+            painters: layouts.iter().map(painter).collect::<PyResult<_>>()?,
+            max_episode_steps: layouts.iter().map(|task| task.time_limit_steps() as usize).max().unwrap_or(0),
         })
+    }
+
+    /// That of an environment.
+    fn painter(&self, env: usize) -> &Painter {
+        &self.painters[env % self.painters.len()]
     }
 }
 
@@ -60,21 +65,16 @@ impl Env {
     fn scenery(&self) -> RwLockReadGuard<'_, Scenery> {
         self.scenery.read().unwrap_or_else(PoisonError::into_inner)
     }
-
-    fn check_env(&self, env: usize) -> PyResult<()> {
-        let n = self.batch.spec.num_envs;
-        if env < n { Ok(()) } else { Err(PyValueError::new_err(format!("there is no environment {env}, only {n}"))) }
-    }
 }
 
 #[pymethods]
 impl Env {
     #[new]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
-    #[pyo3(signature = (task, model, num_envs, *, seed, autoreset, backend, device, threads, copy))]
+    #[pyo3(signature = (layouts, model, num_envs, *, seed, autoreset, backend, device, threads, copy))]
     fn new(
         py: Python<'_>,
-        task: &Task,
+        layouts: Vec<PyRef<'_, Task>>,
         model: &Model,
         num_envs: usize,
         seed: u64,
@@ -87,11 +87,11 @@ impl Env {
         let choice = BackendChoice::new(backend, device)?;
         let config = EnvConfig { num_envs, seed, autoreset: autoreset_mode(autoreset)?, ..EnvConfig::default() };
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
-        let (task, model) = (task.inner(), model.inner());
-        let built = choice.build(py, &pool, (model, task), &config)?;
+        let (layouts, model) = (inner(&layouts), model.inner());
+        let built = choice.build(py, &pool, (model, &layouts), &config)?;
         let (taken, env) = (built.device(), built.boxed());
         let views = (!copy).then(|| Arrays::new(py, env.spec()).into_views());
-        let scenery = Scenery::new(model, task, &env.spec().observation_names)?;
+        let scenery = Scenery::new(model, &layouts, &env.spec().observation_names)?;
         Ok(Self {
             batch: Arc::new(Batch::new(env, pool)),
             views,
@@ -186,22 +186,36 @@ impl Env {
     fn set_task(&self, py: Python<'_>, task: &Task) -> PyResult<()> {
         let mut opened = self.batch.open()?;
         let live = opened.live();
-        let scenery = Scenery::new(&self.model, task.inner(), &self.batch.spec.observation_names)?;
+        let scenery =
+            Scenery::new(&self.model, std::slice::from_ref(task.inner()), &self.batch.spec.observation_names)?;
         compute(py, || live.set_task(task.inner()))?.map_err(error::env)?;
         *self.scenery.write().unwrap_or_else(PoisonError::into_inner) = scenery;
         Ok(())
     }
 
-    /// Pictures of environments, `(height, width, 3)` of bytes each.
+    /// The fields of `myoenv.Peek` for the environments from `start` up to `stop`, by name.
+    fn peek<'py>(&self, py: Python<'py>, start: usize, stop: usize) -> PyResult<Bound<'py, PyDict>> {
+        let mut opened = self.batch.open()?;
+        let (live, scenery) = (opened.live(), self.scenery());
+        let painters = &scenery.painters[..];
+        let look = move || {
+            let skeleton = |k: usize| painters[(start + k) % painters.len()].skeleton();
+            live.peek(start..stop).and_then(|moments| posed(skeleton, moments))
+        };
+        let seen = compute(py, look)?;
+        fields(py, painters[0].skeleton(), self.batch.spec.control_dt, &seen.map_err(error::env)?)
+    }
+
+    /// Pictures of the environments from `start` up to `stop`, `(height, width, 3)` of bytes each.
     fn render<'py>(
         &self,
         py: Python<'py>,
-        envs: Vec<usize>,
+        start: usize,
+        stop: usize,
         size: (usize, usize),
     ) -> PyResult<Vec<Bound<'py, PyArray3<u8>>>> {
         let mut opened = self.batch.open()?;
         let live = opened.live();
-        envs.iter().try_for_each(|&env| self.check_env(env))?;
         let (width, height) = size;
         if !(16..=4096).contains(&width) || !(16..=4096).contains(&height) {
             return Err(PyValueError::new_err(format!(
@@ -209,12 +223,9 @@ impl Env {
             )));
         }
         let pictures = compute(py, move || {
-            let (state, scenery) = (live.save_state()?, self.scenery());
-            let paint = |&env: &usize| {
-                let moment = Snapshot::read(&scenery.tables, &state, env)?;
-                Ok(pixels(&scenery.painter.moment(&moment), width, height))
-            };
-            envs.iter().map(paint).collect::<Result<Vec<_>, EnvError>>()
+            let (moments, scenery) = (live.peek(start..stop)?, self.scenery());
+            let paint = |(env, moment)| Ok(pixels(&scenery.painter(env).moment(moment)?, width, height));
+            (start..).zip(&moments).map(paint).collect::<Result<Vec<_>, EnvError>>()
         })?
         .map_err(error::env)?;
         pictures.into_iter().map(|picture| picture.into_pyarray(py).reshape([height, width, 3])).collect()

@@ -7,7 +7,7 @@
 //! - [`simulation`]: the body alone
 //! - [`files`]: files that are whole or not there
 //! - [`xla`]: steps without Python, in programs of JAX
-//! - [`picture`]: one environment drawn
+//! - [`peek`]: some environments at one moment, as arrays; [`picture`]: one of them drawn
 //!
 //! What Python users see is in `python/myoenv`; this half knows no Gymnasium. Three rules hold everywhere: the interpreter is
 //! released while Rust computes, nothing a caller passes ends in a panic ([`error`]), and a process forked after threads were
@@ -20,6 +20,7 @@ mod env;
 mod error;
 mod files;
 mod model;
+mod peek;
 mod picture;
 mod policy;
 mod process;
@@ -45,10 +46,12 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<train::Session>()?;
     m.add_class::<simulation::Simulation>()?;
     m.add_function(wrap_pyfunction!(task::preset_names, m)?)?;
+    m.add_function(wrap_pyfunction!(task::task_schema, m)?)?;
     m.add_function(wrap_pyfunction!(model::model_names, m)?)?;
     m.add_function(wrap_pyfunction!(backend::devices, m)?)?;
     m.add_function(wrap_pyfunction!(train::evaluation_seed, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
+    m.add_function(wrap_pyfunction!(train::misfits, m)?)?;
     m.add_function(wrap_pyfunction!(train::compare, m)?)?;
     m.add_function(wrap_pyfunction!(train::trained_users, m)?)?;
     m.add_function(wrap_pyfunction!(train::train_at_once, m)?)?;

@@ -274,7 +274,8 @@ impl Simulation {
     #[getter]
     fn body_positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let moment = self.looked();
-        let rows: Vec<[f64; 3]> = self.plan.elements.bodies.iter().map(|b| moment.ws.place(b).array()).collect();
+        let rows: Vec<[f64; 3]> =
+            self.plan.elements.bodies.iter().map(|b| moment.ws.place(&b.origin).array()).collect();
         Array2::from(rows).into_pyarray(py)
     }
 

@@ -3,7 +3,7 @@
 use myo::model::Model;
 use myo::model::description::JointKind;
 use myo::model::model::WORLD;
-use myo::tasks::{Shape, Task};
+use myo::tasks::{Pointer, Shape, Task};
 use nalgebra::{UnitQuaternion, Vector3};
 
 type Interval = [f64; 2];
@@ -14,19 +14,21 @@ const UNBOUNDED: Interval = [-(f32::MAX as f64), f32::MAX as f64];
 /// Bounds are computed exactly and observations in single precision.
 const ROUNDING: f64 = 1e-5;
 
-/// Least and greatest value of every entry of the observation.
-pub fn bounds(model: &Model, task: &Task, names: &[String]) -> (Vec<f32>, Vec<f32>) {
-    let regions = Regions::new(model, task);
+/// Least and greatest value of every entry of the observation, in any of the layouts.
+pub fn bounds(model: &Model, layouts: &[Task], names: &[String]) -> (Vec<f32>, Vec<f32>) {
+    let regions: Vec<Regions> = layouts.iter().map(|task| Regions::new(model, task)).collect();
     let wide = |[lo, hi]: Interval| {
         let slack = |x: f64| ROUNDING * x.abs().max(1.0);
         if [lo, hi] == UNBOUNDED { [lo, hi] } else { [lo - slack(lo), hi + slack(hi)] }
     };
-    names.iter().map(|name| wide(regions.of(name)).map(|x| x as f32)).map(|[lo, hi]| (lo, hi)).unzip()
+    let of = |name: &str| hull(regions.iter().map(|regions| regions.of(name)));
+    names.iter().map(|name| wide(of(name)).map(|x| x as f32)).map(|[lo, hi]| (lo, hi)).unzip()
 }
 
 /// Where things can be, per axis (m from the shoulder centre).
 struct Regions {
     fingertip: [Interval; 3],
+    pointer: [Interval; 3],
     target: [Interval; 3],
     size: Interval,
     targets: usize,
@@ -35,11 +37,11 @@ struct Regions {
 impl Regions {
     fn new(model: &Model, task: &Task) -> Self {
         // A task that cannot be run has no environments either.
-        let stage = task.stage().unwrap_or_default();
-        let wanted = || (0..stage.steps.len()).map(|step| stage.object(step));
+        let flat = task.flat().unwrap_or_default();
+        let wanted = || flat.steps.iter().flat_map(|step| step.objects()).map(|object| &flat.objects[object]);
         let region = |axis: usize| {
             hull(wanted().map(|object| {
-                let region = object.region();
+                let region = object.extent();
                 let range = [region.x, region.y, region.z][axis];
                 [range.min, range.max]
             }))
@@ -47,9 +49,14 @@ impl Regions {
         let size = hull(wanted().map(|object| match &object.shape {
             Shape::Sphere(sphere) => [sphere.radius.min, sphere.radius.max],
             Shape::Button(block) | Shape::Obstacle(block) => [0.5 * block.size[0]; 2],
+            Shape::Slider(slider) => {
+                hull([slider.block.size[0], slider.handle].map(|size| [0.5 * size; 2]).into_iter())
+            }
         }));
-        let targets = stage.steps.len();
-        Self { fingertip: reach(model), target: [0, 1, 2].map(region), size, targets }
+        let targets = flat.steps.len();
+        let fingertip = reach(model);
+        let pointer = if flat.pointer == Pointer::Fingertip { fingertip } else { [UNBOUNDED; 3] };
+        Self { fingertip, pointer, target: [0, 1, 2].map(region), size, targets }
     }
 
     /// The interval of an entry such as `target_position.x`.
@@ -60,13 +67,14 @@ impl Regions {
             "fingertip_position" => self.fingertip[axis],
             "target_position" => self.target[axis],
             "target_size" => self.size,
-            "target_vector" => difference(self.target[axis], self.fingertip[axis]),
+            "target_vector" => difference(self.target[axis], self.pointer[axis]),
             "next_target_vector" if self.targets > 1 => {
                 including_zero(difference(self.target[axis], self.target[axis]))
             }
             "next_target_vector" => [0.0, 0.0],
             "activation" => [-1.0, 1.0],
-            "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" => [0.0, 1.0],
+            "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" => [0.0, 1.0],
+            "drag" if entry == "held" => [0.0, 1.0],
             _ => UNBOUNDED,
         }
     }

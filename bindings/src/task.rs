@@ -1,7 +1,7 @@
 //! Tasks.
 
 use myo::ModelReach;
-use myo::tasks::{Source, load, preset_names as names, preset_text};
+use myo::tasks::{Source, load, preset_names as names, preset_text, task_schema as schema};
 use pyo3::prelude::*;
 
 use crate::error::{self, TaskError, compute};
@@ -49,7 +49,7 @@ impl Task {
 
     /// Refuses what the body cannot do; returns sentences about what is odd.
     fn check(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<String>> {
-        let report = compute(py, || Ok(self.source.check(&ModelReach::new(model.inner())?)))?
+        let report = compute(py, || Ok(self.source.check(&ModelReach::for_task(model.inner(), &self.source.task)?)))?
             .map_err(|refusal: myo::dynamics::PlanError| error::task(refusal))?;
         let sentences = self.source.messages(&report);
         let (errors, warnings) = sentences.split_at(report.errors.len());
@@ -71,7 +71,7 @@ impl Task {
     /// Number of targets: of the steps of its script, repetitions counted.
     #[getter]
     fn num_targets(&self) -> usize {
-        self.source.task.stage().map_or(0, |stage| stage.steps.len())
+        self.source.task.flat().map_or(0, |flat| flat.steps.len())
     }
 
     /// Whether it is a preset as it comes with the library: these need no check.
@@ -94,8 +94,19 @@ impl Task {
     }
 }
 
+/// The tasks themselves.
+pub fn inner(tasks: &[PyRef<'_, Task>]) -> Vec<myo::tasks::Task> {
+    tasks.iter().map(|task| task.inner().clone()).collect()
+}
+
 /// Names of the tasks that come with the library.
 #[pyfunction]
 pub fn preset_names() -> Vec<&'static str> {
     names()
+}
+
+/// JSON Schema of a task file, as JSON.
+#[pyfunction]
+pub fn task_schema() -> String {
+    schema().to_string()
 }

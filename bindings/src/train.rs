@@ -3,12 +3,15 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, TryLockError};
 
+use myo::env::EnvSpec;
 use myo::model::ModelDescription;
 use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError};
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
 };
-use myo::{Comparison, Envs, Group, ModelReach, ProgressLine, RunDescription, Start, User, WarmStart, likely_cause};
+use myo::{
+    Comparison, Envs, Group, ModelReach, ProgressLine, RunDescription, Setting, Start, User, WarmStart, likely_cause,
+};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -20,7 +23,7 @@ use crate::model::Model;
 use crate::policy::{Policy, checkpoint};
 use crate::process::{Birthplace, own_pool, pool};
 use crate::signals::interruptible;
-use crate::task::Task;
+use crate::task::{Task, inner};
 
 /// One training from start, or from a checkpoint, to its end.
 #[pyclass(module = "myoenv._native", frozen)]
@@ -35,7 +38,7 @@ pub struct Session {
 struct Live {
     session: Inner,
     pool: Arc<ThreadPool>,
-    task: myo::tasks::Task,
+    layouts: Vec<myo::tasks::Task>,
     model: myo::model::Model,
     line: ProgressLine,
     /// The run being resumed, until it is open for writing.
@@ -44,7 +47,8 @@ struct Live {
 
 /// What a training needs, from its arguments or from its run folder.
 struct Setup {
-    task: myo::tasks::Task,
+    /// The task, or several layouts.
+    layouts: Vec<myo::tasks::Task>,
     model: myo::model::Model,
     /// The body, unless it comes with the program.
     own_model: Option<ModelDescription>,
@@ -74,7 +78,7 @@ impl Session {
         open: impl FnOnce(Option<RunClaim>, &Trainer) -> Result<Option<RunWriter>, RunError>,
     ) -> PyResult<()> {
         self.with(|live| {
-            let Live { session, pool, task, model, line, claim } = live.take().ok_or_else(over)?;
+            let Live { session, pool, layouts, model, line, claim } = live.take().ok_or_else(over)?;
             let writer = open(claim, session.trainer()).map_err(|refusal| match refusal {
                 RunError::Exists { .. } => PyFileExistsError::new_err(refusal.to_string()),
                 other => error::run(other),
@@ -83,7 +87,7 @@ impl Session {
                 Some(writer) => session.recorded_in(writer).map_err(error::run)?,
                 None => session,
             };
-            *live = Some(Live { session, pool, task, model, line, claim: None });
+            *live = Some(Live { session, pool, layouts, model, line, claim: None });
             Ok(())
         })
     }
@@ -131,13 +135,8 @@ fn newest_checkpoint(py: Python<'_>, run: &RunFolder) -> PyResult<Option<Checkpo
 }
 
 /// A session in these environments.
-fn open(
-    env: Envs,
-    (model, task): (&myo::model::Model, &myo::tasks::Task),
-    start: Start<'_>,
-    goal: Goal,
-) -> PyResult<Inner> {
-    let looks = env.for_looks(model, task, start.seed()).map_err(error::build)?;
+fn open(env: Envs, start: Start<'_>, goal: Goal) -> PyResult<Inner> {
+    let looks = env.for_looks(start.seed()).map_err(error::build)?;
     env.session(looks, start, goal).map_err(error::train)
 }
 
@@ -148,15 +147,21 @@ fn threads_or_all(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
 impl Setup {
     /// Builds environments and opens the training in them.
     fn open(self, py: Python<'_>, claim: Option<RunClaim>, again: Option<&Checkpoint>) -> PyResult<Session> {
-        let Self { task, model, own_model, config, seed, goal, choice, pool, from, other } = self;
+        let Self { layouts, model, own_model, config, seed, goal, choice, pool, from, other } = self;
         let envs = config.envs(seed);
-        let env = choice.build(py, &pool, (&model, &task), &envs)?;
-        let description = RunDescription::new(task.clone(), own_model, &env.device(), goal, from);
+        let env = choice.build(py, &pool, (&model, &layouts), &envs)?;
+        let Some((task, others)) = layouts.split_first() else {
+            return Err(PyValueError::new_err("there is no layout"));
+        };
+        let description = RunDescription {
+            other_layouts: others.to_vec(),
+            ..RunDescription::new(task.clone(), own_model, &env.device(), goal, from)
+        };
         let new = Start::New { config: &config, seed, from: other.as_ref() };
         let start = again.map_or(new, Start::Resumed);
-        let session = compute(py, || pool.install(|| open(env, (&model, &task), start, goal)))??;
-        let line = ProgressLine::new(&task, session.goal().steps);
-        let live = Mutex::new(Some(Live { session, pool, task, model, line, claim }));
+        let session = compute(py, || pool.install(|| open(env, start, goal)))??;
+        let line = ProgressLine::new(&layouts, session.goal().steps);
+        let live = Mutex::new(Some(Live { session, pool, layouts, model, line, claim }));
         Ok(Session { live, born: Birthplace::here(), description, config, seed })
     }
 }
@@ -173,10 +178,10 @@ impl Session {
     /// A new training. `start_from` is a run folder or a checkpoint.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
-    #[pyo3(signature = (task, model, *, config, seed, backend, device, threads, until, steps, start_from))]
+    #[pyo3(signature = (layouts, model, *, config, seed, backend, device, threads, until, steps, start_from))]
     fn new(
         py: Python<'_>,
-        task: &Task,
+        layouts: Vec<PyRef<'_, Task>>,
         model: &Model,
         config: &str,
         seed: u64,
@@ -190,10 +195,11 @@ impl Session {
         let other = start_from.as_deref().map(checkpoint).transpose()?;
         let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
         let began = |other: &Checkpoint| Some(WarmStart { run: start_from?, env_steps: other.env_steps() });
+        let layouts = inner(&layouts);
         let setup = Setup {
-            task: task.inner().clone(),
             model: model.inner().clone(),
-            own_model: model.unless_built_in(&task.inner().model),
+            own_model: layouts.first().and_then(|task| model.unless_built_in(&task.model)),
+            layouts,
             config: settings(config, &base)?,
             seed,
             goal: Goal { until: goal_of(until)?, steps },
@@ -234,7 +240,7 @@ impl Session {
             goal: Goal { until: until.map_or(Ok(run.until), goal_of)?, steps: steps.unwrap_or(run.steps) },
             choice,
             pool: threads_or_all(threads)?,
-            task: run.task,
+            layouts: run.layouts(),
             own_model: run.model,
             from: run.from,
             other,
@@ -260,8 +266,7 @@ impl Session {
     fn record_in(&self, path: PathBuf) -> PyResult<()> {
         let description = serde_json::to_value(&self.description).map_err(error::run)?;
         self.record(|_, trainer| {
-            let names = &trainer.spec().episode_names;
-            RunWriter::create(&path, description, trainer.config(), trainer.seed(), names).map(Some)
+            RunWriter::create(&path, description, trainer.config(), trainer.seed(), trainer.spec()).map(Some)
         })
     }
 
@@ -271,7 +276,7 @@ impl Session {
         self.record(|claim, trainer| {
             let Some(mut claim) = claim else { return Ok(None) };
             RunDescription::aim(&mut claim, goal)?;
-            claim.resume(trainer.env_steps(), &trainer.spec().episode_names).map(Some)
+            claim.resume(trainer.env_steps(), trainer.spec()).map(Some)
         })
     }
 
@@ -290,11 +295,15 @@ impl Session {
             let progress = advanced.map_err(error::session)?;
             let live = slot.insert(live);
             let news = compute(py, || {
-                progress.news.iter().map(|news| sentence(news, &live.task, &live.model)).collect::<PyResult<Vec<_>>>()
+                progress
+                    .news
+                    .iter()
+                    .map(|news| sentence(news, &live.layouts, &live.model))
+                    .collect::<PyResult<Vec<_>>>()
             })??;
             let out = PyDict::new(py);
-            let names = &live.session.trainer().spec().episode_names;
-            out.set_item("metrics", progress.metrics.as_ref().map(|m| metrics(py, names, m)).transpose()?)?;
+            let spec = live.session.trainer().spec();
+            out.set_item("metrics", progress.metrics.as_ref().map(|m| metrics(py, spec, m)).transpose()?)?;
             out.set_item("line", live.line.after(&progress))?;
             out.set_item("news", news)?;
             out.set_item("end", progress.end.as_ref().map(End::name))?;
@@ -374,9 +383,9 @@ impl Session {
     }
 }
 
-fn metrics<'py>(py: Python<'py>, names: &[String], metrics: &UpdateMetrics) -> PyResult<Bound<'py, PyDict>> {
+fn metrics<'py>(py: Python<'py>, spec: &EnvSpec, metrics: &UpdateMetrics) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
-    UpdateMetrics::columns(names).zip(metrics.row()).try_for_each(|(name, x)| out.set_item(name, x))?;
+    UpdateMetrics::columns(spec).into_iter().zip(metrics.row()).try_for_each(|(name, x)| out.set_item(name, x))?;
     Ok(out)
 }
 
@@ -388,11 +397,12 @@ fn reason(progress: &Progress) -> Option<&str> {
 }
 
 /// News, for people.
-fn sentence(news: &News, task: &myo::tasks::Task, model: &myo::model::Model) -> PyResult<String> {
+fn sentence(news: &News, layouts: &[myo::tasks::Task], model: &myo::model::Model) -> PyResult<String> {
     Ok(match news {
         News::WentBack { .. } => news.to_string(),
-        News::Flat { recent, .. } => {
-            let reach = ModelReach::new(model).map_err(error::task)?;
+        News::Flat { recent, layout, .. } => {
+            let task = &layouts[layout.unwrap_or(0)];
+            let reach = ModelReach::for_task(model, task).map_err(error::task)?;
             format!("{news}; {}", likely_cause(task, &reach, recent))
         }
     })
@@ -428,7 +438,7 @@ pub fn train_at_once(
     until: &str,
     steps: u64,
 ) -> PyResult<(Vec<Told>, Option<PyErr>)> {
-    let tasks: Vec<myo::tasks::Task> = tasks.iter().map(|task| task.inner().clone()).collect();
+    let tasks = inner(&tasks);
     let users: Vec<User<'_>> = tasks.iter().zip(&seeds).map(|(task, &seed)| User { task, seed }).collect();
     let config = settings(config, &PpoConfig::default())?;
     let goal = Goal { until: goal_of(until)?, steps };
@@ -474,6 +484,18 @@ pub fn trained_users(name: String, runs: Vec<PathBuf>) -> PyResult<String> {
     let folders: Result<Vec<_>, _> = runs.iter().map(|path| RunFolder::open(path)).collect();
     let group = Group::of_runs(name, &folders.map_err(error::run)?).map_err(error::run)?;
     serde_json::to_string(&group).map_err(error::run)
+}
+
+/// What keeps the user of a run from doing another task, as half sentences; none if it can.
+#[pyfunction]
+pub fn misfits(py: Python<'_>, run: PathBuf, task: &Task, model: &Model) -> PyResult<Vec<String>> {
+    let trained = RunDescription::of(&RunFolder::open(&run).map_err(error::run)?).map_err(error::run)?;
+    let body = trained.body().map_err(error::task)?;
+    let own_model = model.unless_built_in(&task.inner().model);
+    let own = Setting { task: &trained.task, model: &body, own_model: trained.model.as_ref() };
+    let other = Setting { task: task.inner(), model: model.inner(), own_model: own_model.as_ref() };
+    let misfits = compute(py, || myo::misfits(own, other))?.map_err(error::build)?;
+    Ok(misfits.iter().map(ToString::to_string).collect())
 }
 
 /// A seed for the `number`-th evaluation of a training that is not the training's own.

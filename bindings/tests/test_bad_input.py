@@ -171,6 +171,11 @@ def test_pictures_and_states_that_are_not_there(make):
     for index in (-1, 4):
         with pytest.raises(ValueError, match=f"env is {index}; it must be from 0 to 3"):
             env.render_env(index)
+    for start, stop in ((-1, 2), (3, 2), (0, 5), (5, None)):
+        with pytest.raises(ValueError, match=f"environments {start} to {stop or 4} are asked for; .* from 0 to 4"):
+            env.peek(start, stop)
+    with pytest.raises(TypeError, match="start is 'half'; it must be a whole number"):
+        env.peek("half")
     for state in (None, "state", np.zeros(3)):
         with pytest.raises(TypeError, match="a state is what save_state returned, bytes"):
             env.load_state(state)
@@ -186,7 +191,13 @@ def test_closing_twice_is_fine_and_use_after_it_is_not(make):
     env = make()
     env.close()
     env.close()
-    for use in (env.reset, lambda: env.step(env.action_space.sample()), env.save_state, lambda: env.render_env(0)):
+    for use in (
+        env.reset,
+        lambda: env.step(env.action_space.sample()),
+        env.save_state,
+        env.peek,
+        lambda: env.render_env(0),
+    ):
         with pytest.raises(myoenv.ClosedError, match="closed"):
             use()
     single = gymnasium.make("myo/PointingSingle-v0")

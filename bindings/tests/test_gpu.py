@@ -47,6 +47,9 @@ def test_the_card_does_what_the_processor_does(make_pair):
         expected, got = cpu.step(actions), card.step(actions)
         np.testing.assert_allclose(got[0], expected[0], atol=1e-4)
         np.testing.assert_allclose(got[1], expected[1], atol=1e-4)
+    expected, got = cpu.peek(), card.peek(2, 5)
+    for name in ("fingertip", "act", "body_rotations", "object_positions", "episode"):
+        np.testing.assert_allclose(getattr(got, name), getattr(expected, name)[2:5], atol=1e-4, err_msg=name)
 
 
 def test_bad_calls_are_told(make_pair):

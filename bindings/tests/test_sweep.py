@@ -31,12 +31,19 @@ def cluster():
 
 def test_a_grid_has_a_button_at_every_place():
     grid = button_grid(columns=6, rows=4)
-    places = {tuple(layout["targets"][0]["position"]) for layout in grid.values()}
+    places = {tuple(layout["scene"]["button"]["at"]) for layout in grid.values()}
     assert len(places) == len(grid) == 24
     assert all(load_task(layout).num_targets == 1 for layout in grid.values())
-    display = to_dict(load_task("public-display"))["targets"]
-    corners = {tuple(target["position"]) for target in display}
-    assert corners <= places
+    display = to_dict(load_task("public-display"))["scene"]
+    assert {tuple(button["at"]) for button in display.values()} <= places
+
+
+def test_a_grid_may_be_of_spheres_and_of_the_older_format():
+    sphere = button_grid("pointing", columns=1, rows=1)["r0c0"]
+    assert sphere["scene"]["sphere"]["at"] == [0.42, 0.15, 0.01] and load_task(sphere).num_targets == 1
+    target = {"kind": "pressing", "position": [0.3, 0, 0], "size": [0.1, 0.1, 0.1], "tilt_deg": 0, "min_force_n": 1}
+    old = button_grid({"version": 1, "name": "old", "targets": [target]}, columns=1, rows=1)["r0c0"]
+    assert old["targets"][0]["position"] == [0.42, 0.15, 0.01] and load_task(old).num_targets == 1
 
 
 def test_without_ray_it_says_what_to_install(monkeypatch, tmp_path):
@@ -69,7 +76,7 @@ def test_a_device_belongs_to_a_card(tmp_path):
 
 def test_a_bad_layout_is_refused_before_anything_is_trained(cluster, tmp_path):
     layouts = {**button_grid(columns=1, rows=1), "far": button_grid(columns=1, rows=1, x=5.0)["r0c0"]}
-    with pytest.raises(TaskError, match=r"x position of target 1 \(pressing\) is 5 m"):
+    with pytest.raises(TaskError, match=r"the x position of `scene.button` is 5 m"):
         sweep(layouts, [1], tmp_path, **SHORT)
     assert not (tmp_path / "trials").exists()
 
@@ -99,6 +106,9 @@ def test_bad_grids_are_told():
     for kwargs, sentence in (({"x": "far"}, "x is 'far'"), ({"x": float("nan")}, "x is nan"), ({"y": 1}, "y is 1")):
         with pytest.raises((ValueError, TypeError), match=sentence):
             button_grid(**kwargs)
+    for task in ("hello", "ticket"):
+        with pytest.raises(TaskError, match=f"the first step of {task} asks for no button or sphere"):
+            button_grid(task)
 
 
 def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
@@ -150,7 +160,7 @@ def test_tune_tells_bad_arguments(monkeypatch):
     ):
         with pytest.raises(ValueError, match=sentence):
             trainable(**kwargs)
-    with pytest.raises(TaskError, match=r"x position of target 1 \(pressing\) is 5 m"):
+    with pytest.raises(TaskError, match=r"the x position of `scene.button` is 5 m"):
         trainable(layouts=button_grid(columns=1, rows=1, x=5.0))
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(ImportError, match=r"pip install 'myoenv\[tune\]'"):

@@ -1,9 +1,10 @@
 //! Many bodies stepped together on the CPU: lanes across bodies, threads across blocks of lanes.
 
-use crate::obstacles::{Obstacles, StaticBox, Surface};
+use crate::obstacles::{Obstacles, Surface};
 use crate::plan::Plan;
 use crate::step::step;
 use crate::workspace::{SolverCount, State, Workspace};
+use myo_model::StaticBox;
 use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 use rayon::prelude::*;
 

@@ -1,6 +1,7 @@
 //! MuJoCo's soft constraints: impedance, regularisation and reference acceleration
 //! (documentation chapter "Computation", sections "Constraint model" and "Parameters").
 
+use crate::cast::{Cast, cast};
 use myo_model::description::Softness;
 use myo_scalar::{Real, Scalar};
 
@@ -26,6 +27,11 @@ pub struct Impedance<C> {
     damping: C,
 }
 
+cast!(Impedance {
+    at_zero, rise, inverse_width, midpoint, power, below, above, stiffness, damping;
+    quadratic
+});
+
 impl<C: Real> Impedance<C> {
     /// Works a softness out; times shorter than two time steps are lengthened to them, as MuJoCo's `refsafe` does.
     pub fn new(softness: &Softness, timestep: f64) -> Self {
@@ -47,23 +53,6 @@ impl<C: Real> Impedance<C> {
             quadratic: power == 2.0,
             stiffness: c(stiffness),
             damping: c(damping),
-        }
-    }
-
-    /// The same in another precision.
-    pub fn cast<D: Real>(&self) -> Impedance<D> {
-        let c = |x: C| D::from_f64(x.to_f64());
-        Impedance {
-            at_zero: c(self.at_zero),
-            rise: c(self.rise),
-            inverse_width: c(self.inverse_width),
-            midpoint: c(self.midpoint),
-            power: c(self.power),
-            below: c(self.below),
-            above: c(self.above),
-            quadratic: self.quadratic,
-            stiffness: c(self.stiffness),
-            damping: c(self.damping),
         }
     }
 

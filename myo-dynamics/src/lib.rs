@@ -5,7 +5,7 @@
 //! - [`State`] is what changes from step to step, [`Workspace`] what a step computes on the way. The caller owns both;
 //!   a step allocates nothing.
 //! - [`step::step`] advances a state; [`step::forward`] stops at the acceleration.
-//! - [`Obstacles`] are boxes to press with the fingertip, the force on them is in [`Workspace::contact`].
+//! - [`Obstacles`] are boxes to press with the fingertip, the forces on them are in [`Workspace::contacts`].
 //! - [`Batch`] steps many bodies on all lanes and threads. Its results depend neither on threads nor on a body's place, bit
 //!   for bit; other widths of lanes differ by rounding.
 //! - [`ReachableSpace`] tells how near the fingertip comes to a point, [`Strength`] whether muscles can hold it there.
@@ -52,6 +52,7 @@
 //! faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
+mod cast;
 mod crowd;
 mod impedance;
 mod obstacles;
@@ -66,8 +67,9 @@ mod workspace;
 
 pub use batch::Batch;
 pub use crowd::most_at_once;
-pub use obstacles::{Obstacles, StaticBox, Surface};
+pub use myo_model::StaticBox;
+pub use obstacles::{Obstacles, Surface};
 pub use plan::{CouplingMode, Plan, PlanError};
-pub use reach::{Nearest, ReachableSpace};
+pub use reach::{BodyPlaces, Nearest, PointerPlace, ReachableSpace};
 pub use strength::Strength;
 pub use workspace::{Clearance, SolverCount, SolverTally, State, Workspace};

@@ -3,48 +3,9 @@
 use crate::crowd::most_at_once;
 use crate::impedance::Impedance;
 use crate::plan::Plan;
-use myo_model::OrientedBox;
 use myo_model::description::Softness;
+use myo_model::{OrientedBox, StaticBox};
 use myo_scalar::{Real, Scalar};
-use nalgebra::{Matrix3, Vector3};
-
-/// A box for the fingertip to press, in numbers of type `T`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticBox<T = f64> {
-    /// Centre (m, from the shoulder centre in world axes).
-    pub centre: [T; 3],
-    /// Axes as columns.
-    pub axes: [[T; 3]; 3],
-    /// Half sizes along the axes (m).
-    pub half_size: [T; 3],
-    /// Radius of the ball around it (m).
-    pub radius: T,
-}
-
-impl StaticBox {
-    /// A box.
-    pub fn new(centre: [f64; 3], axes: [[f64; 3]; 3], half_size: [f64; 3]) -> Self {
-        Self { centre, axes, half_size, radius: Vector3::from(half_size).norm() }
-    }
-}
-
-impl<T> StaticBox<T> {
-    /// With each number converted.
-    pub fn map<U>(self, f: impl Fn(T) -> U + Copy) -> StaticBox<U> {
-        let Self { centre, axes, half_size, radius } = self;
-        let axes = axes.map(|axis| axis.map(f));
-        StaticBox { centre: centre.map(f), axes, half_size: half_size.map(f), radius: f(radius) }
-    }
-}
-
-impl<C: Real> StaticBox<C> {
-    /// The same in double precision.
-    pub fn oriented(&self) -> OrientedBox {
-        let wide = |x: [C; 3]| Vector3::from(x.map(C::to_f64));
-        let axes = Matrix3::from_columns(&self.axes.map(wide));
-        OrientedBox { centre: wide(self.centre), axes, half_size: wide(self.half_size) }
-    }
-}
 
 /// How surfaces behave in contact; the same for all boxes of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,20 +43,21 @@ pub struct Obstacles<C, T = C> {
 impl<C: Real> Obstacles<C> {
     /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
     pub fn new(plan: &Plan<C>, boxes: &[StaticBox], surface: Surface) -> Self {
-        let boxes = boxes.iter().map(|each| each.map(C::from_f64)).collect();
+        let boxes = boxes.iter().map(|each| each.map(&mut |&x| C::from_f64(x))).collect();
         Self::with_boxes(plan, boxes, surface)
     }
 
     /// How many of the boxes the fingertip of a plan can touch at once, at most.
     pub fn most_at_once(&self, plan: &Plan<C>) -> usize {
         let Some(sphere) = &plan.contact_sphere else { return 1 };
-        let boxes: Vec<OrientedBox> = self.boxes.iter().map(StaticBox::oriented).collect();
+        let boxes: Vec<OrientedBox> =
+            self.boxes.iter().map(|each| each.map(&mut |&x: &C| x.to_f64()).oriented()).collect();
         most_at_once(&boxes, sphere.radius.to_f64() + self.margin.to_f64())
     }
 
     /// The same in every lane.
     pub fn splat<S: Scalar<Const = C>>(&self) -> Obstacles<C, S> {
-        self.with(self.boxes.iter().map(|each| each.map(S::splat)).collect())
+        self.with(self.boxes.iter().map(|each| each.map(&mut |&x| S::splat(x))).collect())
     }
 }
 

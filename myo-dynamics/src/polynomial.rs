@@ -1,5 +1,6 @@
 //! Polynomials in one coordinate, fitted to smooth functions that are known exactly but cost more to evaluate.
 
+use crate::cast::{Cast, cast};
 use myo_scalar::{Real, Scalar};
 
 /// The interval a polynomial is fitted on, mapped to [-1, 1], and how far past its ends the polynomial is followed.
@@ -31,12 +32,9 @@ impl Domain<f64> {
     }
 }
 
+cast!(Domain { scale, offset, reach });
+
 impl<C: Real> Domain<C> {
-    /// The same interval in another precision.
-    pub fn cast<D: Real>(&self) -> Domain<D> {
-        let c = |x: C| D::from_f64(x.to_f64());
-        Domain { scale: c(self.scale), offset: c(self.offset), reach: c(self.reach) }
-    }
     /// Maps a coordinate to the polynomial's argument, held where the polynomial is followed no farther; true where it is
     /// not held.
     #[inline(always)]
@@ -51,11 +49,14 @@ impl<C: Real> Domain<C> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial<C>(Vec<C>);
 
-impl<C: Real> Polynomial<C> {
-    /// The same polynomial in another precision.
-    pub fn cast<D: Real>(&self) -> Polynomial<D> {
-        Polynomial(self.0.iter().map(|c| D::from_f64(c.to_f64())).collect())
+impl<C: Cast<D>, D> Cast<D> for Polynomial<C> {
+    type Output = Polynomial<C::Output>;
+    fn cast(&self) -> Self::Output {
+        Polynomial(self.0.cast())
     }
+}
+
+impl<C: Real> Polynomial<C> {
     /// Value at `t`.
     #[inline(always)]
     pub fn value<S: Scalar<Const = C>>(&self, t: S) -> S {

@@ -46,7 +46,7 @@ impl Strength {
         let ndof = space.plan.ndof();
         let mut scale = vec![f64::MIN_POSITIVE; ndof];
         for number in 0..POSES {
-            let torques = Torques::at(&space.plan, &space.sampled(number).0);
+            let torques = Torques::at(&space.plan, space.sampled(number).0);
             for (k, scale) in scale.iter_mut().enumerate() {
                 *scale = scale.max(torques.muscles.iter().map(|torque| torque[k].abs()).sum());
             }
@@ -107,7 +107,7 @@ impl Strength {
             |torque: &Vec<f64>| torque.iter().zip(&self.scale).zip(&way).map(|((t, s), w)| t / s * w).sum::<f64>();
         let act: Vec<f64> = torques.muscles.iter().map(|torque| f64::from(u8::from(drives(torque) > 0.0))).collect();
         let (mut state, mut ws) =
-            (State { qpos: pose.clone(), act: act.clone(), ..State::new(plan) }, Workspace::new(plan));
+            (State { qpos: pose.to_vec(), act: act.clone(), ..State::new(plan) }, Workspace::new(plan));
         let obstacles = Obstacles::none(plan);
         let held = (SPEED_OVER_S / plan.timestep).ceil().max(1.0) as usize;
         let mut tip = tip_at(plan, &state, &mut ws);

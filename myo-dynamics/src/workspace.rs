@@ -16,8 +16,8 @@ pub struct State<S> {
 }
 
 impl<S: Scalar> State<S> {
-    /// Everything at zero.
-    pub fn new(plan: &Plan<S::Const>) -> Self {
+    /// Everything at zero, of the sizes of a plan in any precision.
+    pub fn new<C>(plan: &Plan<C>) -> Self {
         let zeros = |n| vec![S::zero(); n];
         Self { qpos: zeros(plan.ndof()), qvel: zeros(plan.ndof()), act: zeros(plan.nmuscle()) }
     }
@@ -124,6 +124,33 @@ impl<S: Scalar> Clearance<S> {
     #[inline(always)]
     pub fn unknown() -> Self {
         Self { from: Vec3::zero(), free: S::zero() }
+    }
+}
+
+/// The boxes that are nearest to where the fingertip was.
+#[derive(Clone, Debug)]
+pub struct Nearby<S> {
+    /// Where it was (m, from the shoulder centre).
+    pub from: Vec3<S>,
+    /// How far it may move (m) before any other box can be touched; nothing is known where it is zero.
+    pub free: S,
+    /// Their numbers: some more than can be touched at once.
+    pub boxes: Vec<S>,
+}
+
+impl<S: Scalar> Nearby<S> {
+    /// Boxes that are listed beyond those that can be touched at once.
+    const SPARE: usize = 4;
+
+    /// Nothing is known.
+    fn unknown(contacts: usize) -> Self {
+        Self { from: Vec3::zero(), free: S::zero(), boxes: vec![S::zero(); contacts + Self::SPARE] }
+    }
+
+    /// Forgets what it knew.
+    #[inline(always)]
+    pub fn forget(&mut self) {
+        self.free = S::zero();
     }
 }
 
@@ -252,6 +279,8 @@ pub struct Workspace<S: Scalar> {
     /// Where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
     /// [unknown](Clearance::unknown).
     pub clearance: Clearance<S>,
+    /// The nearest boxes, where there are many.
+    pub nearby: Nearby<S>,
     /// Jacobian of the contacts' rows, `(contacts, 4, ndof)`.
     pub contact_jacobian: Vec<S>,
     /// Matrix of the solver and its factor, `(ndof, ndof)`, lower triangle.
@@ -311,6 +340,7 @@ impl<S: Scalar> Workspace<S> {
             equality_jacobian: vec![o; plan.equalities.len() * ndof],
             contacts: vec![Contact::none(); contacts],
             clearance: Clearance::unknown(),
+            nearby: Nearby::unknown(contacts),
             contact_jacobian: vec![o; contacts * PYRAMID * ndof],
             matrix: vec![o; ndof * ndof],
             pivot: vec![o; ndof],
@@ -332,6 +362,15 @@ impl<S: Scalar> Workspace<S> {
             return local;
         }
         self.frame(point.link).place(local)
+    }
+
+    /// Axes in the world, and origin (m, from O), of a frame fixed to a link.
+    #[inline(always)]
+    pub fn fixed<C: Real>(&self, frame: &crate::plan::FixedFrame<C>) -> Frame<S>
+    where
+        S: Scalar<Const = C>,
+    {
+        Frame { rotation: self.rotation[frame.origin.link].times(&frame.axes), position: self.place(&frame.origin) }
     }
 
     /// Axes and origin of a link.

@@ -1,23 +1,27 @@
 //! The vectorised environment on the CPU: lanes across environments, threads across blocks of lanes.
 
 use crate::check::{self, Finished};
-use crate::config::{BuildError, EnvConfig, MOST_THREADS};
-use crate::control::episode_names;
-use crate::job::{ResetJob, StepJob};
+use crate::config::{BuildError, EnvConfig, MOST_THREADS, check_layouts};
+use crate::control::{Own, episode_names};
+use crate::job::{ResetJob, Runner, StepJob};
 use crate::memory;
 use crate::observe;
 use crate::precision::Precision;
+use crate::rules::{Outline, RULES_COLUMNS, Rules};
 use crate::saved::Header;
+use crate::snapshot::Snapshot;
 use crate::state::StateRows;
 use crate::storage::{Storage, WORDS};
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
-use myo_dynamics::SolverCount;
+use myo_dynamics::{Plan, SolverCount};
 use myo_model::Model;
 use myo_scalar::{Level, Real};
 use myo_tasks::Task;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Environments in single precision, one per SIMD lane: the fast backend.
 pub type CpuEnv = BatchEnv<f32>;
@@ -34,6 +38,7 @@ pub struct BatchEnv<C: Precision> {
     rows: StateRows,
     finished: Finished,
     pool: Option<ThreadPool>,
+    judge: Arc<dyn Runner<C>>,
 }
 
 impl<C: Precision> BatchEnv<C> {
@@ -42,18 +47,59 @@ impl<C: Precision> BatchEnv<C> {
     /// # Errors
     /// The task or model cannot be simulated, there is no memory for so many environments, or no such number of threads.
     pub fn new(model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
-        if config.num_envs == 0 {
-            return Err(BuildError::NoEnvironments);
-        }
-        let tables = C::tables(model, task)?;
+        Self::with_layouts(model, std::slice::from_ref(task), config)
+    }
+
+    /// The same with several layouts, tasks of one structure: environment `env` does the task of number `env` modulo how many
+    /// there are.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); there is no task, or more than environments, or their structures differ.
+    pub fn with_layouts(model: &Model, tasks: &[Task], config: &EnvConfig) -> Result<Self, BuildError> {
+        check_count(config)?;
+        check_layouts(tasks, config.num_envs)?;
+        let tables = Tables::of_layouts(model, tasks, None, &C::plan)?;
+        let spec = spec(model, tasks, &tables, config);
+        Self::start(tables, spec, C::script(), config)
+    }
+
+    /// The same with rules of one's own, which observe, judge and reward in place of the task's script.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the rules contradict themselves, environments are to explore, or the task has a technique.
+    pub fn with_rules(model: &Model, task: &Task, rules: &impl Rules, config: &EnvConfig) -> Result<Self, BuildError> {
+        let (tables, spec) = ruled(model, task, rules, config, &C::plan)?;
+        Self::start(tables, spec, Arc::new(Own(rules.clone())), config)
+    }
+
+    /// Other environments of the same model, task and rules; nothing is compiled again. They start their episodes again as these do,
+    /// whatever the configuration says.
+    ///
+    /// # Errors
+    /// No environments, no memory left, no such number of threads, or fewer environments than layouts.
+    pub fn sibling(&self, config: &EnvConfig) -> Result<Self, BuildError> {
+        check_count(config)?;
+        self.spec.check_layouts(config.num_envs)?;
+        self.tables.rules.as_ref().map_or(Ok(()), |rules| rules.check_config(config))?;
+        let &EnvConfig { num_envs, exploring, .. } = config;
+        let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
+        Self::start(self.tables.clone(), spec, self.judge.clone(), config)
+    }
+
+    /// Makes the environments and resets them.
+    fn start(
+        tables: Tables<C>,
+        spec: EnvSpec,
+        judge: Arc<dyn Runner<C>>,
+        config: &EnvConfig,
+    ) -> Result<Self, BuildError> {
         let level = config.level.map_or_else(Level::detect, Ok)?;
-        let spec = spec(model, task, &tables, config);
         let rows = StateRows::of(&tables);
         memory::check(config.num_envs, rows.count * size_of::<C>() + 4 * WORDS + spec.bytes_per_env())?;
         let storage = Storage::new(C::lanes(level), &spec, rows.count)?;
         let finished = Finished::new(&spec);
         let pool = config.threads.map(thread_pool).transpose()?;
-        let mut env = Self { tables, spec, level, storage, rows, finished, pool };
+        let mut env = Self { tables, spec, level, storage, rows, finished, pool, judge };
         let mut observation = memory::zeros(config.num_envs, config.num_envs * env.spec.observation_size())?;
         env.reset(Some(config.seed), None, &mut observation).expect("the buffers were made to fit");
         Ok(env)
@@ -86,19 +132,63 @@ impl<C: Precision> BatchEnv<C> {
     }
 }
 
+/// Tables, sizes and names of environments with rules of one's own, if these do not contradict themselves.
+pub fn ruled<C: Real>(
+    model: &Model,
+    task: &Task,
+    rules: &impl Rules,
+    config: &EnvConfig,
+    plan: &dyn Fn(&Plan<f64>) -> Plan<C>,
+) -> Result<(Tables<C>, EnvSpec), BuildError> {
+    check_count(config)?;
+    let (outline, tasks) = (Outline::of(rules), std::slice::from_ref(task));
+    outline.check_config(config)?;
+    let tables = Tables::of_layouts(model, tasks, Some(outline.clone()), plan)?;
+    outline.check_count(rules, &tables)?;
+    let spec = spec(model, tasks, &tables, config);
+    outline.check_names(&spec)?;
+    Ok((tables, spec))
+}
+
 /// Sizes and names.
-pub fn spec<C: Real>(model: &Model, task: &Task, tables: &Tables<C>, config: &EnvConfig) -> EnvSpec {
+pub fn spec<C: Real>(model: &Model, tasks: &[Task], tables: &Tables<C>, config: &EnvConfig) -> EnvSpec {
     let dofs: Vec<String> = tables.plan.dofs.iter().map(|dof| dof.name.clone()).collect();
+    let mut names = observe::names(model, &tables.observation, &dofs);
+    names.extend(tables.rules.iter().flat_map(|rules| rules.observed.iter().cloned()));
     EnvSpec {
         num_envs: config.num_envs,
-        observation_names: observe::names(model, task, &dofs),
+        observation_names: names,
         action_names: model.muscles.iter().map(|m| m.name.clone()).collect(),
-        episode_names: episode_names(tables.steps()),
-        control_dt: task.control_dt_s,
-        max_episode_steps: task.time_limit_steps() as usize,
+        episode_names: episode_columns(tables),
+        control_dt: tasks.first().map_or(f64::NAN, |task| task.control_dt_s),
+        max_episode_steps: longest_episode(tasks),
+        layout_limits: layout_limits(tasks),
         autoreset: config.autoreset,
         exploring: config.exploring.min(config.num_envs),
     }
+}
+
+/// Names of the columns of an episode summary.
+fn episode_columns<C: Real>(tables: &Tables<C>) -> Vec<String> {
+    match &tables.rules {
+        None => episode_names(tables.steps()),
+        Some(_) => RULES_COLUMNS.iter().map(|column| column.name.to_owned()).collect(),
+    }
+}
+
+/// Refuses an empty batch.
+pub fn check_count(config: &EnvConfig) -> Result<(), BuildError> {
+    if config.num_envs == 0 { Err(BuildError::NoEnvironments) } else { Ok(()) }
+}
+
+/// Control steps of the longest time limit.
+pub fn longest_episode(tasks: &[Task]) -> usize {
+    layout_limits(tasks).into_iter().max().unwrap_or(0)
+}
+
+/// Control steps of the time limit of each.
+pub fn layout_limits(tasks: &[Task]) -> Vec<usize> {
+    tasks.iter().map(|task| task.time_limit_steps() as usize).collect()
 }
 
 fn thread_pool(threads: usize) -> Result<ThreadPool, BuildError> {
@@ -137,7 +227,7 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
                 ResetJob { tables, storage, seed, mask, observation }
             })
             .collect();
-        run_all(self.pool.as_ref(), jobs, |job| C::run(level, job));
+        run_all(self.pool.as_ref(), jobs, |job| self.judge.reset(level, job));
         Ok(())
     }
 
@@ -172,16 +262,24 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
                 },
             })
             .collect();
-        run_all(self.pool.as_ref(), jobs, |job| C::run(level, job));
+        run_all(self.pool.as_ref(), jobs, |job| self.judge.step(level, job));
         self.finished.note(terminated, truncated);
         Ok(())
     }
 
-    fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
-        self.tables.set_task(task).map_err(EnvError::other_task)?;
-        self.spec.max_episode_steps = task.time_limit_steps() as usize;
+    fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {
+        check_layouts(tasks, self.spec.num_envs).map_err(EnvError::other_task)?;
+        self.tables.set_tasks(tasks).map_err(EnvError::other_task)?;
+        self.spec.max_episode_steps = longest_episode(tasks);
+        self.spec.layout_limits = layout_limits(tasks);
         let n = self.spec.num_envs;
         self.reset(None, Some(&vec![false; n]), &mut vec![0.0; n * self.spec.observation_size()])
+    }
+
+    fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
+        check::range(&self.spec, &envs)?;
+        let (tables, storage) = (&self.tables, &self.storage);
+        Ok(envs.map(|env| Snapshot::of(tables, |k| storage.number(env, k), |k| storage.word(env, k))).collect())
     }
 
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {

@@ -2,6 +2,7 @@
 
 use crate::saved::{Header, Saved};
 use crate::vector::{Autoreset, EnvError, EnvSpec, StepBuffers};
+use std::ops::Range;
 
 fn length(what: &'static str, got: usize, expected: usize) -> Result<(), EnvError> {
     if got == expected { Ok(()) } else { Err(EnvError::WrongLength { what, got, expected }) }
@@ -27,6 +28,12 @@ pub fn step(spec: &EnvSpec, actions: &[f32], out: &StepBuffers<'_>) -> Result<()
         None => Ok(()),
         Some(at) => Err(EnvError::NonFiniteAction { env: at / nact, index: at % nact, value: actions[at] }),
     }
+}
+
+/// Environments to look at.
+pub fn range(spec: &EnvSpec, envs: &Range<usize>) -> Result<(), EnvError> {
+    let (&Range { start, end }, num_envs) = (envs, spec.num_envs);
+    if start <= end && end <= num_envs { Ok(()) } else { Err(EnvError::NoSuchEnvironment { start, end, num_envs }) }
 }
 
 /// A saved state that can go on in an environment whose own states have this header.

@@ -4,7 +4,7 @@ use crate::memory::MOST_ENVS;
 use crate::vector::Autoreset;
 use myo_dynamics::PlanError;
 use myo_scalar::{Level, LevelError};
-use myo_tasks::InvalidTask;
+use myo_tasks::{InvalidTask, Task};
 use thiserror::Error;
 
 /// Most threads of one pool.
@@ -53,13 +53,32 @@ pub enum BuildError {
     Task(#[from] InvalidTask),
     /// More boxes in one place than are simulated.
     #[error(
-        "{contacts} boxes of the task stand so close together that the fingertip may touch them all at once; at most {most} are          simulated: move them apart, or leave some out"
+        "{contacts} boxes of the task stand so close together that the fingertip may touch them all at once; at most {most} are simulated: move them apart, or leave some out"
     )]
     Crowded {
         /// How many there are.
         contacts: usize,
         /// How many there may be.
         most: usize,
+    },
+    /// Rules of one's own that cannot judge as they are.
+    #[error("the rules `{name}` {problem}")]
+    Rules {
+        /// Their name.
+        name: String,
+        /// What is wrong, as the rest of the sentence.
+        problem: String,
+    },
+    /// An empty list of layouts.
+    #[error("there is no layout; give at least one task")]
+    NoLayouts,
+    /// Layouts that no environment would do.
+    #[error("{layouts} layouts need an environment each; there are {num_envs}")]
+    IdleLayouts {
+        /// How many layouts there are.
+        layouts: usize,
+        /// How many environments there are.
+        num_envs: usize,
     },
     /// A task was to be exchanged for one that code would have to be compiled for.
     #[error("the task cannot take the place of the one before: {what}; make new environments")]
@@ -129,6 +148,12 @@ pub enum BuildError {
         /// What the system said.
         reason: String,
     },
+}
+
+/// Every layout needs an environment: number `env` does the task of number `env` modulo how many there are.
+pub(crate) fn check_layouts(tasks: &[Task], num_envs: usize) -> Result<(), BuildError> {
+    let layouts = tasks.len();
+    if layouts > num_envs { Err(BuildError::IdleLayouts { layouts, num_envs }) } else { Ok(()) }
 }
 
 fn known(available: Option<u64>) -> String {

@@ -1,14 +1,36 @@
 //! Work on consecutive blocks of environments: what one thread does of a step or a reset.
 
-use crate::control::{Scratch, reseed, reset, step_and_autoreset};
-use crate::parameters::World;
-use crate::precision::Job;
+use crate::control::{Judge, Outcome, Scratch, reseed, step_and_autoreset};
+use crate::precision::{Job, Precision};
 use crate::rows::{MAX_LANES, flags_of, mask_from, read_rows, rows, write_rows};
 use crate::state::EnvState;
 use crate::storage::{Blocks, WORDS, load, store};
 use crate::tables::Tables;
 use crate::vector::{Autoreset, StepBuffers};
-use myo_scalar::{Mask, Real, Scalar};
+use myo_scalar::{Level, Mask, Real, Scalar};
+
+/// Runs jobs under one judge. The one call that is not known when code is compiled: what it runs steps many environments.
+pub trait Runner<C>: Send + Sync {
+    /// Runs a control step.
+    fn step(&self, level: Level, job: StepJob<'_, C>);
+    /// Runs a reset.
+    fn reset(&self, level: Level, job: ResetJob<'_, C>);
+}
+
+impl<C: Precision, J: Judge> Runner<C> for J {
+    fn step(&self, level: Level, job: StepJob<'_, C>) {
+        C::run(level, Judged { judge: self, job });
+    }
+    fn reset(&self, level: Level, job: ResetJob<'_, C>) {
+        C::run(level, Judged { judge: self, job });
+    }
+}
+
+/// A job under a judge.
+struct Judged<'a, J, W> {
+    judge: &'a J,
+    job: W,
+}
 
 /// A control step.
 pub struct StepJob<'a, C> {
@@ -24,19 +46,25 @@ pub struct StepJob<'a, C> {
     pub out: StepBuffers<'a>,
 }
 
-impl<C: Real> Job<C> for StepJob<'_, C> {
+impl<C: Real, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
     #[inline(always)]
-    fn run<S: Scalar<Const = C>>(mut self) {
-        let tables = self.tables;
-        let (mut env, mut ws, world) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables), tables.splat::<S>());
+    fn run<S: Scalar<Const = C>>(self) {
+        let Self { judge, mut job } = self;
+        let tables = job.tables;
+        let Blocks { first, count, numbers, words, solver } = job.storage;
+        let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
+        let mut world = tables.world::<S>(first);
         let nact = ws.ctrl.len();
-        let Blocks { count, numbers, words, solver, .. } = self.storage;
         let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
         for (block, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(S::LANES)).enumerate() {
+            if block > 0 && tables.own_numbers {
+                world = tables.world(first + block * S::LANES);
+            }
             load(&mut env, numbers, words);
-            let start = (block * S::LANES * nact).min(self.actions.len());
-            read_rows(&self.actions[start..], &mut ws.ctrl);
-            step_block(&world, self.autoreset, &mut env, &mut ws, block, &mut self.out);
+            let start = (block * S::LANES * nact).min(job.actions.len());
+            read_rows(&job.actions[start..], &mut ws.ctrl);
+            let outcome = step_and_autoreset(judge, &world, job.autoreset, &mut env, &mut ws);
+            write_step(&outcome, &ws, block, &mut job.out);
             ws.physics.tally.take(tables.substeps as usize, solver);
             store(&mut env, numbers, words);
         }
@@ -44,15 +72,7 @@ impl<C: Real> Job<C> for StepJob<'_, C> {
 }
 
 #[inline(always)]
-fn step_block<S: Scalar>(
-    world: &World<'_, S>,
-    autoreset: Autoreset,
-    env: &mut EnvState<S>,
-    ws: &mut Scratch<S>,
-    block: usize,
-    out: &mut StepBuffers<'_>,
-) {
-    let outcome = step_and_autoreset(world, autoreset, env, ws);
+fn write_step<S: Scalar>(outcome: &Outcome<S>, ws: &Scratch<S>, block: usize, out: &mut StepBuffers<'_>) {
     let (terminated, truncated) = (outcome.terminated, outcome.truncated);
     let ended = flags_of::<S>(terminated | truncated);
     let (nobs, nepisode) = (ws.observation.len(), ws.episode.len());
@@ -81,26 +101,31 @@ pub struct ResetJob<'a, C> {
     pub observation: &'a mut [f32],
 }
 
-impl<C: Real> Job<C> for ResetJob<'_, C> {
+impl<C: Real, J: Judge> Job<C> for Judged<'_, J, ResetJob<'_, C>> {
     #[inline(always)]
     fn run<S: Scalar<Const = C>>(self) {
-        let tables = self.tables;
-        let (mut env, mut ws, world) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables), tables.splat::<S>());
-        let Blocks { count, numbers, words, .. } = self.storage;
+        let Self { judge, job } = self;
+        let tables = job.tables;
+        let Blocks { first, count, numbers, words, .. } = job.storage;
+        let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
+        let mut world = tables.world::<S>(first);
         let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
         for (block, (numbers, words)) in blocks.enumerate() {
+            if block > 0 && tables.own_numbers {
+                world = tables.world(first + block * S::LANES);
+            }
             load(&mut env, numbers, words);
-            let mask = match self.mask {
+            let mask = match job.mask {
                 None => S::Mask::splat(true),
                 Some(mask) => mask_from::<S>(mask.iter().skip(block * S::LANES).copied()),
             };
-            if let Some(seed) = self.seed {
+            if let Some(seed) = job.seed {
                 reseed(myo_scalar::seed_words(seed), mask, &mut env);
             }
-            reset(&world, mask, &mut env, &mut ws);
+            judge.reset(&world, mask, &mut env, &mut ws);
             store(&mut env, numbers, words);
             let nobs = ws.next_observation.len();
-            let rows = rows!(self.observation, block, S::LANES, nobs);
+            let rows = rows!(job.observation, block, S::LANES, nobs);
             write_rows(&ws.next_observation, &[true; MAX_LANES], rows);
         }
     }

@@ -21,7 +21,11 @@
 //! Actions lie in [-1, 1], one per muscle: -1 is no excitation, 1 is full. A reset draws **everything** anew: pose,
 //! velocities, activations, targets; phase and counters start at zero. The terminal observation is kept.
 //!
-//! This crate knows no neural network, no file and no Python.
+//! What a task asks for stands in its script, or is code: [`Rules`] of one's own observe, judge and reward in its place.
+//!
+//! Who looks on takes a [`Snapshot`] of a few environments ([`VectorEnv::peek`]) and asks a [`Skeleton`] where everything is in it.
+//!
+//! This crate knows no neural network, no file, no picture and no Python.
 
 mod batch;
 mod check;
@@ -35,9 +39,12 @@ mod memory;
 mod observe;
 mod parameters;
 mod precision;
+mod reseed;
 mod rows;
+mod rules;
 mod saved;
 mod single;
+mod skeleton;
 mod snapshot;
 mod state;
 mod storage;
@@ -54,7 +61,10 @@ pub use memory::MOST_ENVS;
 pub use observe::ObservationPart;
 pub use parameters::{Parameters, Poses, Start, World};
 pub use precision::{Job, Precision};
+pub use reseed::reseed;
+pub use rules::{Ball, Moment, RULES_COLUMNS, Rules, Verdict};
 pub use single::{Env, Step};
-pub use snapshot::{Snapshot, reseed};
+pub use skeleton::{MusclePose, ObjectPose, Role, Skeleton, SkeletonPose};
+pub use snapshot::Snapshot;
 pub use tables::Tables;
 pub use vector::{Autoreset, EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv};

@@ -4,8 +4,8 @@ use crate::parameters::World;
 use crate::state::EnvState;
 use myo_model::Model;
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::{Goal, Sensed, centre_ahead, difference, inside};
-use myo_tasks::{Observation, Task};
+use myo_tasks::Observation;
+use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, centre_ahead, difference, inside};
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,14 +18,18 @@ pub enum ObservationPart {
     JointAcceleration,
     /// Position of the fingertip (m).
     FingertipPosition,
+    /// Position of the pointer (m), where it is not the fingertip.
+    PointerPosition,
     /// Muscle activations, [0, 1] mapped to [-1, 1].
     Activation,
     /// Centre of the current target (m).
     TargetPosition,
     /// Radius of the current sphere or half the width of the button (m).
     TargetSize,
-    /// From the fingertip to the centre of the current target (m).
+    /// From the pointer to the centre of the current target (m).
     TargetVector,
+    /// Velocity of the current target (m/s), where something moves.
+    TargetVelocity,
     /// From the current target to the next (m).
     NextTargetVector,
     /// Share of targets done.
@@ -38,53 +42,126 @@ pub enum ObservationPart {
     Inside,
     /// Share of the force that the current button needs, at most one.
     Touch,
+    /// One where the current step counts already, where some must be waited for.
+    Cue,
+    /// One while the current handle is held, and the way that it must go (m), where there are sliders.
+    Drag,
+    /// From the pointer to the farthest place of the current way that was come to (m), and one within the way, where there are ways.
+    Steer,
 }
 
-/// The parts that a task asks for, in order.
-pub fn parts(o: &Observation) -> Vec<ObservationPart> {
+impl ObservationPart {
+    /// Whether it is about body and time, and not about a script.
+    pub(crate) const fn is_of_body(self) -> bool {
+        use ObservationPart as Part;
+        matches!(
+            self,
+            Part::JointPosition
+                | Part::JointVelocity
+                | Part::JointAcceleration
+                | Part::FingertipPosition
+                | Part::Activation
+                | Part::TimeLeft
+        )
+    }
+}
+
+impl ObservationPart {
+    /// Its key in `observation` of a task file, with which the names of its entries begin.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::JointPosition => "joint_position",
+            Self::JointVelocity => "joint_velocity",
+            Self::JointAcceleration => "joint_acceleration",
+            Self::FingertipPosition => "fingertip_position",
+            Self::PointerPosition => "pointer_position",
+            Self::Activation => "activation",
+            Self::TargetPosition => "target_position",
+            Self::TargetSize => "target_size",
+            Self::TargetVector => "target_vector",
+            Self::TargetVelocity => "target_velocity",
+            Self::NextTargetVector => "next_target_vector",
+            Self::Phase => "phase",
+            Self::DwellFraction => "dwell_fraction",
+            Self::TimeLeft => "time_left",
+            Self::Inside => "inside",
+            Self::Touch => "touch",
+            Self::Cue => "cue",
+            Self::Drag => "drag",
+            Self::Steer => "steer",
+        }
+    }
+
+    /// In which tasks there is such a part, as half a sentence; none if in all that ask for it.
+    pub const fn only_where(self) -> Option<&'static str> {
+        match self {
+            Self::PointerPosition => Some("where the technique is not the fingertip"),
+            Self::TargetVelocity => Some("where something moves"),
+            Self::Cue => Some("where a step must be waited for"),
+            Self::Drag => Some("where there is a slider to drag"),
+            Self::Steer => Some("where there is a way to steer along"),
+            _ => None,
+        }
+    }
+}
+
+/// The parts that a task asks for and has, in order.
+pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart> {
+    let Kinds { motion, cue, drag, steer, .. } = task.kinds;
     let all = [
         (o.joint_position, ObservationPart::JointPosition),
         (o.joint_velocity, ObservationPart::JointVelocity),
         (o.joint_acceleration, ObservationPart::JointAcceleration),
         (o.fingertip_position, ObservationPart::FingertipPosition),
+        (o.pointer_position && !task.pointer.is_fingertip(), ObservationPart::PointerPosition),
         (o.activation, ObservationPart::Activation),
         (o.target_position, ObservationPart::TargetPosition),
         (o.target_size, ObservationPart::TargetSize),
         (o.target_vector, ObservationPart::TargetVector),
+        (o.target_velocity && motion, ObservationPart::TargetVelocity),
         (o.next_target_vector, ObservationPart::NextTargetVector),
         (o.phase, ObservationPart::Phase),
         (o.dwell_fraction, ObservationPart::DwellFraction),
         (o.time_left, ObservationPart::TimeLeft),
         (o.inside, ObservationPart::Inside),
         (o.touch, ObservationPart::Touch),
+        (o.cue && cue, ObservationPart::Cue),
+        (o.drag && drag, ObservationPart::Drag),
+        (o.steer && steer, ObservationPart::Steer),
     ];
     all.into_iter().filter_map(|(wanted, part)| wanted.then_some(part)).collect()
 }
 
 /// Name of every entry, for example `joint_velocity.elbow_flexion`.
-pub fn names(model: &Model, task: &Task, dofs: &[String]) -> Vec<String> {
+pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<String> {
     let muscles: Vec<String> = model.muscles.iter().map(|m| m.name.clone()).collect();
     let axes = ["x", "y", "z"].map(String::from).to_vec();
-    let of = |name: &str, entries: &[String]| entries.iter().map(|e| format!("{name}.{e}")).collect();
     let entries = |part: ObservationPart| -> Vec<String> {
+        let name = part.name();
+        let of = |entries: &[String]| entries.iter().map(|entry| format!("{name}.{entry}")).collect();
         match part {
-            ObservationPart::JointPosition => of("joint_position", dofs),
-            ObservationPart::JointVelocity => of("joint_velocity", dofs),
-            ObservationPart::JointAcceleration => of("joint_acceleration", dofs),
-            ObservationPart::FingertipPosition => of("fingertip_position", &axes),
-            ObservationPart::Activation => of("activation", &muscles),
-            ObservationPart::TargetPosition => of("target_position", &axes),
-            ObservationPart::TargetSize => vec!["target_size".into()],
-            ObservationPart::TargetVector => of("target_vector", &axes),
-            ObservationPart::NextTargetVector => of("next_target_vector", &axes),
-            ObservationPart::Phase => vec!["phase".into()],
-            ObservationPart::DwellFraction => vec!["dwell_fraction".into()],
-            ObservationPart::TimeLeft => vec!["time_left".into()],
-            ObservationPart::Inside => vec!["inside".into()],
-            ObservationPart::Touch => vec!["touch".into()],
+            ObservationPart::JointPosition | ObservationPart::JointVelocity | ObservationPart::JointAcceleration => {
+                of(dofs)
+            }
+            ObservationPart::FingertipPosition
+            | ObservationPart::PointerPosition
+            | ObservationPart::TargetPosition
+            | ObservationPart::TargetVector
+            | ObservationPart::TargetVelocity
+            | ObservationPart::NextTargetVector => of(&axes),
+            ObservationPart::Activation => of(&muscles),
+            ObservationPart::TargetSize
+            | ObservationPart::Phase
+            | ObservationPart::DwellFraction
+            | ObservationPart::TimeLeft
+            | ObservationPart::Inside
+            | ObservationPart::Touch
+            | ObservationPart::Cue => vec![name.into()],
+            ObservationPart::Drag => of(&["held", "x", "y", "z"].map(String::from)),
+            ObservationPart::Steer => of(&["x", "y", "z", "within"].map(String::from)),
         }
     };
-    parts(&task.observation).into_iter().flat_map(entries).collect()
+    parts.iter().flat_map(|&part| entries(part)).collect()
 }
 
 /// Appends the observation of the current state to `out`.
@@ -99,24 +176,55 @@ pub fn observe<S: Scalar>(
     let (task, state) = (&world.parameters.task, &env.task);
     for part in &world.tables.observation {
         match part {
-            ObservationPart::JointPosition => joint_positions(world, env, out),
-            ObservationPart::JointVelocity => out.extend_from_slice(&env.body.qvel),
-            ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
-            ObservationPart::FingertipPosition => out.extend_from_slice(&sensed.fingertip),
-            ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
+            ObservationPart::PointerPosition => out.extend_from_slice(&sensed.pointer),
             ObservationPart::TargetPosition => out.extend_from_slice(&goal.centre),
             ObservationPart::TargetSize => out.push(goal.size),
-            ObservationPart::TargetVector => out.extend_from_slice(&difference(goal.centre, sensed.fingertip)),
-            ObservationPart::NextTargetVector => {
-                out.extend_from_slice(&difference(centre_ahead(task, state, 1), goal.centre));
-            }
+            ObservationPart::TargetVector => out.extend_from_slice(&difference(goal.centre, sensed.pointer)),
+            ObservationPart::TargetVelocity => out.extend_from_slice(&velocity(world, goal)),
+            ObservationPart::NextTargetVector => out.extend_from_slice(&to_next(task, state, goal)),
             ObservationPart::Phase => out.push(state.phase * S::lit(1.0 / task.steps.len() as f64)),
             ObservationPart::DwellFraction => out.push((state.dwell * goal.dwell.recip()).only(!goal.is_press)),
-            ObservationPart::TimeLeft => out.push(S::lit(1.0) - state.step * task.time_limit.recip()),
-            ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal))),
+            ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal) & goal.lit())),
             ObservationPart::Touch => out.push(touch(goal, env.touch)),
+            ObservationPart::Cue => out.push(S::indicator(goal.lit())),
+            ObservationPart::Drag => drag(goal, state, out),
+            ObservationPart::Steer => steer(goal, state, sensed, out),
+            &of_body => observe_body(of_body, world, env, &sensed.body.fingertip, out),
         }
     }
+}
+
+/// Appends a part that is about body and time; nothing where it is about a script.
+#[inline(always)]
+pub fn observe_body<S: Scalar>(
+    part: ObservationPart,
+    world: &World<'_, S>,
+    env: &EnvState<S>,
+    fingertip: &Point<S>,
+    out: &mut Vec<S>,
+) {
+    match part {
+        ObservationPart::JointPosition => joint_positions(world, env, out),
+        ObservationPart::JointVelocity => out.extend_from_slice(&env.body.qvel),
+        ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
+        ObservationPart::FingertipPosition => out.extend_from_slice(fingertip),
+        ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
+        ObservationPart::TimeLeft => out.push(S::lit(1.0) - env.task.step * world.parameters.task.time_limit.recip()),
+        _ => {}
+    }
+}
+
+/// From the current target to the next (m), which is the current step's where a wrong press is to be corrected first; zero where what
+/// comes next is not shown.
+#[inline(always)]
+fn to_next<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, goal: &Goal<S>) -> [S; 3] {
+    if !task.kinds.next {
+        return [S::zero(); 3];
+    }
+    let next = centre_ahead(task, state, 1);
+    let Some(corrects) = goal.corrects else { return difference(next, goal.centre) };
+    let (current, goal) = (centre_ahead(task, state, 0), goal.centre);
+    [0, 1, 2].map(|k| S::select(corrects, current[k], next[k]) - goal[k])
 }
 
 /// Appends `x * factor + offset`.
@@ -139,9 +247,33 @@ fn joint_positions<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, out: &mut
     }
 }
 
+/// Velocity of the current target (m/s); zero where nothing moves.
+#[inline(always)]
+fn velocity<S: Scalar>(world: &World<'_, S>, goal: &Goal<S>) -> [S; 3] {
+    let per_second = 1.0 / (f64::from(world.tables.substeps) * world.tables.timestep);
+    let is_sphere = !goal.is_press;
+    goal.moves.map_or([S::zero(); 3], |moves| moves.map(|x| (x * S::lit(per_second)).only(is_sphere)))
+}
+
+/// Appends whether the current handle is held, and the way that it must go (m); zeros where the step is no drag.
+#[inline(always)]
+fn drag<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, out: &mut Vec<S>) {
+    let Some(drag) = goal.drag() else { return out.extend([S::zero(); 4]) };
+    out.push(state.down.only(drag.is_drag));
+    out.extend_from_slice(&drag.way_left(drag.value));
+}
+
+/// Appends the vector to where the current way was left off (m), and whether the pointer is within it; zeros where the step is no way.
+#[inline(always)]
+fn steer<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, sensed: &Sensed<S>, out: &mut Vec<S>) {
+    let (Some(steer), Some(steering)) = (&goal.steer, &state.steering) else { return out.extend([S::zero(); 4]) };
+    out.extend_from_slice(&steer.to_gone(sensed.pointer, steering.along));
+    out.push(steering.within.only(steer.is_steer));
+}
+
 /// Share of the force that the current button needs, at most one.
 #[inline(always)]
 fn touch<S: Scalar>(goal: &Goal<S>, force: S) -> S {
     let Some(button) = &goal.button else { return S::zero() };
-    (force * button.shape.min_force.recip()).min(S::lit(1.0)).only(goal.is_press)
+    (force * button.min_force.recip()).min(S::lit(1.0)).only(goal.is_press)
 }

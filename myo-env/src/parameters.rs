@@ -3,8 +3,8 @@
 use crate::tables::Tables;
 use myo_dynamics::{Obstacles, StaticBox};
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::{CompiledTask, TouchBox};
-use myo_tasks::{InvalidTask, Pose, Reset, Task};
+use myo_tasks::logic::CompiledTask;
+use myo_tasks::{FlatTask, Pose, Reset, Task};
 
 /// Least and greatest position of a joint (rad), where it has limits.
 pub(crate) type JointRange = Option<[f64; 2]>;
@@ -51,18 +51,15 @@ pub struct World<'a, S: Scalar> {
 }
 
 impl<C: Real> Parameters<C> {
-    /// Those of a task, for a body whose joints have these ranges (rad).
-    ///
-    /// # Errors
-    /// What is wrong with the task's values.
-    pub(crate) fn new(task: &Task, ranges: &[JointRange]) -> Result<Self, InvalidTask> {
+    /// Those of a task of this flat form, for a body whose joints have these ranges (rad).
+    pub(crate) fn new(task: &Task, flat: &FlatTask, ranges: &[JointRange]) -> Self {
         let noise = [task.noise.signal_dependent, task.noise.constant];
         let noisy = noise.iter().any(|&deviation| deviation > 0.0);
-        Ok(Self {
-            task: CompiledTask::new(task)?,
+        Self {
+            task: CompiledTask::of(task, flat),
             noise: noisy.then(|| noise.map(C::from_f64)),
             start: Start::new(task, ranges),
-        })
+        }
     }
 
     /// These numbers where others were, which code was compiled for.
@@ -117,6 +114,18 @@ impl Parameters<()> {
                 "asks to let go, or has several presses or boxes",
                 "does not ask to let go, and has one press and one box",
             ),
+            (new.follow, old.follow, "asks to follow something", "asks to follow nothing"),
+            (new.drag, old.drag, "asks to drag a slider", "asks to drag nothing"),
+            (new.cue, old.cue, "has steps that must be waited for", "has no step that must be waited for"),
+            (new.motion, old.motion, "has spheres that move", "has no sphere that moves"),
+            (new.steer, old.steer, "has ways to steer along", "has no way to steer along"),
+            (new.next, old.next, "shows what comes next", "does not show what comes next"),
+            (
+                ours.correction.is_some(),
+                theirs.correction.is_some(),
+                "has wrong presses corrected",
+                "has no wrong press corrected",
+            ),
         ] {
             if new != old {
                 return Some(if new {
@@ -125,6 +134,20 @@ impl Parameters<()> {
                     format!("it {without}, and the other did")
                 });
             }
+        }
+        for (word, new, old) in [
+            ("sliders", ours.handles.len(), theirs.handles.len()),
+            ("objects to choose from", ours.choices.len(), theirs.choices.len()),
+        ] {
+            if new != old {
+                return Some(format!("it has {new} {word} instead of {old}"));
+            }
+        }
+        if ours.orders != theirs.orders {
+            return Some("other steps of it change places with each other".into());
+        }
+        if ours.pointer != theirs.pointer {
+            return Some("its technique is another".into());
         }
         if ours.spheres != theirs.spheres {
             return Some("its spheres and boxes stand in another order".into());
@@ -142,11 +165,11 @@ impl Parameters<()> {
 }
 
 impl<C: Real> Parameters<C> {
-    /// All numbers in the order of [`map`](Self::map), as they lie on a card.
-    pub fn rows(&self) -> Vec<f32> {
-        let mut rows = vec![];
-        self.map(&mut |number| rows.push(number.to_f64() as f32));
-        rows
+    /// All numbers in the order of [`map`](Self::map).
+    pub(crate) fn numbers(&self) -> Vec<C> {
+        let mut numbers = vec![];
+        self.map(&mut |&number| numbers.push(number));
+        numbers
     }
 }
 
@@ -154,13 +177,7 @@ impl<T: Copy> Parameters<T> {
     /// What the fingertip can press.
     #[inline(always)]
     pub fn boxes(&self) -> Vec<StaticBox<T>> {
-        let shape = |&TouchBox { centre, axes, half_size, radius, .. }: &TouchBox<T>| StaticBox {
-            centre,
-            axes,
-            half_size,
-            radius,
-        };
-        self.task.boxes.iter().map(shape).collect()
+        self.task.boxes.iter().map(|each| each.shape).collect()
     }
 }
 

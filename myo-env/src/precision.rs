@@ -1,20 +1,19 @@
 //! The precisions that environments run in.
 
-use crate::config::BuildError;
-use crate::tables::Tables;
-use myo_model::Model;
+use crate::control::Script;
+use crate::job::Runner;
+use myo_dynamics::Plan;
 use myo_scalar::{LaneTask, Level, Real, Scalar, dispatch};
-use myo_tasks::Task;
+use std::sync::Arc;
 
 /// A precision that environments can run in.
 pub trait Precision: Real + Scalar<Const = Self> {
     /// Environments per value.
     fn lanes(level: Level) -> usize;
-    /// Compiles a model and a task as environments of this precision run them.
-    ///
-    /// # Errors
-    /// As for [`Tables::new`].
-    fn tables(model: &Model, task: &Task) -> Result<Tables<Self>, BuildError>;
+    /// The plan that environments of this precision run, from the one that is compiled in the obvious way.
+    fn plan(exact: &Plan<f64>) -> Plan<Self>;
+    /// The script of a task as the judge, compiled once, in this crate.
+    fn script() -> Arc<dyn Runner<Self>>;
     /// Runs a job on the numbers of this precision.
     fn run<J: Job<Self>>(level: Level, job: J);
 }
@@ -30,8 +29,11 @@ impl Precision for f64 {
     fn lanes(_: Level) -> usize {
         1
     }
-    fn tables(model: &Model, task: &Task) -> Result<Tables<Self>, BuildError> {
-        Tables::exact(model, task)
+    fn plan(exact: &Plan<f64>) -> Plan<Self> {
+        exact.cast()
+    }
+    fn script() -> Arc<dyn Runner<Self>> {
+        Arc::new(Script)
     }
     fn run<J: Job<Self>>(_: Level, job: J) {
         job.run::<Self>();
@@ -43,8 +45,11 @@ impl Precision for f32 {
     fn lanes(level: Level) -> usize {
         level.lanes()
     }
-    fn tables(model: &Model, task: &Task) -> Result<Tables<Self>, BuildError> {
-        Tables::new(model, task)
+    fn plan(exact: &Plan<f64>) -> Plan<Self> {
+        exact.specialised().cast()
+    }
+    fn script() -> Arc<dyn Runner<Self>> {
+        Arc::new(Script)
     }
     fn run<J: Job<Self>>(level: Level, job: J) {
         dispatch(level, OnLanes(job));

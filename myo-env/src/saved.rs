@@ -3,6 +3,7 @@
 //! Little endian: the word `MYOSTATE`; the format's version, u32; CRC-32C of all that follows, u32; the [`Header`]; then one
 //! row per environment, its numbers as f64 and its integers as u32.
 
+use crate::rules::Outline;
 use crate::state::EnvState;
 use crc32c::crc32c;
 use myo_model::Model;
@@ -12,7 +13,7 @@ use myo_tasks::Task;
 /// How every state begins.
 const MAGIC: &[u8; 8] = b"MYOSTATE";
 /// The version of the format that this library reads and writes.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Where the checksum stands, and where what it covers begins.
 const CHECKSUM: std::ops::Range<usize> = 12..16;
 /// Integers per environment.
@@ -36,17 +37,30 @@ impl Named {
     fn new(name: &str, contents: String) -> Self {
         Self { name: name.into(), fingerprint: crc32c(contents.as_bytes()) }
     }
+
+    fn of(tasks: &[Task], rules: Option<&Outline>) -> Self {
+        let name = tasks.first().map_or("", |task| &task.name);
+        let contents = match tasks {
+            [task] => format!("{task:?}"),
+            tasks => format!("{tasks:?}"),
+        };
+        match rules {
+            None => Self::new(name, contents),
+            Some(rules) => Self::new(&format!("{name}, rules {}", rules.name), contents + &rules.contents),
+        }
+    }
 }
 
 impl Identity {
-    /// The identity of a model and a task whose repeated targets are written out.
-    pub fn new(model: &Model, task: &Task) -> Self {
-        Self { model: Named::new(&model.name, format!("{model:?}")), task: Named::new(&task.name, format!("{task:?}")) }
+    /// The identity of a model and of tasks whose repeated targets are written out, under rules of one's own, if given. The first
+    /// task gives the name.
+    pub fn new(model: &Model, tasks: &[Task], rules: Option<&Outline>) -> Self {
+        Self { model: Named::new(&model.name, format!("{model:?}")), task: Named::of(tasks, rules) }
     }
 
-    /// The same model with another task.
-    pub fn with_task(&self, task: &Task) -> Self {
-        Self { model: self.model.clone(), task: Named::new(&task.name, format!("{task:?}")) }
+    /// The same model with other tasks.
+    pub fn with_tasks(&self, tasks: &[Task], rules: Option<&Outline>) -> Self {
+        Self { model: self.model.clone(), task: Named::of(tasks, rules) }
     }
 
     /// Says what differs from the identity that an environment has.
@@ -174,6 +188,12 @@ impl<'a> Saved<'a> {
             Some(size) if size == rest.len() => Ok(Self { header, rows: rest }),
             _ => Err(format!("{} bytes of environments do not fit its header", rest.len())),
         }
+    }
+
+    /// The same, if it has this environment.
+    pub fn with_env(self, env: usize) -> Result<Self, String> {
+        let n = self.header.num_envs;
+        if env < n { Ok(self) } else { Err(format!("it has no environment {env}, only {n}")) }
     }
 
     /// Number `k` of an environment.

@@ -2,6 +2,8 @@
 
 use crate::batch::CpuEnv;
 use crate::config::{BuildError, EnvConfig};
+use crate::rules::Rules;
+use crate::snapshot::Snapshot;
 use crate::vector::{Autoreset, EnvError, EnvSpec, StepStorage, VectorEnv};
 use myo_model::Model;
 use myo_tasks::Task;
@@ -25,14 +27,28 @@ pub struct Step<'a> {
     pub truncated: bool,
 }
 
+fn config(seed: u64) -> EnvConfig {
+    EnvConfig { num_envs: 1, seed, autoreset: Autoreset::Disabled, ..EnvConfig::default() }
+}
+
 impl Env {
     /// Builds the environment and starts its first episode.
     pub fn new(model: &Model, task: &Task, seed: u64) -> Result<Self, BuildError> {
-        let config = EnvConfig { num_envs: 1, seed, autoreset: Autoreset::Disabled, ..EnvConfig::default() };
-        let mut inner = CpuEnv::new(model, task, &config)?;
+        Ok(Self::start(CpuEnv::new(model, task, &config(seed))?, seed))
+    }
+
+    /// The same with rules of one's own in place of the task's script.
+    ///
+    /// # Errors
+    /// As for [`CpuEnv::with_rules`].
+    pub fn with_rules(model: &Model, task: &Task, rules: &impl Rules, seed: u64) -> Result<Self, BuildError> {
+        Ok(Self::start(CpuEnv::with_rules(model, task, rules, &config(seed))?, seed))
+    }
+
+    fn start(mut inner: CpuEnv, seed: u64) -> Self {
         let mut out = StepStorage::new(inner.spec());
         inner.reset(Some(seed), None, &mut out.observation).expect("the storage was made to fit");
-        Ok(Self { inner, out })
+        Self { inner, out }
     }
 
     /// Sizes and names.
@@ -43,6 +59,12 @@ impl Env {
     /// The current observation.
     pub fn observation(&self) -> &[f32] {
         &self.out.observation
+    }
+
+    /// The environment as it is now, for a [`Skeleton`](crate::Skeleton).
+    pub fn peek(&self) -> Snapshot {
+        let seen = self.inner.peek(0..1).ok().and_then(|mut seen| seen.pop());
+        seen.expect("there is one environment")
     }
 
     /// Starts a fresh episode; a seed restarts the random stream, without one it continues.

@@ -1,19 +1,34 @@
-//! Looking into saved states, and seeds for single environments.
+//! What a viewer sees of one environment, out of its memory or out of a saved state.
 
-use crate::saved::{Saved, sign};
+use crate::saved::Saved;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::EnvError;
 use myo_dynamics::State;
+use myo_scalar::Real;
 use myo_tasks::logic::TaskState;
 
-/// Body and task of one environment, read from a saved state: for pictures and for looking inside.
+/// Where an integer stands among those of a state.
+const EPISODE: usize = EnvState::<f64>::EPISODE_ROW;
+
+/// One environment at one moment, in double precision whatever it is simulated in.
+/// [`VectorEnv::peek`](crate::VectorEnv::peek) takes it, [`Skeleton`](crate::Skeleton) tells where everything is in it.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// The body.
+    /// The body: `qpos` and `qvel` of the independent joints (rad, rad/s; m, m/s for slides), `(ndof)` each, and the
+    /// activations `act` of the muscles in [0, 1], `(nmuscle)`.
     pub body: State<f64>,
-    /// Targets and counters.
+    /// Where spheres are in this episode (m from the shoulder centre, world axes), how large, and how far the task is.
     pub task: TaskState<f64>,
+    /// Greatest force on the current button in the last control step (N); zero for a sphere and after a reset.
+    pub touch: f64,
+    /// What rules of one's own remember; empty where a script judges.
+    pub remembered: Vec<f64>,
+    /// Whether the episode is over and no other one has begun. An environment that starts the next one in the same step is never
+    /// seen like this.
+    pub ended: bool,
+    /// Number of the episode, counted from the last seed, from one on.
+    pub episode: u32,
 }
 
 impl Snapshot {
@@ -21,46 +36,23 @@ impl Snapshot {
     ///
     /// # Errors
     /// The state is damaged, is not one of this model and task, or has no such environment.
-    pub fn read(tables: &Tables<f64>, state: &[u8], env: usize) -> Result<Self, EnvError> {
-        let saved = read(state, env)?;
-        let mut read = EnvState::<f64>::new(tables);
-        if saved.header.identity != tables.identity || saved.header.count != read.numbers().count() {
+    pub fn read<C: Real>(tables: &Tables<C>, state: &[u8], env: usize) -> Result<Self, EnvError> {
+        let saved = Saved::read(state).and_then(|saved| saved.with_env(env));
+        let saved = saved.map_err(|reason| EnvError::BadState { reason })?;
+        let count = EnvState::<f64>::new(tables).numbers().count();
+        if saved.header.identity != tables.identity || saved.header.count != count {
             return Err(EnvError::BadState { reason: "it is of another model or task".into() });
         }
-        for (k, x) in read.numbers().enumerate() {
-            *x = saved.number(env, k);
+        Ok(Self::of(tables, |k| saved.number(env, k), |k| saved.word(env, k)))
+    }
+
+    /// From the numbers and integers of a state, by their places in it.
+    pub(crate) fn of<C: Real>(tables: &Tables<C>, number: impl Fn(usize) -> f64, word: impl Fn(usize) -> u32) -> Self {
+        let mut env = EnvState::<f64>::new(tables);
+        for (k, x) in env.numbers().enumerate() {
+            *x = number(k);
         }
-        Ok(Self { body: read.body, task: read.task })
-    }
-}
-
-/// Gives environments of a saved state seeds of their own, so that the next reset draws what the first environment of a
-/// batch with that seed draws.
-///
-/// # Errors
-/// The state is damaged or has no such environment; it is unchanged then.
-pub fn reseed(state: &mut [u8], seeds: impl IntoIterator<Item = (usize, u64)>) -> Result<(), EnvError> {
-    let seeds: Vec<(usize, u64)> = seeds.into_iter().collect();
-    let Some(last) = seeds.iter().map(|(env, _)| *env).max() else { return Ok(()) };
-    let saved = read(state, last)?;
-    let ranges: Vec<_> = seeds.iter().map(|(env, seed)| (saved.words_in(state.len(), *env), *seed)).collect();
-    for (range, seed) in ranges {
-        let words = &mut state[range];
-        // Low and high half of the seed; environment, episode and step are zero.
-        words.fill(0);
-        words[..8].copy_from_slice(&seed.to_le_bytes());
-    }
-    sign(state);
-    Ok(())
-}
-
-/// A whole state that has this environment.
-fn read(state: &[u8], env: usize) -> Result<Saved<'_>, EnvError> {
-    let saved = Saved::read(state).map_err(|reason| EnvError::BadState { reason })?;
-    let n = saved.header.num_envs;
-    if env < n {
-        Ok(saved)
-    } else {
-        Err(EnvError::BadState { reason: format!("it has no environment {env}, only {n}") })
+        let EnvState { body, task, touch, pending, remembered, .. } = env;
+        Self { body, task, touch, remembered, ended: pending > 0.5, episode: word(EPISODE) }
     }
 }

@@ -7,7 +7,7 @@ use myo_scalar::{Counter, Real, Scalar, Word};
 use myo_tasks::logic::TaskState;
 
 /// Number of weighted reward terms that are summed up over an episode.
-pub const REWARD_TERMS: usize = 6;
+pub const REWARD_TERMS: usize = 7;
 
 /// Where the other sums over an episode stand behind those of the reward terms.
 pub const EFFORT_SUM: usize = REWARD_TERMS;
@@ -17,8 +17,10 @@ pub const ROUNDS_SUM: usize = EFFORT_SUM + 1;
 pub const UNSOLVED_SUM: usize = ROUNDS_SUM + 1;
 /// See [`EnvState::sums`].
 pub const WRONG_SUM: usize = UNSOLVED_SUM + 1;
+/// See [`EnvState::sums`].
+pub const EXIT_SUM: usize = WRONG_SUM + 1;
 /// How many sums there are.
-const SUMS: usize = WRONG_SUM + 1;
+const SUMS: usize = EXIT_SUM + 1;
 
 /// State of one environment per lane.
 #[derive(Clone, Debug)]
@@ -34,8 +36,12 @@ pub struct EnvState<S: Scalar> {
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
     /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, physics steps that it left
-    /// unsolved, and presses that were not asked for. Counts are exact up to 2^24.
+    /// unsolved, presses that were not asked for, and ways left. Counts are exact up to 2^24.
     pub sums: [S; SUMS],
+    /// What rules of one's own remember; empty where a script judges.
+    pub remembered: Vec<S>,
+    /// What they observed last: an observation that is asked for anew shows it as it was.
+    pub observed: Vec<S>,
     /// Seed, low half first.
     pub seed: [S::Word; 2],
     /// Which environment, see [`env_number`].
@@ -56,17 +62,19 @@ pub fn env_number(spec: &EnvSpec, env: usize) -> u32 {
 }
 
 impl<S: Scalar> EnvState<S> {
-    /// Memory; to be filled by `load` or a reset.
+    /// Memory, of the sizes of tables in any precision; to be filled by `load` or a reset.
     #[inline(always)]
-    pub fn new(tables: &Tables<S::Const>) -> Self {
+    pub fn new<C: Real>(tables: &Tables<C>) -> Self {
         let (o, w) = (S::zero(), S::Word::splat(0));
         Self {
             body: State::new(&tables.plan),
-            task: TaskState::new(tables.parameters.task.spheres.len(), tables.steps()),
+            task: TaskState::new(&tables.parameters.task),
             qacc: vec![o; tables.plan.ndof()],
             touch: o,
             pending: o,
             sums: [o; SUMS],
+            remembered: vec![o; tables.rules.as_ref().map_or(0, |rules| rules.remembered)],
+            observed: vec![o; tables.rules.as_ref().map_or(0, |rules| rules.observed.len())],
             seed: [w; 2],
             env: w,
             episode: w,
@@ -78,21 +86,35 @@ impl<S: Scalar> EnvState<S> {
     pub const WORDS: usize = 5;
     /// Which of them is the number of the environment.
     pub const ENV_ROW: usize = 2;
+    /// Which of them is the number of the episode.
+    pub const EPISODE_ROW: usize = 3;
 
     /// Every number, in a fixed order.
+    ///
+    /// The one list of them: memory of lanes, rows on a card, saved states, snapshots, and what a reset hands on have this order. The
+    /// pattern names all fields, so that a new one cannot be forgotten. Loops and branches that change a few numbers name these,
+    /// since on a card each number that is handed on takes a register.
     #[inline(always)]
     pub fn numbers(&mut self) -> impl Iterator<Item = &mut S> {
-        let (body, task) = (&mut self.body, &mut self.task);
-        let body = body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act).chain(&mut self.qacc);
-        let targets = task.position.iter_mut().flatten().chain(&mut task.size);
-        let times = task.done_at.iter_mut().chain(&mut task.reached_at);
-        let counters =
-            [&mut task.phase, &mut task.dwell, &mut task.held, &mut task.down, &mut task.old, &mut task.step];
-        let rest = [&mut task.wrong, &mut self.touch, &mut self.pending];
-        body.chain(targets).chain(times).chain(counters).chain(rest).chain(&mut self.sums)
+        let Self {
+            body: State { qpos, qvel, act },
+            task,
+            qacc,
+            touch,
+            pending,
+            sums,
+            remembered,
+            observed,
+            seed: _,
+            env: _,
+            episode: _,
+            step: _,
+        } = self;
+        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc);
+        body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed)
     }
 
-    /// Every integer, in a fixed order.
+    /// Every integer, in a fixed order; see [`numbers`](Self::numbers).
     #[inline(always)]
     pub fn words(&mut self) -> [&mut S::Word; 5] {
         let [low, high] = &mut self.seed;

@@ -4,7 +4,9 @@ use thiserror::Error;
 
 use crate::config::BuildError;
 use crate::control::explore::LEFT;
+use crate::snapshot::Snapshot;
 use myo_tasks::Task;
+use std::ops::Range;
 
 /// What happens when an episode ends, in the words of Gymnasium's `AutoresetMode`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -31,8 +33,11 @@ pub struct EnvSpec {
     pub episode_names: Vec<String>,
     /// Seconds of simulated time per control step.
     pub control_dt: f64,
-    /// Control steps after which an episode is truncated.
+    /// Control steps after which an episode is truncated; of the longest time limit where there are several layouts.
     pub max_episode_steps: usize,
+    /// The same of each layout: environment `env` does the layout of number `env` modulo how many there are. Empty in environments
+    /// that know of none.
+    pub layout_limits: Vec<usize>,
     /// How finished environments start again.
     pub autoreset: Autoreset,
     /// The last so many environments begin their episodes in the middle of the task, see [`EnvConfig::exploring`](crate::EnvConfig).
@@ -44,10 +49,22 @@ impl EnvSpec {
     pub fn whole_episodes(&self) -> usize {
         self.num_envs - self.exploring
     }
+    /// How many layouts there are, at least 1.
+    pub fn layouts(&self) -> usize {
+        self.layout_limits.len().max(1)
+    }
+
+    /// Every layout needs an environment.
+    pub(crate) fn check_layouts(&self, num_envs: usize) -> Result<(), BuildError> {
+        let layouts = self.layouts();
+        if layouts > num_envs { Err(BuildError::IdleLayouts { layouts, num_envs }) } else { Ok(()) }
+    }
+
     /// Control steps from one cut by the time limit to the next of the same environment, at least; 1 or more.
     pub fn steps_between_cuts(&self) -> usize {
         let share = if self.exploring > 0 { LEFT[0] } else { 1.0 };
-        ((share * self.max_episode_steps as f64) as usize).max(1)
+        let shortest = self.layout_limits.iter().copied().min().unwrap_or(self.max_episode_steps);
+        ((share * shortest as f64) as usize).max(1)
     }
     /// Number of entries of one observation.
     pub fn observation_size(&self) -> usize {
@@ -159,6 +176,19 @@ pub enum EnvError {
         /// Environment.
         env: usize,
     },
+    /// Environments were asked for that there are not.
+    #[error("environments {start}..{end} were asked for; there are {num_envs}, counted from 0")]
+    NoSuchEnvironment {
+        /// The first one.
+        start: usize,
+        /// The one after the last.
+        end: usize,
+        /// How many there are.
+        num_envs: usize,
+    },
+    /// The environments have no body and no task that could be looked at.
+    #[error("there is nothing to see in these environments")]
+    Unseen,
     /// A saved state does not belong to this environment.
     #[error("the saved environment state does not fit: {reason}")]
     BadState {
@@ -205,6 +235,16 @@ pub trait VectorEnv: Send {
     /// One control step of every environment. `actions` is `(num_envs, action_size)`, clipped to [-1, 1].
     fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError>;
 
+    /// Some environments as they are now, for whoever looks on; nothing changes. Only what is asked for is copied: on a graphics
+    /// card 4 bytes for each number of the state of each of these environments, with one wait.
+    ///
+    /// # Errors
+    /// [`EnvError::NoSuchEnvironment`] where the range goes backwards or past the end, [`EnvError::Unseen`], the card failed.
+    fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
+        let _ = envs;
+        Err(EnvError::Unseen)
+    }
+
     /// Everything that the next steps depend on, as bytes with a checksum; [`VectorEnv::load_state`] continues bit for bit.
     /// Which episodes are over is part of it.
     fn save_state(&self) -> Result<Vec<u8>, EnvError>;
@@ -223,7 +263,16 @@ pub trait VectorEnv: Send {
     /// [`EnvError::OtherTask`] where the structure differs, values are out of bounds or the environment knows no tasks; it is
     /// unchanged then.
     fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
-        let _ = task;
+        self.set_tasks(std::slice::from_ref(task))
+    }
+
+    /// The same with several tasks of one structure: environment `env` does the task of number `env` modulo how many there are.
+    /// More than one needs environments that were made with several layouts.
+    ///
+    /// # Errors
+    /// As for [`set_task`](Self::set_task); there is no task, or more than environments.
+    fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {
+        let _ = tasks;
         Err(EnvError::OtherTask { what: "these environments have no task".into() })
     }
 }

@@ -5,10 +5,10 @@
 
 mod common;
 
-use common::{actions, arm, column, entry, gpu, without_gpu};
+use common::{actions, arm, column, dwell_for, entry, gpu, sphere, without_gpu};
 use myo_env::{CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
 use myo_scalar::Level;
-use myo_tasks::{Pointing, Pressing, Range, Region, Reset, Target, Task, preset};
+use myo_tasks::{Item, Task};
 
 const ENVS: usize = 64;
 /// Physics steps of a control step, and how long one is (s).
@@ -17,18 +17,33 @@ const TIMESTEP: f64 = 0.002;
 
 /// A large sphere in the midst of where the arm goes.
 fn pointing() -> Task {
-    let [x, y, z] = [0.35, -0.1, -0.2].map(Range::fixed);
-    let radius = Range::fixed(0.2);
-    let sphere =
-        Pointing { position: Region { x, y, z }, radius, dwell_s: 0.1, min_distance_from_previous: None, repeat: 1 };
-    Task { targets: vec![Target::Pointing(sphere)], time_limit_s: 1.0, ..preset("pointing-single").unwrap() }
+    let text = "\
+version: 2
+name: pointing
+model: mobl-arms-uitb
+scene:
+  ball: {kind: sphere, at: [0.35, -0.1, -0.2], radius: 0.2}
+script:
+  - dwell: {in: ball, for_s: 0.1}
+time_limit_s: 1
+";
+    Task::from_yaml(text, "pointing").unwrap()
 }
 
 /// A large button there.
 fn pressing() -> Task {
-    let button = Pressing { position: [0.35, -0.1, -0.2], size: [0.3, 0.3, 0.05], tilt_deg: 45.0, min_force_n: 1.0 };
-    let reset = Reset { velocity_spread_rad_s: 2.0, ..Reset::default() };
-    Task { targets: vec![Target::Pressing(button)], time_limit_s: 1.0, reset, ..preset("pointing-single").unwrap() }
+    let text = "\
+version: 2
+name: pressing
+model: mobl-arms-uitb
+scene:
+  button: {kind: button, at: [0.35, -0.1, -0.2], size: [0.3, 0.3, 0.05], tilt_deg: 45, min_force_n: 1}
+script:
+  - press: button
+time_limit_s: 1
+reset: {velocity_spread_rad_s: 2}
+";
+    Task::from_yaml(text, "pressing").unwrap()
 }
 
 /// Actions of a control step.
@@ -60,9 +75,10 @@ fn watch(mut task: Task, first: &str, entries: usize) -> Vec<Vec<Vec<f64>>> {
     let steps = (task.time_limit_s / TIMESTEP).round() as usize;
     task.control_dt_s = TIMESTEP;
     task.time_limit_s *= 2.0;
-    match &mut task.targets[0] {
-        Target::Pointing(sphere) => sphere.dwell_s = task.time_limit_s,
-        Target::Pressing(button) => button.min_force_n = WATCHED_FORCE,
+    let limit_s = task.time_limit_s;
+    dwell_for(&mut task, limit_s);
+    if let Some(Item::Button(button)) = task.scene.0.get_mut("button") {
+        button.min_force_n = WATCHED_FORCE;
     }
     let mut env = ReferenceEnv::new(&arm(&task), &task, &EnvConfig { num_envs: ENVS, ..EnvConfig::default() }).unwrap();
     let (nobs, at) = (env.spec().observation_size(), entry(&env, first));
@@ -135,10 +151,9 @@ fn check(task: &Task, truth: &[Option<[usize; 2]>], least: usize) {
 
 #[test]
 fn an_entry_is_where_the_fingertip_was_seen_to_enter() {
-    let task = pointing();
-    let Target::Pointing(sphere) = &task.targets[0] else { panic!("it is a sphere") };
-    let (centre, radius) =
-        ([sphere.position.x, sphere.position.y, sphere.position.z].map(|x| x.min), sphere.radius.min);
+    let mut task = pointing();
+    let ball = sphere(&mut task, "ball");
+    let (centre, radius) = (ball.at.0.at([0.0; 3]), ball.radius.min);
     let seen = watch(task.clone(), "fingertip_position.x", 3);
     let inside = |i: usize| -> Vec<bool> {
         let distance = |row: &Vec<f64>| row.iter().zip(centre).map(|(x, c)| (x - c) * (x - c)).sum::<f64>().sqrt();

@@ -2,8 +2,10 @@
 
 mod common;
 
-use common::{actions, arm, assert_follows, column, entry, gpu, rollout, short};
-use myo_env::{Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use common::{actions, arm, assert_follows, column, entry, following, gpu, rollout, short, sphere};
+use myo_env::{
+    Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
+};
 use myo_scalar::Level;
 use myo_tasks::{Task, preset};
 
@@ -177,6 +179,26 @@ fn a_saved_state_knows_which_episodes_are_finished<E: Subject>() {
     assert!(refused.contains("environment 1 has finished its episode"), "{refused}");
 }
 
+fn a_peek_sees_what_a_saved_state_holds<E: Subject>() {
+    let task = short("pointing");
+    let tables = Tables::<f64>::new(&arm(&task), &task).unwrap();
+    let mut env = E::make(&task, EnvConfig { num_envs: 21, exploring: 6, ..Default::default() });
+    let limit = env.spec().max_episode_steps;
+    rollout(&mut env, limit + 2);
+    let saved = env.save_state().unwrap();
+    for envs in [0..21, 3..4, 15..19, 7..7, 21..21] {
+        let read = envs.clone().map(|env| Snapshot::read(&tables, &saved, env).unwrap());
+        let (seen, read) = (env.peek(envs).unwrap(), read.collect::<Vec<_>>());
+        assert_eq!(format!("{seen:?}"), format!("{read:?}"));
+    }
+    assert_eq!(env.peek(2..3).unwrap()[0].episode, 2);
+    for (start, end) in [(0, 22), (22, 22), (5, 3), (0, usize::MAX)] {
+        let refused = env.peek(start..end).err();
+        assert_eq!(refused, Some(EnvError::NoSuchEnvironment { start, end, num_envs: 21 }));
+    }
+    assert_eq!(env.save_state().unwrap(), saved);
+}
+
 fn damaged_states_are_refused_and_change_nothing<E: Subject>() {
     let task = short("pointing");
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
@@ -235,13 +257,13 @@ fn bad_calls_are_refused_and_change_nothing<E: Subject>() {
 fn dwell_counts_rounded_steps<E: Subject>() {
     let mut task = preset("pointing-single").unwrap();
     let text = task.to_yaml();
-    assert!(text.contains("dwell_s: 0.25"), "{text}");
-    task = Task::from_yaml(&text.replace("dwell_s: 0.25", "dwell_s: 0.3"), "test").unwrap();
-    let myo_tasks::Target::Pointing(sphere) = &mut task.targets[0] else { panic!("pointing-single has a sphere") };
+    assert!(text.contains("for_s: 0.25"), "{text}");
+    task = Task::from_yaml(&text.replace("for_s: 0.25", "for_s: 0.3"), "test").unwrap();
+    let ball = sphere(&mut task, "ball");
     // The fingertip of the hanging arm, from the shoulder.
     let [x, y, z] = [0.052, -0.029, -0.708].map(myo_tasks::Range::fixed);
-    sphere.position = myo_tasks::Region { x, y, z };
-    sphere.radius = myo_tasks::Range::fixed(0.3);
+    ball.at.0 = myo_tasks::Region { x, y, z };
+    ball.radius = myo_tasks::Range::fixed(0.3);
     task.reset = myo_tasks::Reset { pose: myo_tasks::Pose::Zero, activation_max: 0.0, ..Default::default() };
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
     let mut out = StepStorage::new(env.spec());
@@ -311,6 +333,7 @@ macro_rules! conformance {
             disabled_asks_for_a_reset_by_mask,
             a_saved_state_continues_bit_for_bit,
             a_saved_state_knows_which_episodes_are_finished,
+            a_peek_sees_what_a_saved_state_holds,
             damaged_states_are_refused_and_change_nothing,
             states_of_another_task_or_body_are_refused_by_name,
             bad_calls_are_refused_and_change_nothing,
@@ -330,8 +353,10 @@ conformance!(
 /// step returns.
 #[test]
 fn lanes_follow_the_reference() {
-    for name in ["pointing", "public-display"] {
-        let task = short(name);
+    let tasks =
+        ["pointing", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain([following()]);
+    for task in tasks {
+        let name = &task.name;
         let config = EnvConfig { num_envs: 20, exploring: 9, ..Default::default() };
         let mut reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
         let wanted = rollout(&mut reference, 20);

@@ -88,7 +88,7 @@ fn practised(task: &Task) -> (usize, usize) {
     let limit = env.spec().max_episode_steps;
     let steps = rollout(&mut env, limit);
     let spec = env.spec();
-    let (targets, columns) = (task.targets.len() as f32, spec.episode_names.len());
+    let (targets, columns) = (task.flat().unwrap().steps.len() as f32, spec.episode_names.len());
     let (phase, done) = (entry(&env, "phase"), column(&env, "targets_done"));
     let (mut ended, mut again) = (0, 0);
     for step in steps {

@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{arm, entry, gpu, rollout, short, without_gpu};
-use myo_env::gpu::record;
-use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Tables, VectorEnv};
+use common::{arm, dwell_for, entry, following, following_with, gpu, rollout, short, shuffled, sphere, without_gpu};
+use myo_env::gpu::{GpuOptions, record};
+use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
 use myo_scalar::symbolic::Form;
-use myo_tasks::{Range, Target, Task};
+use myo_tasks::{Instruction, Item, Range, Repeat, Stimulus, Task};
 
 /// A short task with motor noise.
 fn noisy(name: &str) -> Task {
@@ -18,21 +18,23 @@ fn noisy(name: &str) -> Task {
 /// A task with everything that may differ within a structure.
 fn other(task: &Task) -> Task {
     let mut other = task.clone();
-    for target in &mut other.targets {
-        match target {
-            Target::Pointing(sphere) => {
-                sphere.position.y = Range::new(sphere.position.y.min + 0.03, sphere.position.y.max + 0.05);
+    for item in other.scene.0.values_mut() {
+        match item {
+            Item::Sphere(sphere) => {
+                let y = &mut sphere.at.0.y;
+                *y = Range::new(y.min + 0.03, y.max + 0.05);
                 sphere.radius = Range::new(0.5 * sphere.radius.min, 0.7 * sphere.radius.max);
-                sphere.dwell_s = 0.1;
             }
-            Target::Pressing(button) => {
-                button.position[2] += 0.03;
+            Item::Button(button) => {
+                button.at[2] += 0.03;
                 button.tilt_deg += 10.0;
                 button.size[0] *= 0.7;
                 button.min_force_n *= 1.5;
             }
+            other => panic!("{other:?} stays as it is"),
         }
     }
+    dwell_for(&mut other, 0.1);
     other.time_limit_s = 0.4;
     other.noise.constant = 0.1;
     other.reset.activation_max = 0.3;
@@ -100,6 +102,160 @@ fn kernels_know_the_structure_of_a_task_and_none_of_its_numbers() {
     }
 }
 
+/// A preset's text with other numbers.
+fn changed(name: &str, changes: &[(&str, &str)]) -> Task {
+    let text = myo_tasks::preset_text(name).unwrap().to_owned();
+    let text = changes.iter().fold(text, |text, (old, new)| {
+        assert!(text.contains(old), "{old}");
+        text.replace(old, new)
+    });
+    Task { time_limit_s: 0.5, ..Task::from_yaml(&text, name).unwrap() }
+}
+
+#[test]
+fn ways_handles_waits_and_pointers_are_numbers_too() {
+    let moved = [
+        ("gain: 4", "gain: 3"),
+        ("period_s: 3", "period_s: 2"),
+        ("0.2, 0.2]", "0.1, 0.2]"),
+        ("after_s: [0, 0.1]", "after_s: 0.2"),
+    ];
+    let slid = [
+        ("length: 0.1 ", "length: 0.12 "),
+        ("value: [0, 40]", "value: 10"),
+        ("to: 70, within: 5", "to: 50, within: 8"),
+    ];
+    let waited = [("after_s: [0.5, 1.5]", "after_s: [0.1, 0.2]"), ("pitch: 0.06", "pitch: 0.07")];
+    let pointed =
+        [("at: [2, 0, 0]", "at: [1.5, 0, 0]"), ("at: [1.99, 0, 0]", "at: [1.49, 0, 0]"), ("for_s: 0.25", "for_s: 0.1")];
+    let mut wider = shuffled();
+    sphere(&mut wider, "wide").radius = Range::fixed(0.4);
+    for (before, task) in [
+        (following(), following_with(&moved)),
+        (short("slider"), changed("slider", &slid)),
+        (short("choice"), changed("choice", &waited)),
+        (short("wall-ray"), changed("wall-ray", &pointed)),
+        (shuffled(), wider),
+    ] {
+        let model = arm(&task);
+        let lanes = |task| CpuEnv::new(&model, task, &config(21)).unwrap();
+        check_that_nothing_is_left(&mut lanes(&before), &mut lanes(&task), &task);
+        let texts = [&before, &task].map(|task| {
+            let tables = Tables::<f64>::new(&model, task).unwrap();
+            record::step(&tables, Autoreset::SameStep, Form::Straight)
+                .to_kernel(&record::STEP_BUFFERS, 64)
+                .to_wgsl()
+                .unwrap()
+        });
+        assert!(texts[0] == texts[1], "{}", task.name);
+    }
+    let (slider, moving) = (short("slider"), following());
+    let refused = |old: &Task, new: &Task| {
+        CpuEnv::new(&arm(old), old, &config(3)).unwrap().set_task(new).unwrap_err().to_string()
+    };
+    assert!(refused(&slider, &moving).ends_with("it has 2 steps instead of 1"), "{}", refused(&slider, &moving));
+    let still = following_with(&[(
+        "technique: {kind: cursor, onto: wall, at: [0.3, 0, -0.2], gain: 4}",
+        "technique: {kind: ray, from: hand, onto: wall}",
+    )]);
+    assert!(refused(&moving, &still).ends_with("its technique is another"));
+    let (plain, mut shown, mut kept) = (shuffled(), shuffled(), shuffled());
+    shown.stimulus = Stimulus::All;
+    assert!(refused(&plain, &shown).ends_with("it shows what comes next, and the other did not"));
+    kept.correction = None;
+    assert!(refused(&plain, &kept).ends_with("it has no wrong press corrected, and the other did"));
+    let mut fixed = shuffled();
+    let Instruction::RandomOrder(steps) = fixed.script.remove(0) else { panic!("an order") };
+    fixed.script.splice(0..0, steps);
+    assert!(refused(&plain, &fixed).ends_with("other steps of it change places with each other"));
+}
+
+/// Three layouts of a task whose objects are drawn, moved, pointed at and waited for.
+fn layouts() -> [Task; 3] {
+    let wider = following_with(&[("gain: 4", "gain: 3"), ("by: [0, 0.2, 0.2]", "by: [0, 0.1, 0.3]")]);
+    let later = following_with(&[
+        ("wait: [0.05, 0.2]", "wait: 0.1"),
+        ("[-0.1, 0.1]", "0.2"),
+        ("diameter: 0.2", "diameter: 0.3"),
+    ]);
+    [following(), wider, Task { time_limit_s: 0.4, ..later }]
+}
+
+/// Each environment of a batch of several layouts does what it does among environments of its own layout alone.
+fn check_layouts(batch: &mut dyn VectorEnv, mut alone: impl FnMut(&Task) -> Box<dyn VectorEnv>) {
+    let tasks = layouts();
+    let (n, nobs) = (batch.spec().num_envs, batch.spec().observation_size());
+    let together = rollout(batch, 14);
+    for (k, task) in tasks.iter().enumerate() {
+        for (step, (a, b)) in together.iter().zip(&rollout(&mut *alone(task), 14)).enumerate() {
+            for env in (k..n).step_by(tasks.len()) {
+                let row = env * nobs..(env + 1) * nobs;
+                assert!(
+                    a.observation[row.clone()] == b.observation[row],
+                    "{}, environment {env}, step {step}",
+                    task.name
+                );
+                assert_eq!((a.reward[env], a.truncated[env]), (b.reward[env], b.truncated[env]), "environment {env}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_batch_holds_many_layouts_and_each_is_as_if_it_were_alone() {
+    let model = arm(&following());
+    let mut batch = ReferenceEnv::with_layouts(&model, &layouts(), &config(7)).unwrap();
+    check_layouts(&mut batch, |task| Box::new(ReferenceEnv::new(&model, task, &config(7)).unwrap()));
+    let mut batch = CpuEnv::with_layouts(&model, &layouts(), &config(37)).unwrap();
+    let spec = EnvSpec { exploring: 0, ..batch.spec().clone() };
+    assert_eq!((spec.max_episode_steps, &spec.layout_limits[..], spec.steps_between_cuts()), (10, &[10, 10, 8][..], 8));
+    check_layouts(&mut batch, |task| Box::new(CpuEnv::new(&model, task, &config(37)).unwrap()));
+    // States of them are not those of one layout, and one layout may take the place of all.
+    let state = batch.save_state().unwrap();
+    let mut one = CpuEnv::new(&model, &layouts()[0], &config(37)).unwrap();
+    assert!(one.load_state(&state).unwrap_err().to_string().contains("another version of the task `following`"));
+    assert!(one.set_tasks(&layouts()).unwrap_err().to_string().ends_with("made for one at a time"));
+    assert!(CpuEnv::with_layouts(&model, &[], &config(3)).err().unwrap().to_string().contains("no layout"));
+    let few = CpuEnv::with_layouts(&model, &layouts(), &config(2)).err().unwrap().to_string();
+    assert_eq!(few, "3 layouts need an environment each; there are 2");
+    let mut many = layouts()[0].clone();
+    many.script[0] = Instruction::Repeat(Repeat { times: u32::MAX, steps: vec![many.script[0].clone()] });
+    assert!(one.set_task(&many).unwrap_err().to_string().contains("4294967295"));
+    batch.set_task(&layouts()[1]).unwrap();
+    assert_eq!(batch.spec().layout_limits, [10]);
+    let mut made = CpuEnv::new(&model, &layouts()[1], &config(37)).unwrap();
+    for env in [&mut batch as &mut dyn VectorEnv, &mut made] {
+        env.reset(Some(2), None, &mut vec![0.0; 37 * one.spec().observation_size()]).unwrap();
+    }
+    assert!(rollout(&mut batch, 5).iter().zip(&rollout(&mut made, 5)).all(|(a, b)| a.observation == b.observation));
+}
+
+#[test]
+fn a_card_holds_many_layouts_as_well() {
+    if without_gpu() {
+        return;
+    }
+    let (gpu, model) = (gpu(), arm(&following()));
+    let options = GpuOptions { envs_per_shard: 16, ..GpuOptions::default() };
+    let mut batch = GpuEnv::with_layouts(&gpu, &model, &layouts(), &config(37), &options).unwrap();
+    check_layouts(&mut batch, |task| Box::new(GpuEnv::new(&gpu, &model, task, &config(37)).unwrap()));
+    let turned = {
+        let [a, b, c] = layouts();
+        [c, a, b]
+    };
+    batch.set_tasks(&turned).unwrap();
+    let mut made = GpuEnv::with_layouts(&gpu, &model, &turned, &config(37), &options).unwrap();
+    for env in [&mut batch, &mut made] {
+        env.reset(Some(2), None, &mut vec![0.0; 37 * made_size(&turned)]).unwrap();
+    }
+    assert!(rollout(&mut batch, 5).iter().zip(&rollout(&mut made, 5)).all(|(a, b)| a.observation == b.observation));
+}
+
+/// Entries of the observation of a task.
+fn made_size(tasks: &[Task]) -> usize {
+    CpuEnv::new(&arm(&tasks[0]), &tasks[0], &config(1)).unwrap().spec().observation_size()
+}
+
 #[test]
 fn where_buttons_are_counts_at_once() {
     let (before, task) = (noisy("public-display"), other(&noisy("public-display")));
@@ -111,14 +267,8 @@ fn where_buttons_are_counts_at_once() {
     let mut seen = vec![0.0; 5 * width];
     env.set_task(&task).unwrap();
     env.reset(None, Some(&[false; 5]), &mut seen).unwrap();
-    let centres: Vec<f32> = task
-        .targets
-        .iter()
-        .map(|target| match target {
-            Target::Pressing(button) => button.position[2] as f32,
-            Target::Pointing(_) => f32::NAN,
-        })
-        .collect();
+    let objects = task.flat().unwrap().objects;
+    let centres: Vec<f32> = objects.iter().map(|object| object.block().unwrap().centre[2] as f32).collect();
     for row in seen.chunks(width) {
         assert!(centres.contains(&row[height]), "{} of {centres:?}", row[height]);
     }
@@ -143,7 +293,7 @@ fn a_task_of_another_structure_is_refused_and_changes_nothing() {
         other
     };
     refuse(&noisy("pointing"), "it has 10 steps instead of 8");
-    refuse(&with(|task| task.targets.swap(0, 1)), "its spheres and boxes stand in another order");
+    refuse(&with(|task| task.scene.0.swap_indices(0, 1)), "its spheres and boxes stand in another order");
     refuse(&with(|task| task.observation.touch = false), "it is observed in another way");
     refuse(&with(|task| task.control_dt_s = 0.1), "its control step is 0.1 s instead of 0.05 s");
     let inside = "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path)";

@@ -2,11 +2,14 @@
 
 mod common;
 
-use common::{actions, arm, assert_follows, assert_same_summary, entry, gpu, rollout, short, without_gpu};
+use common::{
+    actions, arm, assert_follows, assert_same_summary, column, dwell_for, entry, following, gpu, rollout, short,
+    shuffled, sphere, without_gpu,
+};
 use myo_env::gpu::{GpuOptions, PhysicsBench};
 use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv};
 use myo_scalar::symbolic::Form;
-use myo_tasks::{Range, Region, Target, Task, preset};
+use myo_tasks::{Range, Region, Task, preset};
 
 fn both(task: &Task, config: EnvConfig) -> (GpuEnv, ReferenceEnv) {
     let model = arm(task);
@@ -45,8 +48,10 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
     if without_gpu() {
         return;
     }
-    for name in ["pointing", "public-display"] {
-        let task = short(name);
+    for task in
+        ["pointing", "public-display", "slider", "wall-ray"].map(short).into_iter().chain([following(), shuffled()])
+    {
+        let name = &task.name;
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, exploring: 9, ..Default::default() });
         let runs = rollout(&mut card, 25).into_iter().zip(rollout(&mut reference, 25));
         for (step, (got, want)) in runs.enumerate() {
@@ -55,14 +60,40 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
     }
 }
 
+/// Two hundred buttons stand side by side before the body, so that it touches some now and then.
+fn crowded() -> Task {
+    let text = "version: 2\nname: crowded\nscene:\n  wall: {kind: grid, at: [0.3, 0, -0.3], tilt_deg: 45, rows: 10, columns: 20, \
+                pitch: 0.025, of: {kind: button, size: [0.02, 0.02, 0.01]}}\n  table: {kind: obstacle, at: [0.3, 0, -0.55], \
+                size: [0.6, 0.6, 0.02]}\nscript:\n  - press: [10, 55, 130, 190, 64]\ntime_limit_s: 0.5\n";
+    Task::from_yaml(text, "crowded").unwrap()
+}
+
+/// On a card the nearest boxes are listed; the reference goes through all.
+#[test]
+fn among_two_hundred_buttons_the_same_ones_are_touched() {
+    if without_gpu() {
+        return;
+    }
+    let task = crowded();
+    let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, ..Default::default() });
+    let wrong = column(&reference, "wrong_presses");
+    let mut presses = 0.0;
+    let runs = rollout(&mut card, 40).into_iter().zip(rollout(&mut reference, 40));
+    for (step, (got, want)) in runs.enumerate() {
+        assert_follows(&reference, &got, &want, &format!("step {step}"));
+        let size = reference.spec().episode_size();
+        presses += (0..20).filter(|&env| want.truncated[env]).map(|env| want.episode[env * size + wrong]).sum::<f32>();
+    }
+    assert!(presses > 10.0, "{presses} buttons were pressed");
+}
+
 /// One large sphere in front of the body, so that chance does the task often.
 fn easy() -> Task {
     let mut task = preset("pointing-single").unwrap();
-    let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("pointing-single has a sphere") };
-    sphere.position =
-        Region { x: Range { min: 0.1, max: 0.4 }, y: Range { min: -0.2, max: 0.2 }, z: Range { min: -0.5, max: 0.0 } };
-    sphere.radius = Range { min: 0.2, max: 0.3 };
-    sphere.dwell_s = 0.1;
+    let ball = sphere(&mut task, "ball");
+    ball.at.0 = Region { x: Range::new(0.1, 0.4), y: Range::new(-0.2, 0.2), z: Range::new(-0.5, 0.0) };
+    ball.radius = Range::new(0.2, 0.3);
+    dwell_for(&mut task, 0.1);
     task
 }
 

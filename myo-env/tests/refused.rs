@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{arm, short};
+use common::{arm, short, sphere};
 use myo_env::{CpuEnv, EnvConfig};
-use myo_tasks::{Observation, Task};
+use myo_tasks::{Observation, Scene, Task};
 
 /// Why environments of this task are refused.
 fn refusal(task: &Task, config: &EnvConfig) -> String {
@@ -20,7 +20,9 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         let text = refusal(&task, &one);
         assert!(text.contains(sentence), "{text}");
     };
-    refused(Task { targets: vec![], ..task.clone() }, "the task has no target; a task has from 1 to 10");
+    let idle = Task { script: vec![], ..task.clone() };
+    refused(idle.clone(), "the script has no step");
+    refused(Task { version: 1, scene: Scene::default(), ..idle }, "the task has no target; a task has from 1 to 10");
     refused(Task { time_limit_s: 1e308, ..task.clone() }, "`time_limit_s` is 1e308 s; it must be");
     refused(Task { control_dt_s: f64::NAN, ..task.clone() }, "`control_dt_s` is NaN; it must be from 0.001 to 0.5 s");
     refused(Task { version: 7, ..task.clone() }, "`version` is 7; versions 1 to 2 are known");
@@ -40,11 +42,17 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         time_left: false,
         inside: false,
         touch: false,
+        pointer_position: false,
+        target_velocity: false,
+        cue: false,
+        drag: false,
+        steer: false,
     };
-    refused(blind, "`observation` has no part; at least one must be true");
+    refused(blind.clone(), "`observation` has no part; at least one must be true");
+    blind.observation.cue = true;
+    refused(blind, "`observation` has no part that this task has; at least one must be true");
     let mut repeated = task;
-    let myo_tasks::Target::Pointing(sphere) = &mut repeated.targets[0] else { panic!("pointing has spheres") };
-    sphere.repeat = u32::MAX;
+    sphere(&mut repeated, "ball").copies = Some(u32::MAX);
     refused(repeated, "4294967295");
 }
 

@@ -39,11 +39,14 @@ impl Model {
         let site_index = Index::new(ElementKind::Site, sites.iter().map(|site| site.name.as_str()))?;
         let muscles = muscles(description, &site_index)?;
         let landmarks = Element::new(ElementKind::Landmarks, "");
+        let body = |name: &Option<String>| name.as_deref().map(|name| body_index.find(name, &landmarks)).transpose();
         Ok(Self {
             name: description.name.clone(),
             options: description.options.clone(),
             fingertip_site: site_index.find(&description.landmarks.fingertip, &landmarks)?,
             shoulder_body: body_index.find(&description.landmarks.shoulder, &landmarks)?,
+            elbow_body: body(&description.landmarks.elbow)?,
+            wrist_body: body(&description.landmarks.wrist)?,
             bodies,
             joints,
             couplings,

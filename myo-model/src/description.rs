@@ -76,6 +76,12 @@ pub struct Landmarks {
     pub fingertip: String,
     /// Body whose origin in the zero pose is the origin of target coordinates (the shoulder centre).
     pub shoulder: String,
+    /// Body whose origin is the elbow; rays from the forearm ask for it.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub elbow: Option<String>,
+    /// Body whose origin is the wrist; rays ask for it.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub wrist: Option<String>,
 }
 
 /// A rigid body; its frame is placed in its parent's frame.

@@ -25,6 +25,7 @@ pub mod mjcf;
 pub mod model;
 mod nearest;
 mod oriented_box;
+mod static_box;
 #[cfg(feature = "files")]
 mod text;
 
@@ -36,3 +37,4 @@ pub use error::{Element, ElementKind, ModelError};
 pub use model::Model;
 pub use nearest::Nearest;
 pub use oriented_box::OrientedBox;
+pub use static_box::StaticBox;

@@ -30,6 +30,10 @@ pub struct Model {
     pub fingertip_site: usize,
     /// Index of the body whose origin in the zero pose is the origin of target coordinates.
     pub shoulder_body: usize,
+    /// Index of the body whose origin is the elbow, where the description names one.
+    pub elbow_body: Option<usize>,
+    /// Index of the body whose origin is the wrist, where the description names one.
+    pub wrist_body: Option<usize>,
 }
 
 /// A rigid body.

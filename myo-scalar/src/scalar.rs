@@ -86,6 +86,9 @@ pub trait Scalar:
     /// Distance from one to the next number; of a symbolic number, where it will run: in single precision.
     const EPSILON: f64;
 
+    /// Whether [`gather`](Self::gather) reads memory, however many rows there are; else it goes through all of them.
+    const READS_ROWS: bool = false;
+
     /// The same constant everywhere.
     fn splat(c: Self::Const) -> Self;
     /// A literal.

@@ -3,12 +3,14 @@
 use garde::Validate;
 
 use crate::description::{Task, rounded_steps};
+use crate::flat::{Block, FlatTask, Object, Shape, Sphere, Step};
 use crate::geometry::{distance, farthest, farthest_at_worst, spread};
+use crate::motion::Path;
 use crate::range::Range;
 use crate::remedy::{Remedy, least_move, reached_part, shrink_and_move};
 use crate::report::{Element, Report, TaskError, TaskWarning, subject};
 use crate::rules::parts_rule;
-use crate::stage::{Block, Object, Shape, Sphere, Stage, Step};
+use crate::slider::Slider;
 use crate::target::Region;
 use crate::weakness::weakness;
 
@@ -67,27 +69,38 @@ impl Reach for Anywhere {
 /// Values come first: when one is out of bounds the rest is not looked at, because it would speak of nonsense.
 pub fn check(task: &Task, reach: &dyn Reach) -> Report {
     let mut report = Report::default();
-    let stage = match task.stage() {
-        Ok(stage) => stage,
+    let flat = match task.flat() {
+        Ok(flat) => flat,
         Err(invalid) => {
             report.errors = invalid.errors;
             return report;
         }
     };
     report.errors.extend(reach.physics_dt_s().and_then(|dt| task.check_control_step(dt).err()));
-    times(task, &stage, &mut report);
-    distances(&stage, &mut report);
-    overlaps(&stage, &mut report);
-    reachability(&stage, reach, &mut report);
-    report.warnings.extend(runs(&stage).filter_map(|(element, object)| {
-        let dwell_s = stage.steps_of(element.first).filter_map(Step::dwell_s).reduce(f64::max)?;
-        weakness(task, element, object.sphere()?, dwell_s, reach)
+    times(task, &flat, &mut report);
+    distances(&flat, &mut report);
+    overlaps(&flat, &mut report);
+    reachability(&flat, reach, &mut report);
+    report.warnings.extend(runs(&flat).filter_map(|(element, object)| {
+        let dwell_s = flat.steps_of(element.first).filter_map(Step::dwell_s).reduce(f64::max)?;
+        // What moves is not held still.
+        let sphere = object.sphere().filter(|sphere| sphere.path.is_none())?;
+        weakness(task, element, sphere, dwell_s, reach)
     }));
     report
 }
 
 /// The bounds of single values, in the order of the fields; then what the script asks for.
 pub(crate) fn value_errors(task: &Task) -> Vec<TaskError> {
+    let mut errors = single_value_errors(task);
+    if errors.is_empty() {
+        errors.extend(FlatTask::of(task).err().unwrap_or_default());
+    }
+    errors
+}
+
+/// The bounds of single values, in the order of the fields.
+pub(crate) fn single_value_errors(task: &Task) -> Vec<TaskError> {
     let error = |(path, error): &(garde::Path, garde::Error)| {
         let path = path.to_string();
         TaskError::Value { subject: subject(task, &path), problem: error.message().to_owned(), path }
@@ -98,21 +111,20 @@ pub(crate) fn value_errors(task: &Task) -> Vec<TaskError> {
         problem,
     });
     let values = task.validate().err();
-    let mut errors: Vec<TaskError> =
-        parts.into_iter().chain(values.iter().flat_map(garde::Report::iter).map(error)).collect();
-    if errors.is_empty() {
-        errors.extend(Stage::of(task).err().unwrap_or_default());
-    }
-    errors
+    parts.into_iter().chain(values.iter().flat_map(garde::Report::iter).map(error)).collect()
 }
 
 /// Dwells against the time limit, and times that are not whole control steps.
-fn times(task: &Task, stage: &Stage, report: &mut Report) {
+fn times(task: &Task, flat: &FlatTask, report: &mut Report) {
     let time_limit_s = task.time_limit_s;
     warn_if_rounded(task, time_limit_s, "the time limit".into(), "time_limit_s".into(), report);
-    let mut dwells = 0;
+    let (mut dwells, mut waits) = (0, 0);
     let mut one_too_long = false;
-    for (target, step) in step_runs(stage) {
+    for (target, step) in step_runs(flat) {
+        if let Some(cue) = step.cue {
+            let least = (cue.after_s.min / task.control_dt_s).round() as u32;
+            waits += least * (target.last - target.first + 1) as u32;
+        }
         let Some(dwell_s) = step.dwell_s() else { continue };
         warn_if_rounded(task, dwell_s, format!("the dwell of {target}"), target.field("for_s"), report);
         let steps = step.dwell_steps(task.control_dt_s);
@@ -122,9 +134,9 @@ fn times(task: &Task, stage: &Stage, report: &mut Report) {
             report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s, time_limit_s });
         }
     }
-    if !one_too_long && dwells > task.time_limit_steps() {
-        let dwells_s = f64::from(dwells) * task.control_dt_s;
-        report.errors.push(TaskError::DwellsBeyondLimit { dwells_s, time_limit_s });
+    if !one_too_long && dwells + waits > task.time_limit_steps() {
+        let dwells_s = f64::from(dwells + waits) * task.control_dt_s;
+        report.errors.push(TaskError::DwellsBeyondLimit { dwells_s, waits: waits > 0, time_limit_s });
     }
 }
 
@@ -138,18 +150,18 @@ fn warn_if_rounded(task: &Task, given_s: f64, what: String, path: String, report
 }
 
 /// The least distance of each sphere from the object before it.
-fn distances(stage: &Stage, report: &mut Report) {
+fn distances(flat: &FlatTask, report: &mut Report) {
     let mut seen: Vec<[&Object; 2]> = Vec::new();
-    for (index, object) in stage.objects.iter().enumerate() {
+    for (index, object) in flat.objects.iter().enumerate() {
         let Some((before, needed)) = object.sphere().and_then(|sphere| sphere.apart) else { continue };
-        let previous = &stage.objects[before];
+        let previous = &flat.objects[before];
         // Ten equal spheres in a row have one thing to say, not nine.
         if seen.iter().any(|[a, b]| is_alike(a, previous) && is_alike(b, object)) {
             continue;
         }
         seen.push([previous, object]);
-        let [previous, target] = [before, index].map(|k| Element::objects(stage, k, k));
-        distance_rule(previous, stage.objects[before].region(), target, object.region(), needed, report);
+        let [previous, target] = [before, index].map(|k| Element::objects(flat, k, k));
+        distance_rule(previous, flat.objects[before].region(), target, object.region(), needed, report);
     }
 }
 
@@ -172,17 +184,17 @@ fn distance_rule(previous: Element, from: Region, target: Element, to: Region, n
 }
 
 /// Boxes that stand in each other.
-fn overlaps(stage: &Stage, report: &mut Report) {
-    let blocks = || stage.objects.iter().enumerate().filter_map(|(index, object)| Some((index, object.block()?)));
+fn overlaps(flat: &FlatTask, report: &mut Report) {
+    let blocks = || flat.objects.iter().enumerate().filter_map(|(index, object)| Some((index, object.block()?)));
     let mut seen: Vec<[&str; 2]> = Vec::new();
     for (a, first) in blocks() {
         for (b, second) in blocks().filter(|(b, _)| *b > a) {
             let overlap_m = -first.gap(second);
             // Keys that are too large have one thing to say, not sixty.
-            let paths = [a, b].map(|index| &*stage.objects[index].path);
+            let paths = [a, b].map(|index| &*flat.objects[index].path);
             if overlap_m > ROUNDING && !seen.contains(&paths) {
                 seen.push(paths);
-                let [a, b] = [a, b].map(|index| Element::objects(stage, index, index));
+                let [a, b] = [a, b].map(|index| Element::objects(flat, index, index));
                 report.errors.push(TaskError::Overlap { a, b: Box::new(b), overlap_m });
             }
         }
@@ -190,15 +202,17 @@ fn overlaps(stage: &Stage, report: &mut Report) {
 }
 
 /// What the script asks for against the model's reach.
-fn reachability(stage: &Stage, reach: &dyn Reach, report: &mut Report) {
-    for (target, object) in runs(stage) {
+fn reachability(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
+    for (target, object) in runs(flat) {
         let found = look(object, reach);
         if found.missed().next().is_none() {
             continue;
         }
         let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
         let remedy = Box::new(remedy(object, &found, reach));
-        if fraction == 1.0 {
+        if object.sphere().is_some_and(|sphere| sphere.path.is_some()) {
+            report.errors.push(TaskError::PathOutOfReach { target, worst, beyond_m, remedy });
+        } else if fraction == 1.0 {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
         } else {
             let missed = found.missed_region();
@@ -250,7 +264,9 @@ impl Unreached {
 fn look(object: &Object, reach: &dyn Reach) -> Unreached {
     match &object.shape {
         Shape::Sphere(sphere) => look_at_sphere(sphere, reach),
-        Shape::Button(block) | Shape::Obstacle(block) => look_at_face(block, reach),
+        Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
+            look_at_face(block, reach)
+        }
     }
 }
 
@@ -262,9 +278,14 @@ fn look_at_sphere(sphere: &Sphere, reach: &dyn Reach) -> Unreached {
         let [a, b, c, r] = spread(k);
         ([a, b, c], sphere.radius.at(r))
     });
+    let offsets = sphere.path.as_ref().map_or_else(|| vec![[0.0; 3]], Path::samples);
+    // Every corner with every place of the path, every place within with one of them.
+    let at_corners = offsets.iter().flat_map(|offset| corners.map(|(share, radius)| (share, *offset, radius)));
+    let within = inside.zip(offsets.iter().cycle()).map(|((share, radius), offset)| (share, *offset, radius));
     let mut last = ([f64::NAN; 3], f64::NAN);
-    let tried = corners.into_iter().chain(inside).map(|(share, radius)| {
-        let point = sphere.region.at(share);
+    let tried = at_corners.chain(within).map(|(share, offset, radius)| {
+        let place = sphere.region.at(share);
+        let point = [0, 1, 2].map(|k| place[k] + offset[k]);
         // All places of a fixed sphere are one.
         if last.0 != point {
             last = (point, reach.distance_out_of_reach(point));
@@ -315,25 +336,27 @@ fn share<const N: usize>(test: impl Fn([f64; N]) -> bool) -> f64 {
     (0..SAMPLES).filter(|k| test(spread(*k))).count() as f64 / f64::from(SAMPLES)
 }
 
-/// Objects that the script asks for, equal ones in a row taken together.
-fn runs(stage: &Stage) -> impl Iterator<Item = (Element, &Object)> {
+/// Objects that the script asks for, and what corrects, equal ones in a row taken together.
+fn runs(flat: &FlatTask) -> impl Iterator<Item = (Element, &Object)> {
     let mut first = 0;
-    stage.objects.chunk_by(is_alike).filter_map(move |run| {
+    flat.objects.chunk_by(is_alike).filter_map(move |run| {
         let (from, last) = (first, first + run.len() - 1);
         first += run.len();
-        let is_wanted = stage.steps.iter().any(|step| (from..=last).contains(&step.object));
-        is_wanted.then(|| (Element::objects(stage, from, last), &run[0]))
+        let asks_for = |object| flat.steps.iter().any(|step| step.asks_for(object));
+        let is_wanted = (from..=last).any(|object| asks_for(object) || flat.correction == Some(object));
+        is_wanted.then(|| (Element::objects(flat, from, last), &run[0]))
     })
 }
 
 /// Steps, those in a row that ask the same of equal objects taken together.
-fn step_runs(stage: &Stage) -> impl Iterator<Item = (Element, &Step)> {
+fn step_runs(flat: &FlatTask) -> impl Iterator<Item = (Element, &Step)> {
     let mut first = 0;
-    let is_same =
-        |a: &Step, b: &Step| a.action == b.action && is_alike(&stage.objects[a.object], &stage.objects[b.object]);
-    stage.steps.chunk_by(is_same).map(move |run| {
+    let is_same = |a: &Step, b: &Step| {
+        (a.action, a.cue) == (b.action, b.cue) && is_alike(&flat.objects[a.object], &flat.objects[b.object])
+    };
+    flat.steps.chunk_by(is_same).map(move |run| {
         let last = first + run.len() - 1;
-        let element = Element::steps(stage, first, last);
+        let element = Element::steps(flat, first, last);
         first = last + 1;
         (element, &run[0])
     })
@@ -346,5 +369,5 @@ fn is_alike(a: &Object, b: &Object) -> bool {
         (Some((_, x)), Some((_, y))) => x == y,
         _ => true,
     };
-    (x.region, x.radius) == (y.region, y.radius) && same_rule
+    (x.region, x.radius, &x.path) == (y.region, y.radius, &y.path) && same_rule
 }

@@ -5,7 +5,8 @@ use std::mem;
 use indexmap::IndexMap;
 
 use crate::description::{FORMAT_VERSION, Task};
-use crate::scene::{ButtonItem, Item, Name, Place, Scene, SphereItem};
+use crate::notation::{Name, Place};
+use crate::scene::{ButtonItem, Item, Scene, SphereItem};
 use crate::script::{Dwell, Instruction, Names};
 use crate::target::{Pointing, Pressing, Target};
 
@@ -49,6 +50,7 @@ fn item(target: &Target) -> Item {
             Item::Sphere(SphereItem {
                 at: Place(*position),
                 radius: *radius,
+                moves: None,
                 copies: (*repeat > 1).then_some(*repeat),
                 min_distance_from_previous: *min_distance_from_previous,
             })

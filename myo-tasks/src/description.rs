@@ -5,12 +5,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::value_errors;
+use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::report::{InvalidTask, TaskError};
 use crate::rules::{description_rule, model_rule, name_rule, observation_rule, version_rule};
 use crate::scene::Scene;
 use crate::script::Instruction;
 use crate::target::{Pointing, Target};
+use crate::technique::Technique;
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
 const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
@@ -60,6 +62,23 @@ pub struct Task {
     #[garde(skip)]
     pub script: Vec<Instruction>,
 
+    /// What points: the fingertip, a ray, a Go-Go hand or a cursor. Default `fingertip`.
+    #[serde(default, skip_serializing_if = "Technique::is_fingertip")]
+    #[garde(dive)]
+    pub technique: Technique,
+
+    /// What the simulated user sees of the task: the object of the current step and of the next one, or of the `current` one alone.
+    /// Default `all`.
+    #[serde(default, skip_serializing_if = "Stimulus::is_all")]
+    #[garde(skip)]
+    pub stimulus: Stimulus,
+
+    /// The button that takes back a wrong press, such as `delete`: each must be corrected before the script goes on. Without it
+    /// wrong presses are counted, and cost what `reward.wrong_press` says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(skip)]
+    pub correction: Option<Name>,
+
     /// Of version 1 alone: the targets in the order in which they must be done, 1 to 10, repetitions counted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[garde(dive)]
@@ -98,6 +117,17 @@ pub struct Task {
     #[serde(default)]
     #[garde(dive)]
     pub noise: Noise,
+}
+
+/// What the simulated user sees of the task.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Stimulus {
+    /// The object of the current step, and where that of the next one is.
+    #[default]
+    All,
+    /// The object of the current step alone.
+    Current,
 }
 
 /// How the body starts an episode. Coupled joints follow the independent ones.
@@ -179,6 +209,11 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub wrong_press: f64,
 
+    /// Cost of leaving the way of a `steer`, each time. Default 0: it is counted, and that is all.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub exit: f64,
+
     /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0.001.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
@@ -204,14 +239,18 @@ pub struct Observation {
     pub joint_acceleration: bool,
     /// Position of the fingertip, in m from the shoulder centre. Default true.
     pub fingertip_position: bool,
+    /// Position of the pointer, in m from the shoulder centre, where the technique is not the fingertip itself. Default true.
+    pub pointer_position: bool,
     /// Activation of each muscle, 0 to 1 mapped to -1 to 1. Default true.
     pub activation: bool,
     /// Centre of the current target, in m from the shoulder centre. Default true.
     pub target_position: bool,
-    /// Radius of the current sphere, or half the width of the current button, in m. Default true.
+    /// Radius of the current sphere, or half the width of the current button or way, in m. Default true.
     pub target_size: bool,
-    /// From the fingertip to the centre of the current target, in m. Default true.
+    /// From the fingertip, or the pointer, to the centre of the current target, in m. Default true.
     pub target_vector: bool,
+    /// Velocity of the current target, in m/s, in tasks where something moves. Default true.
+    pub target_velocity: bool,
     /// From the centre of the current target to that of the next, in m; 0 at the last target. Default true.
     pub next_target_vector: bool,
     /// How many targets are done, as a share of all. Default true.
@@ -224,6 +263,13 @@ pub struct Observation {
     pub inside: bool,
     /// Force on the current button, as a share of what it needs, at most 1. Default true.
     pub touch: bool,
+    /// Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks with waits. Default true.
+    pub cue: bool,
+    /// Whether the handle of the current slider is held, 1 or 0, and the way it must go, in m; in tasks with sliders. Default true.
+    pub drag: bool,
+    /// From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and whether it is within the
+    /// way: 1 or 0; in tasks with ways. Default true.
+    pub steer: bool,
 }
 
 /// Gaussian motor noise on the muscle controls: independent for each muscle, drawn anew at each control step.
@@ -242,6 +288,29 @@ pub struct Noise {
 }
 
 impl Task {
+    /// A task of this name with an empty scene and an empty script, all else as it is where a file says nothing: what a task
+    /// begins with that is judged by code. As it is, without a script, [`flat`](Self::flat) refuses it.
+    pub fn without_script(name: &str) -> Self {
+        Self {
+            version: FORMAT_VERSION,
+            name: name.to_owned(),
+            description: String::new(),
+            model: default_model(),
+            scene: Scene::default(),
+            script: vec![],
+            technique: Technique::default(),
+            stimulus: Stimulus::default(),
+            correction: None,
+            targets: vec![],
+            time_limit_s: default_time_limit(),
+            control_dt_s: default_control_step(),
+            reset: Reset::default(),
+            reward: Reward::default(),
+            observation: Observation::default(),
+            noise: Noise::default(),
+        }
+    }
+
     /// Control steps until the time limit.
     pub fn time_limit_steps(&self) -> u32 {
         self.steps(self.time_limit_s)
@@ -319,24 +388,36 @@ fn copies(target: Target) -> impl Iterator<Item = Target> {
     std::iter::repeat_n(single, n)
 }
 
+impl Stimulus {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature serde asks for")]
+    fn is_all(&self) -> bool {
+        *self == Self::All
+    }
+}
+
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 14] {
+    pub fn parts(&self) -> [(&'static str, bool); 19] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
             ("joint_acceleration", self.joint_acceleration),
             ("fingertip_position", self.fingertip_position),
+            ("pointer_position", self.pointer_position),
             ("activation", self.activation),
             ("target_position", self.target_position),
             ("target_size", self.target_size),
             ("target_vector", self.target_vector),
+            ("target_velocity", self.target_velocity),
             ("next_target_vector", self.next_target_vector),
             ("phase", self.phase),
             ("dwell_fraction", self.dwell_fraction),
             ("time_left", self.time_left),
             ("inside", self.inside),
             ("touch", self.touch),
+            ("cue", self.cue),
+            ("drag", self.drag),
+            ("steer", self.steer),
         ]
     }
 }
@@ -364,6 +445,7 @@ impl Default for Reward {
             subtask_bonus: 3.0,
             completion_bonus: 6.0,
             wrong_press: 0.0,
+            exit: 0.0,
             neural_effort: 0.001,
             acceleration_effort: 0.0,
         }
@@ -377,16 +459,21 @@ impl Default for Observation {
             joint_velocity: true,
             joint_acceleration: false,
             fingertip_position: true,
+            pointer_position: true,
             activation: true,
             target_position: true,
             target_size: true,
             target_vector: true,
+            target_velocity: true,
             next_target_vector: true,
             phase: true,
             dwell_fraction: true,
             time_left: true,
             inside: true,
             touch: true,
+            cue: true,
+            drag: true,
+            steer: true,
         }
     }
 }

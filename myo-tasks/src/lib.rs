@@ -3,21 +3,21 @@
 //! A [`Task`] is a [`Scene`] of named objects (spheres, buttons, obstacles; in groups, grids, circles and keyboards) and a
 //! script of [`Instruction`]s that name them, within a time limit. It is a YAML text with documented fields ([`task_schema`] gives
 //! them to editors and forms), read by [`load`] or [`Task::from_yaml`]; anything wrong in the text is reported with file, line
-//! and column. [`Task::stage`] writes out every object and every step. [`check`] then tells, before any training, what cannot be
+//! and column. [`Task::flat`] writes out every object and every step. [`check`] then tells, before any training, what cannot be
 //! done by a body of a given [`Reach`]. Files of version 1, a list of [`Target`]s, are read as well.
 //!
 //! ```
 //! use myo_tasks::{Anywhere, Task, check, preset_text};
 //!
 //! // One of the tasks that come with the library, slower.
-//! let text = preset_text("pointing-single").unwrap().replace("dwell_s: 0.25", "dwell_s: 0.5");
+//! let text = preset_text("pointing-single").unwrap().replace("for_s: 0.25", "for_s: 0.5");
 //! let task = Task::from_yaml(&text, "my.yaml")?;
-//! assert_eq!(task.stage()?.steps[0].dwell_steps(task.control_dt_s), 10); // 0.5 s at 20 decisions a second
+//! assert_eq!(task.flat()?.steps[0].dwell_steps(task.control_dt_s), 10); // 0.5 s at 20 decisions a second
 //! assert!(check(&task, &Anywhere).is_ok());
 //!
 //! // What is wrong is said where it stands.
-//! let error = Task::from_yaml(&text.replace("dwell_s", "dwel_s"), "my.yaml").unwrap_err();
-//! assert!(error.to_string().contains("unknown key `dwel_s` in target 1; did you mean `dwell_s`?"));
+//! let error = Task::from_yaml(&text.replace("for_s", "fors"), "my.yaml").unwrap_err();
+//! assert!(error.to_string().contains("unknown key `fors` in `dwell` of entry 1 of the script; did you mean `for_s`?"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -31,11 +31,16 @@ mod convert;
 mod description;
 mod expand;
 mod explain;
+mod flat;
 mod geometry;
+mod instruction;
 mod layout;
 mod load;
 mod load_error;
 pub mod logic;
+mod motion;
+mod notation;
+mod pointer;
 mod presets;
 mod quantity;
 mod range;
@@ -45,26 +50,31 @@ mod rules;
 mod scene;
 mod schema;
 mod script;
-mod stage;
+mod slider;
+mod spoken;
+mod steps;
 mod tagged;
 mod target;
+mod technique;
 mod weakness;
 
 pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check};
-pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Task, rounded_steps};
+pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Stimulus, Task, rounded_steps};
 pub use expand::{OBJECTS_MAX, STEPS_MAX};
+pub use flat::{Action, Block, Cue, FlatTask, Object, Order, Pointer, Shape, Sphere, Step};
 pub use geometry::spread;
 pub use layout::SourceLocation;
 pub use load::{SCHEMA_HINT, Source, load};
 pub use load_error::{BadValue, LoadError};
+pub use motion::{CircularMotion, LinearMotion, Motion, Path, PathWave, RandomMotion, Wave, Waves};
+pub use notation::{Name, Pitch, Place};
 pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;
 pub use remedy::{Move, Remedy};
 pub use report::{Element, HeldPlace, InvalidTask, Report, TaskError, TaskWarning};
-pub use scene::{
-    ButtonItem, Circle, Grid, Group, Item, Keyboard, Letters, Name, ObstacleItem, Pitch, Place, Scene, SphereItem,
-};
+pub use scene::{ButtonItem, Circle, Grid, Group, Item, Keyboard, Letters, ObstacleItem, Scene, SphereItem};
 pub use schema::task_schema;
-pub use script::{Dwell, Instruction, Names, Repeat, Typing};
-pub use stage::{Action, Block, Object, Shape, Sphere, Stage, Step};
+pub use script::{Drag, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Typing};
+pub use slider::{Direction, Slider, SliderItem};
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};
+pub use technique::{Cursor, GoGo, Ray, RayFrom, Technique};

@@ -7,6 +7,7 @@ use myo_model::Nearest;
 use crate::layout::SourceLocation;
 use crate::presets::preset_names;
 use crate::report::TaskError;
+use crate::spoken::spoken;
 
 /// Why a task could not be read. Each message is one sentence (one per line for several values).
 #[derive(Debug, thiserror::Error)]
@@ -101,16 +102,6 @@ pub struct BadValue {
 
 fn in_part(path: &str) -> String {
     if path.is_empty() { String::new() } else { format!(" in {}", spoken(path)) }
-}
-
-/// `targets[1].position.x` as `` `position.x` of target 2 ``: people count from one.
-fn spoken(path: &str) -> String {
-    let target = path.strip_prefix("targets[").and_then(|rest| rest.split_once(']'));
-    match target.and_then(|(index, field)| Some((index.parse::<usize>().ok()? + 1, field))) {
-        Some((number, "")) => format!("target {number}"),
-        Some((number, field)) => format!("`{}` of target {number}", field.trim_start_matches('.')),
-        None => format!("`{path}`"),
-    }
 }
 
 fn lines(values: &[BadValue]) -> String {

@@ -10,7 +10,18 @@ macro_rules! presets {
     };
 }
 
-presets!("pointing", "pointing-single", "ar", "public-display", "mobile-typing", "ticket", "hello");
+presets!(
+    "pointing",
+    "pointing-single",
+    "ar",
+    "public-display",
+    "mobile-typing",
+    "ticket",
+    "hello",
+    "slider",
+    "choice",
+    "wall-ray"
+);
 
 /// Names of the presets.
 pub fn preset_names() -> Vec<&'static str> {

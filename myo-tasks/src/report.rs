@@ -3,8 +3,9 @@
 use std::fmt;
 
 use crate::description::Task;
+use crate::flat::FlatTask;
 use crate::remedy::{Place, Remedy};
-use crate::stage::Stage;
+use crate::spoken::{component, spoken};
 use crate::target::Region;
 
 /// What is wrong with a task and what is odd about it.
@@ -40,29 +41,29 @@ pub struct Element {
 
 impl Element {
     /// An object, or equal ones in a row.
-    pub(crate) fn objects(stage: &Stage, first: usize, last: usize) -> Self {
-        let object = &stage.objects[first];
+    pub(crate) fn objects(flat: &FlatTask, first: usize, last: usize) -> Self {
+        let object = &flat.objects[first];
         let label = match (first == last, object.is_target()) {
             (true, _) => object.name.clone(),
             (false, true) => {
                 let kind = if object.kind() == "sphere" { "pointing" } else { "pressing" };
                 format!("targets {} to {} ({kind})", first + 1, last + 1)
             }
-            (false, false) => format!("{} to {}", object.name, stage.objects[last].name),
+            (false, false) => format!("{} to {}", object.name, flat.objects[last].name),
         };
         Self { first, last, kind: object.kind(), label, path: object.path.clone() }
     }
 
     /// Steps in a row that ask the same of equal objects.
-    pub(crate) fn steps(stage: &Stage, first: usize, last: usize) -> Self {
-        let (from, to) = (&stage.steps[first], &stage.steps[last]);
-        let objects = Self::objects(stage, from.object, to.object.max(from.object));
-        let label = if stage.object(first).is_target() {
+    pub(crate) fn steps(flat: &FlatTask, first: usize, last: usize) -> Self {
+        let (from, to) = (&flat.steps[first], &flat.steps[last]);
+        let objects = Self::objects(flat, from.object, to.object.max(from.object));
+        let label = if flat.object(first).is_target() {
             objects.label
         } else if first == last {
-            format!("step {} ({})", first + 1, stage.label(first))
+            format!("step {} ({})", first + 1, flat.label(first))
         } else {
-            format!("steps {} to {} ({})", first + 1, last + 1, stage.label(first))
+            format!("steps {} to {} ({})", first + 1, last + 1, from.action.with(&objects.label))
         };
         Self { first, last, label, path: from.path.clone(), ..objects }
     }
@@ -146,11 +147,14 @@ pub enum TaskError {
     },
     /// All dwells together are longer than the episode.
     #[error(
-        "the dwells of all targets add up to {dwells_s:.2} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwells"
+        "the dwells{} of all targets add up to {dwells_s:.2} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwells",
+        if *waits { " and waits" } else { "" }
     )]
     DwellsBeyondLimit {
-        /// Sum of the dwells, in whole control steps.
+        /// Sum of the dwells and of the shortest waits, in whole control steps.
         dwells_s: f64,
+        /// Whether there are waits.
+        waits: bool,
         /// The task's limit.
         time_limit_s: f64,
     },
@@ -178,6 +182,21 @@ pub enum TaskError {
         b: Box<Element>,
         /// How far in m one of them must be moved at least.
         overlap_m: f64,
+    },
+    /// A sphere moves to where it cannot be reached.
+    #[error(
+        "the path of {target} leaves the reach of the model: at ({:.2}, {:.2}, {:.2}) m {} by {:.1} cm; {}",
+        worst[0], worst[1], worst[2], hull(target), 100.0 * beyond_m, advice(target, remedy)
+    )]
+    PathOutOfReach {
+        /// The target.
+        target: Element,
+        /// The place of its path that is farthest out, in m relative to the shoulder centre.
+        worst: [f64; 3],
+        /// How far out of reach the surface of the smallest sphere is there, in m.
+        beyond_m: f64,
+        /// What brings all of it into reach.
+        remedy: Box<Remedy>,
     },
     /// No part of the target can be reached.
     #[error(
@@ -313,7 +332,7 @@ impl TaskError {
             Self::DwellsBeyondLimit { .. } => "time_limit_s".into(),
             Self::DistanceImpossible { target, .. } => target.field("min_distance_from_previous"),
             Self::Overlap { b, .. } => b.field("at"),
-            Self::OutOfReach { target, .. } => target.field("at"),
+            Self::OutOfReach { target, .. } | Self::PathOutOfReach { target, .. } => target.field("at"),
         }
     }
 }
@@ -366,20 +385,22 @@ fn nearest_steps([shorter, longer]: &[f64; 2]) -> String {
 /// Targets are numbered as they are done, repetitions counted.
 pub(crate) fn subject(task: &Task, path: &str) -> String {
     let Some((index, field)) = path.strip_prefix("targets[").and_then(|rest| rest.split_once(']')) else {
-        return if path == "targets" { "the task".into() } else { format!("`{path}`") };
+        return if path == "targets" { "the task".into() } else { spoken(path) };
     };
     let index: usize = index.parse().unwrap_or_default();
-    let Some(target) = task.targets.get(index) else { return format!("`{path}`") };
+    let Some(target) = task.targets.get(index) else { return spoken(path) };
     let before: u32 = task.targets[..index].iter().map(|target| target.repeat().clamp(1, 10)).sum();
-    let field = match field.trim_start_matches('.') {
-        "size[0]" => "width".into(),
-        "size[1]" => "height".into(),
-        "size[2]" => "depth".into(),
-        "position[0]" | "position.x" => "x position".into(),
-        "position[1]" | "position.y" => "y position".into(),
-        "position[2]" | "position.z" => "z position".into(),
-        "radius" => "radius".into(),
-        other => format!("`{other}`"),
+    let field = field.trim_start_matches('.');
+    let name = match field {
+        "position.x" => Some("x position"),
+        "position.y" => Some("y position"),
+        "position.z" => Some("z position"),
+        "radius" => Some("radius"),
+        other => other.strip_suffix(']').and_then(|entry| {
+            let (list, index) = entry.split_once('[')?;
+            component(list, index.parse().ok()?)
+        }),
     };
-    format!("the {field} of {}", target.label(before as usize))
+    let name = name.map_or_else(|| format!("`{field}`"), ToOwned::to_owned);
+    format!("the {name} of {}", target.label(before as usize))
 }

@@ -1,6 +1,6 @@
 //! Rules for what is no number: texts, lists and groups.
 
-use crate::description::{FORMAT_VERSION, Observation, Task};
+use crate::description::{FORMAT_VERSION, Observation, Stimulus, Task};
 use crate::target::{TARGETS_MAX, Target};
 
 pub(crate) fn version_rule(version: &u32, (): &()) -> garde::Result {
@@ -46,10 +46,15 @@ pub(crate) fn observation_rule(observation: &Observation, (): &()) -> garde::Res
 
 /// What a task of this version has, and what it must not have: path, subject and problem of the first thing wrong.
 pub(crate) fn parts_rule(task: &Task) -> Option<(&'static str, &'static str, String)> {
-    let has_scene = !task.scene.is_empty() || !task.script.is_empty();
     if task.version == 1 {
-        let part = if task.scene.is_empty() { "script" } else { "scene" };
-        if has_scene {
+        let later = [
+            ("scene", !task.scene.is_empty()),
+            ("script", !task.script.is_empty()),
+            ("technique", !task.technique.is_fingertip()),
+            ("stimulus", task.stimulus != Stimulus::All),
+            ("correction", task.correction.is_some()),
+        ];
+        if let Some((part, _)) = later.into_iter().find(|(_, is_there)| *is_there) {
             return Some((part, "a task of version 1", format!("has no {part}; write `version: 2`, or targets alone")));
         }
         return count_rule(&task.targets).map(|problem| ("targets", "the task", problem));

@@ -4,17 +4,15 @@ use garde::Validate;
 use indexmap::IndexMap;
 use nalgebra::{Rotation3, Vector3};
 use schemars::JsonSchema;
-use serde::de::{Error, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
-use serde_saphyr::FlowSeq;
-use std::borrow::Cow;
-use std::fmt;
+use serde::{Deserialize, Serialize};
 
+use crate::motion::Motion;
+use crate::notation::{Name, Pitch, Place};
 use crate::quantity::Quantity;
 use crate::range::Range;
-use crate::target::{COORDINATE, DISTANCE, FORCE, LENGTH, Region, TILT, on_one_line};
+use crate::slider::SliderItem;
+use crate::target::{COORDINATE, DISTANCE, FORCE, LENGTH, TILT, TURN, on_one_line};
 
-const TURN: Quantity = Quantity::between(-180.0, 180.0, "deg");
 const SCALE: Quantity = Quantity::between(0.01, 100.0, "");
 /// Most rows, columns or copies that a generator may be asked for; what they make is bounded once more.
 const MANY: u32 = 256;
@@ -33,6 +31,8 @@ pub enum Item {
     Sphere(SphereItem),
     /// A box that can be pressed.
     Button(ButtonItem),
+    /// A handle that is dragged along a way.
+    Slider(SliderItem),
     /// A box that only stands in the way: a table, the edge of a display.
     Obstacle(ObstacleItem),
     /// Objects that are moved, turned and scaled as one.
@@ -64,6 +64,11 @@ pub struct SphereItem {
     #[garde(inner(custom(many)))]
     #[schemars(range(min = 1, max = 256))]
     pub copies: Option<u32>,
+
+    /// How it moves about its place. Without it: not at all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(dive)]
+    pub moves: Option<Motion>,
 
     /// Least distance in m between this centre and that of the object before it in the scene, obstacles aside; positions are
     /// redrawn until it holds. Without it: twice the greatest radius. 0 switches the rule off.
@@ -204,7 +209,7 @@ pub struct Grid {
     #[schemars(range(min = 1, max = 256))]
     pub columns: u32,
 
-    /// From one middle to the next, in m; of rows and columns alike, or `[across, down]`.
+    /// Distance from one middle to the next, in m; of rows and columns alike, or `[across, down]`.
     #[garde(dive)]
     pub pitch: Pitch,
 
@@ -245,7 +250,7 @@ pub struct Circle {
     #[schemars(range(min = 3, max = 255))]
     pub count: u32,
 
-    /// Of the circle through their middles, in m.
+    /// Diameter of the circle through their middles, in m.
     #[garde(custom(LENGTH.rule()))]
     #[schemars(transform = LENGTH.schema())]
     pub diameter: f64,
@@ -282,7 +287,7 @@ pub struct Keyboard {
     #[garde(skip)]
     pub layout: Letters,
 
-    /// From the middle of one key to the next, in m.
+    /// Distance from the middle of one key to that of the next, in m.
     #[garde(custom(LENGTH.rule()))]
     #[schemars(transform = LENGTH.schema())]
     pub pitch: f64,
@@ -314,34 +319,6 @@ pub enum Letters {
     Qwerty,
 }
 
-/// From one middle to the next (m): across and down.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema, Validate)]
-#[serde(untagged)]
-pub enum Pitch {
-    /// Both alike.
-    Both(
-        #[garde(custom(LENGTH.rule()))]
-        #[schemars(transform = LENGTH.schema())]
-        f64,
-    ),
-    /// Across, down.
-    Each(
-        #[serde(serialize_with = "two_on_one_line")]
-        #[garde(inner(custom(LENGTH.rule())))]
-        #[schemars(transform = LENGTH.schema())]
-        [f64; 2],
-    ),
-}
-
-/// A name; numbers are names, too.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[serde(transparent)]
-pub struct Name(pub String);
-
-/// Where a centre may lie; in a file `[x, y, z]`, or `x`, `y` and `z`, each a number or `[min, max]`.
-#[derive(Clone, Copy, Debug, PartialEq, Validate)]
-pub struct Place(#[garde(dive)] pub Region);
-
 /// A place and directions that objects are given in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
@@ -362,16 +339,6 @@ impl Letters {
     pub(crate) const fn columns(self) -> f64 {
         match self {
             Self::Qwerty => 10.0,
-        }
-    }
-}
-
-impl Pitch {
-    /// Across, down.
-    pub fn pair(self) -> [f64; 2] {
-        match self {
-            Self::Both(pitch) => [pitch; 2],
-            Self::Each(pair) => pair,
         }
     }
 }
@@ -431,119 +398,13 @@ impl Validate for Item {
         match self {
             Self::Sphere(item) => item.validate_into(ctx, parent, report),
             Self::Button(item) => item.validate_into(ctx, parent, report),
+            Self::Slider(item) => item.validate_into(ctx, parent, report),
             Self::Obstacle(item) => item.validate_into(ctx, parent, report),
             Self::Group(item) => item.validate_into(ctx, parent, report),
             Self::Grid(item) => item.validate_into(ctx, parent, report),
             Self::Circle(item) => item.validate_into(ctx, parent, report),
             Self::Keyboard(item) => item.validate_into(ctx, parent, report),
         }
-    }
-}
-
-impl Default for Place {
-    fn default() -> Self {
-        Self(Region::point([0.0; 3]))
-    }
-}
-
-impl Serialize for Place {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        FlowSeq([self.0.x, self.0.y, self.0.z]).serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for Place {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(PlaceVisitor)
-    }
-}
-
-struct PlaceVisitor;
-
-impl<'de> Visitor<'de> for PlaceVisitor {
-    type Value = Place;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a list [x, y, z], each a number or [min, max]")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Place, A::Error> {
-        let mut axes = Vec::with_capacity(3);
-        while let Some(axis) = list.next_element::<Range>()? {
-            axes.push(axis);
-        }
-        match axes[..] {
-            [x, y, z] => Ok(Place(Region { x, y, z })),
-            _ => Err(A::Error::invalid_length(axes.len(), &self)),
-        }
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Place, A::Error> {
-        Region::deserialize(serde::de::value::MapAccessDeserializer::new(map)).map(Place)
-    }
-}
-
-impl JsonSchema for Place {
-    fn schema_name() -> Cow<'static, str> {
-        "Place".into()
-    }
-
-    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        let axis = generator.subschema_for::<Range>();
-        let mut axis = axis;
-        (COORDINATE.schema())(&mut axis);
-        let region = generator.subschema_for::<Region>();
-        schemars::json_schema!({ "anyOf": [{ "type": "array", "items": axis, "minItems": 3, "maxItems": 3 }, region] })
-    }
-}
-
-impl<'de> Deserialize<'de> for Pitch {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let range = Range::deserialize(deserializer)?;
-        // Equal numbers in a list are both alike, too.
-        Ok(if range.min == range.max { Self::Both(range.min) } else { Self::Each([range.min, range.max]) })
-    }
-}
-
-impl<'de> Deserialize<'de> for Name {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(NameVisitor)
-    }
-}
-
-struct NameVisitor;
-
-impl Visitor<'_> for NameVisitor {
-    type Value = Name;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a name")
-    }
-
-    fn visit_str<E: Error>(self, name: &str) -> Result<Name, E> {
-        Ok(Name(name.to_owned()))
-    }
-
-    fn visit_u64<E: Error>(self, number: u64) -> Result<Name, E> {
-        Ok(Name(number.to_string()))
-    }
-
-    fn visit_i64<E: Error>(self, number: i64) -> Result<Name, E> {
-        Ok(Name(number.to_string()))
-    }
-}
-
-impl JsonSchema for Name {
-    fn schema_name() -> Cow<'static, str> {
-        "Name".into()
-    }
-
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({ "anyOf": [{ "type": "string" }, { "type": "integer" }] })
     }
 }
 
@@ -585,10 +446,6 @@ fn is_unit(scale: &f64) -> bool {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature serde asks for")]
-fn is_zero(value: &f64) -> bool {
+pub(crate) fn is_zero(value: &f64) -> bool {
     *value == 0.0
-}
-
-fn two_on_one_line<S: serde::Serializer>(values: &[f64; 2], serializer: S) -> Result<S::Ok, S::Error> {
-    FlowSeq(values).serialize(serializer)
 }

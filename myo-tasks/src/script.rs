@@ -7,10 +7,11 @@ use serde_saphyr::FlowSeq;
 use std::borrow::Cow;
 use std::fmt;
 
-use crate::scene::Name;
+use crate::notation::Name;
+use crate::range::Range;
 
 /// Something to do. Where it names a group, it means each object of it in turn.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Instruction {
     /// Stay in spheres: `dwell: {in: slot, for_s: 0.3}`.
@@ -20,8 +21,25 @@ pub enum Instruction {
     Press(Names),
     /// Press buttons and let go of them: `press_and_release: [1, 3, 3, 5]`. A button is done when it is let go.
     PressAndRelease(Names),
+    /// Drag the handle of a slider to a value and let go of it there: `drag: {slider: volume, to: 70, within: 2}`.
+    Drag(Drag),
+    /// Stay with moving spheres for a time: `follow: {target: ball, for_s: 3}`.
+    Follow(Follow),
+    /// Go from sphere to sphere without leaving a way of some width, as through a menu or a tunnel: `steer: {through: [a, b, c],
+    /// width: 0.03}`.
+    Steer(Steer),
+    /// Wait for one of several objects to light up, and press it or dwell in it: `react: {among: lamps, after_s: [0.5, 1.5]}`.
+    React(React),
+    /// Wait before the next step, in s, a number or `[min, max]`, drawn anew every time: `wait: 0.5`. What comes next can be seen,
+    /// and does not count before the time is over.
+    Wait(Range),
     /// Press the keys of a keyboard: `type: hello`, or `type: {text: hello, on: keyboard}`.
     Type(Typing),
+    /// Steps in an order that each episode draws: `random_order: [{press: [1, 2, 3]}]`.
+    RandomOrder(Vec<Instruction>),
+    /// Steps in any order that the user takes: `any_order: [{press: [1, 2, 3]}]`. What is nearest to the pointer counts as
+    /// the current step.
+    AnyOrder(Vec<Instruction>),
     /// The same steps again: `repeat: {times: 3, steps: [...]}`.
     Repeat(Repeat),
 }
@@ -30,11 +48,57 @@ pub enum Instruction {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Dwell {
-    /// Which.
+    /// Names of the spheres, or of groups of them, in the order in which to stay in them.
     #[serde(rename = "in")]
     pub within: Names,
     /// How long in each without a break, in s, from 0 to 600. Rounded to whole control steps, at least one.
     pub for_s: f64,
+}
+
+/// A slider to be moved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Drag {
+    /// Name of the slider whose handle is dragged.
+    pub slider: Name,
+    /// The value at which to let go of the handle, in the range of the slider.
+    pub to: f64,
+    /// How far off the value may be when the handle is let go, in the same unit.
+    pub within: f64,
+}
+
+/// Moving spheres to stay with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Follow {
+    /// Names of the spheres that move, or of groups of them, in the order in which to follow them.
+    pub target: Names,
+    /// How long inside each, in s, from 0 to 600: all the time inside is added up. Rounded to whole control steps, at least one.
+    pub for_s: f64,
+}
+
+/// A way along spheres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Steer {
+    /// The spheres, two or more: the way begins in the first, goes straight from each to the next, and ends in the last.
+    pub through: Names,
+    /// How wide it is, in m, from 0.002 to 4. Whoever leaves it must come back to where it was left; how often it was left is
+    /// counted (`exits`), and costs what `reward.exit` says.
+    pub width: f64,
+}
+
+/// Objects of which one lights up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct React {
+    /// Names of the buttons, or of the spheres, of which one lights up; each as often as the others.
+    pub among: Names,
+    /// After what time one lights up, in s, a number or `[min, max]`, drawn anew every time.
+    pub after_s: Range,
+    /// Of spheres: how long to stay inside, in s. Buttons are pressed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub for_s: Option<f64>,
 }
 
 /// A text to be typed.
@@ -51,10 +115,10 @@ pub struct Typing {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Repeat {
-    /// How often, 1 to 256.
+    /// How often the steps are done, 1 to 256.
     #[schemars(range(min = 1, max = 256))]
     pub times: u32,
-    /// What.
+    /// What is done every time, in this order.
     pub steps: Vec<Instruction>,
 }
 

@@ -9,8 +9,11 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
+use crate::motion::{CircularMotion, LinearMotion, Motion, RandomMotion, Waves};
 use crate::scene::{ButtonItem, Circle, Grid, Group, Item, Keyboard, ObstacleItem, SphereItem};
+use crate::slider::SliderItem;
 use crate::target::{Pointing, Pressing, Target};
+use crate::technique::{Cursor, GoGo, Ray, Technique};
 
 const KIND: &str = "kind";
 
@@ -66,8 +69,38 @@ macro_rules! tagged {
 
 tagged!(Target, "a target", TargetInAnyOrder, TargetVisitor: "pointing" => Pointing(Pointing), "pressing" => Pressing(Pressing));
 tagged!(Item, "an object", ItemInAnyOrder, ItemVisitor:
-    "sphere" => Sphere(SphereItem), "button" => Button(ButtonItem), "obstacle" => Obstacle(ObstacleItem),
+    "sphere" => Sphere(SphereItem), "button" => Button(ButtonItem), "slider" => Slider(SliderItem),
+    "obstacle" => Obstacle(ObstacleItem),
     "group" => Group(Group), "grid" => Grid(Grid), "circle" => Circle(Circle), "keyboard" => Keyboard(Keyboard));
+tagged!(Motion, "a motion", MotionInAnyOrder, MotionVisitor:
+    "circle" => Circle(CircularMotion), "line" => Line(LinearMotion), "waves" => Waves(Waves), "random" => Random(RandomMotion));
+
+/// A technique that is given by keys and values.
+pub(crate) enum TechniqueMap {
+    Fingertip(Nothing),
+    Ray(Ray),
+    GoGo(GoGo),
+    Cursor(Cursor),
+}
+
+/// No keys at all.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Nothing {}
+
+tagged!(TechniqueMap, "a technique", TechniqueInAnyOrder, TechniqueMapVisitor:
+    "fingertip" => Fingertip(Nothing), "ray" => Ray(Ray), "go_go" => GoGo(GoGo), "cursor" => Cursor(Cursor));
+
+impl From<TechniqueMap> for Technique {
+    fn from(map: TechniqueMap) -> Self {
+        match map {
+            TechniqueMap::Fingertip(Nothing {}) => Self::Fingertip,
+            TechniqueMap::Ray(ray) => Self::Ray(ray),
+            TechniqueMap::GoGo(go_go) => Self::GoGo(go_go),
+            TechniqueMap::Cursor(cursor) => Self::Cursor(cursor),
+        }
+    }
+}
 
 /// A map whose first key has been read already.
 struct Unread<A> {

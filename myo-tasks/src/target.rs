@@ -5,10 +5,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_saphyr::FlowSeq;
 
+use crate::flat::Block;
 use crate::quantity::Quantity;
 use crate::range::Range;
 use crate::scene::tilted_and_turned;
-use crate::stage::Block;
 
 pub(crate) const COORDINATE: Quantity = Quantity::between(-2.0, 2.0, "m");
 /// Nothing smaller than a millimetre can be hit.
@@ -17,6 +17,7 @@ pub(crate) const DISTANCE: Quantity = Quantity::between(0.0, 4.0, "m");
 pub(crate) const DWELL: Quantity = Quantity::between(0.0, 600.0, "s");
 pub(crate) const FORCE: Quantity = Quantity::between(0.01, 1000.0, "N");
 pub(crate) const TILT: Quantity = Quantity::between(0.0, 180.0, "deg");
+pub(crate) const TURN: Quantity = Quantity::between(-180.0, 180.0, "deg");
 
 /// Most targets that one task may have, repetitions counted.
 pub const TARGETS_MAX: usize = 10;

@@ -2,9 +2,9 @@
 
 use crate::check::Reach;
 use crate::description::{Task, rounded_steps};
+use crate::flat::Sphere;
 use crate::geometry::spread;
 use crate::report::{Element, HeldPlace, TaskWarning};
-use crate::stage::Sphere;
 
 /// Places of a sphere that are tried.
 const PLACES: u32 = 32;

@@ -1,7 +1,10 @@
 //! When the fingertip came to its target, against movements made by hand.
 
-use myo_tasks::logic::{CompiledTask, Contact, Goal, Point, Sensed, Stay, TaskState, advance};
-use myo_tasks::{Pointing, Pressing, Range, Region, Target, Task, preset};
+mod common;
+
+use common::version_1;
+use myo_tasks::logic::{CompiledTask, Contact, Goal, Landmarks, Point, Sensed, Stay, TaskState, advance};
+use myo_tasks::{Pointing, Pressing, Range, Region, Target, Task};
 
 /// Physics steps per control step.
 const SUBSTEPS: usize = 25;
@@ -35,22 +38,22 @@ fn touch(button: usize, force: f64) -> Contact<f64> {
 /// Moves through the targets; `body` says where the fingertip is and what it touches at a physics step since the reset.
 /// Returns, per target, the control step at which it was done and the physics step at which it was reached.
 fn run(targets: Vec<Target>, body: impl Fn(usize) -> (Point<f64>, Contact<f64>)) -> Vec<(f64, f64)> {
-    let task = Task { targets, time_limit_s: 2.0, ..preset("ar").unwrap() };
+    let task = Task { targets, time_limit_s: 2.0, ..version_1("ar") };
     let compiled = CompiledTask::<f64>::new(&task).unwrap();
-    let mut state = TaskState::new(compiled.spheres.len(), compiled.steps.len());
+    let mut state = TaskState::new(&compiled);
     state.restart(true);
     for (index, sphere) in compiled.spheres.iter().enumerate() {
         (state.position[index], state.size[index]) = (sphere.lo, 0.05);
     }
     for step in 0..40 {
         let goal = Goal::of(&compiled, &state);
-        let mut stay = Stay::new(&state);
+        let mut stay = Stay::new(&state, &goal);
         for now in step * SUBSTEPS..(step + 1) * SUBSTEPS {
             let (fingertip, contact) = body(now);
-            stay.follow(&compiled, &goal, fingertip, std::iter::once(contact));
+            stay.follow(&compiled, &goal, fingertip, 1.0 / SUBSTEPS as f64, std::iter::once(contact));
         }
         let end = (step + 1) * SUBSTEPS;
-        let sensed = Sensed { fingertip: body(end).0, stay, now: end as f64 };
+        let sensed = Sensed { body: Landmarks::unknown(), pointer: body(end).0, stay, now: end as f64 };
         if advance(&compiled, &goal, &sensed, &mut state).task_done {
             break;
         }

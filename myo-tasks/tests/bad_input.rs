@@ -338,7 +338,7 @@ fn unknown_presets_get_the_nearest_valid_ones() {
     assert_eq!(message("pointng"), "there is no preset and no file called `pointng`; did you mean `pointing`?");
     assert!(message("typing").ends_with("did you mean `mobile-typing`?"));
     assert!(message("qqqq").ends_with(
-        "valid are `pointing`, `pointing-single`, `ar`, `public-display`, `mobile-typing`, `ticket`, `hello`"
+        "valid are `pointing`, `pointing-single`, `ar`, `public-display`, `mobile-typing`, `ticket`, `hello`, `slider`, `choice`, `wall-ray`"
     ));
     assert!(message("no/such.yaml").starts_with("cannot read no/such.yaml: "));
 }
@@ -505,11 +505,15 @@ fn a_sphere_counts_as_reached_as_soon_as_its_surface_is() {
 
 #[test]
 fn equal_targets_are_spoken_of_once() {
-    let source = Source::parse(preset_text("pointing").unwrap(), "pointing").unwrap();
-    let messages = source.messages(&source.check(&Ball(0.5)));
-    assert_eq!(messages.len(), 1);
-    assert!(messages[0].contains("of the range of targets 1 to 10 (pointing) is out of reach"), "{messages:?}");
-    assert!(check(&source.task, &Ball(0.77)).is_ok(), "the published task can be trained");
+    let new = preset_text("pointing").unwrap();
+    let old = include_str!("version-1/pointing.yaml");
+    for (text, name) in [(new, "ball.1 to ball.10"), (old, "targets 1 to 10 (pointing)")] {
+        let source = Source::parse(text, "pointing").unwrap();
+        let messages = source.messages(&source.check(&Ball(0.5)));
+        assert_eq!(messages.len(), 1);
+        assert!(messages[0].contains(&format!("of the range of {name} is out of reach")), "{messages:?}");
+        assert!(check(&source.task, &Ball(0.77)).is_ok(), "the published task can be trained");
+    }
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Distances, rewards and counts against values worked out by hand.
 
+mod common;
+
+use common::version_1;
 use myo_tasks::logic::{
-    CompiledTask, Contact, Goal, Progress, Sensed, Stay, TaskState, advance, distance_to_goal, inside, remaining_path,
-    reward,
+    CompiledTask, Contact, Goal, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance, distance_to_goal,
+    inside, remaining_path, reward,
 };
-use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task, preset};
+use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task};
 
 /// A sphere around a point.
 fn sphere(centre: [f64; 3], radius: f64, dwell_s: f64) -> Target {
@@ -20,15 +23,15 @@ fn button(position: [f64; 3], tilt_deg: f64) -> Target {
 }
 
 fn task(targets: Vec<Target>, reward: Reward) -> Task {
-    Task { targets, reward, time_limit_s: 0.5, ..preset("ar").unwrap() }
+    Task { targets, reward, time_limit_s: 0.5, ..version_1("ar") }
 }
 
 /// The task in numbers, and its state with every sphere at the centre of where it may be.
 fn start(task: &Task) -> (CompiledTask<f64>, TaskState<f64>) {
     let compiled = CompiledTask::new(task).unwrap();
-    let stage = task.stage().unwrap();
-    let spheres: Vec<_> = stage.objects.iter().filter_map(|object| object.sphere()).collect();
-    let mut state = TaskState::new(spheres.len(), stage.steps.len());
+    let flat = task.flat().unwrap();
+    let spheres: Vec<_> = flat.objects.iter().filter_map(|object| object.sphere()).collect();
+    let mut state = TaskState::new(&compiled);
     state.restart(true);
     for (index, sphere) in spheres.into_iter().enumerate() {
         state.position[index] = sphere.region.at([0.5; 3]);
@@ -40,8 +43,20 @@ fn start(task: &Task) -> (CompiledTask<f64>, TaskState<f64>) {
 /// The fingertip at a point, touching nothing.
 fn at(fingertip: [f64; 3]) -> Sensed<f64> {
     let (held, touch, pressed, let_go) = (0.0, 0.0, 0.0, 0.0);
-    let stay = Stay { held, touch, pressed, let_go, down: 0.0, old: -1.0, wrong: 0.0, wrong_presses: 0.0 };
-    Sensed { fingertip, stay, now: 25.0 }
+    let stay = Stay {
+        held,
+        touch,
+        pressed,
+        let_go,
+        down: 0.0,
+        old: -1.0,
+        wrong: 0.0,
+        wrong_presses: 0.0,
+        value: 0.0,
+        steering: Steering::new(),
+        passed: 0.0,
+    };
+    Sensed { body: Landmarks::unknown(), pointer: fingertip, stay, now: 25.0 }
 }
 
 /// The fingertip pressing a button for some physics steps, as it was followed.
@@ -49,7 +64,7 @@ fn pressing(task: &CompiledTask<f64>, state: &TaskState<f64>, button: usize, for
     let mut sensed = at([0.0; 3]);
     let contact = Contact { exists: true, number: button as f64, force };
     for _ in 0..5 {
-        sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], std::iter::once(contact));
+        sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], 0.04, std::iter::once(contact));
     }
     sensed
 }
@@ -124,6 +139,7 @@ fn every_term_of_the_reward() {
         neural_effort: 0.25,
         acceleration_effort: 0.001,
         wrong_press: 0.5,
+        exit: 0.75,
         ..Reward::default()
     };
     let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
@@ -131,7 +147,8 @@ fn every_term_of_the_reward() {
     for (target_done, task_done, bonuses) in
         [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 11.0])]
     {
-        let progress: Progress<f64> = Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0 };
+        let progress: Progress<f64> =
+            Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
         let terms = reward(&task, &progress, 0.3, 8.0, 1000.0);
         assert_close(terms.distance, -0.62);
         assert_close(terms.subtask, bonuses[0]);
@@ -139,7 +156,8 @@ fn every_term_of_the_reward() {
         assert_close(terms.neural_effort, -2.0);
         assert_close(terms.acceleration_effort, -1.0);
         assert_close(terms.wrong_press, -1.5);
-        assert_close(terms.sum(), -5.12 + bonuses[0] + bonuses[1]);
+        assert_close(terms.exit, -1.5);
+        assert_close(terms.sum(), -6.62 + bonuses[0] + bonuses[1]);
         assert_eq!(terms.array().iter().sum::<f64>(), terms.sum());
     }
 }

@@ -1,7 +1,10 @@
 //! The tasks that come with the library, and reading and writing in general.
 
+mod common;
+
 use std::path::Path;
 
+use common::{VERSION_1, version_1};
 use myo_tasks::{
     Anywhere, LoadError, Pointing, Range, Region, SCHEMA_HINT, Target, Task, check, load, preset, preset_names,
     preset_text, rounded_steps, task_schema,
@@ -36,7 +39,9 @@ fn presets_round_trip() {
 fn presets_have_the_published_values() {
     let shape = |name: &str| {
         let task = preset(name).unwrap();
-        let kinds: String = task.targets.iter().map(|t| if t.kind() == "pointing" { 'S' } else { 'B' }).collect();
+        let flat = task.flat().unwrap();
+        let letter = |step| if flat.object(step).sphere().is_some() { 'S' } else { 'B' };
+        let kinds: String = (0..flat.steps.len()).map(letter).collect();
         (kinds, task.time_limit_steps())
     };
     assert_eq!(shape("pointing"), ("SSSSSSSSSS".into(), 240));
@@ -45,18 +50,19 @@ fn presets_have_the_published_values() {
     assert_eq!(shape("public-display"), ("BBBB".into(), 80));
     assert_eq!(shape("mobile-typing"), ("SSSSS".into(), 80));
 
-    let pointing = preset("pointing").unwrap();
+    let pointing = preset("pointing").unwrap().flat().unwrap();
     let (y, z) = (Range::new(-0.2, 0.4), Range::new(-0.3, 0.3));
-    assert_eq!(pointing.targets[9].region(), Region { x: 0.55.into(), y, z });
-    assert_eq!(pointing.targets[9].min_distance(), Some(0.3));
-    assert_eq!(pointing.stage().unwrap().steps[9].dwell_steps(pointing.control_dt_s), 5);
+    assert_eq!(pointing.object(9).name, "ball.10");
+    assert_eq!(pointing.object(9).region(), Region { x: 0.55.into(), y, z });
+    assert_eq!(pointing.object(9).sphere().unwrap().apart, Some((8, 0.3)));
+    assert_eq!(pointing.steps[9].dwell_steps(0.05), 5);
 
-    let ar = preset("ar").unwrap();
-    for (target, y) in [(0, 0.15), (2, 0.15), (4, 0.1), (6, 0.15)] {
-        assert_eq!(ar.targets[target].region().y, Range::new(-y, y));
+    let ar = preset("ar").unwrap().flat().unwrap();
+    for (step, y) in [(0, 0.15), (2, 0.15), (4, 0.1), (6, 0.15)] {
+        assert_eq!(ar.object(step).region().y, Range::new(-y, y));
     }
-    assert_eq!(ar.targets[6].min_distance(), Some(0.3));
-    assert_eq!(preset("mobile-typing").unwrap().stage().unwrap().steps[0].dwell_steps(0.05), 1);
+    assert_eq!(ar.object(6).sphere().unwrap().apart, Some((5, 0.3)));
+    assert_eq!(preset("mobile-typing").unwrap().flat().unwrap().steps[0].dwell_steps(0.05), 1);
 }
 
 #[test]
@@ -71,27 +77,27 @@ fn durations_are_rounded_to_steps() {
 
 #[test]
 fn repeated_targets_are_written_out_and_folded_again() {
-    let task = preset("pointing").unwrap();
+    let task = version_1("pointing");
     assert_eq!(task.targets.len(), 10);
     assert!(task.targets.iter().all(|target| target.repeat() == 1));
     let folded = task.clone().collapsed();
     assert_eq!(folded.targets.len(), 1);
     assert_eq!(folded.targets[0].repeat(), 10);
     assert_eq!(folded.expanded(), task);
-    let ar = preset("ar").unwrap();
+    let ar = version_1("ar");
     assert_eq!(ar.clone().collapsed(), ar, "nothing repeats there");
 }
 
 #[test]
 fn least_distance_defaults_to_twice_the_greatest_radius() {
-    let Target::Pointing(sphere) = &preset("pointing-single").unwrap().targets[0] else { panic!("a sphere") };
+    let Target::Pointing(sphere) = &version_1("pointing-single").targets[0] else { panic!("a sphere") };
     assert_eq!(sphere.min_distance(), 0.3);
     assert_eq!(Pointing { min_distance_from_previous: Some(0.1), ..sphere.clone() }.min_distance(), 0.1);
 }
 
 #[test]
 fn button_axes_follow_the_tilt() {
-    let Target::Pressing(mut button) = preset("public-display").unwrap().targets[0].clone() else { panic!("a button") };
+    let Target::Pressing(mut button) = version_1("public-display").targets[0].clone() else { panic!("a button") };
     button.size = [0.06, 0.04, 0.02];
     let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
     // Upright: the face looks to the user, its width runs along y and its height along z.
@@ -159,8 +165,13 @@ fn presets_validate_against_the_schema() {
             assert_eq!(fault(&schema, &schema, &value), None, "{name}");
         }
     }
-    let wrong: Value = serde_saphyr::from_str(&preset_text("ar").unwrap().replace("dwell_s", "dwel_s")).unwrap();
-    assert!(fault(&schema, &schema, &wrong).is_some());
+    for (name, text) in VERSION_1 {
+        assert_eq!(fault(&schema, &schema, &serde_saphyr::from_str(text).unwrap()), None, "{name} of version 1");
+    }
+    for (key, misspelt) in [("radius", "radios"), ("for_s", "for"), ("press:", "pres:")] {
+        let text = preset_text("ar").unwrap().replace(key, misspelt);
+        assert!(fault(&schema, &schema, &serde_saphyr::from_str(&text).unwrap()).is_some(), "{misspelt}");
+    }
 }
 
 /// The part of JSON Schema that the task's schema uses; says what does not fit.
@@ -202,12 +213,13 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
         return items.iter().find_map(|item| fault(root, &schema["items"], item));
     }
     let entries = value.as_object()?;
-    if let Some(missing) =
-        schema["required"].as_array()?.iter().find(|key| !entries.contains_key(key.as_str().unwrap()))
-    {
+    let mut required = schema["required"].as_array().into_iter().flatten();
+    if let Some(missing) = required.find(|key| !entries.contains_key(key.as_str().unwrap())) {
         return Some(format!("{missing} is missing"));
     }
-    entries.iter().find_map(|(key, value)| match schema["properties"].get(key) {
+    // Names in a scene are free; what stands under them is not.
+    let other = schema.get("additionalProperties").filter(|other| other.is_object());
+    entries.iter().find_map(|(key, value)| match schema["properties"].get(key).or(other) {
         Some(property) => fault(root, property, value),
         None => Some(format!("{key} is unknown")),
     })

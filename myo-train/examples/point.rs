@@ -19,8 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seed = 1;
     let mut trainer = Trainer::new(Box::new(common::Points::new(256)), config, seed)?;
     let description = serde_json::json!({ "task": "two points" });
-    let names = trainer.spec().episode_names.clone();
-    let mut run = RunWriter::create(Path::new(&folder), description, trainer.config(), seed, &names)?;
+    let mut run = RunWriter::create(Path::new(&folder), description, trainer.config(), seed, trainer.spec())?;
 
     for _ in 0..80 {
         let metrics = trainer.update()?;

@@ -3,6 +3,7 @@
 use myo_env::{Autoreset, EnvSpec, StepStorage, VectorEnv};
 use serde::{Deserialize, Serialize};
 
+use crate::rollout::told_layouts;
 use crate::statistics::{Sample, wilson_interval};
 use crate::{Policy, TrainError};
 
@@ -36,6 +37,12 @@ pub struct Evaluation {
     /// 95 % confidence interval of it.
     #[serde(default)]
     pub wrong_presses_interval: Option<[f64; 2]>,
+    /// Mean number of times per episode that a way was left.
+    #[serde(default)]
+    pub exits: Option<f64>,
+    /// 95 % confidence interval of it.
+    #[serde(default)]
+    pub exits_interval: Option<[f64; 2]>,
     /// Mean duration of an episode, in seconds.
     pub episode_length_s: Option<f64>,
     /// 95 % confidence interval of it.
@@ -46,6 +53,9 @@ pub struct Evaluation {
     /// 95 % confidence interval of it.
     #[serde(rename = "return_interval")]
     pub episode_return_interval: Option<[f64; 2]>,
+    /// Of each layout, in order, where there are several; all else is over equally many episodes of every layout then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layouts: Vec<Evaluation>,
 }
 
 /// One target's part of an [`Evaluation`]. Times are those of the episodes in which it was done.
@@ -73,7 +83,7 @@ pub struct TargetEvaluation {
     pub time_s_interval: Option<[f64; 2]>,
 }
 
-/// Runs the mean actions of `policy` in `env` until `episodes` episodes have ended.
+/// Runs the mean actions of `policy` in `env` until `episodes` episodes have ended; so many of each layout where there are several.
 ///
 /// `seed` restarts the environments. Every environment counts its first few episodes, equally many up to one: were the
 /// first ones to end anywhere counted, short episodes, mostly the successful ones, would be over-represented.
@@ -89,7 +99,7 @@ pub fn evaluate(
     check(policy, &spec)?;
     let mut step = StepStorage::new(&spec);
     let mut actions = vec![0.0; spec.num_envs * spec.action_size()];
-    let mut tally = Tally::new(episodes, spec.num_envs);
+    let mut tally = Tally::new(episodes, &spec);
     env.reset(Some(seed), None, &mut step.observation)?;
     while !tally.is_full() {
         policy.act_deterministic(&step.observation, &mut actions);
@@ -133,10 +143,16 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// For so many episodes in so many environments.
-    pub fn new(episodes: usize, envs: usize) -> Self {
-        let quota = (0..envs).map(|i| episodes / envs + usize::from(i < episodes % envs)).collect();
-        Self { episodes, quota, summaries: vec![Vec::new(); envs], counted: 0 }
+    /// For so many episodes of each layout.
+    pub fn new(episodes: usize, spec: &EnvSpec) -> Self {
+        let (envs, layouts) = (spec.num_envs, spec.layouts());
+        let quota = (0..envs).map(|env| {
+            // This one is number `i` of the `n` environments that do its layout.
+            let (i, n) = (env / layouts, (envs - env % layouts).div_ceil(layouts));
+            episodes / n + usize::from(i < episodes % n)
+        });
+        let episodes = episodes * layouts.min(envs);
+        Self { episodes, quota: quota.collect(), summaries: vec![Vec::new(); envs], counted: 0 }
     }
 
     /// Whether all are counted.
@@ -155,7 +171,12 @@ impl Tally {
 
     /// The result.
     pub fn evaluation(&self, spec: &EnvSpec) -> Evaluation {
-        Evaluation::new(spec, self.counted, &self.summaries.concat())
+        let of = |first: usize, step: usize| {
+            let summaries = self.summaries.iter().skip(first).step_by(step).flatten().copied().collect::<Vec<_>>();
+            Evaluation::new(spec, summaries.len().checked_div(spec.episode_size()).unwrap_or(self.counted), &summaries)
+        };
+        let layouts = told_layouts(spec);
+        Evaluation { layouts: (0..layouts).map(|layout| of(layout, layouts)).collect(), ..of(0, 1) }
     }
 }
 
@@ -197,11 +218,20 @@ impl Evaluation {
             effort_interval: interval(effort),
             wrong_presses: mean(sample("wrong_presses")),
             wrong_presses_interval: interval(sample("wrong_presses")),
+            exits: mean(sample("exits")),
+            exits_interval: interval(sample("exits")),
             episode_length_s: mean(length),
             episode_length_s_interval: interval(length),
             episode_return: mean(episode_return),
             episode_return_interval: interval(episode_return),
+            layouts: vec![],
         }
+    }
+
+    /// Success in the layout where it is least, or in the only one.
+    pub fn least_success(&self) -> Option<f64> {
+        let least = |least: Option<f64>, layout: &Self| Some(least?.min(layout.success?));
+        self.layouts.iter().fold(self.success, least)
     }
 }
 
@@ -229,6 +259,7 @@ mod tests {
             episode_names: names.iter().chain(&second).map(|&name| name.to_owned()).collect(),
             control_dt: 0.05,
             max_episode_steps: 40,
+            layout_limits: vec![],
             autoreset: Autoreset::SameStep,
             exploring: 0,
         };

@@ -274,6 +274,7 @@ mod tests {
             episode_names: Vec::new(),
             control_dt: 0.05,
             max_episode_steps: 1,
+            layout_limits: vec![],
             autoreset: myo_env::Autoreset::SameStep,
             exploring: 0,
         }

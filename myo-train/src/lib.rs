@@ -19,9 +19,8 @@
 //! ) -> Result<(), Box<dyn std::error::Error>> {
 //!     let (config, seed) = (PpoConfig::default(), 1);
 //!     let trainer = Trainer::new(training_env, config, seed)?;
-//!     let episode_names = trainer.spec().episode_names.clone();
 //!     let description = serde_json::json!({ "task": "pointing" });
-//!     let run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, &episode_names)?;
+//!     let run = RunWriter::create(Path::new("my-run"), description, trainer.config(), seed, trainer.spec())?;
 //!     let goal = Goal { until: Until::Success(0.95), steps: 10_000_000 };
 //!     let mut session = Session::new(trainer, Examiner::on_host(fresh_env, seed), goal)?.recorded_in(run)?;
 //!     let end = loop {
@@ -70,7 +69,7 @@ pub use files::{IoError, write_whole};
 pub use gae::advantages;
 pub use inherit::Inherited;
 pub use learn::LearnStats;
-pub use metrics::{Episodes, FIRST_COLUMNS, LAST_COLUMNS, UpdateMetrics};
+pub use metrics::{Episodes, FIRST_COLUMNS, LAST_COLUMNS, LAYOUT_COLUMN, UpdateMetrics};
 pub use mlp::{Mlp, MlpWork};
 pub use normalizer::{Moments, Normalizer};
 pub use policy::Policy;

@@ -1,8 +1,9 @@
 //! What one update tells about the training.
 
-use myo_env::Column;
+use myo_env::{Column, EnvSpec};
 
 use crate::learn::LearnStats;
+use crate::rollout::told_layouts;
 
 /// Sums over finished episodes, one per column of the episode summary; NaN entries are left out.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +90,8 @@ pub struct UpdateMetrics {
     pub episodes: Episodes,
     /// Of the policy without noise; see [`PpoConfig::noise_free_envs`](crate::PpoConfig::noise_free_envs).
     pub noise_free: Episodes,
+    /// As `episodes`, of each layout; empty where there is one.
+    pub layouts: Vec<Episodes>,
     /// Mean reward per control step.
     pub reward_per_step: f64,
     /// Losses, divergence, clip fraction and gradient norm.
@@ -110,10 +113,11 @@ impl UpdateMetrics {
     }
 
     /// Names of [`UpdateMetrics::row`].
-    pub fn columns(episode_names: &[String]) -> impl Iterator<Item = &str> {
-        let name = |column: &Column| column.name;
+    pub fn columns(spec: &EnvSpec) -> Vec<String> {
+        let name = |column: &Column| column.name.to_owned();
         let (first, last) = (FIRST_COLUMNS.iter().map(name), LAST_COLUMNS.iter().map(name));
-        first.chain(episode_names.iter().map(String::as_str)).chain(last)
+        let layouts = (1..=told_layouts(spec)).map(|k| format!("layout_{k}_{}", LAYOUT_COLUMN.name));
+        first.chain(spec.episode_names.iter().cloned()).chain(last).chain(layouts).collect()
     }
 
     /// All numbers, in the order of [`UpdateMetrics::columns`].
@@ -140,7 +144,8 @@ impl UpdateMetrics {
             learn.gradient_norm,
             self.learning_rate,
         ];
-        first.into_iter().chain(self.episodes.means.iter().map(|&(_, mean)| mean)).chain(last).collect()
+        let layouts = self.layouts.iter().map(|episodes| episodes.mean(LAYOUT_COLUMN.name).unwrap_or(f64::NAN));
+        first.into_iter().chain(self.episodes.means.iter().map(|&(_, mean)| mean)).chain(last).chain(layouts).collect()
     }
 }
 
@@ -162,6 +167,13 @@ pub const FIRST_COLUMNS: [Column; 7] = [
         "Episodes that ended in this update, of environments that act with noise and do not explore.",
     ),
 ];
+
+/// Column of the metrics for every layout, after all others, where one policy learns several.
+pub const LAYOUT_COLUMN: Column = Column::new(
+    "success",
+    "",
+    "Share of the episodes of this layout that ended in this update in which every target was done.",
+);
 
 /// Columns of the metrics after those of the episodes.
 pub const LAST_COLUMNS: [Column; 10] = [

@@ -50,6 +50,8 @@ pub struct Rollout {
     pub episodes: EpisodeSums,
     /// Of those that act without.
     pub noise_free: EpisodeSums,
+    /// As `episodes`, of each layout; empty where there is one.
+    pub layouts: Vec<EpisodeSums>,
 }
 
 /// What the policy needs to act.
@@ -96,6 +98,7 @@ impl Rollout {
             moments: Moments::new(observations),
             episodes: EpisodeSums::new(spec.episode_size()),
             noise_free: EpisodeSums::new(spec.episode_size()),
+            layouts: vec![EpisodeSums::new(spec.episode_size()); told_layouts(spec)],
         }
     }
 
@@ -117,6 +120,7 @@ impl Rollout {
         self.moments.clear();
         self.episodes.clear();
         self.noise_free.clear();
+        self.layouts.iter_mut().for_each(EpisodeSums::clear);
         self.bad_last = None;
         for t in 0..actor.config.steps_per_update {
             if !go_on() {
@@ -197,7 +201,11 @@ impl Rollout {
             let summary = &step.episode[env * n_episode..][..n_episode];
             match env {
                 _ if env < noise_free => self.noise_free.add(summary),
-                _ if env < counted => self.episodes.add(summary),
+                _ if env < counted => {
+                    self.episodes.add(summary);
+                    let layout = env.checked_rem(self.layouts.len());
+                    layout.into_iter().for_each(|layout| self.layouts[layout].add(summary));
+                }
                 _ => {}
             }
             if step.terminated[env] {
@@ -254,6 +262,11 @@ impl Rollout {
         let noise_free = config.noise_free_envs();
         self.advantage.chunks_exact_mut(envs).for_each(|step| step[..noise_free].fill(0.0));
     }
+}
+
+/// Layouts whose episodes are told apart: none where there is but one.
+pub fn told_layouts(spec: &EnvSpec) -> usize {
+    if spec.layouts() > 1 { spec.layouts() } else { 0 }
 }
 
 /// Values of normalised observations. Chunks of samples in parallel.

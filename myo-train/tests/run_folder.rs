@@ -28,8 +28,7 @@ fn points() -> Box<dyn VectorEnv> {
 
 fn start(path: &Path) -> (Trainer, RunWriter) {
     let trainer = Trainer::new(points(), config(), 7).unwrap();
-    let run =
-        RunWriter::create(path, serde_json::json!({"task": "points"}), &config(), 7, &trainer.spec().episode_names);
+    let run = RunWriter::create(path, serde_json::json!({"task": "points"}), &config(), 7, trainer.spec());
     (trainer, run.unwrap())
 }
 
@@ -46,7 +45,7 @@ fn resume(path: &Path) -> (Trainer, RunWriter) {
     let latest = RunFolder::open(path).unwrap().latest_checkpoint().unwrap();
     let checkpoint = latest.checkpoint.expect("there is a whole checkpoint");
     let trainer = Trainer::restore(points(), &checkpoint).unwrap();
-    let run = RunClaim::take(path).unwrap().resume(checkpoint.env_steps(), &trainer.spec().episode_names).unwrap();
+    let run = RunClaim::take(path).unwrap().resume(checkpoint.env_steps(), trainer.spec()).unwrap();
     (trainer, run)
 }
 
@@ -94,7 +93,8 @@ fn a_folder_that_exists_is_never_overwritten() {
     let files = ["config.json", "metrics.csv"].map(|name| path.join(name));
     let before = files.each_ref().map(|file| fs::read(file).unwrap());
     fs::create_dir(folder.path().join("run-2")).unwrap();
-    let error = RunWriter::create(&path, serde_json::Value::Null, &config(), 1, &[]).unwrap_err().to_string();
+    let error =
+        RunWriter::create(&path, serde_json::Value::Null, &config(), 1, points().spec()).unwrap_err().to_string();
     assert!(error.contains("run exists already"), "{error}");
     assert!(error.ends_with("run-3"), "{error}");
     assert!(files.each_ref().map(|file| fs::read(file).unwrap()) == before);
@@ -243,7 +243,6 @@ fn metrics_that_are_not_those_of_the_run_are_refused_and_left_alone() {
     drop(run);
     let file = path.join("metrics.csv");
     let text = fs::read_to_string(&file).unwrap();
-    let names = trainer.spec().episode_names.clone();
     let second = text.lines().nth(2).unwrap();
     for (changed, reason) in [
         (text.replacen("env_steps", "steps", 1).into_bytes(), "its first line does not name the columns"),
@@ -251,12 +250,12 @@ fn metrics_that_are_not_those_of_the_run_are_refused_and_left_alone() {
         (vec![0xff, 0xfe, 0x00], "it is not text"),
     ] {
         fs::write(&file, &changed).unwrap();
-        let error = RunClaim::take(&path).unwrap().resume(768, &names).unwrap_err().to_string();
+        let error = RunClaim::take(&path).unwrap().resume(768, trainer.spec()).unwrap_err().to_string();
         assert!(error.contains("metrics.csv") && error.contains(reason), "{error}");
         assert!(fs::read(&file).unwrap() == changed);
     }
     fs::write(&file, &text).unwrap();
-    drop(RunClaim::take(&path).unwrap().resume(768, &names).unwrap());
+    drop(RunClaim::take(&path).unwrap().resume(768, trainer.spec()).unwrap());
     assert_eq!(fs::read_to_string(&file).unwrap(), text);
 }
 
@@ -277,8 +276,7 @@ fn a_folder_whose_training_was_stopped_at_its_beginning_is_taken_again() {
         fs::remove_dir_all(path.join(remains)).unwrap();
     }
     fs::remove_file(path.join("metrics.csv")).unwrap();
-    let names = Trainer::new(points(), config(), 7).unwrap().spec().episode_names.clone();
-    drop(RunClaim::take(&path).unwrap().resume(0, &names).unwrap());
+    drop(RunClaim::take(&path).unwrap().resume(0, points().spec()).unwrap());
     assert_eq!(metrics(&path).len(), 1);
 }
 
@@ -385,6 +383,8 @@ fn an_evaluation_goes_out_and_in_under_its_names() {
         "episode_length_s",
         "episode_length_s_interval",
         "episodes",
+        "exits",
+        "exits_interval",
         "final_distance_m",
         "final_distance_m_interval",
         "return",

@@ -39,6 +39,8 @@ enum Mishap {
     LostAt(usize),
     /// Targets are never done.
     Unreachable,
+    /// No episode of the second of two layouts is said to succeed.
+    SecondFails,
 }
 
 struct Fragile {
@@ -89,6 +91,9 @@ impl VectorEnv for Fragile {
         )?;
         match self.mishap {
             Mishap::NanAt(step) if self.steps == step => reward[3] = f32::NAN,
+            Mishap::SecondFails => {
+                episode.chunks_mut(10).skip(1).step_by(2).for_each(|episode| episode[2..4].fill(0.0));
+            }
             Mishap::Unreachable => episode.chunks_mut(10).for_each(|episode| episode[2..4].fill(0.0)),
             _ => {}
         }
@@ -112,8 +117,9 @@ fn session(mishap: Mishap, config: PpoConfig, goal: Goal) -> Session {
 }
 
 fn recorded(session: Session, folder: &Path) -> Session {
-    let (trainer, names) = (session.trainer(), session.trainer().spec().episode_names.clone());
-    let writer = RunWriter::create(folder, serde_json::Value::Null, trainer.config(), trainer.seed(), &names).unwrap();
+    let trainer = session.trainer();
+    let writer =
+        RunWriter::create(folder, serde_json::Value::Null, trainer.config(), trainer.seed(), trainer.spec()).unwrap();
     session.recorded_in(writer).unwrap()
 }
 
@@ -150,6 +156,38 @@ fn a_training_stops_when_fresh_episodes_confirm_the_goal() {
     assert_eq!(looks[looks.len() - 2..], [256, 1000]);
     assert!(news(&told).is_empty());
     assert_eq!(run(session(Mishap::None, config(), REACH)).1.env_steps, outcome.env_steps, "the same seed");
+}
+
+/// A training of two layouts, which do not differ unless something goes wrong in one.
+fn session_of_layouts(mishap: Mishap, goal: Goal) -> Session {
+    let env = || Box::new(Fragile { env: Points::new(ENVS).in_layouts(2), ..Fragile::new(mishap) });
+    let trainer = Trainer::new(env(), config(), 1).unwrap();
+    let examiner = Examiner::on_host(env(), trainer.seed());
+    Session::new(trainer, examiner, goal).unwrap()
+}
+
+#[test]
+fn a_goal_is_reached_when_it_is_in_every_layout() {
+    // Half of all episodes succeed where all of one layout do.
+    let goal = Goal { until: Until::Success(0.45), steps: 500_000 };
+    let (told, outcome) = run(session_of_layouts(Mishap::None, goal));
+    let evaluation = outcome.evaluation.unwrap();
+    assert_eq!((outcome.end, evaluation.episodes, evaluation.layouts.len()), (End::Until, 2000, 2));
+    assert_eq!(
+        evaluation.least_success(),
+        evaluation.layouts.iter().filter_map(|layout| layout.success).reduce(f64::min)
+    );
+    let looks: Vec<u64> = told.iter().flat_map(|progress| &progress.looks).map(|look| look.episodes).collect();
+    assert_eq!(looks[looks.len() - 2..], [512, 2000], "256 and 1000 of each");
+
+    let (told, outcome) = run(session_of_layouts(Mishap::SecondFails, goal));
+    let evaluation = outcome.evaluation.unwrap();
+    assert!(evaluation.success > Some(0.45), "the mean alone would have ended it: {:?}", evaluation.success);
+    assert_eq!((outcome.end, evaluation.layouts[1].success), (End::Steps, Some(0.0)));
+    let least = told.last().unwrap().least.unwrap();
+    assert_eq!((least.layout, least.success), (1, 0.0));
+    let until_the_look = told.iter().flat_map(|progress| &progress.looks).all(|look| look.least_success() == Some(0.0));
+    assert!(until_the_look);
 }
 
 #[test]
@@ -273,7 +311,7 @@ fn a_training_that_leads_nowhere_is_told_once() {
     let config = PpoConfig { policy_hidden: vec![2], value_hidden: vec![2], epochs: 1, ..config() };
     let (told, outcome) =
         run(session(Mishap::Unreachable, config, Goal { until: Until::Success(0.95), steps: 8_000_000 }));
-    let [News::Flat { env_steps, recent }] = news(&told)[..] else { panic!("{:?}", news(&told)) };
+    let [News::Flat { env_steps, layout: None, recent }] = news(&told)[..] else { panic!("{:?}", news(&told)) };
     assert!(*env_steps >= 6_000_000 && recent.success == 0.0, "{env_steps} {recent:?}");
     assert_eq!(outcome.end, End::Steps);
 }

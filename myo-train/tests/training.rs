@@ -4,7 +4,7 @@ mod common;
 
 use common::{Constant, Points};
 use myo_env::{EnvError, EnvSpec, StepBuffers, VectorEnv};
-use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer};
+use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer, evaluate};
 
 /// Settings for [`Points`] that need a second or two.
 fn config() -> PpoConfig {
@@ -65,6 +65,32 @@ fn episodes_that_begin_in_the_middle_of_the_task_are_counted_nowhere() {
     // Twelve that return one, and six that return two; not four of three and three of four.
     assert_eq!(metrics.episodes.count, 18);
     assert_eq!(metrics.episodes.mean("return"), Some(24.0 / 18.0));
+}
+
+#[test]
+fn episodes_of_each_layout_are_told_apart() {
+    let env = Constant::staircase(4).in_layouts(2);
+    let metrics = Trainer::new(Box::new(env), small(4, 12), 1).unwrap().update().unwrap();
+    let [first, second] = &metrics.layouts[..] else { panic!("{:?}", metrics.layouts) };
+    // In twelve steps twelve episodes of one and four of three; six of two and three of four.
+    assert_eq!((first.count, first.mean("return")), (16, Some(24.0 / 16.0)));
+    assert_eq!((second.count, second.mean("return")), (9, Some(24.0 / 9.0)));
+    assert_eq!(metrics.episodes.count, 25);
+    let alone = Trainer::new(Box::new(Constant::staircase(4)), small(4, 12), 1).unwrap().update().unwrap();
+    assert_eq!((alone.layouts.len(), alone.episodes.count), (0, 25), "one layout is not told apart");
+}
+
+#[test]
+fn an_evaluation_counts_as_many_episodes_of_each_layout() {
+    let mut trainer = Trainer::new(Box::new(Constant::staircase(5)), small(5, 12), 1).unwrap();
+    trainer.update().unwrap();
+    // Three environments for the first layout, with episodes of one, three and five steps; two for the second.
+    let mut env = Constant::staircase(5).in_layouts(2);
+    let evaluation = evaluate(&mut trainer.policy(), &mut env, 6, 1, |_| true).unwrap();
+    let counts: Vec<u64> = evaluation.layouts.iter().map(|layout| layout.episodes).collect();
+    assert_eq!((evaluation.episodes, &counts[..]), (12, &[6, 6][..]));
+    let returns: Vec<_> = evaluation.layouts.iter().map(|layout| layout.episode_return).collect();
+    assert_eq!((returns, evaluation.episode_return), (vec![Some(3.0), Some(3.0)], Some(3.0)));
 }
 
 /// Otherwise all of them would end in one update of six, and again in each sixth after it.

@@ -1,6 +1,6 @@
 //! Draws one episode of a trained user as SVG: `cargo run --release -p myo-sim --example picture -- RUN TASK OUT.svg`.
 
-use myo::env::{Autoreset, CpuEnv, EnvConfig, Snapshot, StepStorage, Tables, VectorEnv};
+use myo::env::{Autoreset, CpuEnv, EnvConfig, StepStorage, VectorEnv};
 use myo::model::{Model, builtin};
 use myo::picture::Painter;
 use myo::train::RunFolder;
@@ -10,7 +10,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [run, task, out] = arguments.as_slice() else { return Err("usage: picture RUN TASK OUT.svg".into()) };
     let task = myo::tasks::load(task)?.task;
     let model = Model::new(&builtin(&task.model)?)?;
-    let tables = Tables::new(&model, &task)?;
     let latest = RunFolder::open(run.as_ref())?.latest_checkpoint()?;
     let mut policy = latest.checkpoint.ok_or("the run has no checkpoint")?.policy();
 
@@ -19,12 +18,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut now = StepStorage::new(env.spec());
     let mut action = vec![0.0; env.spec().action_size()];
     env.reset(None, None, &mut now.observation)?;
-    let mut moments = vec![Snapshot::read(&tables, &env.save_state()?, 0)?];
+    let mut moments = env.peek(0..1)?;
     while !(now.terminated[0] || now.truncated[0]) {
         policy.act_deterministic(&now.observation, &mut action);
         env.step(&action, now.buffers())?;
-        moments.push(Snapshot::read(&tables, &env.save_state()?, 0)?);
+        moments.extend(env.peek(0..1)?);
     }
-    std::fs::write(out, Painter::new(&model, &task)?.episode(&moments).svg())?;
+    std::fs::write(out, Painter::new(&model, &task)?.episode(&moments)?.svg())?;
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! Why a training that leads nowhere may do so: only what was tested is claimed.
 
-use myo_tasks::{Element, Object, Reach, Report, Shape, Stage, Step, Task, TaskError, TaskWarning, check, spread};
+use myo_tasks::{
+    Element, FlatTask, Object, Pointer, Reach, Report, Shape, Slider, Step, Task, TaskError, TaskWarning, check, spread,
+};
 use myo_train::session::{Bottleneck, EpisodeMeans};
 
 /// A finding explains a failure when it concerns at least this share of what fails.
@@ -41,15 +43,15 @@ pub fn likely_cause(task: &Task, body: &dyn Body, recent: &EpisodeMeans) -> Stri
     let Some(Bottleneck { target, success }) = recent.bottleneck() else {
         return "no target is missed by recent episodes, so there is no cause to look for".into();
     };
-    let stage = task.stage().unwrap_or_default();
-    if target >= stage.steps.len() {
+    let flat = task.flat().unwrap_or_default();
+    if target >= flat.steps.len() {
         return "the task has fewer targets than the training".into();
     }
-    let label = stage.label(target);
+    let label = flat.label(target);
     let report = check(task, body);
-    let object = stage.steps[target].object;
-    let needs_hold = stage.steps[target].dwell_steps(task.control_dt_s) > 1;
-    let findings = [Some(reach(&report, object)), hold(&report, object, needs_hold), time(task, &stage, body)];
+    let object = flat.steps[target].object;
+    let needs_hold = flat.steps[target].dwell_steps(task.control_dt_s) > 1;
+    let findings = [Some(reach(&report, object)), hold(&report, object, needs_hold), time(task, &flat, body)];
     let (mut causes, mut lesser, mut fine) = (Vec::new(), Vec::new(), Vec::new());
     for finding in findings.into_iter().flatten() {
         match finding {
@@ -74,7 +76,9 @@ pub fn likely_cause(task: &Task, body: &dyn Body, recent: &EpisodeMeans) -> Stri
 /// Whether an object can be reached, as the check of the task finds it.
 fn reach(report: &Report, object: usize) -> Finding {
     let error = report.errors.iter().find_map(|error| match error {
-        TaskError::OutOfReach { target: element, .. } if concerns(element, object) => {
+        TaskError::OutOfReach { target: element, .. } | TaskError::PathOutOfReach { target: element, .. }
+            if concerns(element, object) =>
+        {
             Some(Finding::Wrong(1.0, error.to_string()))
         }
         _ => None,
@@ -111,10 +115,14 @@ fn concerns(element: &Element, object: usize) -> bool {
 }
 
 /// Whether dwells, and the ways between the targets at the arm's greatest speed, fit into the time limit.
-fn time(task: &Task, stage: &Stage, body: &dyn Body) -> Option<Finding> {
-    let dwells = stage.steps.iter().filter(|step| step.dwell_s().is_some());
+fn time(task: &Task, flat: &FlatTask, body: &dyn Body) -> Option<Finding> {
+    // How fast another pointer can be is not known.
+    if flat.pointer != Pointer::Fingertip {
+        return None;
+    }
+    let dwells = flat.steps.iter().filter(|step| step.dwell_s().is_some());
     let dwells_s = dwells.map(|step| f64::from(step.dwell_steps(task.control_dt_s)) * task.control_dt_s).sum::<f64>();
-    let (way_m, speed) = (way(stage), body.fastest_m_per_s());
+    let (way_m, speed) = (way(flat), body.fastest_m_per_s());
     let (needed_s, limit_s) = (dwells_s + way_m / speed, task.time_limit_s);
     let figures = format!(
         "dwells of {dwells_s:.2} s and {way_m:.2} m at {speed:.0} m/s, the greatest speed of the arm in tests, take {needed_s:.2} \
@@ -128,10 +136,10 @@ fn time(task: &Task, stage: &Stage, body: &dyn Body) -> Option<Finding> {
 }
 
 /// The least way (m) of the fingertip from the first object to the last, on average: from surface to surface.
-fn way(stage: &Stage) -> f64 {
+fn way(flat: &FlatTask) -> f64 {
     let between = |pair: &[Step]| {
         let [from, to] = pair else { return 0.0 };
-        let [a, b] = [from, to].map(|step| &stage.objects[step.object]);
+        let [a, b] = [from, to].map(|step| &flat.objects[step.object]);
         // Where the same object is asked for again there is no way.
         if from.object == to.object {
             return 0.0;
@@ -146,14 +154,16 @@ fn way(stage: &Stage) -> f64 {
         let (count, sum) = ways.fold((0_u32, 0.0), |(count, sum), way| (count + 1, sum + way));
         sum / f64::from(count.max(1))
     };
-    stage.steps.windows(2).map(between).sum()
+    flat.steps.windows(2).map(between).sum()
 }
 
 /// How far (m) from its centre an object's step can be done.
 fn size(object: &Object) -> f64 {
     match &object.shape {
         Shape::Sphere(sphere) => sphere.radius.max,
-        Shape::Button(block) | Shape::Obstacle(block) => 0.5 * distance(block.size, [0.0; 3]),
+        Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
+            0.5 * distance(block.size, [0.0; 3])
+        }
     }
 }
 
@@ -163,7 +173,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use myo_tasks::{Pointing, Range, Region, Target, preset};
+    use myo_tasks::{Instruction, Item, Range, Region, SphereItem, preset};
 
     use super::*;
 
@@ -203,36 +213,40 @@ mod tests {
         )
     }
 
-    /// The preset with all of its spheres changed.
-    fn typing(change: impl Fn(&mut Pointing)) -> Task {
+    /// The preset with its spheres changed.
+    fn typing(change: impl Fn(&mut SphereItem)) -> Task {
         let mut task = preset("mobile-typing").unwrap();
-        for target in &mut task.targets {
-            let Target::Pointing(sphere) = target else { panic!("a sphere") };
-            change(sphere);
-        }
+        let Item::Sphere(letter) = &mut task.scene.0["letter"] else { panic!("a sphere") };
+        change(letter);
         task
     }
 
     /// The same with one sphere only.
-    fn tap(change: impl Fn(&mut Pointing)) -> Task {
-        let mut task = typing(change);
-        task.targets.truncate(1);
-        let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("a sphere") };
-        sphere.repeat = 1;
+    fn tap(change: impl Fn(&mut SphereItem)) -> Task {
+        typing(|letter| {
+            change(letter);
+            letter.copies = None;
+        })
+    }
+
+    /// The task with dwells so long.
+    fn dwelling(mut task: Task, seconds: f64) -> Task {
+        let Instruction::Dwell(dwell) = &mut task.script[0] else { panic!("a dwell") };
+        dwell.for_s = seconds;
         task
     }
 
     #[test]
     fn spheres_out_of_reach_bound_the_success() {
         assert_eq!(most_success(&check(&typing(|_| {}), &ABLE)), 1.0);
-        let most = most_success(&check(&tap(|sphere| sphere.position.x.max = 0.45), &ABLE));
+        let most = most_success(&check(&tap(|letter| letter.at.0.x.max = 0.45), &ABLE));
         // x below 0.41, of 0.225 to 0.45.
         assert!((most - 0.185 / 0.225).abs() < 0.02, "{most}");
     }
 
     #[test]
     fn neither_dwell_nor_time_are_blamed_where_nothing_tested_is_wrong() {
-        let task = typing(|sphere| sphere.dwell_s = 0.2);
+        let task = dwelling(typing(|_| {}), 0.2);
         // Episodes to the last moment, a fingertip that ends near the target or far: what was once taken for a cause.
         for (length, final_distance) in [(80.0, 0.1), (80.0, 0.005), (40.0, 0.005), (40.0, 0.3)] {
             for success in [[0.9, 0.8, 0.7, 0.3, 0.2], [0.1, 0.1, 0.1, 0.1, 0.1], [0.9, 0.9, 0.9, 0.9, 0.2]] {
@@ -247,35 +261,32 @@ mod tests {
         }
         let text = cause(&task, &ABLE, &[0.9, 0.8, 0.7, 0.3, 0.2], 75.0, 0.1);
         assert!(
-            text.starts_with("target 4 (pointing) is the bottleneck, 43 % of the episodes that get to it do it"),
+            text.starts_with("dwell in letter.4 is the bottleneck, 43 % of the episodes that get to it do it"),
             "{text}"
         );
     }
 
     #[test]
     fn a_target_out_of_reach_is_the_cause_where_it_explains_what_fails() {
-        let task = tap(|sphere| sphere.position.x.max = 0.45);
+        let task = tap(|letter| letter.at.0.x.max = 0.45);
         let text = cause(&task, &ABLE, &[0.75], 40.0, 0.3);
         assert!(text.contains("likely cause: 1") && text.contains("is out of reach of the model"), "{text}");
         assert!(text.contains("; move the range ") && text.contains(" back"), "{text}");
         let text = cause(&task, &ABLE, &[0.1], 40.0, 0.3);
         assert!(text.contains("no cause was found") && text.contains("which explains less than half"), "{text}");
-        let task = tap(|sphere| sphere.position.x = 0.9.into());
+        let task = tap(|letter| letter.at.0.x = 0.9.into());
         let text = cause(&task, &ABLE, &[0.0], 40.0, 0.3);
-        assert!(text.contains("likely cause: target 1 (pointing) is out of reach of the model"), "{text}");
+        assert!(text.contains("likely cause: letter is out of reach of the model"), "{text}");
     }
 
     #[test]
     fn what_muscles_cannot_hold_is_the_cause_and_where_they_can_is_told() {
-        let high = |sphere: &mut Pointing| sphere.position.z = Range::new(-0.3, -0.1);
-        let task = tap(|sphere| {
-            high(sphere);
-            sphere.dwell_s = 0.2;
-        });
+        let high = |letter: &mut SphereItem| letter.at.0.z = Range::new(-0.3, -0.1);
+        let task = dwelling(tap(high), 0.2);
         let weak = Doll { holds_below: -0.28, fastest: 10.0 };
         let text = cause(&task, &weak, &[0.1], 40.0, 0.05);
         let (_, told) = text.split_once("likely cause: muscles cannot hold the fingertip still in ").expect(&text);
-        let (share, rest) = told.split_once(" % of the range of target 1").expect(&text);
+        let (share, rest) = told.split_once(" % of the range of letter").expect(&text);
         let share: f64 = share.parse().unwrap();
         // 0.18 of 0.2 m, to one of 32 places.
         assert!((share - 90.0).abs() < 100.0 / 32.0, "{text}");
@@ -291,7 +302,7 @@ mod tests {
         let slow = Doll { fastest: 0.01, ..ABLE };
         let text = cause(&typing(|_| {}), &slow, &shares, 40.0, 0.1);
         assert!(text.contains("likely cause: time: dwells of ") && text.contains("raise time_limit_s"), "{text}");
-        let brief = |dwell_s: f64| Task { time_limit_s: 1.0, ..typing(|sphere| sphere.dwell_s = dwell_s) };
+        let brief = |dwell_s: f64| Task { time_limit_s: 1.0, ..dwelling(typing(|_| {}), dwell_s) };
         let text = cause(&brief(0.1), &ABLE, &shares, 20.0, 0.1);
         assert!(
             text.contains("no cause was found: it can be reached, ") && text.contains("dwells of 0.50 s"),
@@ -303,15 +314,15 @@ mod tests {
 
     #[test]
     fn the_way_is_an_average_over_the_places_of_both_targets() {
-        let mut task = tap(|sphere| {
-            sphere.position = Region { x: Range::new(0.1, 0.4), y: 0.0.into(), z: 0.0.into() };
-            sphere.radius = 1e-3.into();
-            sphere.min_distance_from_previous = Some(0.0);
+        let task = typing(|letter| {
+            letter.at.0 = Region { x: Range::new(0.1, 0.4), y: 0.0.into(), z: 0.0.into() };
+            letter.radius = 1e-3.into();
+            letter.min_distance_from_previous = Some(0.0);
+            letter.copies = Some(2);
         });
-        task.targets.push(task.targets[0].clone());
         // Two numbers between 0.1 and 0.4 differ by a third of that on average; from surface to surface it is 2 mm less, and a
         // little more where the spheres overlap.
-        let way = way(&task.stage().unwrap());
+        let way = way(&task.flat().unwrap());
         assert!((way - 0.098).abs() < 1e-3, "{way}");
     }
 

@@ -2,7 +2,8 @@
 
 use std::error::Error;
 
-use myo_env::{BuildError, CpuEnv, EnvConfig, GpuEnv, VectorEnv};
+use myo_env::gpu::GpuOptions;
+use myo_env::{BuildError, CpuEnv, EnvConfig, EnvSpec, GpuEnv, Rules, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu, GpuError};
 use myo_model::Model;
 use myo_tasks::Task;
@@ -117,20 +118,20 @@ impl Backend {
         }
     }
 
-    /// Environments for a task on the backend that was asked for. With [`Backend::Auto`], what a graphics card refuses is built on the
-    /// processor, and `notice` is told why.
+    /// Environments for layouts, tasks of one structure, on the backend that was asked for. With [`Backend::Auto`], what a graphics
+    /// card refuses is built on the processor, and `notice` is told why.
     ///
     /// # Errors
-    /// The task or model cannot be simulated, or the card that was asked for is not available.
+    /// A task or the model cannot be simulated, structures differ, or the card that was asked for is not available.
     pub fn build(
         &self,
         model: &Model,
-        task: &Task,
+        layouts: &[Task],
         config: &EnvConfig,
         notice: &mut dyn FnMut(&dyn Error),
     ) -> Result<Envs, BuildError> {
         let device = self.device(config.num_envs, notice)?;
-        self.build_at(device, notice, |device| Envs::new(device, model, task, config))
+        self.build_at(device, notice, |device| Envs::with_layouts(device, model, layouts, config))
     }
 
     fn build_at<T>(
@@ -187,9 +188,26 @@ impl Envs {
     /// # Errors
     /// The task or model cannot be simulated there.
     pub fn new(device: &Device, model: &Model, task: &Task, config: &EnvConfig) -> Result<Self, BuildError> {
+        Self::with_layouts(device, model, std::slice::from_ref(task), config)
+    }
+
+    /// The same with several layouts, tasks of one structure: environment `env` does the task of number `env` modulo how many
+    /// there are.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); there is no task, or more than environments, or their structures differ.
+    pub fn with_layouts(
+        device: &Device,
+        model: &Model,
+        layouts: &[Task],
+        config: &EnvConfig,
+    ) -> Result<Self, BuildError> {
         Ok(match device {
-            Device::Cpu => Self::Cpu(Box::new(CpuEnv::new(model, task, config)?)),
-            Device::Gpu(gpu) => Self::Gpu(Box::new(GpuEnv::new(gpu, model, task, config)?)),
+            Device::Cpu => Self::Cpu(Box::new(CpuEnv::with_layouts(model, layouts, config)?)),
+            Device::Gpu(gpu) => {
+                let env = GpuEnv::with_layouts(gpu, model, layouts, config, &GpuOptions::default())?;
+                Self::Gpu(Box::new(env))
+            }
         })
     }
 
@@ -217,17 +235,37 @@ impl Envs {
         }
     }
 
-    /// More environments of the same task and model on the same device, in which to look at a policy. `model` and `task` must
-    /// be those of these environments.
+    /// Environments whose task is judged by rules of one's own, on this device.
     ///
     /// # Errors
-    /// As for [`Envs::new`].
-    pub fn for_looks(&self, model: &Model, task: &Task, seed: u64) -> Result<Self, BuildError> {
+    /// As for [`CpuEnv::with_rules`] and [`GpuEnv::with_rules`].
+    pub fn with_rules(
+        device: &Device,
+        model: &Model,
+        task: &Task,
+        rules: &impl Rules,
+        config: &EnvConfig,
+    ) -> Result<Self, BuildError> {
+        Ok(match device {
+            Device::Cpu => Self::Cpu(Box::new(CpuEnv::with_rules(model, task, rules, config)?)),
+            Device::Gpu(gpu) => Self::Gpu(Box::new(GpuEnv::with_rules(gpu, model, task, rules, config)?)),
+        })
+    }
+
+    /// More environments of the same layouts and model on the same device, in which to look at a policy.
+    ///
+    /// # Errors
+    /// No memory left, or the card is lost.
+    pub fn for_looks(&self, seed: u64) -> Result<Self, BuildError> {
+        let config = |num_envs: usize, spec: &EnvSpec| EnvConfig {
+            num_envs: num_envs.max(spec.layouts()),
+            seed,
+            ..EnvConfig::default()
+        };
         let [host, card] = LOOK_ENVS;
-        let config = |num_envs| EnvConfig { num_envs, seed, ..EnvConfig::default() };
         Ok(match self {
-            Self::Cpu(_) => Self::new(&Device::Cpu, model, task, &config(host))?,
-            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(&config(card))?)),
+            Self::Cpu(env) => Self::Cpu(Box::new(env.sibling(&config(host, env.spec()))?)),
+            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(&config(card, env.spec()))?)),
         })
     }
 

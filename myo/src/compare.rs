@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use myo_tasks::{Stage, Step, Task};
+use myo_tasks::{FlatTask, Step, Task};
 use myo_train::session::Trend;
 use myo_train::statistics::{Sample, rank_sum, welch};
 use myo_train::{Evaluation, PpoConfig, RunError, RunFolder};
@@ -62,7 +62,7 @@ impl Group {
                     reason: format!("{path} is not evaluated yet; go on with it first"),
                 });
             };
-            if RunDescription::of(folder)?.task != run.task || folder.config().ppo != ppo {
+            if RunDescription::of(folder)?.layouts() != run.layouts() || folder.config().ppo != ppo {
                 let reason = format!("{path} is of another task or other settings than {}", first.path().display());
                 return Err(RunError::Incomparable { reason });
             }
@@ -317,12 +317,19 @@ fn caveats(first: &Group, second: &Group) -> Vec<String> {
             "the tasks ask for different things (pointing and pressing): times are those of different actions".into(),
         );
     }
-    let counts = both.map(|group| stage(&group.run.task).steps.len());
+    let counts = both.map(|group| flat(&group.run.task).steps.len());
     if counts[0] != counts[1] {
         caveats.push(format!(
             "the tasks have {} and {} targets: whole tasks are compared, not targets",
             counts[0], counts[1]
         ));
+    }
+    for group in both {
+        let layouts = group.run.layouts().len();
+        if layouts > 1 {
+            let name = &group.name;
+            caveats.push(format!("each user of {name} learned {layouts} layouts: its numbers are means over them"));
+        }
     }
     if a.task.reward != b.task.reward {
         caveats.push("users were rewarded differently: they may have tried for different things".into());
@@ -347,13 +354,13 @@ fn caveats(first: &Group, second: &Group) -> Vec<String> {
 /// Which kinds of targets a task has: pointing, pressing.
 fn kinds(task: &Task) -> [bool; 2] {
     let is_dwell = |step: &Step| step.dwell_s().is_some();
-    let steps = stage(task).steps;
+    let steps = flat(task).steps;
     [steps.iter().any(is_dwell), !steps.iter().all(is_dwell)]
 }
 
-/// The stage of a task that was trained, so it is right.
-fn stage(task: &Task) -> Stage {
-    task.stage().unwrap_or_default()
+/// A task that was trained, so that it is right, written out.
+fn flat(task: &Task) -> FlatTask {
+    task.flat().unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -457,7 +464,7 @@ mod tests {
             (&|b| b.run.task.model = "mobl-arms-uitb".into(), "bodies differ (mobl-arms and mobl-arms-uitb)"),
             (&|b| b.run.version = "0.0.1".into(), "trained by different versions"),
             (&|b| b.run.task = preset("pointing").unwrap(), "the tasks ask for different things"),
-            (&|b| b.run.task.targets.truncate(2), "targets: whole tasks are compared"),
+            (&|b| b.run.task.script.truncate(2), "targets: whole tasks are compared"),
             (&|b| b.run.task.reward.distance *= 2.0, "rewarded differently"),
             (&|b| b.ppo.num_envs = 1, "different goals or settings"),
             (&|b| b.users[1].trend = None, "1 of 2 users of b had not finished learning"),

@@ -31,9 +31,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Tasks that no task file says are written as [`env::Rules`]: `examples/own_task.rs` is one, from its first line to its training.
+//!
 //! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a
 //! task ask a model; [`Backend`], [`Device`] and [`Envs`], which choose between processor and graphics card and train there;
-//! [`RunDescription`], what a run folder says about its training; [`ProgressLine`], how a training goes; and [`likely_cause`] and
+//! [`RunDescription`], what a run folder says about its training; [`misfits`], whether a user can act on a layout that it was not trained
+//! on; [`ProgressLine`], how a training goes; and [`likely_cause`] and
 //! [`most_success`], why it leads nowhere or cannot reach its goal.
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
@@ -47,6 +50,8 @@ pub use myo_train as train;
 mod advice;
 mod backend;
 mod compare;
+mod fit;
+mod layouts;
 pub mod picture;
 pub mod progress;
 mod reach;
@@ -56,6 +61,8 @@ mod users;
 pub use advice::{Body, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
 pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
+pub use fit::{Misfit, Setting, misfits};
+pub use layouts::{LayoutsError, layout_names, one_structure};
 pub use progress::ProgressLine;
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};

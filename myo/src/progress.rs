@@ -1,7 +1,9 @@
 //! One line on how a training goes, for terminals and Python alike.
 
 use myo_tasks::Task;
-use myo_train::session::{Bottleneck, Progress};
+use myo_train::session::{Bottleneck, LeastLayout, Progress};
+
+use crate::layouts::layout_names;
 
 /// Share of a new rate in the one shown.
 const FRESH: f64 = 0.1;
@@ -21,19 +23,21 @@ pub struct ProgressLine {
     limit: u64,
     control_dt_s: f64,
     targets: Vec<String>,
+    layouts: Vec<String>,
     rate: Option<f64>,
 }
 
 impl ProgressLine {
-    /// For a training of a task that ends after `limit` control steps at the latest.
-    pub fn new(task: &Task, limit: u64) -> Self {
+    /// For a training of one or several layouts that ends after `limit` control steps at the latest.
+    pub fn new(layouts: &[Task], limit: u64) -> Self {
         // A task that cannot be trained has no line of progress either.
-        let targets =
-            task.stage().map_or(vec![], |stage| (0..stage.steps.len()).map(|step| stage.label(step)).collect());
-        Self { limit, control_dt_s: task.control_dt_s, targets, rate: None }
+        let flat = layouts.first().and_then(|task| task.flat().ok()).unwrap_or_default();
+        let targets = (0..flat.steps.len()).map(|step| flat.label(step)).collect();
+        let control_dt_s = layouts.first().map_or(f64::NAN, |task| task.control_dt_s);
+        Self { limit, control_dt_s, targets, layouts: layout_names(layouts), rate: None }
     }
 
-    /// Control steps, their rate, success and mean duration of training episodes, the target that is missed most, and the time left; none where there
+    /// Control steps, their rate, success, also in the layout where it is least if there are several, and mean duration of training episodes, the target that is missed most, and the time left; none where there
     /// was no update.
     pub fn after(&mut self, progress: &Progress) -> Option<String> {
         let metrics = progress.metrics.as_ref()?;
@@ -43,14 +47,20 @@ impl ProgressLine {
         let seconds = |steps: u64| steps as f64 / rate;
         let limit = self.limit.saturating_sub(metrics.env_steps);
         Some(format!(
-            "{} steps, {}/s, success {}, episodes of {}{}, {}",
+            "{} steps, {}/s, success {}{}, episodes of {}{}, {}",
             rounded(metrics.env_steps as f64),
             rounded(rate),
             progress.success.map_or("-".into(), |share| format!("{:.1} %", 100.0 * share)),
+            progress.least.and_then(|least| self.least(least)).unwrap_or_default(),
             metrics.episodes.mean("length").map_or("-".into(), |steps| format!("{:.2} s", self.control_dt_s * steps)),
             progress.bottleneck.and_then(|bottleneck| self.named(bottleneck)).unwrap_or_default(),
             time_left(progress.steps_left.map(seconds), seconds(limit)),
         ))
+    }
+
+    /// The layout that is done least, where there are several.
+    fn least(&self, LeastLayout { layout, success }: LeastLayout) -> Option<String> {
+        Some(format!(" (least in {}: {:.1} %)", self.layouts.get(layout)?, 100.0 * success))
     }
 
     /// The target that is missed most, where there are several.
@@ -156,12 +166,12 @@ mod tests {
         let metrics = UpdateMetrics { env_steps: 1_000_000, episodes, ..UpdateMetrics::default() };
         let bottleneck = Some(Bottleneck { target: 2, success: 0.625 });
         let progress = Progress { metrics: Some(metrics), success: Some(0.4), bottleneck, ..Progress::default() };
-        let line = |name| ProgressLine::new(&preset(name).unwrap(), 60_000_000).after(&progress).unwrap();
+        let line = |name| ProgressLine::new(&[preset(name).unwrap()], 60_000_000).after(&progress).unwrap();
         let text = line("mobile-typing");
         assert!(text.contains("1.00 M steps") && text.contains("success 40.0 %"), "{text}");
         assert!(text.contains(", episodes of 1.55 s, "), "{text}");
-        assert!(text.contains(", bottleneck target 3 (pointing) at 62 %, "), "{text}");
+        assert!(text.contains(", bottleneck dwell in letter.3 at 62 %, "), "{text}");
         assert!(!line("pointing-single").contains("bottleneck"), "the only target is no news");
-        assert_eq!(ProgressLine::new(&preset("ar").unwrap(), 1).after(&Progress::default()), None);
+        assert_eq!(ProgressLine::new(&[preset("ar").unwrap()], 1).after(&Progress::default()), None);
     }
 }

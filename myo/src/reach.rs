@@ -2,13 +2,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use myo_dynamics::{CouplingMode, Plan, PlanError, ReachableSpace, Strength};
+use myo_dynamics::{BodyPlaces, CouplingMode, Plan, PlanError, ReachableSpace, Strength};
 use myo_model::Model;
-use myo_tasks::Reach;
+use myo_tasks::logic::{CompiledTask, Landmarks, Pointer};
+use myo_tasks::{Reach, Task};
 
 use crate::advice::Body;
 
-/// What a model can reach with its fingertip, for [`myo_tasks::check()`], and hold there, for [`likely_cause`].
+/// What a model can reach with its fingertip, or what a task points with, for [`myo_tasks::check()`], and hold there, for [`likely_cause`].
 ///
 /// [`likely_cause`]: crate::likely_cause()
 #[derive(Clone, Debug)]
@@ -17,6 +18,8 @@ pub struct ModelReach {
     /// Made when it is first asked for.
     strength: OnceLock<Strength>,
     physics_dt_s: f64,
+    /// Whether the fingertip itself points.
+    is_fingertip: bool,
 }
 
 impl ModelReach {
@@ -25,11 +28,34 @@ impl ModelReach {
     /// # Errors
     /// The model cannot be simulated.
     pub fn new(model: &Model) -> Result<Self, PlanError> {
-        let plan = Plan::exact(model, CouplingMode::Reduced)?;
+        Self::of_pointer(model, Pointer::Fingertip)
+    }
+
+    /// The same for what a task points with; for the fingertip where the task has errors.
+    ///
+    /// # Errors
+    /// The model cannot be simulated, or does not tell where the arm is that a ray comes from.
+    pub fn for_task(model: &Model, task: &Task) -> Result<Self, PlanError> {
+        Self::of_pointer(model, CompiledTask::new(task).map_or(Pointer::Fingertip, |task| task.pointer))
+    }
+
+    fn of_pointer(model: &Model, pointer: Pointer<f64>) -> Result<Self, PlanError> {
+        let mut plan = Plan::exact(model, CouplingMode::Reduced)?;
         plan.try_out()?;
-        let plan = plan.specialised();
-        let space = Arc::new(ReachableSpace::new(&plan));
-        Ok(Self { space, strength: OnceLock::new(), physics_dt_s: plan.timestep })
+        if pointer.is_ray() {
+            plan = plan.with_arm(model)?;
+        }
+        let (plan, is_fingertip) = (plan.specialised(), pointer.is_fingertip());
+        let space = if is_fingertip {
+            ReachableSpace::new(&plan)
+        } else {
+            let place = move |body: &BodyPlaces, goal: [f64; 3]| {
+                let [elbow, wrist] = body.arm;
+                pointer.place(&Landmarks { fingertip: body.fingertip, elbow, wrist }, goal)
+            };
+            ReachableSpace::of_pointer(&plan, Arc::new(place))
+        };
+        Ok(Self { space: Arc::new(space), strength: OnceLock::new(), physics_dt_s: plan.timestep, is_fingertip })
     }
 
     fn strength(&self) -> &Strength {
@@ -44,7 +70,8 @@ impl Reach for ModelReach {
     }
 
     fn can_hold(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {
-        self.strength().holds(centre_rel_shoulder, radius)
+        // What holding the fingertip still means for another pointer is not known.
+        !self.is_fingertip || self.strength().holds(centre_rel_shoulder, radius)
     }
 
     fn physics_dt_s(&self) -> Option<f64> {
@@ -61,7 +88,9 @@ impl Body for ModelReach {
 #[cfg(test)]
 mod tests {
     use myo_model::builtin;
-    use myo_tasks::{Range, Region, Remedy, Report, Target, Task, TaskError, TaskWarning, check, preset, preset_names};
+    use myo_tasks::{
+        Item, Range, Region, Remedy, Report, SphereItem, TaskError, TaskWarning, check, preset, preset_names,
+    };
     use myo_train::session::EpisodeMeans;
 
     use super::*;
@@ -72,10 +101,19 @@ mod tests {
     }
 
     fn sphere(x: f64) -> Task {
-        let text = format!(
-            "version: 1\nname: t\ntargets:\n  - kind: pointing\n    position: {{ x: {x}, y: 0.29, z: -0.1 }}\n    radius: 0.02\n    dwell_s: 0.2\ntime_limit_s: 4\n"
-        );
+        dwelling(x, 0.2)
+    }
+
+    fn dwelling(x: f64, seconds: f64) -> Task {
+        let ball = format!("{{kind: sphere, at: [{x}, 0.29, -0.1], radius: 0.02}}");
+        let script = format!("[dwell: {{in: ball, for_s: {seconds}}}]");
+        let text = format!("version: 2\nname: t\nscene: {{ball: {ball}}}\nscript: {script}\ntime_limit_s: 4\n");
         Task::from_yaml(&text, "t").unwrap()
+    }
+
+    fn ball(task: &mut Task) -> &mut SphereItem {
+        let Item::Sphere(ball) = &mut task.scene.0["ball"] else { panic!("a sphere") };
+        ball
     }
 
     /// Places on the left of the chest: the nearer to the shoulder, the farther out of reach.
@@ -99,8 +137,7 @@ mod tests {
             assert!(reach.distance_out_of_reach(place.map(|x| x * nearer)) > 0.01, "{moved:?}");
             let text = error.to_string();
             assert!(text.contains("; move its centre ") && !text.contains("nearer"), "{text}");
-            let Target::Pointing(sphere) = &mut task.targets[0] else { panic!("a sphere") };
-            sphere.position = moved.to;
+            ball(&mut task).at.0 = moved.to;
             // Reached is not held: at the last place it is not, which is all that is found.
             let mut found = check(&task, &reach);
             let weak =
@@ -113,35 +150,30 @@ mod tests {
     #[test]
     fn a_sphere_in_which_muscles_cannot_hold_still_is_told_with_a_place_where_they_can() {
         let reach = body("mobl-arms");
-        let mut task = sphere(0.258);
-        let Target::Pointing(target) = &mut task.targets[0] else { panic!("a sphere") };
-        target.position.y = 0.222.into();
-        target.position.z = (-0.311).into();
-        target.radius = 0.053.into();
-        let report = check(&task, &reach);
+        let at = |place: [f64; 3], dwell_s: f64| {
+            let mut task = dwelling(0.0, dwell_s);
+            let [x, y, z] = place.map(Range::from);
+            (ball(&mut task).at.0, ball(&mut task).radius) = (Region { x, y, z }, 0.053.into());
+            check(&task, &reach)
+        };
+        let report = at([0.258, 0.222, -0.311], 0.2);
         let [warning @ TaskWarning::CannotHold { fraction: 1.0, held: Some(held), .. }] = &report.warnings[..] else {
             panic!("{report:?}")
         };
         let text = warning.to_string();
-        let expected = "muscles cannot hold the fingertip still in target 1 (pointing), such as at (0.26, 0.22, -0.31) m, so \
-                        that it has to pass through and needs 0.2 s inside; they can 10 cm farther to the right, at ";
+        let expected = "muscles cannot hold the fingertip still in ball, such as at (0.26, 0.22, -0.31) m, so that it \
+                        has to pass through and needs 0.2 s inside; they can 10 cm farther to the right, at ";
         assert!(text.starts_with(expected), "{text}");
-        assert_eq!(warning.path(), "targets[0].position");
-        let moved = |place: [f64; 3], dwell_s| {
-            let mut task = task.clone();
-            let Target::Pointing(target) = &mut task.targets[0] else { panic!("a sphere") };
-            let [x, y, z] = place.map(Range::from);
-            (target.position, target.dwell_s) = (Region { x, y, z }, dwell_s);
-            check(&task, &reach)
-        };
-        assert_eq!(moved(held.point, 0.2), Report::default());
+        assert_eq!(warning.path(), "scene.ball.at");
+        assert_eq!(at(held.point, 0.2), Report::default());
         // What is done as soon as it is touched needs no hold.
-        assert_eq!(moved([0.258, 0.222, -0.311], 0.05), Report::default());
+        assert_eq!(at([0.258, 0.222, -0.311], 0.05), Report::default());
     }
 
     /// What is said of a training that fails at one target.
     fn cause(task: &Task, reach: &ModelReach, target: usize) -> String {
-        let target_success = (0..task.targets.len()).map(|k| if k < target { 1.0 } else { 0.2 }).collect();
+        let target_success =
+            (0..task.flat().unwrap().steps.len()).map(|k| if k < target { 1.0 } else { 0.2 }).collect();
         // To the end of the time, near the target: what was once taken for a dwell too long, or too little time.
         let length = f64::from(task.time_limit_steps());
         let recent = EpisodeMeans {
@@ -159,10 +191,16 @@ mod tests {
     #[test]
     fn no_preset_is_blamed_for_a_training_that_fails() {
         for name in ["mobl-arms", "mobl-arms-uitb"] {
-            let reach = body(name);
+            let model = Model::new(&builtin(name).unwrap()).unwrap();
             for preset in preset_names().into_iter().map(|name| preset(name).unwrap()) {
-                let kinds = (0..preset.targets.len()).filter(|&k| k == 0 || preset.targets[k] != preset.targets[k - 1]);
-                for target in kinds {
+                let reach = ModelReach::for_task(&model, &preset).unwrap();
+                let flat = preset.flat().unwrap();
+                // Copies of a sphere are one description's.
+                let is_copy = |k: usize| {
+                    let [before, now] = [k - 1, k].map(|k| flat.object(k));
+                    now.sphere().is_some() && now.path == before.path
+                };
+                for target in (0..flat.steps.len()).filter(|&k| k == 0 || !is_copy(k)) {
                     let text = cause(&preset, &reach, target);
                     assert!(text.contains("no cause was found: it can be reached"), "{}, {name}: {text}", preset.name);
                 }
@@ -179,9 +217,6 @@ mod tests {
         }
         let reach = ModelReach::new(&Model::new(&description).unwrap()).unwrap();
         let text = cause(&sphere(0.55), &reach, 0);
-        assert!(
-            text.contains("likely cause: muscles cannot hold the fingertip still in target 1 (pointing), such as at ("),
-            "{text}"
-        );
+        assert!(text.contains("likely cause: muscles cannot hold the fingertip still in ball, such as at ("), "{text}");
     }
 }

@@ -16,8 +16,11 @@ use crate::{Backend, Device};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunDescription {
-    /// The whole task, with the keys of a task file.
+    /// The whole task, with the keys of a task file; the first of several layouts.
     pub task: Task,
+    /// The other layouts that the same user learns, tasks of the same structure.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_layouts: Vec<Task>,
     /// The body, with the keys of a model file, unless it is the one that comes with the program under the name in the task.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelDescription>,
@@ -63,7 +66,8 @@ pub struct WarmStartMoved {
 }
 
 impl RunDescription {
-    /// A new run; `model` is the body unless it comes with the program.
+    /// A new run; `model` is the body unless it comes with the program. With other layouts, set
+    /// [`other_layouts`](Self::other_layouts).
     pub fn new(
         task: Task,
         model: Option<ModelDescription>,
@@ -73,6 +77,7 @@ impl RunDescription {
     ) -> Self {
         Self {
             task,
+            other_layouts: vec![],
             model,
             backend: device.backend().into(),
             device: device.card().map(String::from),
@@ -96,8 +101,10 @@ impl RunDescription {
     }
 
     fn check(&self) -> Result<(), String> {
-        if let Some(error) = check(&self.task, &Anywhere).errors.first() {
-            return Err(error.to_string());
+        for task in [&self.task].into_iter().chain(&self.other_layouts) {
+            if let Some(error) = check(task, &Anywhere).errors.first() {
+                return Err(error.to_string());
+            }
         }
         match (self.steps, &self.backend[..], &self.device) {
             (0, ..) => Err("steps is 0; it must be at least 1".into()),
@@ -108,6 +115,11 @@ impl RunDescription {
             (_, "gpu", None) => Err("backend is \"gpu\", so device must name the graphics card".into()),
             (_, other, _) => Err(format!("backend is \"{other}\"; it must be \"cpu\" or \"gpu\"")),
         }
+    }
+
+    /// All layouts, one or more.
+    pub fn layouts(&self) -> Vec<Task> {
+        [&self.task].into_iter().chain(&self.other_layouts).cloned().collect()
     }
 
     /// When to stop.

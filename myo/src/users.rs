@@ -51,7 +51,7 @@ pub fn batches(model: &Model, users: &[User<'_>]) -> Result<Vec<Vec<usize>>, Bui
     for (index, user) in users.iter().enumerate() {
         let limit = user.task.time_limit_steps();
         let fits = |(tables, other, _): &(Tables<f64>, u32, Vec<usize>)| {
-            *other == limit && tables.clone().set_task(user.task).is_ok()
+            *other == limit && tables.clone().set_tasks(std::slice::from_ref(user.task)).is_ok()
         };
         match kinds.iter().position(fits) {
             Some(kind) => kinds[kind].2.push(index),
@@ -77,7 +77,7 @@ pub fn train_at_once(
     let Some(first) = users.first() else { return Ok(vec![]) };
     let device = device.for_several(users.len())?.ok_or(UsersError::Processor)?;
     let env = Envs::new(&device, model, first.task, &config.envs(first.seed))?;
-    let looks = env.for_looks(model, first.task, first.seed)?;
+    let looks = env.for_looks(first.seed)?;
     let sessions = env.sessions_of(looks, users, config, goal)?;
     let (tell, told) = mpsc::channel();
     std::thread::scope(|scope| {

@@ -54,11 +54,25 @@ fn every_block_runs_as_printed() {
                     run(folder.path(), documented, &shortened(words));
                     ran += 1;
                 }
+                None if documented.words[0] == "sed" => run_sed(folder.path(), documented),
                 None => check_other_program(documented),
             }
         }
     }
     assert!(ran >= 5 && parsed >= 1, "{ran} ran, {parsed} were only parsed");
+}
+
+/// Makes one file of another, as the reader's shell does.
+fn run_sed(folder: &Path, documented: &Documented) {
+    let place = &documented.place;
+    let (file, end) = (documented.output().expect(place), documented.words.len() - 2);
+    let output = Command::new("sed").args(&documented.words[1..end]).current_dir(folder).output().expect(place);
+    assert!(output.status.success() && !output.stdout.is_empty(), "{place}: {output:?}");
+    assert!(
+        output.stdout != std::fs::read(folder.join(&documented.words[end - 1])).unwrap(),
+        "{place}: nothing changes"
+    );
+    std::fs::write(folder.join(file), output.stdout).unwrap();
 }
 
 #[test]

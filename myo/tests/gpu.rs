@@ -252,3 +252,84 @@ time_limit_s: 1
     assert!(result["evaluation"]["success"].as_f64().unwrap() >= 0.3);
     assert_eq!(result["evaluation"]["episodes"], 1000);
 }
+
+/// Two layouts of a sphere, the second with another time limit if that is asked for.
+fn write_layouts(folder: &Path, second_limit_s: f64) {
+    for (name, x, limit_s) in [("near", 0.35, 1.0), ("far", 0.5, second_limit_s)] {
+        let target = format!("{{kind: pointing, position: {{x: {x}, y: 0, z: 0}}, radius: 0.1, dwell_s: 0.05}}");
+        let task = format!("version: 1\nname: {name}\ntargets: [{target}]\ntime_limit_s: {limit_s}\n");
+        std::fs::write(folder.join(format!("{name}.yaml")), task).unwrap();
+    }
+}
+
+const SMALL: [&str; 6] = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+
+#[test]
+fn one_user_of_several_layouts_learns_and_goes_on_on_the_gpu() {
+    let Some(_) = devices() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    write_layouts(folder.path(), 0.2);
+    let train = |out: &str, steps: &str, more: &[&str]| {
+        let layouts = ["train", "near.yaml", "far.yaml", "--together", "--until", "off", "--envs", "32", "--json"];
+        let args = [&layouts[..], &["--device", "0", "--out", out, "--steps", steps], &SMALL, more].concat();
+        json(&myo(folder.path(), &args))
+    };
+    let whole = train("whole", "2k", &[]);
+    let layouts = whole["evaluation"]["layouts"].as_array().unwrap();
+    assert_eq!(layouts.iter().map(|layout| &layout["task"]).collect::<Vec<_>>(), ["near", "far"]);
+    assert!(layouts.iter().all(|layout| layout["episodes"] == 1000), "{whole}");
+    assert!(layouts[1]["episode_length_s"].as_f64() <= Some(0.2), "{whole}");
+    train("parts", "1k", &[]);
+    json(&myo(folder.path(), &["train", "--resume", "parts", "--steps", "2k", "--json"]));
+    let [a, b] = ["whole", "parts"].map(|run| newest_checkpoint(&folder.path().join(run)));
+    assert!(a == b, "the same weights, moments and episodes");
+    // Of several such users each is as alone.
+    let users = train("users", "2k", &["--seeds", "2"]);
+    assert_eq!(users["runs"][0]["evaluation"]["return"], whole["evaluation"]["return"]);
+    assert!(newest_checkpoint(&folder.path().join("users/seed-1")) == a);
+    let args = ["eval", "whole", "--episodes", "64", "--json"];
+    let [gpu, cpu] =
+        [["--device", "0"], ["--backend", "cpu"]].map(|on| json(&myo(folder.path(), &[&args[..], &on].concat())));
+    for (gpu, cpu) in gpu["layouts"].as_array().unwrap().iter().zip(cpu["layouts"].as_array().unwrap()) {
+        let [a, b] = [gpu, cpu].map(|layout| layout["return"].as_f64().unwrap());
+        assert!((a - b).abs() < 0.02 * b.abs(), "{a} on the gpu, {b} on the cpu");
+    }
+}
+
+#[test]
+fn users_of_two_layouts_are_compared_at_once_each_as_alone() {
+    let Some(_) = devices() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let short = ["--until", "off", "--envs", "32", "--steps", "1k", "--device", "0", "--json"];
+    let compare = |out: &str| {
+        let args = [&["compare", "near.yaml", "far.yaml", "--seeds", "2", "--out", out], &short[..], &SMALL].concat();
+        myo(folder.path(), &args)
+    };
+    write_layouts(folder.path(), 1.0);
+    let output = compare("both");
+    let heard = stderr(&output);
+    let (last_begun, first_end) = (heard.rfind("in both/far/seed-2"), heard.find("layout 1, seed 1: "));
+    assert!(last_begun.is_some() && first_end.is_none_or(|end| last_begun < Some(end)), "{heard}");
+    let result = json(&output);
+    assert_eq!(
+        (&result["users"], &result["folders"]),
+        (&serde_json::json!([2, 2]), &serde_json::json!(["both/near", "both/far"]))
+    );
+    for (layout, seed) in [("near", "1"), ("far", "1"), ("far", "2")] {
+        let out = format!("{layout}-{seed}");
+        let file = format!("{layout}.yaml");
+        let alone = [&["train", &file, "--seed", seed, "--out", &out], &short[..], &SMALL].concat();
+        json(&myo(folder.path(), &alone));
+        let run = folder.path().join("both").join(layout).join(format!("seed-{seed}"));
+        assert!(newest_checkpoint(&run) == newest_checkpoint(&folder.path().join(&out)), "{out}");
+        let evaluation = |run: &Path| std::fs::read(run.join("evaluation.json")).unwrap();
+        assert!(evaluation(&run) == evaluation(&folder.path().join(&out)), "{out}");
+    }
+    // The folder of one layout goes on by itself.
+    let again = json(&myo(folder.path(), &["train", "--resume", "both/far", "--steps", "2k", "--json"]));
+    assert!(again["runs"].as_array().unwrap().iter().all(|row| row["env_steps"] == 2048), "{again}");
+    // Other time limits do not fit into one batch.
+    write_layouts(folder.path(), 0.5);
+    let result = json(&compare("apart"));
+    assert_eq!(result["users"], serde_json::json!([2, 2]));
+}

@@ -2,7 +2,7 @@
 
 use myo::gpu::{AdapterChoice, Gpu};
 use myo::model::{Model, builtin};
-use myo::tasks::{Target, Task, preset};
+use myo::tasks::{Item, Task, preset};
 use myo::train::PpoConfig;
 use myo::train::session::{Goal, Outcome, Until};
 use myo::{Device, Envs, MOST_AT_ONCE, Start, User, batches, train_at_once};
@@ -10,9 +10,9 @@ use myo::{Device, Envs, MOST_AT_ONCE, Start, User, batches, train_at_once};
 /// A short `public-display` with its buttons elsewhere.
 fn layout(up_m: f64) -> Task {
     let mut task = Task { time_limit_s: 0.6, ..preset("public-display").unwrap() };
-    for target in &mut task.targets {
-        let Target::Pressing(button) = target else { panic!("a button") };
-        button.position[2] += up_m;
+    for item in task.scene.0.values_mut() {
+        let Item::Button(button) = item else { panic!("a button") };
+        button.at[2] += up_m;
     }
     task
 }
@@ -62,7 +62,7 @@ fn users_of_several_layouts_learn_at_once_each_as_alone() {
     let at_once = train_at_once(&device, &model, &users, &config, goal, &|| true).unwrap();
     let alone = |user: &User<'_>| -> Outcome {
         let envs = Envs::new(&device, &model, user.task, &config.envs(user.seed)).unwrap();
-        let looks = envs.for_looks(&model, user.task, user.seed).unwrap();
+        let looks = envs.for_looks(user.seed).unwrap();
         let start = Start::New { config: &config, seed: user.seed, from: None };
         let mut session = envs.session(looks, start, goal).unwrap();
         loop {

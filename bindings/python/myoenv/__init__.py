@@ -10,6 +10,7 @@
 - `train`, `Policy`, `evaluate`: the library's own PPO; `Policy` goes to NumPy, PyTorch and ONNX and back
 - `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
 - `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
+- `build_task`, `myoenv.scene`: tasks built from objects; `task_schema`: the format of task files
 - `Task`, `Model`, `Simulation`: what to do, who does it, and the body alone
 """
 
@@ -40,11 +41,13 @@ from myoenv._native import (
 from myoenv.check import CheckError, check_vec_env
 from myoenv.comparison import compare
 from myoenv.evaluation import evaluate
+from myoenv.peek import Peek
 from myoenv.policy import Policy
 from myoenv.registration import env_id, register_envs
+from myoenv.scene import build_task
 from myoenv.session import Callback, TrainResult
 from myoenv.single import MyoEnv, make
-from myoenv.tasks import load_model, load_task, to_dict
+from myoenv.tasks import load_model, load_task, task_schema, to_dict
 from myoenv.training import train
 from myoenv.vector import MyoVectorEnv, make_vec
 
@@ -60,6 +63,7 @@ __all__ = [
     "MyoEnv",
     "MyoVectorEnv",
     "NeedsResetError",
+    "Peek",
     "Policy",
     "Simulation",
     "Task",
@@ -67,6 +71,7 @@ __all__ = [
     "TrainResult",
     "TrainingError",
     "__version__",
+    "build_task",
     "check_vec_env",
     "compare",
     "devices",
@@ -79,6 +84,7 @@ __all__ = [
     "model_names",
     "preset_names",
     "register_envs",
+    "task_schema",
     "to_dict",
     "train",
 ]

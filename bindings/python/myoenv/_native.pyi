@@ -27,10 +27,12 @@ __all__ = [
     "default_settings",
     "devices",
     "evaluation_seed",
+    "misfits",
     "model_names",
     "preset_names",
     "run_config",
     "task_batches",
+    "task_schema",
     "train_at_once",
     "trained_users",
     "write_whole",
@@ -65,6 +67,9 @@ class TrainingError(RuntimeError):
 
 def preset_names() -> list[str]:
     """Names of the tasks that come with the library."""
+
+def task_schema() -> str:
+    """JSON Schema of a task file, as JSON."""
 
 def model_names() -> list[str]:
     """Names of the models that come with the library."""
@@ -101,6 +106,9 @@ def trained_users(name: str, runs: Sequence[str | PathLike[str]]) -> str:
 
 def run_config(path: str | PathLike[str]) -> str:
     """`config.json` of a run folder, refused if no training could have begun with it."""
+
+def misfits(run: str | PathLike[str], task: Task, model: Model) -> list[str]:
+    """What keeps the user of a run from doing another task, as half sentences; none if it can."""
 
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
@@ -286,7 +294,7 @@ class Env:
 
     def __new__(
         cls,
-        task: Task,
+        layouts: Sequence[Task],
         model: Model,
         num_envs: int,
         *,
@@ -321,8 +329,10 @@ class Env:
         """Goes back to what `save_state` returned, bit for bit."""
     def set_task(self, task: Task) -> None:
         """Goes on with another task of the same structure; a reset of all must follow."""
-    def render(self, envs: list[int], size: tuple[int, int]) -> list[NDArray[np.uint8]]:
-        """Pictures of environments, `(height, width, 3)` each."""
+    def peek(self, start: int, stop: int) -> dict[str, Any]:
+        """The fields of `myoenv.Peek` for the environments from `start` up to `stop`, by name."""
+    def render(self, start: int, stop: int, size: tuple[int, int]) -> list[NDArray[np.uint8]]:
+        """Pictures of the environments from `start` up to `stop`, `(height, width, 3)` each."""
     def close(self) -> None:
         """Frees the environments, after a step that is going on; a second time does nothing."""
     def xla_id(self) -> int:
@@ -366,7 +376,7 @@ class Session:
 
     def __new__(
         cls,
-        task: Task,
+        layouts: Sequence[Task],
         model: Model,
         *,
         config: str,

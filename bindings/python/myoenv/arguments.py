@@ -131,6 +131,17 @@ def as_index(name: str, value: Any, count: int) -> int:
     return number
 
 
+def as_range(start: Any, stop: Any, count: int) -> tuple[int, int]:
+    """The first of some environments and the one after the last; None for the end."""
+    first = as_integer("start", start)
+    end = count if stop is None else as_integer("stop", stop)
+    if not 0 <= first <= end <= count:
+        raise ValueError(
+            f"environments {first} to {end} are asked for; start and stop must be from 0 to {count}, in order"
+        )
+    return first, end
+
+
 def as_picture_size(value: Any) -> tuple[int, int]:
     """Width and height in pixels."""
     if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:

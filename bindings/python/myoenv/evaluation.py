@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from myoenv import _native
-from myoenv.arguments import as_actions, as_count, as_num_envs, as_seed
+from myoenv.arguments import as_actions, as_count, as_num_envs, as_path, as_seed
 from myoenv.policy import Policy
 from myoenv.runs import read_run
-from myoenv.tasks import ModelLike, TaskLike
+from myoenv.tasks import ModelLike, TaskLike, load_model, load_task
 from myoenv.vector import Backend, make_vec
 
 # What acts: a batch of observations to a batch of actions.
@@ -38,13 +38,16 @@ def evaluate(
     `targets_done`, `final_distance` (m), `effort`, the parts of the reward, and for each target `target_1_success`,
     `target_1_movement_time` (s: from the end of the target before it, or the reset, to the last entry or the touch,
     without dwell, in whole physics steps) and `target_1_time` (s: to its own end, dwell included, in whole control
-    steps), both NaN where it was not done.
+    steps), both NaN where it was not done. Of a run of several layouts there are `episodes` of each, and `layout` tells
+    which, counted from 0.
 
     Args:
         run: A run folder or a `Policy`, of which the mean actions are taken, or any function that makes actions
             `(num_envs, nmuscle)` of observations `(num_envs, observation_size)`.
-        episodes: How many.
-        task: The task, that of the run by default; another one must have the same observations and actions.
+        episodes: How many, of each layout.
+        task: The task, that of the run or all of its layouts by default. Another one than those may have other objects
+            in other places and other steps, though the user was not trained there; body, technique, control step and
+            what is perceived must be the same, else all that differs is named.
         checkpoint: Another checkpoint of the run than the newest: the control steps after which it was written, or the
             path of its file.
         seed: Seed of the episodes; by default one made from that of the training, never the same.
@@ -55,6 +58,7 @@ def evaluate(
     """
     episodes = as_count("episodes", episodes)
     policy: Actor
+    layouts: list[TaskLike] = []
     if callable(run):
         if checkpoint is not None:
             raise ValueError("a policy alone has no checkpoints; name a run folder, or leave out checkpoint")
@@ -63,19 +67,36 @@ def evaluate(
         description = read_run(run)
         policy, trained_with = Policy.load(run, checkpoint=checkpoint), description.seed
         if task is None:
-            task, model = description.task, description.model if model is None else model
-    if task is None:
+            layouts, model = list(description.layouts), description.model if model is None else model
+        else:
+            _refuse_misfits(run, task, model)
+    if task is not None:
+        layouts = [task]
+    if not layouts:
         raise ValueError("a policy alone knows no task; name one with task=...")
     seed = _native.evaluation_seed(trained_with, 0) if seed is None else as_seed(seed)
-    side_by_side = min(as_num_envs(num_envs), episodes)
-    envs = make_vec(task, side_by_side, backend, autoreset="same_step", device=device, model=model)
+    side_by_side = max(min(as_num_envs(num_envs), episodes * len(layouts)), len(layouts))
+    envs = make_vec(
+        num_envs=side_by_side, backend=backend, layouts=layouts, autoreset="same_step", device=device, model=model
+    )
     try:
-        return _episodes(policy, envs._env, episodes, seed)
+        return _episodes(policy, envs._env, episodes, seed, len(layouts))
     finally:
         envs.close()
 
 
-def _episodes(policy: Actor, env: _native.Env, episodes: int, seed: int) -> dict[str, NDArray[np.float32]]:
+def _refuse_misfits(run: str | PathLike[str], task: TaskLike, model: ModelLike | None) -> None:
+    """Refuses a task in which the user of a run cannot act, with all that differs."""
+    other = load_task(task)
+    body = load_model(other.model if model is None else model)
+    misfits = _native.misfits(as_path("run", run), other, body)
+    if misfits:
+        raise ValueError(f"the user of {run} cannot do {other.name}: {'; '.join(misfits)}")
+
+
+def _episodes(
+    policy: Actor, env: _native.Env, episodes: int, seed: int, layouts: int
+) -> dict[str, NDArray[np.float32]]:
     """Every environment counts its first few episodes, equally many up to one: were the first ones to end anywhere
     counted, short episodes, mostly the successful ones, would be over-represented."""
     if isinstance(policy, Policy) and policy.observation_names != env.observation_names:
@@ -84,7 +105,8 @@ def _episodes(policy: Actor, env: _native.Env, episodes: int, seed: int) -> dict
         raise ValueError("the policy was trained with other actions than those of this body")
     count = env.num_envs
     shape = (count, len(env.action_names))
-    quota = np.array([episodes // count + (i < episodes % count) for i in range(count)])
+    same = [len(range(i % layouts, count, layouts)) for i in range(count)]
+    quota = np.array([episodes // n + (i // layouts < episodes % n) for i, n in enumerate(same)])
     rows: list[list[NDArray[np.float32]]] = [[] for _ in range(count)]
     observation = env.reset(seed, None, None)
     while quota.any():
@@ -96,4 +118,7 @@ def _episodes(policy: Actor, env: _native.Env, episodes: int, seed: int) -> dict
                 quota[one] -= 1
                 rows[one].append(summary)
     table = np.concatenate([np.array(of_env, np.float32) for of_env in rows])
-    return {name: table[:, k].copy() for k, name in enumerate(env.episode_names)}
+    columns = {name: table[:, k].copy() for k, name in enumerate(env.episode_names)}
+    if layouts > 1:
+        columns["layout"] = np.concatenate([np.full(len(of_env), i % layouts) for i, of_env in enumerate(rows)])
+    return columns

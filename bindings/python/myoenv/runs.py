@@ -30,9 +30,15 @@ class RunDescription:
 
     @property
     def task(self) -> dict[str, Any]:
-        """The task, with the keys of a task file."""
+        """The task, with the keys of a task file; the first of several layouts."""
         task: dict[str, Any] = self.run["task"]
         return task
+
+    @property
+    def layouts(self) -> list[dict[str, Any]]:
+        """All layouts that the user learns, one or more, with the keys of a task file."""
+        others: list[dict[str, Any]] = self.run.get("other_layouts", [])
+        return [self.task, *others]
 
     @property
     def model(self) -> dict[str, Any] | None:

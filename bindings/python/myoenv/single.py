@@ -44,7 +44,7 @@ class MyoEnv(gymnasium.Env):
         self.render_mode = check_render_mode(render_mode)
         self.render_size = as_picture_size(render_size)
         self._env = Env(
-            self.task,
+            [self.task],
             self.model,
             1,
             seed=fresh_seed(),
@@ -84,7 +84,7 @@ class MyoEnv(gymnasium.Env):
 
     def render(self) -> NDArray[np.uint8] | None:
         """A picture, `(height, width, 3)` uint8; none without a render mode."""
-        return None if self.render_mode is None else self._env.render([0], as_picture_size(self.render_size))[0]
+        return None if self.render_mode is None else self._env.render(0, 1, as_picture_size(self.render_size))[0]
 
     def close(self) -> None:
         """Frees the environment; a second time does nothing."""

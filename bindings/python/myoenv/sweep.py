@@ -37,7 +37,7 @@ from myoenv.arguments import (
     as_text,
     as_until,
 )
-from myoenv.tasks import TaskLike, load_task, task_and_model, to_dict
+from myoenv.tasks import TaskError, TaskLike, load_task, task_and_model, to_dict
 from myoenv.training import STEPS
 
 Row = dict[str, Any]
@@ -52,22 +52,42 @@ def button_grid(
     y: tuple[float, float] = (0.15, -0.15),
     z: tuple[float, float] = (0.01, -0.29),
 ) -> dict[str, dict[str, Any]]:
-    """One task per place of a grid on an upright wall: the first target of `task`, put there, alone.
+    """One task per place of a grid on an upright wall: what `task` asks for first, put there, alone.
 
     Metres from the shoulder centre: `x` forward, `y` from the left column to the right one, `z` from the top row to
     the bottom one. Keys are `r0c0` (upper left) and so on. The defaults are the 24 places between the corners of
     `public-display`.
     """
     described = to_dict(load_task(task))
+    alone = _first_target(described)
     x, y, z = as_number("x", x), as_pair("y", y), as_pair("z", z)
-    target = described["targets"][0]
     layouts = {}
     for i, z_m in enumerate(np.linspace(*z, as_count("rows", rows))):
         for j, y_m in enumerate(np.linspace(*y, as_count("columns", columns))):
             place = [round(x, 6), round(float(y_m), 6), round(float(z_m), 6)]
             name = f"r{i}c{j}"
-            layouts[name] = {**described, "name": name, "targets": [{**target, "position": place}]}
+            layouts[name] = {**described, "name": name, **alone(place)}
     return layouts
+
+
+def _first_target(described: dict[str, Any]) -> Callable[[list[float]], dict[str, Any]]:
+    """The parts of a task in which its first target stands at a place, alone."""
+    if described["version"] == 1:
+        target = described["targets"][0]
+        return lambda place: {"targets": [{**target, "position": place}]}
+    [(action, asked)] = described["script"][0].items()
+    names = asked.get("in") if isinstance(asked, dict) else asked
+    name = names[0] if isinstance(names, list) else names
+    thing = described["scene"].get(name)
+    if thing is None or thing["kind"] not in ("button", "sphere"):
+        raise TaskError(
+            f"the first step of {described['name']} asks for no button or sphere that stands in the scene by itself; "
+            "take a task that begins with one, such as public-display"
+        )
+    # Its name told where it stood.
+    name, single = thing["kind"], {key: value for key, value in thing.items() if key != "copies"}
+    step = {action: {**asked, "in": name} if isinstance(asked, dict) else name}
+    return lambda place: {"scene": {name: {**single, "at": place}}, "script": [step]}
 
 
 def sweep(

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import json
+import math
+import re
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from myoenv import _native
 from myoenv._native import Model, Task, TaskError
+from myoenv.described import plain
 
 __all__ = [
     "Model",
@@ -18,18 +23,23 @@ __all__ = [
     "Task",
     "TaskError",
     "TaskLike",
+    "layouts_and_model",
     "load_model",
     "load_task",
     "task_and_model",
+    "task_schema",
     "to_dict",
 ]
+
+_Read = TypeVar("_Read", Task, Model)
 
 TaskLike = Task | str | PathLike[str] | Mapping[str, Any]
 ModelLike = Model | str | PathLike[str] | Mapping[str, Any]
 
 
 def load_task(task: TaskLike) -> Task:
-    """A task from a preset's name, a YAML or TOML file, a YAML text, or a dictionary with the keys of a task file.
+    """A task from a preset's name, a YAML or TOML file, a YAML text, or a dictionary with the keys of a task file, in
+    which parts may be those of `myoenv.scene`.
 
     Lengths are metres from the shoulder centre (x forward, y to the left, z up), times seconds, forces newtons.
 
@@ -39,12 +49,12 @@ def load_task(task: TaskLike) -> Task:
     if isinstance(task, Task):
         return task
     if isinstance(task, Mapping):
-        return Task.from_yaml(_json(task), "task")
+        return _from_data(Task.from_yaml, task, "task")
     text = _text(task, "a task")
     if "\n" in text:
         return Task.from_yaml(text)
     if text.endswith(".toml"):
-        return Task.from_yaml(_json(_toml(text)), text)
+        return _from_data(Task.from_yaml, _toml(text), "task", text)
     return Task.load(text)
 
 
@@ -53,7 +63,7 @@ def load_model(model: ModelLike) -> Model:
     if isinstance(model, Model):
         return model
     if isinstance(model, Mapping):
-        return Model.from_yaml(_json(model), "model")
+        return _from_data(Model.from_yaml, model, "model")
     text = _text(model, "a model")
     if "\n" in text:
         return Model.from_yaml(text)
@@ -68,15 +78,47 @@ def task_and_model(task: TaskLike, model: ModelLike | None = None) -> tuple[Task
     checked = task.is_preset and model is None
     body = load_model(task.model if model is None else model)
     if not checked:
-        for sentence in task.check(body):
-            warnings.warn(sentence, stacklevel=3)
+        try:
+            sentences = task.check(body)
+        except TaskError as error:
+            raise TaskError(_without_place(str(error))) from None
+        for sentence in sentences:
+            warnings.warn(_without_place(sentence), stacklevel=3)
     return task, body
+
+
+def layouts_and_model(
+    task: TaskLike | None, layouts: Sequence[TaskLike] | None, model: ModelLike | None = None
+) -> tuple[list[Task], Model]:
+    """The task alone, or all layouts, which must be for one body; and the body."""
+    if (task is None) == (layouts is None):
+        raise ValueError("name a task, or several of one structure with layouts=[...], not both")
+    if layouts is None:
+        assert task is not None
+        one, body = task_and_model(task, model)
+        return [one], body
+    if isinstance(layouts, (str, Mapping, Task)) or not isinstance(layouts, Sequence) or not layouts:
+        raise TypeError("layouts is a list of tasks, at least one")
+    both = [task_and_model(layout, model) for layout in layouts]
+    (first, body), others = both[0], both[1:]
+    for k, (other, _) in enumerate(others, 2):
+        if model is None and other.model != first.model:
+            raise ValueError(
+                f"layout {k} is for the body {other.model} and the first for {first.model}; name one model"
+            )
+    return [layout for layout, _ in both], body
 
 
 def to_dict(thing: Task | Model) -> dict[str, Any]:
     """A task or model as a dictionary, with the keys of its file."""
     described: dict[str, Any] = json.loads(thing.to_json())
     return described
+
+
+def task_schema() -> dict[str, Any]:
+    """JSON Schema (2020-12) of a task file, for editors and forms; units stand in `x-unit`."""
+    schema: dict[str, Any] = json.loads(_native.task_schema())
+    return schema
 
 
 def _text(source: object, what: str) -> str:
@@ -104,17 +146,60 @@ def _toml(path: str) -> dict[str, Any]:
         raise TaskError(f"{path} is no TOML: {error}") from None
 
 
-def _json(mapping: Mapping[str, Any]) -> str:
+def _from_data(read: Callable[[str, str], _Read], data: Mapping[str, Any], what: str, file: str | None = None) -> _Read:
+    """Reads what has no lines and columns that a caller could look at: errors name the entry by its path instead."""
     try:
-        return json.dumps(dict(mapping), default=_plain, allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise TaskError(f"the dictionary cannot be written as text: {error}") from None
+        text, paths = _written(data)
+        return read(text, what)
+    except RecursionError:
+        raise TaskError("the dictionary cannot be written as text: it has no end") from None
+    except TaskError as error:
+        sentences = re.sub(rf"^{what}{_PLACE}(.*)", lambda found: _with_path(found, paths), str(error), flags=re.M)
+        raise TaskError(f"{file}: {sentences}" if file else sentences) from None
 
 
-def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return dict(value)
-    raise TypeError(f"{type(value).__name__} has no place in a task or model")
+# Line and column in a text that `_written` made.
+_PLACE = r":1:(\d+): "
+
+
+def _with_path(found: re.Match[str], paths: Mapping[int, str]) -> str:
+    column, sentence = found.groups()
+    path = paths.get(int(column), "")
+    return f"{path}: {sentence}" if path and f"`{path}`" not in sentence else sentence
+
+
+def _without_place(sentences: str) -> str:
+    """What a check says about a task that was read from data."""
+    return re.sub(rf"^task{_PLACE}(warning: )?", "", sentences, flags=re.M)
+
+
+def _written(data: Mapping[str, Any]) -> tuple[str, dict[int, str]]:
+    """Data as one line of YAML, and the path of each value by the column, from 1 on, where it begins."""
+    text, paths = io.StringIO(), {}
+
+    def write(value: Any, path: str) -> None:
+        paths[text.tell() + 1] = path
+        if isinstance(value, Mapping):
+            text.write("{")
+            for k, (key, entry) in enumerate(value.items()):
+                if not isinstance(key, (str, int)) or isinstance(key, bool):
+                    raise TaskError(f"{f'`{path}`' if path else 'the dictionary'} has the key {key!r}; keys are text")
+                text.write(f"{', ' if k else ''}{json.dumps(str(key))}: ")
+                write(entry, f"{path}.{key}" if path else str(key))
+            text.write("}")
+        elif isinstance(value, list):
+            text.write("[")
+            for k, entry in enumerate(value):
+                text.write(", " if k else "")
+                write(entry, f"{path}[{k}]")
+            text.write("]")
+        elif isinstance(value, float) and not math.isfinite(value):
+            # Refused like any other number that does not fit.
+            text.write(".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf")
+        elif value is None or isinstance(value, (str, int, float)):
+            text.write(json.dumps(value))
+        else:
+            raise TaskError(f"`{path}` is of type {type(value).__name__}, which cannot be written as text")
+
+    write(plain(data), "")
+    return text.getvalue(), paths

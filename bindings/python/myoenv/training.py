@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from types import EllipsisType
@@ -24,7 +24,7 @@ from myoenv.arguments import (
 from myoenv.callbacks import as_callback
 from myoenv.runs import RunDescription
 from myoenv.session import Callback, Metrics, Session, TrainResult
-from myoenv.tasks import ModelLike, TaskLike, task_and_model
+from myoenv.tasks import ModelLike, TaskLike, layouts_and_model
 from myoenv.vector import Backend
 
 #: Control steps after which to stop in any case.
@@ -34,6 +34,7 @@ STEPS = 200_000_000
 def train(
     task: TaskLike | None = None,
     *,
+    layouts: Sequence[TaskLike] | None = None,
     seed: int | None = None,
     until: float | Literal["plateau"] | EllipsisType | None = ...,
     steps: int | None = None,
@@ -53,6 +54,8 @@ def train(
 
     Args:
         task: A preset's name, a YAML or TOML file, a YAML text, a dictionary, or a `Task`.
+        layouts: In place of `task` several of one structure, whose numbers alone differ: one policy learns all of them
+            side by side. A goal is reached when it is in every layout, and `evaluation["layouts"]` tells of each.
         seed: Seed of everything random; 1 by default.
         until: What to train to: `"plateau"`, the default, where four times as many steps would change the time of an
             episode by less than 3 %, and success and return hardly; a share of fresh episodes in which the
@@ -87,7 +90,16 @@ def train(
     goal = None if until is ... else as_until(until)
     limit = None if steps is None else as_count("steps", steps)
     if resume is not None:
-        _refuse(task=task, model=model, seed=seed, settings=settings, num_envs=num_envs, out=out, start_from=start_from)
+        _refuse(
+            task=task,
+            layouts=layouts,
+            model=model,
+            seed=seed,
+            settings=settings,
+            num_envs=num_envs,
+            out=out,
+            start_from=start_from,
+        )
         folder = as_path("resume", resume)
         native = _native.Session.resume(
             folder,
@@ -100,14 +112,14 @@ def train(
         _refuse_if_over(native, folder)
         native.record_on()
         return Session(native, Path(folder), progress).run(follow)
-    if task is None:
+    if task is None and layouts is None:
         raise ValueError("name a task, or a run to resume")
-    task, body = task_and_model(task, model)
+    tasks, body = layouts_and_model(task, layouts, model)
     changes = as_mapping("settings", settings)
     if num_envs is not None:
         changes["num_envs"] = as_num_envs(num_envs)
     native = _native.Session(
-        task,
+        tasks,
         body,
         config=_json(changes),
         seed=1 if seed is None else as_seed(seed),

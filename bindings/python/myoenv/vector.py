@@ -20,14 +20,16 @@ from myoenv.arguments import (
     as_mask,
     as_num_envs,
     as_picture_size,
+    as_range,
     as_seed,
     as_text,
     as_threads,
     fresh_seed,
     spread_seeds,
 )
+from myoenv.peek import Peek
 from myoenv.spaces import ActionSpace, spaces
-from myoenv.tasks import ModelLike, TaskLike, task_and_model
+from myoenv.tasks import ModelLike, TaskLike, layouts_and_model, task_and_model
 
 Autoreset = Literal["next_step", "same_step", "disabled"]
 Backend = Literal["auto", "cpu", "gpu"]
@@ -42,10 +44,11 @@ RENDER_SIZE = (640, 480)
 
 
 def make_vec(
-    task: TaskLike,
-    num_envs: int,
+    task: TaskLike | None = None,
+    num_envs: int = 1,
     backend: Backend = "auto",
     *,
+    layouts: Sequence[TaskLike] | None = None,
     seed: int | None = None,
     autoreset: Autoreset | AutoresetMode = "next_step",
     copy: bool = True,
@@ -55,11 +58,13 @@ def make_vec(
     render_mode: Literal["rgb_array"] | None = None,
     render_size: tuple[int, int] = RENDER_SIZE,
 ) -> MyoVectorEnv:
-    """Makes `num_envs` environments of a task.
+    """Makes `num_envs` environments of a task, or of several layouts.
 
     Args:
         task: A preset's name, a YAML or TOML file, a YAML text, a dictionary, or a `Task`.
         num_envs: How many environments.
+        layouts: In place of `task` several of one structure, whose numbers alone differ, side by side: environment `i`
+            does `layouts[i % len(layouts)]`. There must be as many environments as layouts at least.
         backend: `"cpu"`, `"gpu"`, or `"auto"`, which takes a graphics card where there are enough environments for it.
         seed: Seed of the first `reset`; without one it is drawn from the system.
         autoreset: What happens when an episode ends. `"next_step"`: the step after it ignores the action and returns
@@ -77,6 +82,7 @@ def make_vec(
         task,
         num_envs,
         backend,
+        layouts=layouts,
         seed=seed,
         autoreset=autoreset,
         copy=copy,
@@ -89,7 +95,9 @@ def make_vec(
 
 
 class MyoVectorEnv(gymnasium.vector.VectorEnv):
-    """Copies of one task; made by `make_vec` or `gymnasium.make_vec("myo/Pointing-v0", num_envs=...)`.
+    """Copies of one task, or of several layouts by turns.
+
+    Made by `make_vec` or `gymnasium.make_vec("myo/Pointing-v0", num_envs=...)`.
 
     Actions are `(num_envs, nmuscle)` float32 in [-1, 1], -1 relaxes a muscle and 1 excites it fully; values beyond are
     clipped. Observations are `(num_envs, observation_size)` float32, rewards float32, flags bool, each `(num_envs,)`.
@@ -103,10 +111,11 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
 
     def __init__(
         self,
-        task: TaskLike,
-        num_envs: int,
+        task: TaskLike | None = None,
+        num_envs: int = 1,
         backend: Backend = "auto",
         *,
+        layouts: Sequence[TaskLike] | None = None,
         seed: int | None = None,
         autoreset: Autoreset | AutoresetMode = "next_step",
         copy: bool = True,
@@ -118,13 +127,14 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
     ) -> None:
         self.closed = True  # until it is open: a constructor that fails leaves nothing to close
         mode = _mode(autoreset)
-        self.task, self.model = task_and_model(task, model)
+        self.layouts, self.model = layouts_and_model(task, layouts, model)
+        self.task = self.layouts[0]
         self.render_mode = check_render_mode(render_mode)
         self.render_size = as_picture_size(render_size)
         self.num_envs = as_num_envs(num_envs)
         self._first_seed = None if seed is None else as_seed(seed)
         self._env = Env(
-            self.task,
+            self.layouts,
             self.model,
             self.num_envs,
             seed=fresh_seed(),
@@ -239,16 +249,32 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
             out[f"_{name}"] = mask.copy()
         return out
 
+    def peek(self, start: int = 0, stop: int | None = None) -> Peek:
+        """What can be seen of the environments from `start` up to `stop`, of all by default; nothing changes.
+
+        Only these environments are copied, from a graphics card, too: a look at one of many costs little.
+
+        >>> import myoenv
+        >>> envs = myoenv.make_vec("pointing", 1024, seed=1)
+        >>> seen = envs.peek(3, 5)
+        >>> seen.fingertip.shape, seen.object_names[seen.current_object[0]]
+        ((2, 3), 'target 1 (pointing)')
+
+        Raises:
+            ValueError: There are no such environments.
+        """
+        return Peek(**self._env.peek(*as_range(start, stop, self.num_envs)))
+
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """A picture of every environment, `(height, width, 3)` uint8 each; none without a render mode."""
         if self.render_mode is None:
             return None
-        return tuple(self._env.render(list(range(self.num_envs)), as_picture_size(self.render_size)))
+        return tuple(self._env.render(0, self.num_envs, as_picture_size(self.render_size)))
 
     def render_env(self, env: int) -> NDArray[np.uint8]:
         """A picture of one environment, `(height, width, 3)` uint8, whatever the render mode."""
         env = as_index("env", env, self.num_envs)
-        return self._env.render([env], as_picture_size(self.render_size))[0]
+        return self._env.render(env, env + 1, as_picture_size(self.render_size))[0]
 
     def save_state(self) -> bytes:
         """Everything that the next steps depend on."""
@@ -262,6 +288,7 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
 
     def set_task(self, task: TaskLike) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Goes on with another task of the same structure, such as a layout to try. Nothing is compiled.
+        All environments do it, whatever layouts they did.
 
         Positions, sizes, dwell, force, the reward's weights, noise, how episodes begin and the time limit may differ;
         the number and kinds of targets, what is observed and the control step may not. All episodes begin anew.
@@ -275,7 +302,7 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         """
         other, _ = task_and_model(task, self.model)
         self._env.set_task(other)
-        self.task = other
+        self.task, self.layouts = other, [other]
         self.max_episode_steps = self._env.max_episode_steps
         self.single_observation_space, _ = spaces(self._env)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)

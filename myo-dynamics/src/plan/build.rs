@@ -1,8 +1,8 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
 use super::{
-    Body, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Equality, Form, Limit, Link, LinkMotion,
-    Placement, Plan, PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
+    Body, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Equality, FixedFrame, Form, Limit, Link,
+    LinkMotion, Placement, Plan, PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -15,6 +15,19 @@ use std::collections::BTreeSet;
 const PARALLEL: f64 = 1e-14;
 
 impl Plan<f64> {
+    /// The same, and it keeps where elbow and wrist are. To be asked of an exact plan, before it is specialised.
+    ///
+    /// # Errors
+    /// [`PlanError::NoArm`]: the model's landmarks do not tell.
+    pub fn with_arm(mut self, model: &Model) -> Result<Self, PlanError> {
+        let (Some(elbow), Some(wrist)) = (model.elbow_body, model.wrist_body) else {
+            let missing = if model.elbow_body.is_none() { "elbow" } else { "wrist" };
+            return Err(PlanError::NoArm { missing });
+        };
+        self.arm = Some([elbow, wrist].map(|body| self.elements.bodies[body].origin));
+        Ok(self)
+    }
+
     /// Compiles a model without any shortcut: the reference that everything else is compared with.
     pub fn exact(model: &Model, coupling: CouplingMode) -> Result<Self, PlanError> {
         check_geoms(model)?;
@@ -53,6 +66,7 @@ impl Plan<f64> {
             limits: limits(model, &drives),
             equalities: if coupling == CouplingMode::Soft { equalities(model) } else { vec![] },
             fingertip,
+            arm: None,
             contact_sphere: sphere,
             joints: drives,
             elements,
@@ -294,9 +308,14 @@ impl Tree {
         Point { link, position: (place * nalgebra::Point3::from(position)).coords.into() }
     }
 
+    fn frame(&self, body: usize) -> FixedFrame<f64> {
+        let turn = self.placement[body].1.rotation.to_rotation_matrix();
+        FixedFrame { origin: self.point(body, Vector3::zeros()), axes: turn.into_inner().into() }
+    }
+
     fn elements(&self, model: &Model) -> Elements<f64> {
         Elements {
-            bodies: (0..model.bodies.len()).map(|body| self.point(body, Vector3::zeros())).collect(),
+            bodies: (0..model.bodies.len()).map(|body| self.frame(body)).collect(),
             sites: (0..model.sites.len()).map(|site| self.site(model, site)).collect(),
         }
     }

@@ -70,6 +70,8 @@ pub struct Plan<C> {
     pub equalities: Vec<Equality<C>>,
     /// The point that points and presses.
     pub fingertip: Point<C>,
+    /// Elbow and wrist, where they were asked for, see [`Plan::with_arm`].
+    pub arm: Option<[Point<C>; 2]>,
     /// The colliding sphere at the fingertip, if the model has one.
     pub contact_sphere: Option<ContactSphere<C>>,
     /// Where each joint of the model finds its position.
@@ -81,8 +83,8 @@ pub struct Plan<C> {
 /// Places of the model's elements, in the model's order.
 #[derive(Clone, Debug, Default)]
 pub struct Elements<C> {
-    /// Origin of each body.
-    pub bodies: Vec<Point<C>>,
+    /// Frame of each body, the world's first.
+    pub bodies: Vec<FixedFrame<C>>,
     /// Each site.
     pub sites: Vec<Point<C>>,
 }
@@ -282,6 +284,15 @@ pub struct Point<C> {
     pub position: [C; 3],
 }
 
+/// A frame fixed to a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedFrame<C> {
+    /// Its origin.
+    pub origin: Point<C>,
+    /// Its axes as columns, in the link's frame.
+    pub axes: [[C; 3]; 3],
+}
+
 /// Paths of all muscles, sorted by how a segment's length is computed.
 #[derive(Clone, Debug)]
 pub struct Tendons<C> {
@@ -441,6 +452,14 @@ pub enum PlanError {
     NotASphere {
         /// The geom.
         name: String,
+    },
+    /// A ray is asked for, and the model does not tell where the arm is.
+    #[error(
+        "the model does not tell where its {missing} is, which a ray begins at; name the body in its landmarks (`{missing}: NAME`)"
+    )]
+    NoArm {
+        /// What is missing.
+        missing: &'static str,
     },
     /// Inertia in the reference pose is singular.
     #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]

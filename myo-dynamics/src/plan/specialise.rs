@@ -76,6 +76,7 @@ impl Plan<f64> {
         let mut used = BTreeSet::from([0, self.fingertip.link]);
         used.extend(self.bodies.iter().map(|body| body.link));
         used.extend(self.tendons.points.iter().map(|point| point.link));
+        used.extend(self.arm.iter().flatten().map(|point| point.link));
         used.extend(self.contact_sphere.iter().flat_map(|s| [s.centre.link, s.body_com.link]));
         // Parents of links that cannot themselves be dropped.
         let alone = |k: usize| self.links[k].screw_of_dof.iter().flatten().count() == 1;
@@ -91,7 +92,7 @@ impl Plan<f64> {
         for link in &mut self.links {
             link.parent = new[&link.parent];
         }
-        let points = self.tendons.points.iter_mut().chain([&mut self.fingertip]);
+        let points = self.tendons.points.iter_mut().chain([&mut self.fingertip]).chain(self.arm.iter_mut().flatten());
         for point in points.chain(self.contact_sphere.iter_mut().flat_map(|s| [&mut s.centre, &mut s.body_com])) {
             point.link = new[&point.link];
         }

@@ -141,48 +141,45 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
         }
     }
     if rows.touching {
-        add_contact(n, 0, ws);
-        for number in 1..ws.contacts.len() {
-            S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| {
-                S::outline(AddContact { n, number: *number, ws });
-            });
-        }
+        each_contact(Assemble, n, ws);
     }
     for (row, jacobian) in ws.equality.iter().zip(ws.equality_jacobian.chunks_exact(n)) {
         add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
     }
 }
 
-/// See [`add_contact`]. The first contact of a step is there so often that a card does not branch for it; others are stages,
-/// since a closure that is not inlined would be compiled without its level's instructions.
-struct AddContact<'a, S: Scalar> {
-    n: usize,
-    number: usize,
-    ws: &'a mut Workspace<S>,
+/// What a round does with a contact.
+trait Part<S: Scalar>: Copy {
+    /// Does it with the contact of this number, of a body with `n` coordinates.
+    fn run(self, n: usize, number: usize, ws: &mut Workspace<S>);
 }
 
-impl<S: Scalar> Stage<S> for AddContact<'_, S> {
-    const NAME: &'static str = "further contacts";
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        add_contact(self.n, self.number, self.ws);
+/// Does a part of a round with every contact. The first one of a step is there so often that a card does not branch for it;
+/// others are stages, since a closure that is not inlined would be compiled without its level's instructions.
+#[inline(always)]
+fn each_contact<S: Scalar>(part: impl Part<S>, n: usize, ws: &mut Workspace<S>) {
+    part.run(n, 0, ws);
+    for number in 1..ws.contacts.len() {
+        S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| {
+            S::outline(FurtherContact { part, n, number: *number, ws });
+        });
     }
 }
 
-/// See [`judge_contact`].
-struct JudgeContact<'a, S: Scalar> {
+/// See [`each_contact`].
+struct FurtherContact<'a, S: Scalar, P> {
+    part: P,
     n: usize,
     number: usize,
     ws: &'a mut Workspace<S>,
 }
 
-impl<S: Scalar> Stage<S> for JudgeContact<'_, S> {
+impl<S: Scalar, P: Part<S>> Stage<S> for FurtherContact<'_, S, P> {
     const NAME: &'static str = "further contacts";
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        judge_contact(self.n, self.number, self.ws);
+        self.part.run(self.n, self.number, self.ws);
     }
 }
 
@@ -200,12 +197,17 @@ impl<S: Scalar> Carried<S> for Touched<'_, S> {
     }
 }
 
-/// The rows of a contact.
-#[inline(always)]
-fn add_contact<S: Scalar>(n: usize, number: usize, ws: &mut Workspace<S>) {
-    let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
-    for (row, jacobian) in ws.contacts[number].rows.iter().zip(jacobians) {
-        add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+/// Adds the rows that push.
+#[derive(Clone, Copy)]
+struct Assemble;
+
+impl<S: Scalar> Part<S> for Assemble {
+    #[inline(always)]
+    fn run(self, n: usize, number: usize, ws: &mut Workspace<S>) {
+        let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
+        for (row, jacobian) in ws.contacts[number].rows.iter().zip(jacobians) {
+            add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+        }
     }
 }
 
@@ -232,23 +234,22 @@ fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: R
     }
     ws.unsettled = changed;
     if rows.touching {
-        let n = plan.ndof();
-        judge_contact(n, 0, ws);
-        for number in 1..ws.contacts.len() {
-            S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| {
-                S::outline(JudgeContact { n, number: *number, ws });
-            });
-        }
+        each_contact(Judge, plan.ndof(), ws);
     }
     settle(ws, ws.unsettled);
 }
 
-/// Decides which rows of a contact push; adds to `unsettled` where that is news.
-#[inline(always)]
-fn judge_contact<S: Scalar>(n: usize, number: usize, ws: &mut Workspace<S>) {
-    let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
-    for (row, jacobian) in ws.contacts[number].rows.iter_mut().zip(jacobians) {
-        ws.unsettled = ws.unsettled | judge(row, product(jacobian, &ws.qacc));
+/// Decides which rows push; adds to `unsettled` where that is news.
+#[derive(Clone, Copy)]
+struct Judge;
+
+impl<S: Scalar> Part<S> for Judge {
+    #[inline(always)]
+    fn run(self, n: usize, number: usize, ws: &mut Workspace<S>) {
+        let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
+        for (row, jacobian) in ws.contacts[number].rows.iter_mut().zip(jacobians) {
+            ws.unsettled = ws.unsettled | judge(row, product(jacobian, &ws.qacc));
+        }
     }
 }
 

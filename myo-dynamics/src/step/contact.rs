@@ -3,13 +3,14 @@
 //!
 //! Most of the time the fingertip is far from everything, so the distance to the nearest box is remembered as a clearance:
 //! as long as the fingertip has moved by less, nothing is looked at. Where it has, all boxes are gone through, most of which a
-//! ball around them rules out. How many can be touched at once is known when a task is compiled
+//! ball around them rules out; where there are many, and numbers that read rows from memory, the [nearest are listed](super::nearby). How many can be touched at once is known when a task is compiled
 //! ([`most_at_once`](crate::most_at_once)), so there is a slot for each of them, and none is left out.
 
+use super::nearby::{self, List};
 use crate::obstacles::Obstacles;
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
-use crate::workspace::{self, Clearance, Contact, PYRAMID, State, Workspace};
+use crate::workspace::{self, Clearance, Contact, Nearby, PYRAMID, State, Workspace};
 use myo_scalar::{Carried, Row, Scalar, Stage, Visitor};
 
 /// Farther than anything in reach (m).
@@ -17,7 +18,7 @@ const FAR: f64 = 1e3;
 /// Centres nearer to the surface than this are inside (m); MuJoCo's smallest norm, in reach of single precision.
 const SURFACE: f64 = 1e-15;
 /// What rounding may add to a distance (m).
-const ROUNDING: f64 = 1e-6;
+pub const ROUNDING: f64 = 1e-6;
 
 /// Fills `contacts` and `contact_jacobian`.
 #[inline(always)]
@@ -37,7 +38,9 @@ pub fn contact<S: Scalar>(
     let centre = ws.place(&sphere.centre);
     let moved = centre - ws.clearance.from;
     let near = !moved.dot(moved).lt(ws.clearance.free.sq());
-    let mut around = Around { contacts: &mut ws.contacts, clearance: &mut ws.clearance, found: S::zero() };
+    let Workspace { contacts, clearance, nearby, .. } = &mut *ws;
+    let mut around =
+        Around { contacts, clearance, nearby, found: S::zero(), lists: nearby::lists::<S>(obstacles.boxes.len()) };
     S::when(near, &mut around, |around| S::outline(LookAround { sphere, obstacles, centre, around }));
     for number in 0..ws.contacts.len() {
         S::when(ws.contacts[number].exists, &mut Edges(ws, number), |Edges(ws, number)| {
@@ -89,23 +92,33 @@ impl<S: Scalar> Stage<S> for Pyramid<'_, S> {
 struct Around<'a, S: Scalar> {
     contacts: &'a mut Vec<Contact<S>>,
     clearance: &'a mut Clearance<S>,
+    nearby: &'a mut Nearby<S>,
     /// Contacts found so far.
     found: S,
+    /// Whether the nearest boxes are listed.
+    lists: bool,
+}
+
+/// Shows what a look around finds of a contact; its rows and its force come later.
+fn visit_found<S: Scalar>(contact: &mut Contact<S>, visitor: &mut impl Visitor<S>) {
+    let Contact { exists, index, distance, normal, .. } = contact;
+    visitor.mask(exists);
+    visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
 }
 
 impl<S: Scalar> Carried<S> for Around<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        for Contact { exists, index, distance, normal, .. } in self.contacts.iter_mut() {
-            visitor.mask(exists);
-            visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
-        }
+        self.contacts.iter_mut().for_each(|contact| visit_found(contact, visitor));
         let Clearance { from, free } = &mut *self.clearance;
         visitor.numbers([&mut from.x, &mut from.y, &mut from.z, free, &mut self.found]);
+        if self.lists {
+            self.nearby.visit(visitor);
+        }
     }
 }
 
-/// Goes through all boxes: what is touched, and how far away the nearest one is otherwise. Where the clearance is not used up,
-/// nothing is touched, and a new one does no harm.
+/// Goes through all boxes, or those nearby: what is touched, and how far away the nearest one is otherwise. Where the clearance
+/// is not used up, nothing is touched, and a new one does no harm.
 #[inline(always)]
 fn look_around<S: Scalar>(
     sphere: &ContactSphere<S::Const>,
@@ -113,23 +126,74 @@ fn look_around<S: Scalar>(
     centre: Vec3<S>,
     around: &mut Around<'_, S>,
 ) {
-    let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
     let reach = S::splat(sphere.radius) + S::splat(obstacles.margin);
     *around.clearance = Clearance { from: centre, free: S::lit(FAR) };
-    S::for_each_row(n, around, |around, row| {
-        let [x, y, z, radius] = S::of_row(row, n, |k| {
-            let [x, y, z] = boxes[k].centre;
-            [x, y, z, boxes[k].radius]
+    if around.lists {
+        let moved = centre - around.nearby.from;
+        let is_stale = !moved.dot(moved).lt(around.nearby.free.sq());
+        S::when(is_stale, around.nearby, |nearby| S::outline(List { obstacles, centre, reach, nearby }));
+        let moved = centre - around.nearby.from;
+        around.clearance.free = (around.nearby.free - moved.dot(moved).sqrt()).max(S::zero());
+        for number in around.nearby.boxes.clone() {
+            look_at(sphere, obstacles, centre, reach, Which::Listed(number), around);
+        }
+    } else {
+        S::for_each_row(obstacles.boxes.len(), around, |around, row| {
+            look_at(sphere, obstacles, centre, reach, Which::Row(row), around);
         });
-        let away = centre - Vec3::new(x, y, z);
-        // From the ball around the box.
-        let clear = away.dot(away).sqrt() - radius - reach;
-        let near = clear.lt(S::zero());
-        let mut beside = Beside { around, clear };
-        S::when(near, &mut beside, |beside| S::outline(Inspect { sphere, obstacles, row, away, near, reach, beside }));
-        let Beside { around, clear } = beside;
-        around.clearance.free = around.clearance.free.min((clear - S::lit(ROUNDING)).max(S::zero()));
+    }
+}
+
+/// Looks at one box.
+#[inline(always)]
+fn look_at<S: Scalar>(
+    sphere: &ContactSphere<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
+    centre: Vec3<S>,
+    reach: S,
+    which: Which<S>,
+    around: &mut Around<'_, S>,
+) {
+    let boxes = &obstacles.boxes;
+    let [x, y, z, radius] = which.entries(boxes.len(), |k| {
+        let [x, y, z] = boxes[k].centre;
+        [x, y, z, boxes[k].radius]
     });
+    let away = centre - Vec3::new(x, y, z);
+    // From the ball around the box.
+    let clear = away.dot(away).sqrt() - radius - reach;
+    let near = clear.lt(S::zero());
+    let mut beside = Beside { around, clear };
+    S::when(near, &mut beside, |beside| S::outline(Inspect { sphere, obstacles, which, away, near, reach, beside }));
+    let Beside { around, clear } = beside;
+    around.clearance.free = around.clearance.free.min((clear - S::lit(ROUNDING)).max(S::zero()));
+}
+
+/// Which box is looked at.
+#[derive(Clone, Copy)]
+enum Which<S: Scalar> {
+    /// One of all, gone through in a row.
+    Row(Row<S::Word>),
+    /// One by its number.
+    Listed(S),
+}
+
+impl<S: Scalar> Which<S> {
+    #[inline(always)]
+    fn entries<const N: usize>(self, count: usize, entry: impl Fn(usize) -> [S; N]) -> [S; N] {
+        match self {
+            Self::Row(row) => S::of_row(row, count, entry),
+            Self::Listed(number) => S::gather(count, entry, number),
+        }
+    }
+
+    #[inline(always)]
+    fn number(self) -> S {
+        match self {
+            Self::Row(row) => S::row_number(row),
+            Self::Listed(number) => number,
+        }
+    }
 }
 
 /// A closer look at a box.
@@ -137,7 +201,7 @@ struct Inspect<'a, 'b, 'c, S: Scalar> {
     sphere: &'a ContactSphere<S::Const>,
     obstacles: &'a Obstacles<S::Const, S>,
     /// The box.
-    row: Row<S::Word>,
+    which: Which<S>,
     /// The fingertip, from its centre.
     away: Vec3<S>,
     /// Where it is looked at.
@@ -152,18 +216,15 @@ impl<S: Scalar> Stage<S> for Inspect<'_, '_, '_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { sphere, obstacles, row, away, near, reach, beside: Beside { around, clear } } = self;
-        let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
-        let [a, b, c, e, f, g, i, j, k, h, w, d] = S::of_row(row, n, |k| {
-            let ([h, w, d], [[a, b, c], [e, f, g], [i, j, k]]) = (boxes[k].half_size, boxes[k].axes);
-            [a, b, c, e, f, g, i, j, k, h, w, d]
-        });
+        let Self { sphere, obstacles, which, away, near, reach, beside: Beside { around, clear } } = self;
+        let boxes = &obstacles.boxes;
+        let [a, b, c, e, f, g, i, j, k, h, w, d] = which.entries(boxes.len(), |k| boxes[k].sides());
         let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
         let (distance, normal) = surface(axes, half_size, away);
         *clear = S::select(near, distance - reach, *clear);
         let touches = near & clear.lt(S::zero());
         let distance = distance - S::splat(sphere.radius);
-        around.add(touches, Contact { index: S::row_number(row), distance, normal, ..Contact::none() });
+        around.add(touches, Contact { index: which.number(), distance, normal, ..Contact::none() });
     }
 }
 
@@ -176,10 +237,7 @@ struct Beside<'a, 'b, S: Scalar> {
 
 impl<S: Scalar> Carried<S> for Beside<'_, '_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        for Contact { exists, index, distance, normal, .. } in self.around.contacts.iter_mut() {
-            visitor.mask(exists);
-            visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
-        }
+        self.around.contacts.iter_mut().for_each(|contact| visit_found(contact, visitor));
         visitor.numbers([&mut self.clear, &mut self.around.found]);
     }
 }
@@ -218,7 +276,7 @@ impl<S: Scalar> Carried<S> for Edges<'_, S> {
 /// Signed distance of a point from the surface of a box with these axes as columns, and the direction out of the box (world
 /// axes). The point is given from the centre of the box.
 #[inline(always)]
-fn surface<S: Scalar>(axes: [[S; 3]; 3], half_size: [S; 3], point: Vec3<S>) -> (S, Vec3<S>) {
+pub fn surface<S: Scalar>(axes: [[S; 3]; 3], half_size: [S; 3], point: Vec3<S>) -> (S, Vec3<S>) {
     let [x, y, z] = axes.map(|[x, y, z]| Vec3::new(x, y, z));
     let axes = Rotation { x, y, z };
     let local = axes.apply_inverse(point).array();

@@ -9,6 +9,7 @@ pub mod contact;
 pub mod force;
 pub mod inertia;
 pub mod kinematics;
+pub mod nearby;
 pub mod tendon;
 
 use crate::obstacles::Obstacles;

@@ -1,6 +1,6 @@
 //! The beginning of an episode: everything is drawn anew.
 
-use super::{Scratch, sense, stages};
+use super::{Scratch, choose, sense, stages};
 use crate::parameters::World;
 use crate::state::EnvState;
 use myo_scalar::{Counter, Mask, Scalar, Stage, Word, philox, unit};
@@ -20,17 +20,22 @@ pub fn reseed<S: Scalar>(seed: [S::Word; 2], mask: S::Mask, env: &mut EnvState<S
     env.episode = S::select_word(mask, S::Word::splat(0), env.episode);
 }
 
-/// Starts a new episode where the mask is true: body, targets, phase and all counters. Observations of all follow in
+/// Starts a new episode of a script where the mask is true: body, targets, phase and all counters. Observations of all follow in
 /// `next_observation`.
 #[inline(always)]
 pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     if mask.any() {
         let done_before = env.task.phase;
         S::outline(stages::Draw { world, mask, env });
+        logic::begin_step(&world.parameters.task, mask, env.counter(), &mut env.task);
         S::outline(stages::Explore { world, mask, done_before, env, physics: &mut ws.physics });
     }
-    let sensed = sense(world, env, Stay::new(&env.task), &mut ws.physics);
-    let goal = Goal::of(&world.parameters.task, &env.task);
+    let mut goal = Goal::of(&world.parameters.task, &env.task);
+    let mut sensed = sense(world, goal.centre, env, Stay::new(&env.task, &goal), &mut ws.physics);
+    if choose(world, &sensed.body, env) {
+        goal = Goal::of(&world.parameters.task, &env.task);
+        sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
+    }
     S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.next_observation });
 }
 
@@ -41,9 +46,10 @@ pub fn draw_episode<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut En
     env.episode = S::select_word(mask, env.episode + one, env.episode);
     env.step = S::select_word(mask, zero, env.step);
     draw_body(world, mask, env);
-    logic::draw_spheres(&world.parameters.task, mask, env.counter(), &mut env.task);
+    logic::draw_objects(&world.parameters.task, mask, env.counter(), &mut env.task);
     env.task.restart(mask);
-    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain([&mut env.touch, &mut env.pending]);
+    let counters = env.sums.iter_mut().chain(&mut env.qacc).chain(&mut env.remembered);
+    let counters = counters.chain([&mut env.touch, &mut env.pending]);
     for x in counters {
         *x = S::select(mask, S::zero(), *x);
     }

@@ -12,7 +12,7 @@ use crate::parameters::World;
 use crate::state::{EXPLORES, EnvState};
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Counter, Scalar, Visitor, Word};
-use myo_tasks::logic;
+use myo_tasks::logic::{self, Landmarks};
 
 /// Random stream of the target and of the time.
 const MOMENT_STREAM: u32 = 0x5000;
@@ -50,6 +50,7 @@ pub fn explore<S: Scalar>(
         let done = S::select(again, done_before, any_target(world, draws[0]));
         env.task.phase = S::select(middle, done, env.task.phase);
         env.task.step = S::select(middle, late(world, draws[1]), env.task.step);
+        logic::begin_step(&world.parameters.task, middle, env.counter(), &mut env.task);
         draw_pose(world, middle, again, env, physics);
     });
 }
@@ -92,12 +93,13 @@ fn draw_pose<S: Scalar>(
 /// Looks at so many further poses.
 #[inline(always)]
 fn search_poses<S: Scalar>(world: &World<'_, S>, mask: S::Mask, poses: usize, search: &mut Search<'_, S>) {
-    let target = logic::centre_ahead(&world.parameters.task, &search.env.task, 0);
+    let target = logic::begins_at(&world.parameters.task, &search.env.task);
     S::repeat(poses, search, |Search { best, nearest, draw, env, physics }| {
         S::outline(stages::DrawPose { world, draw: *draw, env });
-        let mut fingertip = [S::zero(); 3];
-        S::outline(stages::Look { world, env, physics, out: &mut fingertip });
-        let distance = logic::norm(logic::difference(fingertip, target));
+        let mut body = Landmarks::unknown();
+        S::outline(stages::Look { world, env, physics, out: &mut body });
+        let pointer = world.parameters.task.pointer.place(&body, target);
+        let distance = logic::norm(logic::difference(pointer, target));
         let nearer = mask & distance.lt(*nearest);
         *nearest = S::select(nearer, distance, *nearest);
         for (best, &position) in best.iter_mut().zip(&env.body.qpos) {
@@ -117,7 +119,7 @@ pub fn draw_any_pose<S: Scalar>(world: &World<'_, S>, draw: S::Word, env: &mut E
     }
 }
 
-/// What exploring changes.
+/// What exploring changes: these numbers and no others, so that no others take a register of a card while it searches.
 struct Beginning<'a, S: Scalar> {
     env: &'a mut EnvState<S>,
     physics: &'a mut Workspace<S>,
@@ -126,7 +128,8 @@ struct Beginning<'a, S: Scalar> {
 impl<S: Scalar> Carried<S> for Beginning<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let EnvState { body, task, .. } = self.env;
-        visitor.numbers(body.qpos.iter_mut().chain([&mut task.phase, &mut task.step]));
+        let cue = task.cue.iter_mut().flat_map(|cue| [&mut cue.object, &mut cue.lit_at]);
+        visitor.numbers(body.qpos.iter_mut().chain([&mut task.phase, &mut task.step]).chain(cue));
     }
 }
 

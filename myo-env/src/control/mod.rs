@@ -3,13 +3,18 @@
 mod episode;
 mod excite;
 pub mod explore;
+mod judge;
+mod own;
 mod simulate;
 mod stages;
 mod summary;
 
 pub use episode::{reseed, reset};
+pub use judge::{Judge, Script};
+pub use own::Own;
 #[cfg(feature = "gpu")]
 pub use simulate::simulate;
+pub use simulate::{Following, Unwatched};
 pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
 use crate::parameters::World;
@@ -18,7 +23,7 @@ use crate::tables::Tables;
 use crate::vector::Autoreset;
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
-use myo_tasks::logic::{self, Goal, Progress, Sensed, Stay};
+use myo_tasks::logic::{self, Goal, Landmarks, Point, Progress, Sensed, Stay};
 
 /// Scratch memory and results of one control step.
 pub struct Scratch<S: Scalar> {
@@ -61,34 +66,58 @@ pub struct Outcome<S: Scalar> {
     pub truncated: S::Mask,
 }
 
-/// Actions in [-1, 1] to a control step: noise, physics, judgement, reward, observation, summary.
+/// Actions in [-1, 1] to a control step of a script: noise, physics, judgement, reward, observation, summary.
 #[inline(always)]
 pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) -> Outcome<S> {
     S::outline(stages::Excite { world, env, ws });
-    let mut stay = Stay::new(&env.task);
     let goal = Goal::of(&world.parameters.task, &env.task);
-    S::outline(stages::Physics { world, goal: &goal, env, ws, stay: &mut stay });
-    let sensed = sense(world, env, stay, &mut ws.physics);
+    let mut stay = Stay::new(&env.task, &goal);
+    S::outline(stages::Physics { world, env, ws, watch: &mut Following { goal: &goal, stay: &mut stay } });
+    let mut sensed = sense(world, goal.centre_after(S::lit(1.0)), env, stay, &mut ws.physics);
     let (distance, progress) = judge(world, &goal, env, &sensed);
+    // After the last step is done it stays the current one.
+    let begins = progress.target_done & !progress.task_done;
+    logic::begin_step(&world.parameters.task, begins, env.counter(), &mut env.task);
+    choose(world, &sensed.body, env);
     let goal = Goal::of(&world.parameters.task, &env.task);
+    sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
     let effort = sum_of_squares(&ws.ctrl);
     let terms = logic::reward(&world.parameters.task, &progress, distance, effort, sum_of_squares(&env.qacc));
-    summary::add_up(world, env, &terms, progress.wrong_presses, effort, &ws.physics.tally);
+    let errors = [progress.wrong_presses, progress.exits];
+    summary::add_up(world, env, &terms.array(), errors, effort, &ws.physics.tally);
     S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.observation });
     summary::summarise(world, &goal, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }
 
-/// Where the fingertip is at the state reached, and what it did on the way. The control step is not counted yet.
+/// Lets what is nearest be the current step where any order counts, and tells whether the task has such steps.
 #[inline(always)]
-fn sense<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, stay: Stay<S>, physics: &mut Workspace<S>) -> Sensed<S> {
-    let mut fingertip = [S::zero(); 3];
-    S::outline(stages::Look { world, env, physics, out: &mut fingertip });
-    let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(world.tables.substeps));
-    Sensed { fingertip, stay, now }
+fn choose<S: Scalar>(world: &World<'_, S>, body: &Landmarks<S>, env: &mut EnvState<S>) -> bool {
+    let is_free = world.parameters.task.orders.iter().any(|order| order.is_any);
+    if is_free {
+        S::outline(stages::Choose { world, body, env });
+    }
+    is_free
 }
 
-/// How far (m) the fingertip still has to go, as the reward counts it; and what became of the current step.
+/// Where body and pointer are at the state reached, with the current object at `goal`, and what happened on the way. The
+/// control step is not counted yet.
+#[inline(always)]
+fn sense<S: Scalar>(
+    world: &World<'_, S>,
+    goal: Point<S>,
+    env: &EnvState<S>,
+    stay: Stay<S>,
+    physics: &mut Workspace<S>,
+) -> Sensed<S> {
+    let mut body = Landmarks::unknown();
+    S::outline(stages::Look { world, env, physics, out: &mut body });
+    let pointer = world.parameters.task.pointer.place(&body, goal);
+    let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(world.tables.substeps));
+    Sensed { body, pointer, stay, now }
+}
+
+/// How far (m) the pointer still has to go, as the reward counts it; and what became of the current step.
 #[inline(always)]
 fn judge<S: Scalar>(
     world: &World<'_, S>,
@@ -120,13 +149,14 @@ fn sum_of_squares<S: Scalar>(values: &[S]) -> S {
 /// `next_observation`, the summary in `episode`.
 #[inline(always)]
 pub fn step_and_autoreset<S: Scalar>(
+    judge: &impl Judge,
     world: &World<'_, S>,
     autoreset: Autoreset,
     env: &mut EnvState<S>,
     ws: &mut Scratch<S>,
 ) -> Outcome<S> {
     let waiting = S::lit(0.5).lt(env.pending);
-    let outcome = control_step(world, env, ws);
+    let outcome = judge.control_step(world, env, ws);
     let terminated = outcome.terminated & !waiting;
     let truncated = outcome.truncated & !waiting;
     let done = terminated | truncated;
@@ -137,7 +167,7 @@ pub fn step_and_autoreset<S: Scalar>(
     };
     let Scratch { observation, next_observation, .. } = ws;
     next_observation.clone_from(observation);
-    S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| reset(world, again, env, ws));
+    S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| judge.reset(world, again, env, ws));
     if autoreset != Autoreset::SameStep {
         env.pending = S::indicator(done);
     }

@@ -5,28 +5,87 @@ use crate::parameters::World;
 use crate::state::EnvState;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
-use myo_tasks::logic::{self, Goal, Kinds, Stay};
+use myo_tasks::logic::{self, Goal, Landmarks, Stay, Steering};
 
-/// Runs the physics and follows what the fingertip does with the current object, so that a short tap between two control
-/// steps counts. The solver's tally is that of this control step afterwards.
+/// Looks at every physics step of a control step.
+pub trait Watch<S: Scalar> {
+    /// After a physics step.
+    fn look(&mut self, world: &World<'_, S>, physics: &Workspace<S>);
+    /// Shows what it hands on to the next physics step.
+    fn visit(&mut self, world: &World<'_, S>, visitor: &mut impl Visitor<S>);
+}
+
+/// Runs the physics, step by step before the eyes of `watch`. The solver's tally is that of this control step afterwards.
 #[inline(always)]
 pub fn simulate<S: Scalar>(
     world: &World<'_, S>,
-    goal: &Goal<S>,
     env: &mut EnvState<S>,
     ws: &mut Scratch<S>,
-    stay: &mut Stay<S>,
+    watch: &mut impl Watch<S>,
 ) {
     let Scratch { physics, ctrl, .. } = ws;
     physics.tally = SolverTally::new();
     physics.clearance = Clearance::unknown();
-    let task = &world.parameters.task;
-    let mut carried = Substep { env, physics, stay, kinds: task.kinds, has_boxes: !task.boxes.is_empty() };
-    S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, stay, .. }| {
+    physics.nearby.forget();
+    let mut carried = Substep { world, env, physics, watch };
+    S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, watch, .. }| {
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
-        S::outline(Follow { world, goal, physics, stay });
+        watch.look(world, physics);
     });
     env.qacc.copy_from_slice(&ws.physics.qacc);
+}
+
+/// Follows what the pointer does with the current object, so that a short tap between two control steps counts.
+pub struct Following<'a, S: Scalar> {
+    /// The current step of the script.
+    pub goal: &'a Goal<S>,
+    /// What is done with its object.
+    pub stay: &'a mut Stay<S>,
+}
+
+impl<S: Scalar> Watch<S> for Following<'_, S> {
+    #[inline(always)]
+    fn look(&mut self, world: &World<'_, S>, physics: &Workspace<S>) {
+        let Self { goal, stay } = self;
+        S::outline(Follow { world, goal, physics, stay });
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, world: &World<'_, S>, visitor: &mut impl Visitor<S>) {
+        let kinds = world.parameters.task.kinds;
+        let Stay { held, touch, pressed, let_go, down, old, wrong, wrong_presses, value, steering, passed } =
+            &mut self.stay;
+        visitor.number(held);
+        if kinds.press {
+            visitor.number(touch);
+        }
+        if kinds.press || kinds.steer {
+            visitor.number(pressed);
+        }
+        if kinds.steer {
+            let Steering { along, within, exits } = steering;
+            visitor.numbers([along, within, exits]);
+        }
+        if kinds.release {
+            visitor.numbers([let_go, down, old, wrong, wrong_presses]);
+        }
+        if kinds.drag {
+            visitor.number(value);
+        }
+        if kinds.motion {
+            visitor.number(passed);
+        }
+    }
+}
+
+/// Nobody looks: what there is to judge is judged at the end of the control step.
+pub struct Unwatched;
+
+impl<S: Scalar> Watch<S> for Unwatched {
+    #[inline(always)]
+    fn look(&mut self, _: &World<'_, S>, _: &Workspace<S>) {}
+    #[inline(always)]
+    fn visit(&mut self, _: &World<'_, S>, _: &mut impl Visitor<S>) {}
 }
 
 /// What the fingertip does with the current object in a physics step.
@@ -44,38 +103,48 @@ impl<S: Scalar> Stage<S> for Follow<'_, S> {
     fn run(self) {
         let Self { world, goal, physics, stay } = self;
         // Positions and contact are those from which the step was made.
-        let fingertip = step::fingertip(&world.tables.plan, physics);
+        let task = &world.parameters.task;
+        let share = 1.0 / f64::from(world.tables.substeps);
+        let at = goal.centre_after(stay.passed * S::lit(share));
+        let pointer = task.pointer.place(&landmarks(world, physics), at);
         let contacts = physics.contacts.iter();
         let contacts = contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force });
-        stay.follow(&world.parameters.task, goal, fingertip, contacts);
+        stay.follow(task, goal, pointer, share, contacts);
     }
 }
 
-/// What a physics step hands on.
-struct Substep<'a, S: Scalar> {
-    env: &'a mut EnvState<S>,
-    physics: &'a mut Workspace<S>,
-    stay: &'a mut Stay<S>,
-    /// What is followed.
-    kinds: Kinds,
-    /// Whether there is anything to touch.
-    has_boxes: bool,
+/// Places of the body that techniques go by, after the kinematics.
+#[inline(always)]
+pub fn landmarks<S: Scalar>(world: &World<'_, S>, physics: &Workspace<S>) -> Landmarks<S> {
+    let plan = &world.tables.plan;
+    let fingertip = step::fingertip(plan, physics);
+    let [elbow, wrist] =
+        plan.arm.as_ref().map_or([fingertip; 2], |arm| arm.each_ref().map(|point| physics.place(point).array()));
+    Landmarks { fingertip, elbow, wrist }
 }
 
-impl<S: Scalar> Carried<S> for Substep<'_, S> {
+/// What a physics step hands on.
+///
+/// Named one by one, and not taken from [`EnvState::numbers`]: on a card each number named here lies in a register from the first
+/// physics step to the last, and most of a state does not change in between.
+struct Substep<'a, S: Scalar, W> {
+    world: &'a World<'a, S>,
+    env: &'a mut EnvState<S>,
+    physics: &'a mut Workspace<S>,
+    watch: &'a mut W,
+}
+
+impl<S: Scalar, W: Watch<S>> Carried<S> for Substep<'_, S, W> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let body = &mut self.env.body;
         visitor.numbers(body.qpos.iter_mut().chain(&mut body.qvel).chain(&mut body.act));
-        let Stay { held, touch, pressed, let_go, down, old, wrong, wrong_presses } = &mut self.stay;
-        visitor.number(held);
-        if self.kinds.press {
-            visitor.numbers([touch, pressed]);
-        }
-        if self.kinds.release {
-            visitor.numbers([let_go, down, old, wrong, wrong_presses]);
-        }
+        self.watch.visit(self.world, visitor);
         visitor.numbers(&mut self.physics.qacc);
-        if self.has_boxes {
+        let boxes = self.world.parameters.task.boxes.len();
+        if step::nearby::lists::<S>(boxes) {
+            self.physics.nearby.visit(visitor);
+        }
+        if boxes > 0 {
             let Clearance { from, free } = &mut self.physics.clearance;
             visitor.numbers([&mut from.x, &mut from.y, &mut from.z, free]);
         }

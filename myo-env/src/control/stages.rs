@@ -4,13 +4,13 @@ use super::Scratch;
 use super::episode::draw_episode;
 use super::excite::excite;
 use super::explore::{draw_any_pose, explore};
-use super::simulate::simulate;
+use super::simulate::{Watch, landmarks, simulate};
 use crate::observe::observe;
 use crate::parameters::World;
 use crate::state::EnvState;
 use myo_dynamics::{Workspace, step};
 use myo_scalar::{Scalar, Stage};
-use myo_tasks::logic::{Goal, Sensed, Stay};
+use myo_tasks::logic::{Goal, Landmarks, Sensed, choose_nearest};
 
 /// Noise.
 pub struct Excite<'a, S: Scalar> {
@@ -29,29 +29,28 @@ impl<S: Scalar> Stage<S> for Excite<'_, S> {
 }
 
 /// All physics steps of a control step.
-pub struct Physics<'a, S: Scalar> {
+pub struct Physics<'a, S: Scalar, W> {
     pub world: &'a World<'a, S>,
-    pub goal: &'a Goal<S>,
     pub env: &'a mut EnvState<S>,
     pub ws: &'a mut Scratch<S>,
-    pub stay: &'a mut Stay<S>,
+    pub watch: &'a mut W,
 }
 
-impl<S: Scalar> Stage<S> for Physics<'_, S> {
+impl<S: Scalar, W: Watch<S>> Stage<S> for Physics<'_, S, W> {
     const NAME: &'static str = "physics";
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        simulate(self.world, self.goal, self.env, self.ws, self.stay);
+        simulate(self.world, self.env, self.ws, self.watch);
     }
 }
 
-/// Kinematics and observation of the state reached.
+/// Kinematics of the state reached, and where the body is that techniques go by.
 pub struct Look<'a, S: Scalar> {
     pub world: &'a World<'a, S>,
     pub env: &'a EnvState<S>,
     pub physics: &'a mut Workspace<S>,
-    pub out: &'a mut [S; 3],
+    pub out: &'a mut Landmarks<S>,
 }
 
 impl<S: Scalar> Stage<S> for Look<'_, S> {
@@ -61,7 +60,23 @@ impl<S: Scalar> Stage<S> for Look<'_, S> {
     fn run(self) {
         let Self { world, env, physics, out } = self;
         step::kinematics::kinematics(&world.tables.plan, &env.body.qpos, &env.body.qvel, physics);
-        *out = step::fingertip(&world.tables.plan, physics);
+        *out = landmarks(world, physics);
+    }
+}
+
+/// Choice of the current step.
+pub struct Choose<'a, S: Scalar> {
+    pub world: &'a World<'a, S>,
+    pub body: &'a Landmarks<S>,
+    pub env: &'a mut EnvState<S>,
+}
+
+impl<S: Scalar> Stage<S> for Choose<'_, S> {
+    const NAME: &'static str = "choice of the current step";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        choose_nearest(&self.world.parameters.task, self.body, &mut self.env.task);
     }
 }
 

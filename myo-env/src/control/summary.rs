@@ -2,18 +2,22 @@
 
 use crate::columns::Column;
 use crate::parameters::World;
-use crate::state::{EFFORT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM, WRONG_SUM};
+use crate::state::{EFFORT_SUM, EXIT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM, WRONG_SUM};
 use myo_dynamics::SolverTally;
 use myo_scalar::Scalar;
-use myo_tasks::logic::{self, Goal, Progress, RewardTerms, Sensed};
+use myo_tasks::logic::{self, Goal, Progress, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
-pub const EPISODE_COLUMNS: [Column; 15] = [
+pub const EPISODE_COLUMNS: [Column; 17] = [
     Column::new("return", "", "Sum of the rewards."),
     Column::new("length", "control steps", "Control steps from reset to end."),
     Column::new("success", "", "1 if every target was done, else 0."),
     Column::new("targets_done", "", "Targets that were done."),
-    Column::new("final_distance", "m", "From the fingertip to the centre of the current target at the end."),
+    Column::new(
+        "final_distance",
+        "m",
+        "From the fingertip, or the pointer, to the centre of the current target at the end.",
+    ),
     Column::new("effort", "", "Squared muscle control, mean over muscles and control steps."),
     Column::new("reward_distance", "", "What the cost of distance and of time added up to, negative."),
     Column::new("reward_subtask", "", "What was given for targets."),
@@ -21,6 +25,7 @@ pub const EPISODE_COLUMNS: [Column; 15] = [
     Column::new("reward_neural_effort", "", "What muscle control cost, negative."),
     Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
     Column::new("reward_wrong_press", "", "What presses cost that were not asked for, negative."),
+    Column::new("reward_exit", "", "What leaving ways cost, negative."),
     Column::new(
         "solver_rounds",
         "",
@@ -28,6 +33,7 @@ pub const EPISODE_COLUMNS: [Column; 15] = [
     ),
     Column::new("solver_unsolved", "", "Physics steps that the solver gave up on: their forces are not to be trusted."),
     Column::new("wrong_presses", "", "How often a button was pressed that the current step did not ask for."),
+    Column::new("exits", "", "How often a way was left that was to be steered along."),
 ];
 
 /// Columns of every target `k`, counted from 1, which are called `target_{k}_` and this.
@@ -36,8 +42,8 @@ pub const TARGET_COLUMNS: [Column; 3] = [
     Column::new(
         "time",
         "s",
-        "From the start of the target, which is the end of the one before it or the reset, to its own end, dwell included, in \
-         whole control steps; NaN if it was not done.",
+        "From the start of the target, which is the end of the one before it or the reset, or later, when it lit up or the wait \
+         was over, to its own end, dwell included, in whole control steps; NaN if it was not done.",
     ),
     Column::new(
         "movement_time",
@@ -54,24 +60,24 @@ pub fn episode_names(ntarget: usize) -> Vec<String> {
     EPISODE_COLUMNS.iter().map(|column| column.name.to_owned()).chain(per_target).collect()
 }
 
-/// Adds the reward terms, the effort and the solver's work of a control step.
+/// Adds the reward terms, in their order and at most so many, the effort and the solver's work of a control step.
 #[inline(always)]
 pub fn add_up<S: Scalar>(
     world: &World<'_, S>,
     env: &mut EnvState<S>,
-    terms: &RewardTerms<S>,
-    wrong_presses: S,
+    terms: &[S],
+    [wrong_presses, exits]: [S; 2],
     effort: S,
     solver: &SolverTally<S>,
 ) {
-    let terms = terms.array();
-    for (sum, term) in env.sums.iter_mut().zip(terms) {
+    for (sum, &term) in env.sums.iter_mut().zip(terms) {
         *sum += term;
     }
     env.sums[EFFORT_SUM] += effort * S::lit(1.0 / world.tables.plan.nmuscle().max(1) as f64);
     env.sums[ROUNDS_SUM] += S::from_word(solver.rounds);
     env.sums[UNSOLVED_SUM] += S::from_word(solver.unsolved);
     env.sums[WRONG_SUM] += wrong_presses;
+    env.sums[EXIT_SUM] += exits;
 }
 
 /// Summary of the episode up to now; meaningful where it just ended.
@@ -85,34 +91,54 @@ pub fn summarise<S: Scalar>(
     out: &mut Vec<S>,
 ) {
     let task = &env.task;
-    let mut total = S::zero();
-    for &term in &env.sums[..REWARD_TERMS] {
-        total += term;
-    }
     out.clear();
-    out.push(total);
+    out.push(total_reward(env));
     out.push(task.step);
     out.push(S::indicator(progress.task_done));
     out.push(task.phase);
-    out.push(logic::norm(logic::difference(sensed.fingertip, goal.centre)));
+    out.push(logic::norm(logic::difference(sensed.pointer, goal.centre)));
     let per_step = task.step.recip();
     out.push(env.sums[EFFORT_SUM] * per_step);
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
     out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
     out.push(env.sums[WRONG_SUM]);
+    out.push(env.sums[EXIT_SUM]);
     let timestep = world.tables.timestep;
     let dt = f64::from(world.tables.substeps) * timestep;
     let substeps = S::lit(f64::from(world.tables.substeps));
     let mut start = S::zero();
-    for (&done_at, &reached_at) in task.done_at.iter().zip(&task.reached_at) {
+    for (step, (&done_at, &reached_at)) in task.done_at.iter().zip(&task.reached_at).enumerate() {
         let done = S::zero().lt(done_at);
+        // What must be waited for begins when it may be gone for, what has no fixed order after the step done before it.
+        start = task.cue.as_ref().map_or(start, |cue| cue.shown_at[step]);
         let where_done = |time| S::select(done, time, S::lit(f64::NAN));
         out.push(S::indicator(done));
         out.push(where_done((done_at - start) * S::lit(dt)));
         out.push(where_done((reached_at - start * substeps) * S::lit(timestep)));
         start = done_at;
     }
+}
+
+/// The same under rules, in the order of [`RULES_COLUMNS`](crate::RULES_COLUMNS), where it just ended with success, or as failed.
+#[inline(always)]
+pub fn summarise_own<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, ended: [S::Mask; 2], out: &mut Vec<S>) {
+    let (step, [success, failed]) = (env.task.step, ended);
+    let per_step = step.recip();
+    out.clear();
+    out.extend([total_reward(env), step, S::indicator(success), S::indicator(failed)]);
+    out.push(env.sums[EFFORT_SUM] * per_step);
+    out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
+    out.push(env.sums[UNSOLVED_SUM]);
+}
+
+#[inline(always)]
+fn total_reward<S: Scalar>(env: &EnvState<S>) -> S {
+    let mut total = S::zero();
+    for &term in &env.sums[..REWARD_TERMS] {
+        total += term;
+    }
+    total
 }
 
 #[cfg(test)]
@@ -133,19 +159,10 @@ mod tests {
         let column = names.iter().position(|name| name == "solver_unsolved").unwrap();
         let word = <f64 as Scalar>::Word::splat;
         let (rounds, unsolved) = (word(300), word(2));
-        let nothing = RewardTerms {
-            distance: 0.0,
-            subtask: 0.0,
-            completion: 0.0,
-            neural_effort: 0.0,
-            acceleration_effort: 0.0,
-            wrong_press: 0.0,
-        };
-
         let world = &tables.splat();
         reset(world, true, &mut env, &mut ws);
         for _ in 0..3 {
-            add_up(world, &mut env, &nothing, 0.0, 0.0, &SolverTally { rounds, unsolved });
+            add_up(world, &mut env, &[], [0.0; 2], 0.0, &SolverTally { rounds, unsolved });
         }
         control_step(world, &mut env, &mut ws);
         assert_eq!(ws.episode[column], 6.0);

@@ -1,19 +1,25 @@
 //! The vectorised environment on a graphics card, seen from the host.
 
+use super::cells::Cells;
 use super::columns::{HostColumns, fill_rows, transpose};
 use super::record::{RESEED, RESET, RESULT_ROWS};
 use super::shard::{GpuOptions, Kernels, Shard};
-use super::size::{check_memory, portable_envs, without_memory};
+use super::size::{Counts, check_memory, portable_envs, without_memory};
 use crate::batch;
 use crate::check::{self, Finished};
-use crate::config::{BuildError, EnvConfig};
+use crate::config::{BuildError, EnvConfig, check_layouts};
+use crate::control::{Judge, Own, Script};
+use crate::rules::Rules;
 use crate::saved::Header;
+use crate::snapshot::Snapshot;
 use crate::state::{EnvState, StateRows};
 use crate::tables::Tables;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
+use myo_dynamics::Plan;
 use myo_gpu::{Gpu, GpuError};
 use myo_model::Model;
 use myo_tasks::Task;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Integers per environment.
@@ -58,14 +64,57 @@ impl GpuEnv {
         config: &EnvConfig,
         options: &GpuOptions,
     ) -> Result<Self, BuildError> {
-        if config.num_envs == 0 {
-            return Err(BuildError::NoEnvironments);
-        }
-        let tables = Tables::<f64>::new(model, task)?;
-        let (spec, rows) = (batch::spec(model, task, &tables, config), StateRows::of(&tables));
-        check_memory(gpu, &spec, rows.count)?;
-        let kernels = Kernels::new(gpu, &tables, config.autoreset, options.form)?;
-        let per_shard = portable_envs(&spec, rows.count).min(options.envs_per_shard.max(1));
+        Self::with_layouts(gpu, model, std::slice::from_ref(task), config, options)
+    }
+
+    /// The same with several layouts, tasks of one structure: environment `env` does the task of number `env` modulo how many
+    /// there are.
+    ///
+    /// # Errors
+    /// As for [`GpuEnv::new`]; there is no task, or more than environments, or their structures differ.
+    pub fn with_layouts(
+        gpu: &Gpu,
+        model: &Model,
+        tasks: &[Task],
+        config: &EnvConfig,
+        options: &GpuOptions,
+    ) -> Result<Self, BuildError> {
+        batch::check_count(config)?;
+        check_layouts(tasks, config.num_envs)?;
+        let tables = Tables::of_layouts(model, tasks, None, &Plan::specialised)?;
+        let spec = batch::spec(model, tasks, &tables, config);
+        Self::judged_by(&Script, gpu, tables, spec, (config, options))
+    }
+
+    /// The same with rules of one's own, which observe, judge and reward in place of the task's script. They are recorded here and now,
+    /// and not asked again.
+    ///
+    /// # Errors
+    /// As for [`GpuEnv::new`]; the rules contradict themselves, environments are to explore, or the task has a technique.
+    pub fn with_rules(
+        gpu: &Gpu,
+        model: &Model,
+        task: &Task,
+        rules: &impl Rules,
+        config: &EnvConfig,
+    ) -> Result<Self, BuildError> {
+        let (tables, spec) = batch::ruled(model, task, rules, config, &Plan::specialised)?;
+        Self::judged_by(&Own(rules.clone()), gpu, tables, spec, (config, &GpuOptions::default()))
+    }
+
+    /// Compiles the kernels for a judge.
+    fn judged_by(
+        judge: &impl Judge,
+        gpu: &Gpu,
+        tables: Tables<f64>,
+        spec: EnvSpec,
+        (config, options): (&EnvConfig, &GpuOptions),
+    ) -> Result<Self, BuildError> {
+        let rows = StateRows::of(&tables);
+        let counts = Counts { state: rows.count, task: tables.own_rows() };
+        check_memory(gpu, &spec, counts)?;
+        let kernels = Kernels::judged_by(judge, gpu, &tables, config.autoreset, options.form)?;
+        let per_shard = portable_envs(&spec, counts).min(options.envs_per_shard.max(1));
         Self::start(gpu, kernels, spec, (rows, Arc::new(tables)), per_shard, config.seed)
     }
 
@@ -76,12 +125,13 @@ impl GpuEnv {
     /// No environments, no memory left, or the device lost.
     pub fn sibling(&self, config: &EnvConfig) -> Result<Self, BuildError> {
         let &EnvConfig { num_envs, seed, exploring, .. } = config;
-        if num_envs == 0 {
-            return Err(BuildError::NoEnvironments);
-        }
+        batch::check_count(config)?;
+        self.spec.check_layouts(num_envs)?;
+        self.tables.rules.as_ref().map_or(Ok(()), |rules| rules.check_config(config))?;
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
-        check_memory(&self.gpu, &spec, self.rows.count)?;
-        let per_shard = portable_envs(&spec, self.rows.count);
+        let counts = self.counts();
+        check_memory(&self.gpu, &spec, counts)?;
+        let per_shard = portable_envs(&spec, counts);
         Self::start(&self.gpu, self.kernels.clone(), spec, (self.rows, self.tables.clone()), per_shard, seed)
     }
 
@@ -112,20 +162,20 @@ impl GpuEnv {
         per_shard: usize,
         seed: u64,
     ) -> Result<Self, BuildError> {
-        let parameters = tables.parameters.rows();
+        let counts = Counts { state: rows.count, task: tables.own_rows() };
         let shards = (0..spec.num_envs)
             .step_by(per_shard)
             .map(|first| {
                 let num_envs = per_shard.min(spec.num_envs - first);
-                Shard::new(gpu, &kernels, &spec, rows.count, &parameters, first, num_envs)
+                Shard::new(gpu, &kernels, &spec, rows.count, &tables.columns(first, num_envs), first, num_envs)
             })
             .collect::<Result<Vec<_>, GpuError>>()
-            .map_err(|error| without_memory(error, gpu, &spec, rows.count))?;
+            .map_err(|error| without_memory(error, gpu, &spec, counts))?;
         let (gpu, finished) = (gpu.clone(), Finished::new(&spec));
         let scratch = HostColumns::default();
         let mut env = Self { gpu, kernels, shards, spec, rows, tables, finished, scratch };
         let started = env.start_episodes(Some(seed), None);
-        started.map_err(|error| without_memory(error, &env.gpu, &env.spec, rows.count))?;
+        started.map_err(|error| without_memory(error, &env.gpu, &env.spec, counts))?;
         Ok(env)
     }
 
@@ -206,16 +256,28 @@ impl VectorEnv for GpuEnv {
         Ok(())
     }
 
-    fn set_task(&mut self, task: &Task) -> Result<(), EnvError> {
+    fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {
+        check_layouts(tasks, self.spec.num_envs).map_err(EnvError::other_task)?;
         let mut tables = (*self.tables).clone();
-        tables.set_task(task).map_err(EnvError::other_task)?;
-        let parameters = tables.parameters.rows();
+        tables.set_tasks(tasks).map_err(EnvError::other_task)?;
         for shard in &self.shards {
-            self.gpu.write(&shard.parameters, 0, &parameters)?;
+            self.gpu.write(&shard.parameters, 0, &tables.columns(shard.first, shard.num_envs))?;
         }
         self.tables = Arc::new(tables);
-        self.spec.max_episode_steps = task.time_limit_steps() as usize;
+        self.spec.max_episode_steps = batch::longest_episode(tasks);
+        self.spec.layout_limits = batch::layout_limits(tasks);
         Ok(self.command(0, 0, None)?)
+    }
+
+    fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
+        check::range(&self.spec, &envs)?;
+        let mut seen = Vec::with_capacity(envs.len());
+        for shard in &self.shards {
+            let from = |env: usize| env.clamp(shard.first, shard.first + shard.num_envs) - shard.first;
+            let cells = Cells::read(&self.gpu, shard, self.rows.count, from(envs.start)..from(envs.end))?;
+            seen.extend(cells.snapshots(&self.tables));
+        }
+        Ok(seen)
     }
 
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {
@@ -252,6 +314,10 @@ impl VectorEnv for GpuEnv {
 }
 
 impl GpuEnv {
+    fn counts(&self) -> Counts {
+        Counts { state: self.rows.count, task: self.tables.own_rows() }
+    }
+
     /// Header of its states.
     fn header(&self) -> Header {
         Header::of::<f32>(self.spec.num_envs, self.rows.count, &self.tables.identity)

@@ -4,6 +4,7 @@
 //! [`VectorEnv`](crate::VectorEnv) that copies actions in and results out; [`Shard`]s are what a learner on the card works
 //! with, without copies.
 
+mod cells;
 mod columns;
 mod env;
 mod physics;

@@ -1,6 +1,6 @@
 //! The environment as symbolic programs: the same generic code as on every other backend, run once on symbols.
 
-use crate::control::{Scratch, reseed, reset, simulate, step_and_autoreset};
+use crate::control::{Following, Judge, Scratch, Script, Unwatched, reseed, simulate, step_and_autoreset};
 use crate::parameters::World;
 use crate::state::EnvState;
 use crate::tables::Tables;
@@ -9,7 +9,7 @@ use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymMask, SymWord
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 use myo_tasks::logic::{Goal, Stay};
 
-/// Buffers of a step, in the order of their bindings; entries are counted per environment, but for `parameters`, which all share.
+/// Buffers of a step, in the order of their bindings; entries are counted per environment; `parameters` all share, but where every environment has its own.
 pub const STEP_BUFFERS: [&str; 7] =
     ["numbers", "words", "parameters", "actions", "observation", "final_observation", "result"];
 /// Bit of the buffer `command` that asks for a reset.
@@ -28,6 +28,8 @@ pub const RESULT_ROWS: usize = 3;
 const NUMBERS: Buffer = per_env(0);
 const WORDS: Buffer = per_env(1);
 const PARAMETERS: Buffer = shared(2);
+/// The same where every environment has numbers of its own.
+const OWN_PARAMETERS: Buffer = per_env(2);
 
 const fn per_env(binding: u32) -> Buffer {
     Buffer { binding, sharing: Sharing::PerEnv }
@@ -38,14 +40,22 @@ const fn shared(binding: u32) -> Buffer {
 }
 
 /// One control step with everything that belongs to it.
+///
+/// # Panics
+/// The tables are of environments with rules of one's own, which are recorded from the rules.
 pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
+    step_by(&Script, tables, autoreset, form)
+}
+
+/// The same under a judge.
+pub(crate) fn step_by(judge: &impl Judge, tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
     let [actions, observation, final_observation, result] = [3, 4, 5, 6].map(per_env);
     trace_as(form, || {
         let (world, mut env, mut ws) = load(tables);
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = actions.number(row);
         }
-        let outcome = step_and_autoreset(&world, autoreset, &mut env, &mut ws);
+        let outcome = step_and_autoreset(judge, &world, autoreset, &mut env, &mut ws);
         set_rows(observation, 0, &ws.next_observation);
         Sym::when(outcome.terminated | outcome.truncated, &mut Nothing, |_| {
             set_rows(final_observation, 0, &ws.observation);
@@ -58,7 +68,15 @@ pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
 }
 
 /// A reset by mask, and the observations of all environments.
+///
+/// # Panics
+/// As for [`step`].
 pub fn reset_program(tables: &Tables<f64>, form: Form) -> Program {
+    reset_by(&Script, tables, form)
+}
+
+/// The same under a judge.
+pub(crate) fn reset_by(judge: &impl Judge, tables: &Tables<f64>, form: Form) -> Program {
     let [command, observation] = [3, 4].map(per_env);
     let seed = shared(5);
     trace_as(form, || {
@@ -67,7 +85,7 @@ pub fn reset_program(tables: &Tables<f64>, form: Form) -> Program {
         let asked = |bit: u32| Sym::lit(0.5).lt(Sym::from_word(command & SymWord::splat(bit)));
         let (mask, anew): (SymMask, SymMask) = (asked(RESET), asked(RESEED));
         reseed([seed.word(0), seed.word(1)], anew, &mut env);
-        reset(&world, mask, &mut env, &mut ws);
+        judge.reset(&world, mask, &mut env, &mut ws);
         set_rows(observation, 0, &ws.next_observation);
         store(&mut env);
     })
@@ -81,18 +99,23 @@ pub fn physics(tables: &Tables<f64>, form: Form) -> Program {
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = ctrl.number(row);
         }
-        let mut stay = Stay::new(&env.task);
-        let goal = Goal::of(&world.parameters.task, &env.task);
-        simulate(&world, &goal, &mut env, &mut ws, &mut stay);
-        // Kept, so that following it counts.
-        (env.task.held, env.touch) = (stay.held, stay.touch);
+        if tables.rules.is_some() {
+            simulate(&world, &mut env, &mut ws, &mut Unwatched);
+        } else {
+            let goal = Goal::of(&world.parameters.task, &env.task);
+            let mut stay = Stay::new(&env.task, &goal);
+            simulate(&world, &mut env, &mut ws, &mut Following { goal: &goal, stay: &mut stay });
+            // Kept, so that following it counts.
+            (env.task.held, env.touch) = (stay.held, stay.touch);
+        }
         store(&mut env);
     })
 }
 
 fn load(tables: &Tables<f64>) -> (World<'_, Sym>, EnvState<Sym>, Scratch<Sym>) {
     let mut rows = 0..;
-    let parameter = &mut |_: &f64| PARAMETERS.number(rows.next().expect("there is no end"));
+    let numbers = if tables.own_numbers { OWN_PARAMETERS } else { PARAMETERS };
+    let parameter = &mut |_: &f64| numbers.number(rows.next().expect("there is no end"));
     let world = tables.with(tables.parameters.map(parameter));
     let mut env = EnvState::<Sym>::new(tables);
     for (row, x) in env.numbers().enumerate() {

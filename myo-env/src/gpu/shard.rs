@@ -3,6 +3,7 @@
 use super::program::{Bound, Compiled, check_size};
 use super::record::{self, RESET_BUFFERS, RESULT_ROWS, STEP_BUFFERS};
 use crate::config::BuildError;
+use crate::control::{Judge, Script};
 use crate::state::{EnvState, env_number};
 use crate::tables::Tables;
 use crate::vector::{Autoreset, EnvSpec};
@@ -41,11 +42,22 @@ impl Kernels {
     /// # Errors
     /// Kernels too large, refused, or the device lost.
     pub fn new(gpu: &Gpu, tables: &Tables<f64>, autoreset: Autoreset, form: Option<Form>) -> Result<Self, BuildError> {
+        Self::judged_by(&Script, gpu, tables, autoreset, form)
+    }
+
+    /// The same under a judge.
+    pub(super) fn judged_by(
+        judge: &impl Judge,
+        gpu: &Gpu,
+        tables: &Tables<f64>,
+        autoreset: Autoreset,
+        form: Option<Form>,
+    ) -> Result<Self, BuildError> {
         let form = form.unwrap_or_else(|| {
-            let straight = record::step(tables, autoreset, Form::Straight).operations();
+            let straight = record::step_by(judge, tables, autoreset, Form::Straight).operations();
             if straight > MAX_STRAIGHT { Form::Loops } else { Form::Straight }
         });
-        let (step, reset) = (record::step(tables, autoreset, form), record::reset_program(tables, form));
+        let (step, reset) = (record::step_by(judge, tables, autoreset, form), record::reset_by(judge, tables, form));
         [&step, &reset].into_iter().try_for_each(check_size)?;
         std::thread::scope(|scope| {
             let reset = scope.spawn(|| Compiled::new(gpu, "reset", &reset, &RESET_BUFFERS));

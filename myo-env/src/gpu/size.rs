@@ -10,15 +10,24 @@ use myo_gpu::{AdapterKind, Gpu, GpuError};
 /// Least size (bytes) that every card allows one buffer to have.
 const PORTABLE_BUFFER: usize = 128 << 20;
 
-/// Bytes on the device for each environment: state, actions, observations, summary, result, command.
-fn device_bytes(spec: &EnvSpec, count: usize) -> usize {
+/// Numbers of each environment on the device: of its state, and of its task where that is its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Counts {
+    /// Of the state.
+    pub state: usize,
+    /// Of the task.
+    pub task: usize,
+}
+
+/// Bytes on the device for each environment: state, task, actions, observations, summary, result, command.
+fn device_bytes(spec: &EnvSpec, counts: Counts) -> usize {
     let seen = 2 * spec.observation_size() + spec.action_size() + spec.episode_size();
-    4 * (count + WORDS + seen + RESULT_ROWS + 1)
+    4 * (counts.state + counts.task + WORDS + seen + RESULT_ROWS + 1)
 }
 
 /// Refuses what the machine or the card has no memory for. How much of a card's memory is free shows only when it is used up.
-pub fn check_memory(gpu: &Gpu, spec: &EnvSpec, count: usize) -> Result<(), BuildError> {
-    let (adapter, each) = (gpu.adapter(), device_bytes(spec, count));
+pub fn check_memory(gpu: &Gpu, spec: &EnvSpec, counts: Counts) -> Result<(), BuildError> {
+    let (adapter, each) = (gpu.adapter(), device_bytes(spec, counts));
     let each = each * gpu.groups();
     let is_software = adapter.kind == AdapterKind::Software;
     memory::check(spec.num_envs, spec.bytes_per_env() + if is_software { each } else { 0 })?;
@@ -41,11 +50,11 @@ fn check_device(num_envs: usize, bytes_each: usize, memory: Option<u64>, device:
 }
 
 /// Says for how many environments the memory of the card was wanted.
-pub fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, count: usize) -> BuildError {
+pub fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, counts: Counts) -> BuildError {
     match error {
         GpuError::OutOfMemory { .. } | GpuError::TooLarge { .. } => BuildError::OutOfGpuMemory {
             num_envs: spec.num_envs,
-            bytes: (spec.num_envs * gpu.groups()) as u64 * device_bytes(spec, count) as u64,
+            bytes: (spec.num_envs * gpu.groups()) as u64 * device_bytes(spec, counts) as u64,
             device: gpu.adapter().name.clone(),
             refusal: error,
         },
@@ -54,8 +63,9 @@ pub fn without_memory(error: GpuError, gpu: &Gpu, spec: &EnvSpec, count: usize) 
 }
 
 /// Environments whose widest buffer every card allows: a power of two.
-pub fn portable_envs(spec: &EnvSpec, count: usize) -> usize {
-    let widest = count.max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
+pub fn portable_envs(spec: &EnvSpec, counts: Counts) -> usize {
+    let widest =
+        counts.state.max(counts.task).max(spec.observation_size()).max(spec.action_size()).max(spec.episode_size());
     1 << (PORTABLE_BUFFER / (4 * widest)).ilog2()
 }
 

@@ -4,7 +4,7 @@
 use myo_env::{StepStorage, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_model::{Model, builtin};
-use myo_tasks::{Task, preset};
+use myo_tasks::{Instruction, Item, SphereItem, Task, preset};
 
 pub fn arm(task: &Task) -> Model {
     Model::new(&builtin(&task.model).unwrap()).unwrap()
@@ -29,6 +29,54 @@ pub fn short(name: &str) -> Task {
     let mut task = preset(name).unwrap();
     task.time_limit_s = 0.5;
     task
+}
+
+/// A sphere on its way, to be followed after a wait, and a cursor on a wall that follows it.
+pub fn following() -> Task {
+    following_with(&[])
+}
+
+/// The same with other numbers: pairs of a text in it and what stands there instead.
+pub fn following_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nname: following\nscene:\n  wall: {kind: obstacle, at: [1, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  \
+                ball: {kind: sphere, at: [0.99, [-0.1, 0.1], 0], radius: 0.3, moves: {kind: random, by: [0, 0.2, 0.2], period_s: 1}}\n  \
+                slow: {kind: sphere, at: [0.99, 0, 0], radius: [0.1, 0.3], moves: {kind: circle, diameter: 0.2, period_s: 3}}\n\
+                technique: {kind: cursor, onto: wall, at: [0.3, 0, -0.2], gain: 4}\nscript:\n  - wait: [0.05, 0.2]\n  \
+                - follow: {target: ball, for_s: 0.1}\n  - react: {among: [slow, ball], after_s: [0, 0.1], for_s: 0.05}\n\
+                time_limit_s: 0.5\n";
+    let changed = changes.iter().fold(text.to_owned(), |text, (old, new)| {
+        assert!(text.contains(old), "{old}");
+        text.replace(old, new)
+    });
+    Task::from_yaml(&changed, "following").unwrap()
+}
+
+/// Spheres in a drawn order and in any, a way between two of them, and a plate before the body, which presses that take back others.
+pub fn shuffled() -> Task {
+    let text = "version: 2\nname: shuffled\nscene:\n  wide: {kind: sphere, at: [[0.1, 0.4], [-0.3, 0.3], [-0.5, 0.1]], radius: 0.35, copies: 7}\n  \
+                plate: {kind: button, at: [0.25, 0, -0.2], size: [1.2, 0.9, 0.02], min_force_n: 0.05}\n  \
+                back: {kind: button, at: [0.25, 0, 0.4], size: [1.2, 0.3, 0.02], min_force_n: 0.05}\n\
+                stimulus: current\ncorrection: back\nscript:\n  - random_order: [{dwell: {in: [wide.1, wide.2, wide.3], for_s: 0.05}}]\n  \
+                - any_order: [{dwell: {in: [wide.4, wide.5, wide.6], for_s: 0.05}}, {press: plate}]\n  \
+                - steer: {through: [wide.7, wide.1], width: 0.3}\ntime_limit_s: 0.8\n";
+    Task::from_yaml(text, "shuffled").unwrap()
+}
+
+/// A sphere of a task's scene, to be changed.
+pub fn sphere<'a>(task: &'a mut Task, name: &str) -> &'a mut SphereItem {
+    match task.scene.0.get_mut(name) {
+        Some(Item::Sphere(sphere)) => sphere,
+        other => panic!("{name} is {other:?}"),
+    }
+}
+
+/// Makes every dwell of a script so long.
+pub fn dwell_for(task: &mut Task, seconds: f64) {
+    for instruction in &mut task.script {
+        if let Instruction::Dwell(dwell) = instruction {
+            dwell.for_s = seconds;
+        }
+    }
 }
 
 /// Reproducible actions in [-1, 1], different in every environment.

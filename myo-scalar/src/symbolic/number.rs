@@ -200,6 +200,7 @@ impl Scalar for Sym {
     type Word = SymWord;
     const LANES: usize = 1;
     const EPSILON: f64 = f32::EPSILON as f64;
+    const READS_ROWS: bool = true;
 
     fn splat(c: f64) -> Self {
         Self(with_graph(|graph| graph.number(c)))

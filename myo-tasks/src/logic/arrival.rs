@@ -3,7 +3,7 @@
 //! Whether a dwell is over is judged at the ends of control steps. When the fingertip got there, and whether it pressed and
 //! let go, is followed in between, so that movement times are as fine as the physics and know nothing of the control step.
 
-use super::{CompiledTask, Goal, Point, TaskState, difference};
+use super::{CompiledTask, Goal, GoalButton, Point, Steering, TaskState, difference, is_same};
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
 /// Contact of the fingertip with a box in a physics step.
@@ -24,8 +24,8 @@ pub struct Stay<S> {
     pub held: S,
     /// Greatest force on the button within the control step (N).
     pub touch: S,
-    /// Physics steps from the onset of the contact that first pressed the button, within the control step, until now; zero
-    /// without one.
+    /// Physics steps from the onset of the contact that first pressed the button, or from the arrival at the end of a way, within
+    /// the control step, until now; zero without one.
     pub pressed: S,
     /// One where the button was pressed, and let go within the control step.
     pub let_go: S,
@@ -37,63 +37,131 @@ pub struct Stay<S> {
     pub wrong: S,
     /// Presses of buttons that were not asked for, within the control step.
     pub wrong_presses: S,
+    /// Where the current handle stands, as a share of its way.
+    pub value: S,
+    /// How far the current way has been gone.
+    pub steering: Steering<S>,
+    /// Physics steps of the control step that have passed.
+    pub passed: S,
 }
 
 impl<S: Scalar> Stay<S> {
     /// At the beginning of a control step.
     #[inline(always)]
-    pub fn new(state: &TaskState<S>) -> Self {
+    pub fn new(state: &TaskState<S>, goal: &Goal<S>) -> Self {
         let o = S::zero();
         let TaskState { held, down, old, wrong, .. } = *state;
-        Self { held, touch: o, pressed: o, let_go: o, down, old, wrong, wrong_presses: o }
+        let value = goal.drag().map_or(o, |drag| drag.value);
+        let steering = state.steering.map_or_else(Steering::new, |steering| Steering { exits: o, ..steering });
+        Self { held, touch: o, pressed: o, let_go: o, down, old, wrong, wrong_presses: o, value, steering, passed: o }
     }
 
-    /// Counts a physics step that began with this fingertip and these contacts.
+    /// Counts a physics step that began with the pointer here and these contacts; `share` of a control step is a physics step.
     #[inline(always)]
     pub fn follow(
         &mut self,
         task: &CompiledTask<S>,
         goal: &Goal<S>,
-        fingertip: Point<S>,
+        pointer: Point<S>,
+        share: f64,
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
         let one = S::lit(1.0);
         let mut on = S::Mask::splat(false);
         if task.kinds.dwell {
-            let [x, y, z] = difference(fingertip, goal.centre);
+            let [x, y, z] = difference(pointer, goal.centre_after(self.passed * S::lit(share)));
             on = x.mul_add(x, y.mul_add(y, z * z)).lt(goal.size * goal.size) & !goal.is_press;
+            if let Some(is_lit) = goal.is_lit {
+                on = on & is_lit;
+            }
+        }
+        if task.kinds.motion {
+            self.passed += one;
+        }
+        let mut arrives = S::Mask::splat(false);
+        if let Some(steer) = &goal.steer {
+            arrives = self.steering.follow(steer, pointer);
+            if let Some(is_lit) = goal.is_lit {
+                arrives = arrives & is_lit;
+            }
         }
         let Some(button) = &goal.button else {
             self.held = (self.held + one).only(on);
+            if goal.steer.is_some() {
+                self.press(S::indicator(arrives));
+            }
             return;
         };
         let (touches, force) = touch(contacts.clone(), button.number);
         self.held = (self.held + one).only(on | touches);
         self.touch = self.touch.max(force);
-        let mut presses = touches & button.shape.min_force.le(force);
+        let mut presses = touches & button.min_force.le(force);
         if task.kinds.release {
             presses = presses & !is_same(button.number, self.old);
         }
-        let before = S::zero().lt(self.pressed);
-        self.pressed = S::select(before, self.pressed + one, self.held.only(presses));
+        if let Some(drag) = &button.drag {
+            let is_on_handle = (drag.share(pointer) - self.value).abs().le(drag.half);
+            presses = presses & (is_on_handle | !drag.is_drag);
+        }
+        self.press(S::select(arrives, one, self.held.only(presses)));
         if task.kinds.release {
             self.down = S::select(presses, one, self.down);
-            let lets_go = S::lit(0.5).lt(self.down) & !touches;
-            self.let_go = S::select(lets_go, one, self.let_go);
-            self.down = S::select(lets_go, S::zero(), self.down);
+            self.release(button, pointer, touches);
             let (touches_old, _) = touch(contacts.clone(), self.old);
             self.old = S::select(touches_old, self.old, S::lit(-1.0));
-            self.watch_others(task, button.number, contacts);
+            self.watch_others(task, button, contacts.clone());
         }
+        if let Some(is_lit) = goal.is_lit {
+            self.rest(is_lit, contacts);
+        }
+    }
+
+    /// Counts the physics steps since what was first done within the control step; `since` it where that is now.
+    #[inline(always)]
+    fn press(&mut self, since: S) {
+        let before = S::zero().lt(self.pressed);
+        self.pressed = S::select(before, self.pressed + S::lit(1.0), since);
+    }
+
+    /// What is down may be moved, and may be let go.
+    #[inline(always)]
+    fn release(&mut self, button: &GoalButton<S>, pointer: Point<S>, touches: S::Mask) {
+        let is_down = S::lit(0.5).lt(self.down);
+        let mut counts = is_down & !touches;
+        if let Some(drag) = &button.drag {
+            let value = drag.share(pointer).clamp(0.0, 1.0);
+            self.value = S::select(is_down & touches & drag.is_drag, value, self.value);
+            counts = counts & ((drag.to - self.value).abs().le(drag.within) | !drag.is_drag);
+        }
+        self.let_go = S::select(counts, S::lit(1.0), self.let_go);
+        self.down = S::select(is_down & !touches, S::zero(), self.down);
+    }
+
+    /// What was pressed before the step counts must be let go before it can be pressed for it; the press was a wrong one.
+    #[inline(always)]
+    fn rest(&mut self, is_lit: S::Mask, contacts: impl Iterator<Item = Contact<S>>) {
+        let mut touched = S::lit(-1.0);
+        for contact in contacts {
+            touched = S::select(contact.exists, contact.number, touched);
+        }
+        let is_new = !is_lit & S::lit(0.5).lt(self.wrong) & self.old.lt(S::zero());
+        self.old = S::select(is_new, touched, self.old);
     }
 
     /// Counts presses of boxes that are neither to be pressed nor still down from the step before. From the first one to where no such
     /// box is touched any more is one press.
     #[inline(always)]
-    fn watch_others(&mut self, task: &CompiledTask<S>, number: S, contacts: impl Iterator<Item = Contact<S>> + Clone) {
+    fn watch_others(
+        &mut self,
+        task: &CompiledTask<S>,
+        button: &GoalButton<S>,
+        contacts: impl Iterator<Item = Contact<S>> + Clone,
+    ) {
         let old = self.old;
-        let others =
-            contacts.map(|c| Contact { exists: c.exists & !is_same(c.number, number) & !is_same(c.number, old), ..c });
+        let others = contacts.map(|contact| {
+            let is_meant = is_meant(task, button, contact.number);
+            Contact { exists: contact.exists & !is_meant & !is_same(contact.number, old), ..contact }
+        });
         let mut touched = S::Mask::splat(false);
         for contact in others.clone() {
             touched = touched | contact.exists;
@@ -128,6 +196,17 @@ impl<S: Scalar> Carried<S> for Wrong<'_, S> {
     }
 }
 
+/// Whether the box of this number may be pressed: it is the one to be pressed, one that may be pressed as well, or the one that
+/// corrects.
+#[inline(always)]
+fn is_meant<S: Scalar>(task: &CompiledTask<S>, button: &GoalButton<S>, number: S) -> S::Mask {
+    let mut is_meant = is_same(number, button.number);
+    for &open in &button.open {
+        is_meant = is_meant | is_same(number, open);
+    }
+    task.correction.map_or(is_meant, |correction| is_meant | is_same(number, correction))
+}
+
 /// Whether the box of this number is touched, and how hard.
 #[inline(always)]
 fn touch<S: Scalar>(contacts: impl Iterator<Item = Contact<S>>, number: S) -> (S::Mask, S) {
@@ -138,10 +217,4 @@ fn touch<S: Scalar>(contacts: impl Iterator<Item = Contact<S>>, number: S) -> (S
         force += contact.force.only(here);
     }
     (touches, force)
-}
-
-/// Whether two whole numbers are equal.
-#[inline(always)]
-fn is_same<S: Scalar>(a: S, b: S) -> S::Mask {
-    (a - b).abs().lt(S::lit(0.5))
 }

@@ -1,9 +1,10 @@
 //! The task in numbers.
 
-use crate::stage::{Action, Block, Object, Shape, Stage, Step};
-use crate::{InvalidTask, Reward, Task};
+use super::{DragStep, Handle, Pointer, SteerStep, StepCue, Waves};
+use crate::flat::{Action, Block, FlatTask, Object, Order, Shape, Step};
+use crate::{InvalidTask, Reward, Stimulus, Task};
+use myo_model::StaticBox;
 use myo_scalar::Real;
-use nalgebra::Vector3;
 
 /// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
 /// shoulder centre, times in control steps, forces N.
@@ -20,6 +21,26 @@ pub struct CompiledTask<T> {
     pub steps: Vec<TaskStep<T>>,
     /// Which kinds of steps there are.
     pub kinds: Kinds,
+    /// How each sphere moves; none where all stand still.
+    pub waves: Vec<Waves<T>>,
+    /// Handles of sliders, in the order of the scene.
+    pub handles: Vec<Handle<T>>,
+    /// Of each step, where it wants a handle; none where there are no sliders to be dragged.
+    pub drags: Vec<DragStep<T>>,
+    /// Of each step, what must be waited for; none where all count at once.
+    pub cues: Vec<StepCue<T>>,
+    /// Numbers of the objects that steps with a choice choose from.
+    pub choices: Vec<T>,
+    /// Of each step, one where all the time inside is added up; none where there is no such step.
+    pub follows: Vec<T>,
+    /// The way of each step; none where no step has one.
+    pub steers: Vec<SteerStep<T>>,
+    /// Steps that change places with each other; empty where all stand where they are written.
+    pub orders: Vec<Order>,
+    /// Number of the box that corrects a wrong press, where each must be corrected.
+    pub correction: Option<T>,
+    /// What points.
+    pub pointer: Pointer<T>,
     /// Control steps until the episode is cut.
     pub time_limit: T,
     /// Reward weights.
@@ -31,10 +52,23 @@ pub struct CompiledTask<T> {
 pub struct Kinds {
     /// Some step is a dwell.
     pub dwell: bool,
-    /// Some step is a press.
+    /// Some step is a press, or a press corrects.
     pub press: bool,
-    /// It matters when a button is let go, and what else is pressed: some step asks to let go, or there are several presses or boxes.
+    /// It matters when a button is let go, and what else is pressed: some step asks to let go or must be waited for, there are
+    /// several presses or boxes, or wrong presses must be corrected.
     pub release: bool,
+    /// Some step is to follow something.
+    pub follow: bool,
+    /// Some step drags a handle.
+    pub drag: bool,
+    /// Some step must be waited for.
+    pub cue: bool,
+    /// Some sphere moves.
+    pub motion: bool,
+    /// Some step is a way.
+    pub steer: bool,
+    /// What comes next is shown.
+    pub next: bool,
 }
 
 /// [`Reward`] per control step.
@@ -54,6 +88,8 @@ pub struct Weights<T> {
     pub completion_bonus: T,
     /// Per press of a button that was not asked for.
     pub wrong_press: T,
+    /// Per time that a way was left.
+    pub exit: T,
     /// Per squared control.
     pub neural_effort: T,
     /// Per squared acceleration.
@@ -91,14 +127,8 @@ pub enum Which {
 /// A box that can be touched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TouchBox<T> {
-    /// Centre.
-    pub centre: [T; 3],
-    /// Own axes as columns: up the face, across it, out of it.
-    pub axes: [[T; 3]; 3],
-    /// Half sizes along the own axes.
-    pub half_size: [T; 3],
-    /// Radius of the ball around it.
-    pub radius: T,
+    /// Where it is, and how large; axes of a button: up the face, across it, out of it.
+    pub shape: StaticBox<T>,
     /// Force that counts as pressed.
     pub min_force: T,
 }
@@ -122,18 +152,34 @@ impl<C: Real> CompiledTask<C> {
     /// # Errors
     /// What is wrong with its values.
     pub fn new(task: &Task) -> Result<Self, InvalidTask> {
-        let stage = task.stage()?;
-        let numbers = Numbers::of(&stage);
+        Ok(Self::of(task, &task.flat()?))
+    }
+
+    /// The same of a task whose [flat form](Task::flat) or [scenery](Task::scenery) this is. Without steps there is nothing to judge: no goal can be
+    /// asked for.
+    pub fn of(task: &Task, flat: &FlatTask) -> Self {
+        let numbers = Numbers::of(flat);
         let sphere = |(number, object): (usize, &Object)| sphere(object, number, &numbers);
         let step = |step: &Step| TaskStep::new(step, numbers.0[step.object], task.control_dt_s);
-        Ok(Self {
-            spheres: stage.objects.iter().enumerate().filter_map(sphere).collect(),
-            boxes: stage.objects.iter().filter_map(|object| object.block().map(TouchBox::new)).collect(),
-            steps: stage.steps.iter().map(step).collect(),
-            kinds: Kinds::of(&stage),
+        let kinds = Kinds::of(flat);
+        Self {
+            waves: if kinds.motion { waves(flat, task.control_dt_s) } else { vec![] },
+            handles: if kinds.drag { handles(flat) } else { vec![] },
+            drags: if kinds.drag { drags(flat) } else { vec![] },
+            cues: if kinds.cue { cues(flat, task.control_dt_s) } else { vec![] },
+            choices: flat.steps.iter().flat_map(|step| &step.among).map(|&object| numbers.number(object)).collect(),
+            follows: if kinds.follow { follows(flat) } else { vec![] },
+            steers: if kinds.steer { steers(flat, &numbers) } else { vec![] },
+            orders: flat.orders.clone(),
+            correction: flat.correction.map(|object| numbers.number(object)),
+            pointer: Pointer::new(flat),
+            spheres: flat.objects.iter().enumerate().filter_map(sphere).collect(),
+            boxes: flat.objects.iter().filter_map(|object| object.block().map(TouchBox::new)).collect(),
+            steps: flat.steps.iter().map(step).collect(),
+            kinds,
             time_limit: C::from_f64(f64::from(task.time_limit_steps())),
             weights: Weights::new(&task.reward, task.control_dt_s),
-        })
+        }
     }
 }
 
@@ -146,6 +192,16 @@ impl<T> CompiledTask<T> {
             boxes: self.boxes.iter().map(|each| each.map(f)).collect(),
             steps: self.steps.iter().map(|step| step.map(f)).collect(),
             kinds: self.kinds,
+            waves: self.waves.iter().map(|waves| waves.map(f)).collect(),
+            handles: self.handles.iter().map(|handle| handle.map(f)).collect(),
+            drags: self.drags.iter().map(|drag| drag.map(f)).collect(),
+            cues: self.cues.iter().map(|cue| cue.map(f)).collect(),
+            choices: self.choices.iter().map(&mut *f).collect(),
+            follows: self.follows.iter().map(&mut *f).collect(),
+            steers: self.steers.iter().map(|steer| steer.map(f)).collect(),
+            orders: self.orders.clone(),
+            correction: self.correction.as_ref().map(&mut *f),
+            pointer: self.pointer.map(f),
             time_limit: f(&self.time_limit),
             weights: self.weights.map(f),
         }
@@ -153,15 +209,23 @@ impl<T> CompiledTask<T> {
 }
 
 impl Kinds {
-    fn of(stage: &Stage) -> Self {
-        let is_dwell = |step: &Step| matches!(step.action, Action::Dwell(_));
-        let asks_for_release = |step: &Step| step.action == Action::PressAndRelease;
-        let presses = stage.steps.iter().filter(|step| !is_dwell(step)).count();
-        let boxes = stage.objects.iter().filter(|object| object.block().is_some()).count();
+    fn of(flat: &FlatTask) -> Self {
+        let any = |is: fn(&Step) -> bool| flat.steps.iter().any(is);
+        let presses = flat.steps.iter().filter(|step| step.dwell_s().is_none()).count();
+        let boxes = flat.objects.iter().filter(|object| object.block().is_some()).count();
+        let (drag, cue) = (any(|step| matches!(step.action, Action::Drag { .. })), any(|step| step.cue.is_some()));
+        let corrects = flat.correction.is_some();
+        let asks_for_release = drag || corrects || any(|step| step.action == Action::PressAndRelease);
         Self {
-            dwell: stage.steps.iter().any(is_dwell),
-            press: presses > 0,
-            release: stage.steps.iter().any(asks_for_release) || presses > 0 && presses.max(boxes) > 1,
+            dwell: any(|step| step.dwell_s().is_some()),
+            press: presses > 0 || corrects,
+            release: asks_for_release || presses > 0 && (cue || presses.max(boxes) > 1),
+            follow: any(|step| matches!(step.action, Action::Follow(_))),
+            drag,
+            cue,
+            motion: flat.objects.iter().filter_map(Object::sphere).any(|sphere| sphere.path.is_some()),
+            steer: any(|step| matches!(step.action, Action::Steer { .. })),
+            next: flat.stimulus == Stimulus::All,
         }
     }
 }
@@ -170,14 +234,59 @@ impl Kinds {
 struct Numbers(Vec<Which>);
 
 impl Numbers {
-    fn of(stage: &Stage) -> Self {
+    fn of(flat: &FlatTask) -> Self {
         let (mut spheres, mut boxes) = (0.., 0..);
         let number = |object: &Object| match object.shape {
             Shape::Sphere(_) => Which::Sphere(spheres.next().expect("there is no end")),
-            Shape::Button(_) | Shape::Obstacle(_) => Which::Box(boxes.next().expect("there is no end")),
+            Shape::Button(_) | Shape::Obstacle(_) | Shape::Slider(_) => {
+                Which::Box(boxes.next().expect("there is no end"))
+            }
         };
-        Self(stage.objects.iter().map(number).collect())
+        Self(flat.objects.iter().map(number).collect())
     }
+
+    fn number<C: Real>(&self, object: usize) -> C {
+        let (Which::Sphere(number) | Which::Box(number)) = self.0[object];
+        C::from_f64(number as f64)
+    }
+}
+
+fn waves<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<Waves<C>> {
+    let spheres = flat.objects.iter().filter_map(Object::sphere);
+    spheres.map(|sphere| Waves::new(sphere.path.as_ref(), control_dt_s)).collect()
+}
+
+fn handles<C: Real>(flat: &FlatTask) -> Vec<Handle<C>> {
+    let handle = |(number, object): (usize, &Object)| match &object.shape {
+        Shape::Slider(slider) => Some(Handle::new(slider, number)),
+        _ => None,
+    };
+    flat.objects.iter().enumerate().filter_map(handle).collect()
+}
+
+fn drags<C: Real>(flat: &FlatTask) -> Vec<DragStep<C>> {
+    let is_slider = |object: &&Object| matches!(object.shape, Shape::Slider(_));
+    let slider = |object: usize| flat.objects[..object].iter().filter(is_slider).count();
+    flat.steps.iter().map(|step| DragStep::new(step, slider)).collect()
+}
+
+fn cues<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<StepCue<C>> {
+    let mut first = 0;
+    let cue = |step: &Step| {
+        let cue = StepCue::new(step, flat, first, control_dt_s);
+        first += step.among.len();
+        cue
+    };
+    flat.steps.iter().map(cue).collect()
+}
+
+fn follows<C: Real>(flat: &FlatTask) -> Vec<C> {
+    let follows = |step: &Step| C::from_f64(f64::from(u8::from(matches!(step.action, Action::Follow(_)))));
+    flat.steps.iter().map(follows).collect()
+}
+
+fn steers<C: Real>(flat: &FlatTask, numbers: &Numbers) -> Vec<SteerStep<C>> {
+    flat.steps.iter().map(|step| SteerStep::new(step, |object| numbers.number(object))).collect()
 }
 
 fn sphere<C: Real>(object: &Object, number: usize, numbers: &Numbers) -> Option<DrawnSphere<C>> {
@@ -212,14 +321,11 @@ impl<T> DrawnSphere<T> {
 
 impl<C: Real> TouchBox<C> {
     fn new(block: &Block) -> Self {
-        let c = C::from_f64;
-        let column = |k: usize| [0, 1, 2].map(|row| c(block.rotation[(row, k)]));
+        let column = |k: usize| [0, 1, 2].map(|row| block.rotation[(row, k)]);
+        let shape = StaticBox::new(block.centre, [0, 1, 2].map(column), block.half_extents());
         Self {
-            centre: block.centre.map(c),
-            axes: [column(0), column(1), column(2)],
-            half_size: block.half_extents().map(c),
-            radius: c(Vector3::from(block.half_extents()).norm()),
-            min_force: c(block.min_force_n.min(f64::from(f32::MAX))),
+            shape: shape.map(&mut |&x| C::from_f64(x)),
+            min_force: C::from_f64(block.min_force_n.min(f64::from(f32::MAX))),
         }
     }
 }
@@ -227,13 +333,7 @@ impl<C: Real> TouchBox<C> {
 impl<T> TouchBox<T> {
     #[inline(always)]
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> TouchBox<U> {
-        TouchBox {
-            centre: self.centre.each_ref().map(&mut *f),
-            axes: self.axes.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
-            half_size: self.half_size.each_ref().map(&mut *f),
-            radius: f(&self.radius),
-            min_force: f(&self.min_force),
-        }
+        TouchBox { shape: self.shape.map(f), min_force: f(&self.min_force) }
     }
 }
 
@@ -241,16 +341,17 @@ impl<T: Copy> TouchBox<T> {
     /// All numbers, in the order of the fields.
     #[inline(always)]
     pub(super) fn row(&self) -> [T; 17] {
-        let ([x, y, z], [h, w, d]) = (self.centre, self.half_size);
-        let [[a, b, c], [e, f, g], [i, j, k]] = self.axes;
-        [x, y, z, a, b, c, e, f, g, i, j, k, h, w, d, self.radius, self.min_force]
+        let StaticBox { centre: [x, y, z], radius, .. } = self.shape;
+        let [a, b, c, e, f, g, i, j, k, h, w, d] = self.shape.sides();
+        [x, y, z, a, b, c, e, f, g, i, j, k, h, w, d, radius, self.min_force]
     }
 
     /// The opposite of [`row`](Self::row).
     #[inline(always)]
     pub(super) fn from_row(row: [T; 17]) -> Self {
         let [x, y, z, a, b, c, e, f, g, i, j, k, h, w, d, radius, min_force] = row;
-        Self { centre: [x, y, z], axes: [[a, b, c], [e, f, g], [i, j, k]], half_size: [h, w, d], radius, min_force }
+        let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
+        Self { shape: StaticBox { centre: [x, y, z], axes, half_size, radius }, min_force }
     }
 }
 
@@ -263,7 +364,7 @@ impl<C: Real> TaskStep<C> {
             is_press: truth(step.dwell_s().is_none()),
             object: c(object as f64),
             dwell: c(f64::from(step.dwell_steps(control_dt_s))),
-            releases: truth(step.action == Action::PressAndRelease),
+            releases: truth(matches!(step.action, Action::PressAndRelease | Action::Drag { .. })),
         }
     }
 }
@@ -291,6 +392,7 @@ impl<T> Weights<T> {
             subtask_bonus: f(&self.subtask_bonus),
             completion_bonus: f(&self.completion_bonus),
             wrong_press: f(&self.wrong_press),
+            exit: f(&self.exit),
             neural_effort: f(&self.neural_effort),
             acceleration_effort: f(&self.acceleration_effort),
         }
@@ -308,6 +410,7 @@ impl<C: Real> Weights<C> {
             subtask_bonus: c(reward.subtask_bonus),
             completion_bonus: c(reward.completion_bonus),
             wrong_press: c(reward.wrong_press),
+            exit: c(reward.exit),
             neural_effort: c(reward.neural_effort),
             acceleration_effort: c(reward.acceleration_effort),
         }

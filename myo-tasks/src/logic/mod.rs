@@ -5,17 +5,29 @@
 
 mod arrival;
 mod compile;
+mod cue;
 mod goal;
+mod order;
+mod pointer;
 mod progress;
 mod reward;
 mod sample;
+mod slide;
+mod steer;
+mod waves;
 
 pub use arrival::{Contact, Stay};
 pub use compile::{CompiledTask, DrawnSphere, Kinds, TaskStep, TouchBox, Weights, Which};
-pub use goal::{Goal, GoalButton, centre_ahead};
+pub use cue::{CueState, StepCue, begin_step};
+pub use goal::{Goal, GoalButton, begins_at, centre_ahead, sphere};
+pub use order::choose_nearest;
+pub use pointer::{Face, Landmarks, Pointer};
 pub use progress::{Progress, Sensed, advance, inside};
 pub use reward::{RewardTerms, distance_to_goal, remaining_path, reward};
-pub use sample::{MAX_DRAWS, draw_spheres};
+pub use sample::{MAX_DRAWS, draw_objects};
+pub use slide::{DragStep, GoalDrag, Handle};
+pub use steer::{GoalSteer, SteerStep, Steering};
+pub use waves::{Wave, Waves};
 
 use myo_scalar::Scalar;
 
@@ -32,6 +44,18 @@ pub struct TaskState<S> {
     pub position: Vec<Point<S>>,
     /// Radius of each sphere (m).
     pub size: Vec<S>,
+    /// Where the waves of each sphere's path begin (turns); empty where nothing moves.
+    pub phases: Vec<[S; 4]>,
+    /// Where the handle of each slider stands, as a share of its way; empty where none is dragged.
+    pub values: Vec<S>,
+    /// Which step stands at each place of the script; empty where all stand where they are written.
+    pub order: Vec<S>,
+    /// What the current step waits for; none where all count at once and in the order of the script.
+    pub cue: Option<CueState<S>>,
+    /// Wrong presses that are still to be corrected; none where none must be.
+    pub errors: Option<S>,
+    /// How far the current way has been gone; none where no step has one.
+    pub steering: Option<Steering<S>>,
     /// Number of steps done.
     pub phase: S,
     /// Control steps inside the current sphere without a break.
@@ -56,11 +80,17 @@ pub struct TaskState<S> {
 impl<S: Scalar> TaskState<S> {
     /// Before the first episode.
     #[inline(always)]
-    pub fn new(spheres: usize, steps: usize) -> Self {
-        let o = S::zero();
+    pub fn new<T>(task: &CompiledTask<T>) -> Self {
+        let (o, spheres, steps) = (S::zero(), task.spheres.len(), task.steps.len());
         Self {
             position: vec![[o; 3]; spheres],
             size: vec![o; spheres],
+            phases: vec![[o; 4]; task.waves.len()],
+            values: vec![o; task.handles.len()],
+            order: if task.orders.is_empty() { vec![] } else { (0..steps).map(|step| S::lit(step as f64)).collect() },
+            cue: (task.kinds.cue || !task.orders.is_empty()).then(|| CueState::new(steps)),
+            steering: task.kinds.steer.then(Steering::new),
+            errors: task.correction.is_some().then(S::zero),
             phase: o,
             dwell: o,
             held: o,
@@ -77,23 +107,79 @@ impl<S: Scalar> TaskState<S> {
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
         let marks = [&mut self.held, &mut self.down, &mut self.wrong];
-        for counter in marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]) {
+        let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
+        let steering = self.steering.iter_mut().flat_map(Steering::kept);
+        for counter in counters.chain(&mut self.errors).chain(steering) {
             *counter = S::select(mask, S::zero(), *counter);
         }
-        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain([&mut self.old]) {
+        let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
+        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain(shown_at).chain([&mut self.old]) {
             *at = S::select(mask, S::lit(-1.0), *at);
         }
     }
 
-    /// Where step `index` is the current one; after the last is done it stays the current one.
+    /// Number of the step that comes `ahead` of the current one, where there is one.
     #[inline(always)]
-    pub fn is_current(&self, index: usize) -> S::Mask {
-        let last = index + 1 == self.done_at.len();
-        let reached = S::lit(index as f64 - 0.5).lt(self.phase);
-        if last { reached } else { reached & self.phase.lt(S::lit(index as f64 + 0.5)) }
+    pub fn step_ahead(&self, ahead: usize) -> S {
+        let place = self.phase + S::lit(ahead as f64);
+        if self.order.is_empty() {
+            return place;
+        }
+        let [step] = S::gather(self.order.len(), |k| [self.order[k]], place);
+        step
     }
 
-    /// Centre and radius of the sphere of this number.
+    /// Where a wrong press is to be corrected before anything else.
+    #[inline(always)]
+    pub fn corrects(&self) -> Option<S::Mask> {
+        self.errors.map(|errors| S::lit(0.5).lt(errors))
+    }
+
+    /// Where step `index` is the current one, whose number is `current`; after the last is done it stays the current one.
+    #[inline(always)]
+    pub fn is_current(&self, current: S, index: usize) -> S::Mask {
+        if !self.order.is_empty() {
+            return is_same(current, S::lit(index as f64));
+        }
+        let last = index + 1 == self.done_at.len();
+        let reached = S::lit(index as f64 - 0.5).lt(current);
+        if last { reached } else { reached & current.lt(S::lit(index as f64 + 0.5)) }
+    }
+
+    /// Every number, in a fixed order.
+    #[inline(always)]
+    pub fn numbers(&mut self) -> impl Iterator<Item = &mut S> {
+        // All fields are named, so that a new one cannot be forgotten.
+        let Self {
+            position,
+            size,
+            phases,
+            values,
+            order,
+            cue,
+            steering,
+            errors,
+            phase,
+            dwell,
+            held,
+            down,
+            old,
+            wrong,
+            step,
+            done_at,
+            reached_at,
+        } = self;
+        let objects = position.iter_mut().flatten().chain(size).chain(phases.iter_mut().flatten());
+        let cue = cue
+            .iter_mut()
+            .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
+        let times = done_at.iter_mut().chain(reached_at);
+        let steering = steering.iter_mut().flat_map(Steering::kept);
+        let counters = [phase, dwell, held, down, old, step, wrong];
+        objects.chain(values).chain(order).chain(cue).chain(times).chain(counters).chain(errors).chain(steering)
+    }
+
+    /// Place and radius of the sphere of this number.
     #[inline(always)]
     fn sphere(&self, number: S) -> (Point<S>, S) {
         let sphere = |index: usize| {
@@ -115,6 +201,12 @@ pub(crate) fn select_point<S: Scalar>(mask: S::Mask, a: Point<S>, b: Point<S>) -
 #[inline(always)]
 pub fn difference<S: Scalar>(a: Point<S>, b: Point<S>) -> Point<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Whether two whole numbers are equal.
+#[inline(always)]
+pub(crate) fn is_same<S: Scalar>(a: S, b: S) -> S::Mask {
+    (a - b).abs().lt(S::lit(0.5))
 }
 
 /// Length of a vector (m).

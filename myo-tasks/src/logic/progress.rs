@@ -1,13 +1,15 @@
 //! Whether the current step is done.
 
-use super::{CompiledTask, Goal, Point, Stay, TaskState, difference, norm};
+use super::{CompiledTask, Goal, Landmarks, Point, Stay, TaskState, difference, norm};
 use myo_scalar::Scalar;
 
 /// What the task sees of the body after a control step.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensed<S> {
-    /// Position of the fingertip (m, from the shoulder centre).
-    pub fingertip: Point<S>,
+    /// Where the body is.
+    pub body: Landmarks<S>,
+    /// Position of what points (m, from the shoulder centre): the fingertip, or what the technique makes of the posture.
+    pub pointer: Point<S>,
     /// What it did with the current object during the control step.
     pub stay: Stay<S>,
     /// Physics step at the end of the control step, counted from the reset.
@@ -25,9 +27,12 @@ pub struct Progress<S: Scalar> {
     pub timed_out: S::Mask,
     /// How often a button was pressed that was not asked for.
     pub wrong_presses: S,
+    /// How often a way was left.
+    pub exits: S,
 }
 
-/// Counts the control step, judges the current step of the task, and moves on to the next one when it is done. The dwell counter
+/// Counts the control step, judges the current step of the task or the correction of a wrong press, and moves on to the next one
+/// when it is done. The dwell counter
 /// starts again whenever the fingertip leaves and with every new step of the task.
 ///
 /// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it or
@@ -41,8 +46,13 @@ pub fn advance<S: Scalar>(
     state: &mut TaskState<S>,
 ) -> Progress<S> {
     let one = S::lit(1.0);
-    let is_inside = inside(sensed, goal);
-    let longer = (state.dwell + one).only(is_inside);
+    let is_inside = inside_after(sensed, goal) & goal.lit();
+    // Where all the time inside is added up, leaving breaks nothing.
+    let left = goal.follows.map_or(S::zero(), |follows| state.dwell.only(follows));
+    let mut longer = S::select(is_inside, state.dwell + one, left);
+    if let Some(corrects) = goal.corrects {
+        longer = longer.only(!corrects);
+    }
     let (mut reached, mut done) = (is_inside & state.dwell.lt(S::lit(0.5)), goal.dwell.le(longer));
     if let Some(button) = &goal.button {
         let pressed = S::zero().lt(sensed.stay.pressed);
@@ -51,23 +61,62 @@ pub fn advance<S: Scalar>(
         reached = (goal.is_press & pressed) | (!goal.is_press & reached);
         done = (goal.is_press & is_over) | (!goal.is_press & done);
     }
+    if let Some(steer) = &goal.steer {
+        let arrived = S::zero().lt(sensed.stay.pressed);
+        longer = longer.only(!steer.is_steer);
+        reached = (steer.is_steer & arrived) | (!steer.is_steer & reached);
+        done = (steer.is_steer & arrived) | (!steer.is_steer & done);
+    }
     state.step += one;
     let reached_at = sensed.now - sensed.stay.since_arrival();
+    // What corrects a wrong press is none of the steps.
+    let is_over = done;
+    if let Some(corrects) = goal.corrects {
+        (reached, done) = (reached & !corrects, done & !corrects);
+        count_errors(&sensed.stay, is_over & corrects, state);
+    }
+    let number = state.step_ahead(0);
     for index in 0..task.steps.len() {
-        let current = state.is_current(index);
+        let current = state.is_current(number, index);
         state.reached_at[index] = S::select(current & reached, reached_at, state.reached_at[index]);
         state.done_at[index] = S::select(current & done, state.step, state.done_at[index]);
+        if let Some(cue) = &mut state.cue {
+            cue.shown_at[index] = S::select(current, cue.lit_at, cue.shown_at[index]);
+        }
     }
-    state.dwell = S::select(done, S::zero(), longer);
-    state.held = S::select(done, S::zero(), sensed.stay.held);
+    state.dwell = S::select(is_over, S::zero(), longer);
+    state.held = S::select(is_over, S::zero(), sensed.stay.held);
     if task.kinds.release {
-        hand_over(goal, &sensed.stay, done, state);
+        hand_over(goal, &sensed.stay, is_over, state);
         state.wrong = sensed.stay.wrong;
     }
+    if let Some(drag) = goal.drag() {
+        for (number, value) in state.values.iter_mut().enumerate() {
+            let is_it = drag.is_drag & (drag.slider - S::lit(number as f64)).abs().lt(S::lit(0.5));
+            *value = S::select(is_it, sensed.stay.value, *value);
+        }
+    }
+    if let Some(steering) = &mut state.steering {
+        *steering = sensed.stay.steering;
+        for kept in steering.kept() {
+            *kept = kept.only(!done);
+        }
+    }
     state.phase += S::indicator(done);
-    let task_done = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);
+    let mut task_done = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);
+    if let Some(corrects) = state.corrects() {
+        task_done = task_done & !corrects;
+    }
     let timed_out = task.time_limit.le(state.step) & !task_done;
-    Progress { target_done: done, task_done, timed_out, wrong_presses: sensed.stay.wrong_presses }
+    let Stay { wrong_presses, steering, .. } = sensed.stay;
+    Progress { target_done: done, task_done, timed_out, wrong_presses, exits: steering.exits }
+}
+
+/// Every wrong press is to be corrected, by a press of its own. `corrected`: where one just was.
+#[inline(always)]
+fn count_errors<S: Scalar>(stay: &Stay<S>, corrected: S::Mask, state: &mut TaskState<S>) {
+    let Some(errors) = &mut state.errors else { return };
+    *errors += stay.wrong_presses - S::indicator(corrected);
 }
 
 /// A button that is still down when its step is done must be let go before it can be pressed again.
@@ -79,8 +128,15 @@ fn hand_over<S: Scalar>(goal: &Goal<S>, stay: &Stay<S>, done: S::Mask, state: &m
     state.down = S::select(done, S::zero(), stay.down);
 }
 
-/// Where the fingertip is inside the current sphere. (For buttons the value means nothing.)
+/// Where the pointer is inside the current sphere, for a goal that was gathered there and then. (For buttons the value means
+/// nothing.)
 #[inline(always)]
 pub fn inside<S: Scalar>(sensed: &Sensed<S>, goal: &Goal<S>) -> S::Mask {
-    norm(difference(sensed.fingertip, goal.centre)).lt(goal.size)
+    norm(difference(sensed.pointer, goal.centre)).lt(goal.size)
+}
+
+/// The same for a goal that was gathered at the beginning of the control step.
+#[inline(always)]
+fn inside_after<S: Scalar>(sensed: &Sensed<S>, goal: &Goal<S>) -> S::Mask {
+    norm(difference(sensed.pointer, goal.centre_after(S::lit(1.0)))).lt(goal.size)
 }

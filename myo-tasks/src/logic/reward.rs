@@ -1,6 +1,7 @@
 //! The reward of a control step.
 
-use super::{CompiledTask, Goal, Progress, Sensed, TaskState, TouchBox, centre_ahead, difference, norm};
+use super::{CompiledTask, Goal, Progress, Sensed, TaskState, centre_ahead, difference, norm};
+use myo_model::StaticBox;
 use myo_scalar::Scalar;
 
 /// Weighted terms of the reward; their sum is the reward.
@@ -18,6 +19,8 @@ pub struct RewardTerms<S> {
     pub acceleration_effort: S,
     /// Minus presses that were not asked for.
     pub wrong_press: S,
+    /// Minus ways that were left.
+    pub exit: S,
 }
 
 impl<S: Scalar> RewardTerms<S> {
@@ -30,33 +33,42 @@ impl<S: Scalar> RewardTerms<S> {
             + self.neural_effort
             + self.acceleration_effort
             + self.wrong_press
+            + self.exit
     }
     /// In the order of the fields.
     #[inline(always)]
-    pub fn array(&self) -> [S; 6] {
-        let Self { distance, subtask, completion, neural_effort, acceleration_effort, wrong_press } = *self;
-        [distance, subtask, completion, neural_effort, acceleration_effort, wrong_press]
+    pub fn array(&self) -> [S; 7] {
+        let Self { distance, subtask, completion, neural_effort, acceleration_effort, wrong_press, exit } = *self;
+        [distance, subtask, completion, neural_effort, acceleration_effort, wrong_press, exit]
     }
 }
 
-/// Distance (m) from the fingertip to what counts of the current object.
+/// Distance (m) from the pointer to what counts of the current object at the end of a control step, and of a handle or a way how far it
+/// must still go; zero before the step counts.
 #[inline(always)]
 pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, goal: &Goal<S>) -> S {
-    let to_centre = norm(difference(sensed.fingertip, goal.centre));
-    if !task.weights.inside_is_zero {
-        return to_centre;
+    let to_centre = norm(difference(sensed.pointer, goal.centre_after(S::lit(1.0))));
+    let inside_is_zero = task.weights.inside_is_zero;
+    let mut distance = if inside_is_zero { (to_centre - goal.size).max(S::zero()) } else { to_centre };
+    if let Some(button) = &goal.button {
+        if inside_is_zero {
+            distance = S::select(goal.is_press, distance_to_face(&button.shape, sensed), distance);
+        }
+        if let Some(drag) = &button.drag {
+            let is_held = drag.is_drag & S::lit(0.5).lt(sensed.stay.down);
+            distance = S::select(is_held, S::zero(), distance) + drag.left(sensed.stay.value).abs();
+        }
     }
-    let distance = (to_centre - goal.size).max(S::zero());
-    match &goal.button {
-        Some(button) => S::select(goal.is_press, distance_to_face(&button.shape, sensed), distance),
-        None => distance,
+    if let Some(steer) = &goal.steer {
+        distance = S::select(steer.is_steer, steer.left(sensed.pointer, &sensed.stay.steering), distance);
     }
+    goal.is_lit.map_or(distance, |is_lit| distance.only(is_lit))
 }
 
 /// Distance (m) to the nearest point of the pressed face.
 #[inline(always)]
-fn distance_to_face<S: Scalar>(button: &TouchBox<S>, sensed: &Sensed<S>) -> S {
-    let from_centre = difference(sensed.fingertip, button.centre);
+fn distance_to_face<S: Scalar>(button: &StaticBox<S>, sensed: &Sensed<S>) -> S {
+    let from_centre = difference(sensed.pointer, button.centre);
     let mut excess = [S::zero(); 3];
     for (k, e) in excess.iter_mut().enumerate() {
         let axis = button.axes[k];
@@ -100,5 +112,6 @@ pub fn reward<S: Scalar>(
         neural_effort: -(w.neural_effort * squared_control),
         acceleration_effort: -(w.acceleration_effort * squared_acceleration),
         wrong_press: -(w.wrong_press * progress.wrong_presses),
+        exit: -(w.exit * progress.exits),
     }
 }

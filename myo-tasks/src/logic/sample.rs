@@ -1,5 +1,8 @@
-//! Drawing the spheres of an episode.
+//! Drawing the objects of an episode.
 
+use super::order::draw_order;
+use super::slide::draw_values;
+use super::waves::draw_phases;
 use super::{CompiledTask, DrawnSphere, Point, TARGET_STREAM, TaskState, Which, difference, norm, select_point};
 use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 
@@ -7,19 +10,29 @@ use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 /// hardly be met is warned about before training.
 pub const MAX_DRAWS: u32 = 64;
 
-/// Draws all spheres in order where the mask is true. `counter` names the episode; its step and stream are set here.
+/// Draws where spheres are, where their paths begin, where handles stand and in which order steps come, where the mask is true. `counter` names the episode;
+/// its step and stream are set here.
 #[inline(always)]
-pub fn draw_spheres<S: Scalar>(
+pub fn draw_objects<S: Scalar>(
     task: &CompiledTask<S>,
     mask: S::Mask,
     counter: Counter<S::Word>,
     state: &mut TaskState<S>,
 ) {
+    draw_spheres(task, mask, counter, state);
+    draw_phases(task, mask, counter, state);
+    draw_values(task, mask, counter, state);
+    draw_order(task, mask, counter, state);
+}
+
+/// Draws all spheres in order.
+#[inline(always)]
+fn draw_spheres<S: Scalar>(task: &CompiledTask<S>, mask: S::Mask, counter: Counter<S::Word>, state: &mut TaskState<S>) {
     for (index, sphere) in task.spheres.iter().enumerate() {
         let counter = Counter { stream: S::Word::splat(TARGET_STREAM + sphere.number), ..counter };
         let previous = sphere.previous.map(|previous| match previous {
             Which::Sphere(index) => state.position[index],
-            Which::Box(index) => task.boxes[index].centre,
+            Which::Box(index) => task.boxes[index].shape.centre,
         });
         let (position, radius) = draw_sphere(sphere, mask, counter, previous);
         state.position[index] = select_point(mask, position, state.position[index]);

@@ -24,7 +24,7 @@ pub struct RolloutBuffers {
     /// Sums over parts of the observations, `(2 observations, partial moments)`.
     pub moments: Buffer<f32>,
     /// Sums: moments `(2 observations)`, episodes `(1 + 2 summary)`, those without noise alike, scaled rewards of every step
-    /// `(steps)`.
+    /// `(steps)`, and where there are several layouts, episodes of each `(layouts, 1 + 2 summary)`.
     pub sums: Buffer<f32>,
     /// The least observation entry that was NaN or infinite, or [`ALL_FINITE`].
     pub wrong: Buffer<u32>,
@@ -40,7 +40,6 @@ impl RolloutBuffers {
     /// There is no memory left, a buffer is larger than the card allows, or the card is lost.
     pub fn new(gpu: &Gpu, sizes: &Sizes) -> Result<Self, GpuError> {
         let (samples, columns) = (sizes.samples(), sizes.columns());
-        let sums = 2 * sizes.observations + 2 * sizes.episode_rows() + sizes.steps;
         Ok(Self {
             observation: gpu.buffer("observation record", sizes.observations * columns)?,
             action: gpu.buffer("action record", sizes.actions * samples)?,
@@ -50,7 +49,7 @@ impl RolloutBuffers {
             ended: gpu.buffer("ended record", samples)?,
             episodes: gpu.buffer("episode sums", sizes.episode_rows() * sizes.envs)?,
             moments: gpu.buffer("moments", 2 * sizes.observations * sizes.partial_moments())?,
-            sums: gpu.buffer("sums", sums)?,
+            sums: gpu.buffer("sums", sizes.sums())?,
             wrong: gpu.buffer("wrong", 1)?,
         })
     }

@@ -74,6 +74,8 @@ pub(crate) struct CardUpdate {
     pub episodes: EpisodeSums,
     /// Of those that act without.
     pub noise_free: EpisodeSums,
+    /// As `episodes`, of each layout; empty where there is one.
+    pub layouts: Vec<EpisodeSums>,
     /// Sum of the scaled rewards.
     pub reward_sum: f64,
     /// Of the targets by the values.
@@ -242,7 +244,7 @@ impl Card {
     fn result(&self, normalizer: &Normalizer, lesson: &Lesson) -> Result<CardUpdate, TrainError> {
         let Lesson { learner, settings, readback, collect_s, .. } = lesson;
         let (sizes, update, collect_s) = (self.rollout.sizes(), settings.update, collect_s.clone()?);
-        let [moments, episodes, noise_free, rewards] = sizes.split_sums(&readback.sums);
+        let [moments, episodes, noise_free, rewards, layouts] = sizes.split_sums(&readback.sums);
         let reward_sum: f64 = rewards.iter().map(|&sum| f64::from(sum)).sum();
         let names = &self.env().spec().observation_names;
         check(names, readback.wrong[0], reward_sum, update)?;
@@ -253,6 +255,7 @@ impl Card {
             moments: normalizer.moments_from_f32(samples, moments),
             episodes: EpisodeSums::from_rows(episodes),
             noise_free: EpisodeSums::from_rows(noise_free),
+            layouts: layouts.chunks_exact(sizes.episode_rows()).map(EpisodeSums::from_rows).collect(),
             reward_sum,
             explained_variance: explained_variance(readback.estimates, samples as f64),
             log_std: readback.log_std.clone(),

@@ -187,7 +187,7 @@ impl DeviceEvaluator {
         self.upload(policy)?;
         let mut observation = vec![0.0; spec.num_envs * spec.observation_size()];
         self.env.reset(Some(seed), None, &mut observation)?;
-        let mut tally = Tally::new(episodes, spec.num_envs);
+        let mut tally = Tally::new(episodes, &spec);
         while !tally.is_full() {
             self.shared.together.meet(self.group, Work::Look, |groups| self.step(groups));
             let look = self.shared.look(self.group);

@@ -92,9 +92,10 @@ fn unpack(sizes: &Sizes, normalizer: &Normalizer, host: &HostCopy, rollout: &mut
     let current = Sizes { padded: sizes.envs, ..*sizes };
     transpose(&host.current, sizes.envs, &current, sizes.observations, observation);
     unpack_ends(sizes, host, rollout);
-    let [moments, episodes, noise_free, _] = sizes.split_sums(&host.sums);
+    let [moments, episodes, noise_free, _, layouts] = sizes.split_sums(&host.sums);
     rollout.moments = normalizer.moments_from_f32(sizes.steps * sizes.envs, moments);
     [rollout.episodes, rollout.noise_free] = [episodes, noise_free].map(EpisodeSums::from_rows);
+    rollout.layouts = layouts.chunks_exact(sizes.episode_rows()).map(EpisodeSums::from_rows).collect();
 }
 
 /// Where episodes ended, and what the future was worth after every step.

@@ -322,15 +322,22 @@ impl Parts<'_> {
         let (sizes, buffers) = (self.sizes, self.buffers);
         let moments = 2 * sizes.observations;
         let counted = sizes.steps * sizes.observe_chunks();
-        let rows = sizes.episode_rows();
-        [
-            (&buffers.moments, [moments, counted, sizes.partial_moments(), 0, 0]),
-            (&buffers.episodes, [rows, sizes.counted, sizes.envs, moments, sizes.noise_free]),
-            (&buffers.episodes, [rows, sizes.noise_free, sizes.envs, moments + rows, 0]),
-            (&buffers.reward, [sizes.steps, sizes.padded, sizes.padded, moments + 2 * rows, 0]),
-        ]
-        .into_iter()
-        .map(|(numbers, shape)| {
+        let (rows, noise_free) = (sizes.episode_rows(), sizes.noise_free);
+        let rewards = moments + 2 * rows;
+        let all = [
+            (&buffers.moments, [moments, counted, sizes.partial_moments(), 0, 0, 1]),
+            (&buffers.episodes, [rows, sizes.counted, sizes.envs, moments, noise_free, 1]),
+            (&buffers.episodes, [rows, noise_free, sizes.envs, moments + rows, 0, 1]),
+            (&buffers.reward, [sizes.steps, sizes.padded, sizes.padded, rewards, 0, 1]),
+        ];
+        let of_layout = |layout: usize| {
+            // The first environment with noise that does this layout.
+            let first = noise_free + (layout + sizes.layouts - noise_free % sizes.layouts) % sizes.layouts;
+            let place = rewards + sizes.steps + layout * rows;
+            (&buffers.episodes, [rows, sizes.counted, sizes.envs, place, first, sizes.layouts])
+        };
+        let sums = all.into_iter().chain((0..sizes.layouts).map(of_layout));
+        sums.map(|(numbers, shape)| {
             let shape = shape.map(|x| x as u32);
             let buffers = [numbers.binding(), buffers.sums.binding()];
             let threads = (shape[0] * self.kernels.sums.workgroup_size()) as usize;

@@ -5,6 +5,7 @@ use myo_env::EnvSpec;
 use super::dense::GROUP;
 use super::kernels::OBSERVE_WORKGROUP;
 use crate::PpoConfig;
+use crate::rollout::told_layouts;
 
 /// Sizes of a roll-out. Its samples are columns: environment `e` in step `t` is column `t * padded + e`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,8 @@ pub struct Sizes {
     pub counted: usize,
     /// The first so many of these, which act without noise and count by themselves.
     pub noise_free: usize,
+    /// Layouts whose episodes are told apart: none where there is but one.
+    pub layouts: usize,
     /// Columns of one step: `envs` rounded up to a multiple of four.
     pub padded: usize,
     /// Entries of an observation.
@@ -39,6 +42,7 @@ impl Sizes {
             envs: spec.num_envs,
             counted: spec.whole_episodes(),
             noise_free: config.noise_free_envs(),
+            layouts: told_layouts(spec),
             padded: spec.num_envs.next_multiple_of(GROUP),
             observations: spec.observation_size(),
             actions: spec.action_size(),
@@ -76,12 +80,18 @@ impl Sizes {
         (self.steps + 1) * self.observe_chunks()
     }
 
-    /// The parts of the [sums](super::RolloutBuffers::sums): of moments, of episodes with noise and without, of rewards.
-    pub(super) fn split_sums<'a>(&self, sums: &'a [f32]) -> [&'a [f32]; 4] {
+    /// How many [sums](super::RolloutBuffers::sums) there are.
+    pub(super) fn sums(&self) -> usize {
+        2 * self.observations + (2 + self.layouts) * self.episode_rows() + self.steps
+    }
+
+    /// Their parts: of moments, of episodes with noise and without, of rewards, of episodes with noise of each layout.
+    pub(super) fn split_sums<'a>(&self, sums: &'a [f32]) -> [&'a [f32]; 5] {
         let (moments, rest) = sums.split_at(2 * self.observations);
         let (episodes, rest) = rest.split_at(self.episode_rows());
-        let (noise_free, rewards) = rest.split_at(self.episode_rows());
-        [moments, episodes, noise_free, rewards]
+        let (noise_free, rest) = rest.split_at(self.episode_rows());
+        let (rewards, layouts) = rest.split_at(self.steps);
+        [moments, episodes, noise_free, rewards, layouts]
     }
 
     /// Rows of the sums over episodes: their number, then sums and counts of the entries of their summaries.
@@ -101,6 +111,7 @@ mod tests {
             envs: 5,
             counted: 5,
             noise_free: 0,
+            layouts: 0,
             padded: 8,
             observations: 3,
             actions: 2,

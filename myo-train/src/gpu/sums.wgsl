@@ -10,6 +10,8 @@ struct Shape {
     first: u32,
     // They start with this one.
     start: u32,
+    // From one column to the next.
+    step: u32,
 }
 
 @group(0) @binding(0) var<storage, read> numbers: array<f32>;
@@ -27,7 +29,7 @@ fn main(
     let row = workgroup.y * workgroups.x + workgroup.x;
     var mine = 0.0;
     if row < shape.rows {
-        for (var column = shape.start + local; column < shape.end; column += WORKGROUP) {
+        for (var column = shape.start + local * shape.step; column < shape.end; column += WORKGROUP * shape.step) {
             mine += numbers[row * shape.stride + column];
         }
     }

@@ -1,9 +1,10 @@
 //! Roll-outs on the card beside roll-outs whose policy runs on the processor.
 
+use myo_env::gpu::GpuOptions;
 use myo_env::{EnvConfig, GpuEnv, VectorEnv};
 use myo_gpu::Gpu;
 use myo_model::{Model, builtin};
-use myo_tasks::{Range, Target, Task};
+use myo_tasks::{Instruction, Item, Range, SphereItem, Task};
 
 use super::testing::{assert_close, gpu};
 use super::{DeviceEvaluator, DeviceRollout};
@@ -20,13 +21,22 @@ pub const FIRST_STEP: u64 = u32::MAX as u64 - 2;
 /// Episodes of at most 3 control steps, of which some end earlier.
 pub fn task() -> Task {
     let mut task = myo_tasks::preset("pointing-single").unwrap();
-    let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
-    target.radius = Range { min: 0.2, max: 0.7 };
-    target.dwell_s = 0.05;
+    ball(&mut task).radius = Range { min: 0.2, max: 0.7 };
+    dwell_for(&mut task, 0.05);
     task.time_limit_s = 0.15;
     // In so few steps, coming nearer is all there is to learn.
     task.reward.distance = 1.0;
     task
+}
+
+fn ball(task: &mut Task) -> &mut SphereItem {
+    let Item::Sphere(ball) = &mut task.scene.0["ball"] else { panic!("the task has changed") };
+    ball
+}
+
+fn dwell_for(task: &mut Task, seconds: f64) {
+    let Instruction::Dwell(dwell) = &mut task.script[0] else { panic!("the task has changed") };
+    dwell.for_s = seconds;
 }
 
 /// Environments, of which some explore.
@@ -248,8 +258,8 @@ fn training_on_the_card_resumes_with_the_same_bits() {
 /// A task whose reward counts time more, and whose spheres lie lower.
 pub fn other_task() -> Task {
     let mut task = task();
-    let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
-    (target.position.z, target.dwell_s) = (Range { min: -0.4, max: -0.3 }, 0.1);
+    ball(&mut task).at.0.z = Range { min: -0.4, max: -0.3 };
+    dwell_for(&mut task, 0.1);
     task.reward.time_cost = 20.0;
     task
 }
@@ -326,14 +336,49 @@ fn training_on_the_card_goes_as_on_the_processor() {
     assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
 }
 
+/// As [`training_on_the_card_goes_as_on_the_processor`], of three layouts, some of which are cut more often than others.
+#[test]
+fn layouts_are_learned_together_on_the_card_as_on_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    // Not a multiple of the layouts, and few enough that both sides have the same minibatches.
+    let envs = 64;
+    let layouts = [1.0, 0.1, 0.15].map(|time_limit_s| Task { time_limit_s, ..task() });
+    let model = Model::new(&builtin(&layouts[0].model).unwrap()).unwrap();
+    let base = GpuEnv::with_layouts(&gpu, &model, &layouts, &self::envs(envs), &GpuOptions::default()).unwrap();
+    let again = || base.sibling(&self::envs(envs)).unwrap();
+    let config = PpoConfig { epochs: 2, minibatches: 8, ..config(envs) };
+    let mut card = Trainer::on_card(again(), config.clone(), 1).unwrap();
+    let mut host = Trainer::new(Box::new(again()), config, 1).unwrap();
+    let (a, b) = (card.update().unwrap(), host.update().unwrap());
+    assert!((a.learn.value_loss - b.learn.value_loss).abs() < 2e-3 * b.learn.value_loss.max(0.1));
+    assert_eq!((a.layouts.len(), b.layouts.len()), (3, 3));
+    for (a, b) in a.layouts.iter().zip(&b.layouts) {
+        assert!(a.count == b.count && a.count > 0, "{a:?} {b:?}");
+        for ((name, a), (_, b)) in a.means.iter().zip(&b.means) {
+            assert!((a - b).abs() < 1e-3 * b.abs().max(1.0) || a.is_nan() && b.is_nan(), "{name}: {a}, {b}");
+        }
+    }
+    assert_eq!(a.episodes.count, a.layouts.iter().map(|layout| layout.count).sum::<u64>());
+    assert_close("weights", &card.save().unwrap().parameters, &host.save().unwrap().parameters, 1e-3);
+
+    let whole = EnvConfig { num_envs: 37, seed: 5, ..EnvConfig::default() };
+    let mut evaluator = DeviceEvaluator::new(base.sibling(&whole).unwrap(), &card.policy()).unwrap();
+    let evaluation = evaluator.evaluate(&card.policy(), 50, 1, |_| true).unwrap();
+    let host = evaluate(&mut card.policy(), &mut base.sibling(&whole).unwrap(), 50, 1, |_| true).unwrap();
+    assert_eq!(evaluation.layouts.iter().map(|layout| layout.episodes).collect::<Vec<_>>(), [50, 50, 50]);
+    for (a, b) in evaluation.layouts.iter().zip(&host.layouts) {
+        let lengths = a.episode_length_s.zip(b.episode_length_s);
+        assert!(lengths.is_some_and(|(a, b)| (a - b).abs() < 0.02 * b), "{lengths:?}");
+    }
+}
+
 /// As [`training_on_the_card_goes_as_on_the_processor`], where episodes last several updates.
 #[test]
 fn episodes_that_last_to_the_time_limit_end_at_different_times_on_the_card_too() {
     let Some(gpu) = gpu() else { return };
     let mut task = task();
-    let Target::Pointing(target) = &mut task.targets[0] else { panic!("the task has changed") };
-    target.radius = 1e-3.into();
-    target.dwell_s = 1.0;
+    ball(&mut task).radius = 1e-3.into();
+    dwell_for(&mut task, 1.0);
     task.time_limit_s = 1.2;
     let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
     let envs = EnvConfig { num_envs: 12, ..EnvConfig::default() };

@@ -4,6 +4,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use myo_env::EnvSpec;
+
 use super::metrics_file::MetricsFile;
 use super::{CONFIG, FORMAT, RunConfig, RunError, RunFolder};
 use crate::files::{IoError, remove_if_there, sync_folder, write_json};
@@ -54,9 +56,9 @@ impl RunClaim {
     ///
     /// # Errors
     /// A file cannot be read or written, or the metrics are not those of this run.
-    pub fn resume(self, env_steps: u64, episode_names: &[String]) -> Result<RunWriter, RunError> {
+    pub fn resume(self, env_steps: u64, spec: &EnvSpec) -> Result<RunWriter, RunError> {
         let Self { folder, lock } = self;
-        let columns: Vec<String> = UpdateMetrics::columns(episode_names).map(String::from).collect();
+        let columns = UpdateMetrics::columns(spec);
         let checkpoints = folder.path.join("checkpoints");
         fs::create_dir_all(&checkpoints).map_err(|source| IoError::new("create", &checkpoints, source))?;
         let (metrics, events) = cut(&folder, &columns, env_steps)?;
@@ -89,7 +91,7 @@ impl RunWriter {
         run: serde_json::Value,
         ppo: &PpoConfig,
         seed: u64,
-        episode_names: &[String],
+        spec: &EnvSpec,
     ) -> Result<Self, RunError> {
         make_folder(path)?;
         let lock = lock(path)?;
@@ -102,7 +104,7 @@ impl RunWriter {
         // First: a folder with a description can be gone on with, whatever else is missing.
         write_json(&file, &config)?;
         sync_folder(path.parent()).map_err(|source| IoError::new("create", path, source))?;
-        RunClaim { folder: RunFolder { path: path.to_owned(), config }, lock }.resume(0, episode_names)
+        RunClaim { folder: RunFolder { path: path.to_owned(), config }, lock }.resume(0, spec)
     }
 
     /// Cuts off what was recorded after `env_steps`, checkpoints included: training went back to that state.

@@ -59,6 +59,8 @@ pub enum News {
     Flat {
         /// For how many control steps.
         env_steps: u64,
+        /// In which layout, counted from 0, where there are several: the one with the least success.
+        layout: Option<usize>,
         /// What the episodes are like.
         recent: EpisodeMeans,
     },
@@ -74,14 +76,26 @@ impl fmt::Display for News {
                 million(env_steps),
                 million(to_env_steps)
             ),
-            Self::Flat { env_steps, recent } => write!(
-                f,
-                "nothing has improved for {:.1} M control steps, success stays at {:.0} %",
-                million(env_steps),
-                100.0 * recent.success
-            ),
+            Self::Flat { env_steps, layout, recent } => {
+                layout.map_or(Ok(()), |layout| write!(f, "layout {}: ", layout + 1))?;
+                write!(
+                    f,
+                    "nothing has improved for {:.1} M control steps, success stays at {:.0} %",
+                    million(env_steps),
+                    100.0 * recent.success
+                )
+            }
         }
     }
+}
+
+/// The layout that a training of several does worst.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeastLayout {
+    /// Its number, from 0.
+    pub layout: usize,
+    /// Mean success of its recent training episodes.
+    pub success: f64,
 }
 
 /// What one [`Session::advance`] brought.
@@ -92,7 +106,9 @@ pub struct Progress {
     pub metrics: Option<UpdateMetrics>,
     /// Mean success of recent training episodes, whose actions are noisy; none before the first ended.
     pub success: Option<f64>,
-    /// The target that recent training episodes fail at most; none before the first ended.
+    /// The layout in which fewest of them succeed, where there are several; none before one has ended in each.
+    pub least: Option<LeastLayout>,
+    /// The target that recent training episodes, of that layout, fail at most; none before the first ended.
     pub bottleneck: Option<Bottleneck>,
     /// Control steps that training may still take until the goal, judged by the learning curve.
     pub steps_left: Option<u64>,

@@ -59,18 +59,23 @@ impl Examiner {
         }
     }
 
-    /// Episodes of a look that may turn out to be in vain.
+    /// Episodes, of each layout, of a look that may turn out to be in vain.
     pub fn quick_episodes(&self) -> usize {
         match &self.env {
             ExaminerEnv::Host(_) => QUICK_EPISODES,
-            ExaminerEnv::Card(_) => self.spec().num_envs,
+            ExaminerEnv::Card(_) => {
+                let num_envs = self.spec().num_envs;
+                (num_envs / self.spec().layouts()).max(QUICK_EPISODES.min(num_envs))
+            }
         }
     }
 
-    /// Control steps that an evaluation takes at most; nearly so many if any episode runs to its limit.
+    /// Control steps that an evaluation of so many episodes of each layout takes at most; nearly so many if any episode runs to
+    /// its limit.
     pub fn cost(&self, episodes: usize) -> u64 {
-        let EnvSpec { num_envs, max_episode_steps, .. } = *self.spec();
-        (episodes.div_ceil(num_envs) * num_envs * max_episode_steps) as u64
+        let &EnvSpec { num_envs, max_episode_steps, .. } = self.spec();
+        let layouts = self.spec().layouts();
+        ((episodes * layouts).div_ceil(num_envs) * num_envs * max_episode_steps) as u64
     }
 }
 

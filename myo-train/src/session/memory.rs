@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::curve::Curve;
 use super::looks::Looks;
 use super::trend::Trend;
+use crate::rollout::told_layouts;
 use crate::{Evaluation, Trainer, UpdateMetrics};
 
 /// What the next decisions of a session depend on besides its trainer and the state to go back to; part of a checkpoint.
@@ -18,6 +19,9 @@ pub struct Memory {
     /// How the policy without its noise did.
     #[serde(default)]
     pub noise_free: Curve,
+    /// How success grew in each layout; empty where there is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layouts: Vec<Curve>,
     /// Evaluations taken: the next one has other episodes.
     pub evaluations: u64,
     /// How often the training went back to its good state.
@@ -37,6 +41,7 @@ impl Memory {
             looks: Looks::new(trainer.env_steps()),
             curve: Curve::new(first_whole_episodes(trainer)),
             noise_free: Curve::new(first_whole_episodes(trainer)),
+            layouts: vec![Curve::new(first_whole_episodes(trainer)); told_layouts(trainer.spec())],
             evaluations: 0,
             tries: 0,
             told_flat: false,
@@ -45,34 +50,63 @@ impl Memory {
         }
     }
 
-    /// Control steps that training may still take until success is `until`, judged by the learning curve.
+    /// The layout in which recent episodes succeed least, and its curve: what a goal has to wait for. Without a number where there
+    /// is but one layout; none before an episode has ended in every layout.
+    pub fn least(&self) -> Option<(Option<usize>, &Curve)> {
+        let success = |curve: &Curve| curve.recent().map(|recent| recent.success);
+        let mut least = (None, &self.curve, success(&self.curve)?);
+        for (layout, curve) in self.layouts.iter().enumerate() {
+            let own = success(curve)?;
+            if least.0.is_none() || own < least.2 {
+                least = (Some(layout), curve, own);
+            }
+        }
+        Some((least.0, least.1))
+    }
+
+    /// Success of recent training episodes, in the layout where it is least.
+    pub fn least_success(&self) -> Option<f64> {
+        self.least()?.1.recent().map(|recent| recent.success)
+    }
+
+    /// Control steps that training may still take until success is `until` in every layout, judged by the learning curves.
     pub fn steps_to(&self, until: f64) -> Option<u64> {
-        self.curve.steps_to(self.looks.threshold(until))
+        let threshold = self.looks.threshold(until);
+        match &self.layouts[..] {
+            [] => self.curve.steps_to(threshold),
+            layouts => layouts.iter().try_fold(0, |most, curve| Some(most.max(curve.steps_to(threshold)?))),
+        }
     }
 
     /// Hears of a look at the policy after `env_steps`, how many control steps a quick one takes at most, and what it found.
     pub fn looked(&mut self, env_steps: u64, cost: u64, taken: &[Evaluation]) {
         self.evaluations += taken.len() as u64;
-        let found = taken.last().and_then(|evaluation| evaluation.success);
-        self.looks.looked(env_steps, cost, found, self.curve.recent().map(|recent| recent.success));
+        let found = taken.last().and_then(Evaluation::least_success);
+        self.looks.looked(env_steps, cost, found, self.least_success());
     }
 
     /// Hears of an update.
     pub fn hear(&mut self, metrics: &UpdateMetrics) {
         self.curve.hear(metrics.env_steps, &metrics.episodes);
         self.noise_free.hear(metrics.env_steps, &metrics.noise_free);
+        for (curve, ended) in self.layouts.iter_mut().zip(&metrics.layouts) {
+            curve.hear(metrics.env_steps, ended);
+        }
     }
 
     /// What the last doubling brought and more would, if that can be told: of the policy without its noise, as it will be
-    /// evaluated, or of training episodes where too few act without.
+    /// evaluated, or of training episodes where too few act without. Where there are several layouts, that of the one that is
+    /// farthest from a plateau, by its training episodes, if it is farther than all together.
     pub fn trend(&self) -> Option<Trend> {
-        self.noise_free.trend().or_else(|| self.curve.trend())
+        let all = self.noise_free.trend().or_else(|| self.curve.trend())?;
+        self.layouts.iter().try_fold(all, |farthest, curve| Some(farthest.or_farther(curve.trend()?)))
     }
 
     /// Forgets what came after `env_steps`.
     pub fn go_back(&mut self, env_steps: u64) {
         self.curve.cut(env_steps);
         self.noise_free.cut(env_steps);
+        self.layouts.iter_mut().for_each(|curve| curve.cut(env_steps));
         self.looks.gone_back(env_steps);
     }
 }
@@ -81,4 +115,53 @@ impl Memory {
 fn first_whole_episodes(trainer: &Trainer) -> u64 {
     let spec = trainer.spec();
     trainer.env_steps() + (spec.num_envs * spec.max_episode_steps) as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Episodes;
+
+    /// A user who takes so many seconds after so many million steps, and succeeds in such a share of its episodes.
+    fn curve(seconds: fn(f64) -> f64, success: f64) -> Curve {
+        let mut curve = Curve::new(0);
+        for env_steps in (16_384..=32_000_000).step_by(16_384) {
+            let seconds = seconds(env_steps as f64 / 1e6);
+            let means = [("success", success), ("length", 20.0 * seconds), ("return", 10.0 - seconds)];
+            let means = means.iter().map(|&(name, mean)| (name.to_owned(), mean)).collect();
+            curve.hear(env_steps, &Episodes { count: 500, means });
+        }
+        curve
+    }
+
+    fn memory(layouts: Vec<Curve>) -> Memory {
+        Memory {
+            looks: Looks::new(0),
+            curve: curve(|_| 1.0, 0.9),
+            noise_free: Curve::new(0),
+            layouts,
+            evaluations: 0,
+            tries: 0,
+            told_flat: false,
+            evaluation_s: 0.0,
+            confirmed: None,
+        }
+    }
+
+    #[test]
+    fn a_half_learned_layout_does_not_hide_behind_the_mean() {
+        let [done, learning, hopeless] = [curve(|_| 1.0, 0.9), curve(|x| 1.0 + 8.0 / x, 0.8), curve(|_| 4.0, 0.0)];
+        let is_plateau = |layouts: &[&Curve]| {
+            memory(layouts.iter().map(|&curve| curve.clone()).collect()).trend().map(|trend| trend.is_plateau())
+        };
+        assert_eq!(is_plateau(&[]), Some(true));
+        assert_eq!(is_plateau(&[&done, &done]), Some(true));
+        assert_eq!(is_plateau(&[&done, &learning]), Some(false));
+        assert_eq!(is_plateau(&[&learning, &done]), Some(false));
+        assert_eq!(is_plateau(&[&done, &hopeless]), None, "nobody can tell before it can be done");
+
+        let memory = memory(vec![done, learning]);
+        assert_eq!((memory.least().unwrap().0, memory.least_success()), (Some(1), Some(0.8)));
+        assert!(memory.steps_to(0.95).is_none() || memory.steps_to(0.95) > Some(0), "the second is not there yet");
+    }
 }

@@ -22,14 +22,14 @@ use crate::{Checkpoint, Evaluation, Policy, RunError, RunWriter, TrainError, Tra
 use record::Record;
 use recovery::Recovery;
 
-pub use events::{End, News, Outcome, Progress, SessionError};
+pub use events::{End, LeastLayout, News, Outcome, Progress, SessionError};
 pub use examiner::{Examiner, evaluation_seed};
 pub use means::{Bottleneck, EpisodeMeans};
 pub(crate) use memory::Memory;
 pub use trend::{Change, Trend};
 pub use until::{Until, UntilError};
 
-/// Episodes that confirm a quick look, and of the last evaluation.
+/// Episodes, of each layout, that confirm a quick look, and of the last evaluation.
 const EPISODES: usize = 1000;
 
 /// Share of training episodes that succeed from which on it needs no word if nothing improves.
@@ -133,7 +133,7 @@ impl Session {
     /// The evaluation that confirmed the goal, if one did.
     pub fn confirmed(&self) -> Option<&Evaluation> {
         let until = self.goal.until.share()?;
-        self.memory.confirmed.as_ref().filter(|evaluation| evaluation.success.is_some_and(|success| success >= until))
+        self.memory.confirmed.as_ref().filter(|evaluation| reaches(evaluation, until))
     }
 
     /// One update, its record, and a look at the goal when it is time to. `go_on` is asked now and then and ends the
@@ -181,8 +181,11 @@ impl Session {
             Until::Plateau => self.trend().map(|trend| trend.steps_left()),
             Until::Off => None,
         };
-        let bottleneck = self.memory.curve.recent().and_then(EpisodeMeans::bottleneck);
-        Progress { success: self.success(), bottleneck, steps_left, end, ..progress }
+        let least = self.memory.least().and_then(|(layout, curve)| Some((layout, curve.recent()?)));
+        let bottleneck = least.and_then(|(_, recent)| recent.bottleneck());
+        let least = least.and_then(|(layout, recent)| Some(LeastLayout { layout: layout?, success: recent.success }));
+        let success = self.memory.curve.recent().map(|recent| recent.success);
+        Progress { success, least, bottleneck, steps_left, end, ..progress }
     }
 
     /// The mean actions of the policy as it is on fresh episodes, those of the `number`-th evaluation; none if `go_on` ended it
@@ -211,10 +214,6 @@ impl Session {
         Ok(Updated::Forward(metrics))
     }
 
-    fn success(&self) -> Option<f64> {
-        self.memory.curve.recent().map(|recent| recent.success)
-    }
-
     fn go_back(&mut self, reason: String) -> Result<News, SessionError> {
         let env_steps = self.trainer.env_steps();
         if !self.recovery.go_back(&mut self.trainer)? {
@@ -234,7 +233,7 @@ impl Session {
 
     /// Tells once when nothing improves any more and the goal is out of sight.
     fn flat(&mut self) -> Option<News> {
-        let success = self.success()?;
+        let success = self.memory.least_success()?;
         let enough = match self.goal.until {
             Until::Success(share) => self.memory.looks.threshold(share),
             Until::Plateau => GOOD,
@@ -243,15 +242,15 @@ impl Session {
         if self.memory.told_flat || success >= enough {
             return None;
         }
-        let curve = &self.memory.curve;
-        let news = News::Flat { env_steps: curve.flat_for()?, recent: curve.recent()?.clone() };
+        let (layout, curve) = self.memory.least()?;
+        let news = News::Flat { env_steps: curve.flat_for()?, layout, recent: curve.recent()?.clone() };
         self.memory.told_flat = true;
         Some(news)
     }
 
     /// Whether to look at the goal now.
     fn look_is_due(&self) -> bool {
-        let is_due = |until| self.memory.looks.is_due(until, self.trainer.env_steps(), self.success());
+        let is_due = |until| self.memory.looks.is_due(until, self.trainer.env_steps(), self.memory.least_success());
         self.confirmed().is_none() && self.goal.until.share().is_some_and(is_due)
     }
 
@@ -265,7 +264,7 @@ impl Session {
             let Some(evaluation) = self.evaluate(&mut policy, episodes, number, go_on)? else {
                 return Ok(taken);
             };
-            let is_reached = evaluation.success.is_some_and(|success| success >= until);
+            let is_reached = reaches(&evaluation, until);
             taken.push(evaluation);
             if !is_reached {
                 break;
@@ -350,6 +349,11 @@ impl Session {
         }
         Ok(evaluation)
     }
+}
+
+/// Whether so many episodes succeed, in every layout.
+fn reaches(evaluation: &Evaluation, until: f64) -> bool {
+    evaluation.least_success().is_some_and(|success| success >= until)
 }
 
 /// An evaluation; none if it was ended early.

@@ -89,6 +89,11 @@ impl Trend {
         self.four_times.excess() <= 1.0
     }
 
+    /// The one that is farther from a plateau.
+    pub(super) fn or_farther(self, other: Self) -> Self {
+        if other.four_times.excess() > self.four_times.excess() { other } else { self }
+    }
+
     /// Control steps that training may still take until a plateau.
     pub fn steps_left(&self) -> u64 {
         let doublings = (self.four_times.excess().max(1.0).ln() / -DECAY.ln()).min(32.0);

@@ -128,6 +128,7 @@ impl Host {
             moments: rollout.moments.clone(),
             episodes: rollout.episodes.clone(),
             noise_free: rollout.noise_free.clone(),
+            layouts: rollout.layouts.clone(),
             reward_sum: rollout.reward.iter().map(|&r| f64::from(r)).sum(),
             explained_variance: explained_variance(&rollout.value[..rollout.reward.len()], &rollout.target),
             spread: networks.spread(&state.parameters),

@@ -89,6 +89,7 @@ struct UpdateResult {
     moments: Moments,
     episodes: EpisodeSums,
     noise_free: EpisodeSums,
+    layouts: Vec<EpisodeSums>,
     /// Sum of the scaled rewards.
     reward_sum: f64,
     explained_variance: f64,
@@ -254,6 +255,7 @@ impl Trainer {
             learn_s: total_s - result.collect_s,
             episodes: Episodes::new(&spec.episode_names, &result.episodes),
             noise_free: Episodes::new(&spec.episode_names, &result.noise_free),
+            layouts: result.layouts.iter().map(|sums| Episodes::new(&spec.episode_names, sums)).collect(),
             reward_per_step: result.reward_sum / config.batch_size() as f64 / config.reward_scale,
             learn: result.learn,
             explained_variance: result.explained_variance,
@@ -464,10 +466,10 @@ impl Trainer {
 
 impl From<CardUpdate> for UpdateResult {
     fn from(update: CardUpdate) -> Self {
-        let CardUpdate { learn, collect_s, moments, episodes, noise_free, reward_sum, explained_variance, log_std } =
-            update;
-        let spread = Spread::new(&log_std);
-        Self { learn, collect_s, moments, episodes, noise_free, reward_sum, explained_variance, spread }
+        let CardUpdate { learn, collect_s, moments, episodes, noise_free, layouts, .. } = update;
+        let (reward_sum, explained_variance) = (update.reward_sum, update.explained_variance);
+        let spread = Spread::new(&update.log_std);
+        Self { learn, collect_s, moments, episodes, noise_free, layouts, reward_sum, explained_variance, spread }
     }
 }
 
@@ -478,7 +480,8 @@ fn between_cuts(spec: &EnvSpec, config: &PpoConfig) -> usize {
 
 /// Refuses a task whose episodes are cut more often than the memory of a training is made for.
 fn check_cuts(task: &Task, spec: &EnvSpec, config: &PpoConfig, least: usize) -> Result<(), TrainError> {
-    let wanted = EnvSpec { max_episode_steps: task.time_limit_steps() as usize, ..spec.clone() };
+    let limit = task.time_limit_steps() as usize;
+    let wanted = EnvSpec { max_episode_steps: limit, layout_limits: vec![limit], ..spec.clone() };
     if between_cuts(&wanted, config) >= least {
         return Ok(());
     }

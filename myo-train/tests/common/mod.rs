@@ -47,10 +47,17 @@ impl Points {
             ]),
             control_dt: 0.05,
             max_episode_steps: TIME_LIMIT,
+            layout_limits: vec![],
             autoreset: Autoreset::SameStep,
             exploring: 0,
         };
         Self { spec, worlds: vec![World::default(); num_envs] }
+    }
+
+    /// The same as so many layouts, which do not differ.
+    pub fn in_layouts(mut self, layouts: usize) -> Self {
+        self.spec.layout_limits = vec![TIME_LIMIT; layouts];
+        self
     }
 }
 
@@ -204,6 +211,12 @@ impl Constant {
         self
     }
 
+    /// So many layouts.
+    pub fn in_layouts(mut self, layouts: usize) -> Self {
+        self.spec.layout_limits = vec![self.spec.max_episode_steps; layouts];
+        self
+    }
+
     pub fn with_lengths(lengths: Vec<usize>, begun: Vec<usize>, terminates: bool) -> Self {
         let spec = EnvSpec {
             num_envs: lengths.len(),
@@ -212,6 +225,7 @@ impl Constant {
             episode_names: names(&["return"]),
             control_dt: 0.05,
             max_episode_steps: lengths.iter().copied().max().unwrap_or(0),
+            layout_limits: vec![],
             autoreset: Autoreset::SameStep,
             exploring: 0,
         };

@@ -59,9 +59,9 @@ pub fn device(backend: &Backend, num_envs: usize) -> Result<Device> {
     backend.device(num_envs, &mut warn).map_err(|error| refusal(&error))
 }
 
-/// Environments for a task on this backend; tells the user why a graphics card is not used.
-pub fn build(backend: &Backend, model: &Model, task: &Task, config: &EnvConfig) -> Result<Envs> {
-    backend.build(model, task, config, &mut warn).map_err(|error| match error {
+/// Environments for layouts on this backend; tells the user why a graphics card is not used.
+pub fn build(backend: &Backend, model: &Model, layouts: &[Task], config: &EnvConfig) -> Result<Envs> {
+    backend.build(model, layouts, config, &mut warn).map_err(|error| match error {
         BuildError::Gpu(error) => refusal(&error),
         other => other.into(),
     })
@@ -71,12 +71,12 @@ pub fn build(backend: &Backend, model: &Model, task: &Task, config: &EnvConfig) 
 pub fn build_several(
     backend: &Backend,
     model: &Model,
-    task: &Task,
+    layouts: &[Task],
     config: &EnvConfig,
     trainings: usize,
 ) -> Result<Option<Envs>> {
     let Some(device) = device(backend, config.num_envs)?.for_several(trainings)? else { return Ok(None) };
-    Ok(Some(Envs::new(&device, model, task, config)?))
+    Ok(Some(Envs::with_layouts(&device, model, layouts, config)?))
 }
 
 fn warn(error: &dyn std::error::Error) {

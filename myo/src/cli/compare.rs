@@ -9,8 +9,8 @@ use myo::{Comparison, Group};
 use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, print, print_json, row, table};
-use super::stage::{Stage, run_name};
-use super::train::{Several, TrainingOptions, free_folder, train_users};
+use super::scenario::{Scenario, run_name};
+use super::train::{Several, Side, TrainingOptions, free_folder, train_both, train_users};
 
 /// Arguments of `myo compare`.
 #[derive(Args)]
@@ -44,7 +44,9 @@ Examples:
   myo compare ar public-display --seeds 8 --json
   myo compare runs/grid-1 runs/row-1                users that are trained already
 
-Every user is a training of its own, with its own seed, and is evaluated in 1,000 fresh episodes. A difference is claimed where
+Every user is a training of its own, with its own seed, and is evaluated in 1,000 fresh episodes. On a graphics card the users of both
+tasks train at once, each to the bit as alone, where the tasks differ in numbers alone, time limits are the same and there are no more
+than 64 users; else those of the second after those of the first. A difference is claimed where
 it is unlikely to be chance (the rank-sum test over users, with fewer than five of each Welch's; Holm's correction over success,
 time and effort: a layout differs from itself once in twenty comparisons) and larger than what more training may still bring
 (3 % of time and effort, 1 % of success).
@@ -80,12 +82,11 @@ pub fn run(args: &Compare) -> Result<()> {
 /// Trains users of the layouts that are tasks; the folder of each.
 fn train(args: &Compare, arguments: [&str; 2], trained: [Option<PathBuf>; 2]) -> Result<[PathBuf; 2]> {
     // Nothing is trained for a comparison that cannot be.
-    for (argument, trained) in arguments.iter().zip(&trained) {
-        match trained {
-            Some(folder) => drop(group(String::new(), folder)?),
-            None => drop(Stage::open(argument)?),
-        }
-    }
+    let open = |side: usize| match &trained[side] {
+        Some(folder) => group(String::new(), folder).map(|_| None),
+        None => Scenario::open(arguments[side]).map(Some),
+    };
+    let scenarios = [open(0)?, open(1)?];
     let free = || free_folder(&format!("{}-{}", run_name(arguments[0]), run_name(arguments[1])));
     let place = args.out.clone().unwrap_or_else(free);
     let own = |side: usize| {
@@ -93,8 +94,14 @@ fn train(args: &Compare, arguments: [&str; 2], trained: [Option<PathBuf>; 2]) ->
         let name = run_name(arguments[side]);
         place.join(if same { format!("{name}-{}", side + 1) } else { name })
     };
-    let mut folders = [PathBuf::new(), PathBuf::new()];
     let interrupt = Interrupt::listen()?;
+    if let [Some(first), Some(second)] = scenarios {
+        let sides = [(0, first), (1, second)].map(|(side, scenario)| Side { scenario, folder: own(side) });
+        if train_both(&args.how, &sides, args.seeds, &interrupt)? {
+            return Ok(sides.map(|side| side.folder));
+        }
+    }
+    let mut folders = [PathBuf::new(), PathBuf::new()];
     for (side, trained) in trained.into_iter().enumerate() {
         folders[side] = match trained {
             Some(folder) => folder,

@@ -5,19 +5,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use myo::env::EnvSpec;
 use myo::train::gpu::DeviceEvaluator;
 use myo::train::session::{Trend, evaluation_seed};
-use myo::train::{Checkpoint, Evaluation, Policy, RunFolder, evaluate};
-use myo::{Envs, RunDescription};
+use myo::train::{Checkpoint, RunFolder, evaluate};
+use myo::{Envs, RunDescription, layout_names, misfits};
 use serde::Serialize;
+use serde_json::Value;
 
 use super::backend::{BackendName, Options, sentence};
-use super::failure::{Failure, Result, complain};
+use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
-use super::output::{name, print, print_json, rounded};
+use super::output::{argument, command, name, print, print_json, rounded};
 use super::run_folder::existing_checkpoint;
-use super::stage::Stage;
+use super::scenario::Scenario;
 use super::train::open_run;
 use super::{parse, report};
 
@@ -31,7 +31,8 @@ pub struct Eval {
     /// Run folder
     run: PathBuf,
 
-    /// Another task to try the policy on, by name or file: observations and actions are matched by name
+    /// Another layout to try the user on as it is, without training: a task by its name or file, for the same body and technique,
+    /// in which the same is perceived
     #[arg(long, value_name = "TASK")]
     task: Option<String>,
 
@@ -39,7 +40,7 @@ pub struct Eval {
     #[arg(long, value_name = "FILE|STEPS")]
     checkpoint: Option<String>,
 
-    /// Fresh episodes
+    /// Fresh episodes, of each layout
     #[arg(long, value_name = "N", default_value = "1000", value_parser = parse::count)]
     episodes: u64,
 
@@ -59,11 +60,16 @@ const HELP: &str = "\
 Examples:
   myo eval runs/pointing-1
   myo eval runs/pointing-1 --episodes 10000 --seed 3 --json
-  myo eval runs/pointing-1 --task ar                        does what was learned carry over?
+  myo eval runs/phone-1 --task other-phone.yaml             how would this user do on another layout?
   myo eval runs/pointing-1 --checkpoint 1638400
 
-Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged. With --task,
-observations that the policy was not trained with do not influence it; a body with muscles that it does not know is refused.
+Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged.
+
+With --task the user does a layout that it was not trained on, with what it learned elsewhere. There may be other objects in other places,
+more steps and of other kinds. Body, technique, control step and what is perceived must be those of the training, else all that
+differs is named: `pointer_position` is perceived only where the technique is not the fingertip, `target_velocity` where something
+moves, `cue` where a step must be waited for, `drag` where there is a slider to drag. The result says that the user was not trained there.
+A user of several layouts (`myo train --together`) does each of them; the table has them and their mean.
 
 Movement time is from the start of a target (the end of the one before, or the reset) to the last entry into it or the touch of
 a button: without dwell, to one physics step. With dwell it is the time to the end of the target.
@@ -71,18 +77,21 @@ a button: without dwell, to one physics step. With dwell it is the time to the e
 JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
 and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
 with `_interval` behind its name, a list of the two ends of its 95 % confidence interval (Wilson's for shares, Student's for
-means), and times of targets with `_sd` (standard deviation); and `run`, `task`, `trained_task`, `env_steps` (control steps that the policy was
+means), and times of targets with `_sd` (standard deviation); and `run`, `task`, `trained_task`, `trained_layouts` (names, one or more), `env_steps` (control steps that the policy was
 trained for), `trend` (what the last doubling of them brought and more would, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
-`device` (its name). Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
+`device` (its name); `trained_here`, whether the user was trained on this layout; and with several layouts `layouts`, a list of the same
+quantities of each, with its name as `task`; all else is over as many episodes of each then. Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
 
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Results<'a> {
     #[serde(flatten)]
-    evaluation: &'a Evaluation,
+    evaluation: Value,
     run: String,
     task: &'a str,
     trained_task: &'a str,
+    trained_layouts: Vec<String>,
+    trained_here: bool,
     env_steps: u64,
     trend: Option<Trend>,
     seed: u64,
@@ -94,7 +103,11 @@ struct Results<'a> {
 pub fn run(args: &Eval) -> Result<()> {
     let folder = open_run(&args.run)?;
     let trained = RunDescription::of(&folder)?;
-    let stage = args.task.as_deref().map_or_else(|| Stage::of(&trained), Stage::open)?;
+    let scenario = match &args.task {
+        Some(task) => elsewhere(&args.run, &trained, task)?,
+        None => Scenario::of(&trained)?,
+    };
+    let trained_here = trained.layouts().contains(&scenario.task);
     let checkpoint = match &args.checkpoint {
         Some(which) => checkpoint(&folder, which)?,
         None => existing_checkpoint(&folder)?,
@@ -102,12 +115,11 @@ pub fn run(args: &Eval) -> Result<()> {
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
     let episodes = usize::try_from(args.episodes)?;
-    let mut env = stage.env(&args.physics.choice(BackendName::Auto)?, episodes.min(ENVS), seed)?;
-    let mut policy = match args.task {
-        Some(_) => policy_for(&checkpoint.policy(), env.as_env().spec())?,
-        None => checkpoint.policy(),
-    };
-    let (device, bar) = (env.device(), bar(args.episodes));
+    let layouts = scenario.layouts.len();
+    let num_envs = episodes.saturating_mul(layouts).min(ENVS).max(layouts);
+    let env = scenario.env(&args.physics.choice(BackendName::Auto)?, num_envs, seed)?;
+    let mut policy = checkpoint.policy();
+    let (device, bar) = (env.device(), bar(args.episodes.saturating_mul(layouts as u64)));
     let progress = |counted: usize| {
         bar.set_position(counted as u64);
         !interrupt.wanted()
@@ -121,18 +133,37 @@ pub fn run(args: &Eval) -> Result<()> {
     if interrupt.wanted() {
         return Err(Failure::Interrupted);
     }
-    let (task, trained_task) = (&stage.task.name, &trained.task.name);
+    let (task, trained_task) = (&scenario.task.name, &trained.task.name);
     if args.json {
         let (run, env_steps, trend) = (args.run.display().to_string(), checkpoint.env_steps(), checkpoint.trend());
         let (backend, device) = (device.backend(), device.card());
-        let evaluation = &evaluation;
-        return print_json(&Results { evaluation, run, task, trained_task, env_steps, trend, seed, backend, device });
+        let evaluation = report::json(&scenario.layouts, &evaluation)?;
+        return print_json(&Results {
+            evaluation,
+            run,
+            task,
+            trained_task,
+            trained_layouts: layout_names(&trained.layouts()),
+            trained_here,
+            env_steps,
+            trend,
+            seed,
+            backend,
+            device,
+        });
     }
     let steps = rounded(checkpoint.env_steps() as f64);
-    let elsewhere = if args.task.is_some() { format!(" on {}", name(trained_task)) } else { String::new() };
+    let title = Scenario::of(&trained)?.title();
+    let (warning, elsewhere) = match trained_here {
+        true => (String::new(), String::new()),
+        false => (
+            format!("This user was not trained on {}: it acts there with what it learned on {title}.\n\n", name(task)),
+            format!(" on {title}, none on {}", name(task)),
+        ),
+    };
     print(&format!(
-        "{}{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
-        report::evaluation(&stage.task, &evaluation),
+        "{warning}{}{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
+        report::evaluation(&scenario.layouts, &evaluation),
         report::practice(checkpoint.trend()),
         sentence(&device)
     ))
@@ -162,20 +193,21 @@ fn checkpoint_of(run: &RunFolder, steps: u64) -> Result<PathBuf> {
     Err(Failure::sentence(format!("{} has no checkpoint of {steps} control steps; {there}", run.path().display())))
 }
 
-/// The policy for another environment; tells the user where its observations differ.
-fn policy_for(policy: &Policy, spec: &EnvSpec) -> Result<Policy> {
-    let (trained, own) = (policy.observation_names(), &spec.observation_names[..]);
-    let missing = |from: &[String], to: &[String]| -> Vec<String> {
-        from.iter().filter(|observation| !to.contains(observation)).map(|observation| name(observation)).collect()
-    };
-    let differences =
-        [(missing(own, trained), "does not know and does not use"), (missing(trained, own), "knows and does not get")];
-    for (names, what) in differences {
-        if !names.is_empty() {
-            complain(&format!("{} observations that the policy {what}: {}", names.len(), names.join(", ")));
-        }
+/// Another layout for the user of a run; refused where the user cannot act there, with all that differs.
+fn elsewhere(run: &Path, trained: &RunDescription, task: &str) -> Result<Scenario> {
+    let (own, scenario) = (Scenario::of(trained)?, Scenario::open(task)?);
+    let misfits = misfits(own.setting(), scenario.setting())?;
+    if misfits.is_empty() {
+        return Ok(scenario);
     }
-    Ok(policy.for_environment(spec)?)
+    let reasons: Vec<String> = misfits.iter().map(ToString::to_string).collect();
+    let next = command(&["train", task, "--from", &argument(run)]);
+    Err(Failure::sentence(format!(
+        "the user of {} cannot do {}: {}. To train one that can, beginning with what this one knows: {next}",
+        run.display(),
+        name(&scenario.task.name),
+        reasons.join("; ")
+    )))
 }
 
 fn bar(episodes: u64) -> ProgressBar {

@@ -14,8 +14,8 @@ mod output;
 mod parse;
 mod report;
 mod run_folder;
+mod scenario;
 mod shell;
-mod stage;
 mod task;
 mod train;
 

@@ -1,13 +1,53 @@
 //! Evaluations for people.
 
-use myo::tasks::Task;
+use myo::layout_names;
+use myo::tasks::{Action, Step, Task};
 use myo::train::Evaluation;
 use myo::train::session::Trend;
+use serde_json::Value;
 
+use super::failure::Result;
 use super::output::{grouped, name, percent, row, table};
 
-/// A short report; lines of the same form may be added.
-pub fn evaluation(task: &Task, evaluation: &Evaluation) -> String {
+/// A short report on one or several layouts; lines of the same form may be added.
+pub fn evaluation(layouts: &[Task], evaluation: &Evaluation) -> String {
+    match layouts {
+        [task] => of_task(task, evaluation),
+        several => of_layouts(&layout_names(several), evaluation),
+    }
+}
+
+/// As JSON, where each of several layouts has its name as `task`.
+pub fn json(layouts: &[Task], evaluation: &Evaluation) -> Result<Value> {
+    let mut value = serde_json::to_value(evaluation)?;
+    let told = value.get_mut("layouts").and_then(Value::as_array_mut).into_iter().flatten();
+    for (layout, name) in told.zip(layout_names(layouts)) {
+        layout["task"] = name.into();
+    }
+    Ok(value)
+}
+
+/// Each layout in a row, and the mean.
+fn of_layouts(names: &[String], evaluation: &Evaluation) -> String {
+    let cells = |layout: &str, evaluation: &Evaluation| {
+        let cell = |value: Option<f64>, interval, kind: &Kind| value.map_or("-".into(), |x| kind.text(x, interval));
+        vec![
+            name(layout),
+            cell(evaluation.success, evaluation.success_interval, &PERCENT),
+            cell(evaluation.episode_length_s, evaluation.episode_length_s_interval, &SECONDS),
+            cell(evaluation.final_distance_m, evaluation.final_distance_m_interval, &CENTIMETRES),
+            cell(evaluation.effort, evaluation.effort_interval, &Kind { unit: "", ..EFFORT }),
+        ]
+    };
+    let heading = row(["layout", "success", "episode", "final distance", "effort"]);
+    let mut rows: Vec<_> = [heading].into_iter().collect();
+    rows.extend(names.iter().zip(&evaluation.layouts).map(|(layout, evaluation)| cells(layout, evaluation)));
+    rows.push(cells("mean", evaluation));
+    let head = headline(&format!("{} layouts", names.len()), evaluation);
+    format!("{head}\n\n{}\n{LAYOUTS_NOTE}", table(&rows))
+}
+
+fn of_task(task: &Task, evaluation: &Evaluation) -> String {
     let mut text = format!("{}\n", headline(&task.name, evaluation));
     if !evaluation.targets.is_empty() {
         text += &format!("\n{}\n", targets(task, evaluation));
@@ -20,8 +60,10 @@ pub fn evaluation(task: &Task, evaluation: &Evaluation) -> String {
     let (distance, effort, length) = (evaluation.final_distance_m, evaluation.effort, evaluation.episode_length_s);
     line("final distance", distance, evaluation.final_distance_m_interval, &CENTIMETRES);
     line("effort", effort, evaluation.effort_interval, &EFFORT);
-    let wrong = evaluation.wrong_presses.filter(|_| task_has_presses(task));
+    let wrong = evaluation.wrong_presses.filter(|_| has(task, |step| step.dwell_s().is_none()));
     line("wrong presses", wrong, evaluation.wrong_presses_interval, &PER_EPISODE);
+    let exits = evaluation.exits.filter(|_| has(task, |step| matches!(step.action, Action::Steer { .. })));
+    line("exits", exits, evaluation.exits_interval, &PER_EPISODE);
     line("episode", length, evaluation.episode_length_s_interval, &SECONDS);
     line("return", evaluation.episode_return, evaluation.episode_return_interval, &RETURN);
     text + NOTE
@@ -30,6 +72,10 @@ pub fn evaluation(task: &Task, evaluation: &Evaluation) -> String {
 /// What the numbers mean.
 const NOTE: &str = "  in brackets     95 % confidence interval of the mean\n  movement time   from the start of the target to the last \
                     entry or the touch, without dwell\n";
+
+/// The same where there are several layouts.
+const LAYOUTS_NOTE: &str =
+    "  in brackets     95 % confidence interval of the mean\n  targets         of each layout: --json\n";
 
 /// How a kind of quantity is written.
 struct Kind {
@@ -56,9 +102,9 @@ impl Kind {
     }
 }
 
-/// Whether there is anything to press.
-fn task_has_presses(task: &Task) -> bool {
-    task.stage().is_ok_and(|stage| stage.steps.iter().any(|step| step.dwell_s().is_none()))
+/// Whether a task asks for anything of a kind.
+fn has(task: &Task, is_it: impl Fn(&Step) -> bool) -> bool {
+    task.flat().is_ok_and(|flat| flat.steps.iter().any(is_it))
 }
 
 fn headline(task: &str, evaluation: &Evaluation) -> String {
@@ -72,17 +118,20 @@ fn headline(task: &str, evaluation: &Evaluation) -> String {
 }
 
 fn targets(task: &Task, evaluation: &Evaluation) -> String {
-    let stage = task.stage().ok().filter(|stage| stage.steps.len() == evaluation.targets.len());
-    let mut rows = vec![row(["target", "success", "movement time", "sd", "with dwell"])];
+    let flat = task.flat().ok().filter(|flat| flat.steps.len() == evaluation.targets.len());
+    let asked = |index| flat.as_ref().and_then(|flat| flat.asked(index));
+    let heading = [Some("target"), asked(0).map(|_| "step")].into_iter().flatten();
+    let quantities = ["success", "movement time", "sd", "with dwell"];
+    let mut rows = vec![heading.chain(quantities).map(String::from).collect()];
     rows.extend(evaluation.targets.iter().enumerate().map(|(index, target)| {
         let seconds = |s: Option<f64>, interval| s.map_or("-".into(), |s| SECONDS.text(s, interval));
-        vec![
-            stage.as_ref().map_or_else(|| (index + 1).to_string(), |stage| stage.number(index)),
+        let quantities = [
             PERCENT.text(target.success, target.success_interval),
             seconds(target.movement_time_s, target.movement_time_s_interval),
             seconds(target.movement_time_s_sd, None),
             seconds(target.time_s, target.time_s_interval),
-        ]
+        ];
+        [Some((index + 1).to_string()), asked(index)].into_iter().flatten().chain(quantities).collect()
     }));
     table(&rows)
 }
@@ -99,6 +148,8 @@ pub fn practice(trend: Option<Trend>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use myo::tasks::preset_text;
+
     use super::*;
 
     #[test]
@@ -117,18 +168,23 @@ mod tests {
         let want = "\
 pair: 50.0 % of 1,000 fresh episodes succeeded (95 % interval 25.0 to 75.0 %)
 
-  target              success           movement time       sd              with dwell
-       1  99.8 % [99.3, 99.9]  0.620 s [0.598, 0.642]  0.346 s  0.845 s [0.823, 0.867]
-       2     0.0 % [0.0, 0.4]                       -        -                       -
+  target  step                           success           movement time       sd              with dwell
+       1  press upper_right  99.8 % [99.3, 99.9]  0.620 s [0.598, 0.642]  0.346 s  0.845 s [0.823, 0.867]
+       2  press upper_left      0.0 % [0.0, 0.4]                       -        -                       -
 
   final distance  5.19 cm [4.99, 5.39]
   episode         0.974 s
   in brackets     95 % confidence interval of the mean
   movement time   from the start of the target to the last entry or the touch, without dwell
 ";
-        let mut task = myo::tasks::preset("public-display").unwrap();
-        task.name = "pair".into();
-        task.targets.truncate(2);
-        assert_eq!(evaluation(&task, &read), want);
+        let display = preset_text("public-display").unwrap().replace("name: public-display", "name: pair");
+        let two_buttons = display.replace(", lower_right, lower_left]", "]");
+        assert_eq!(evaluation(&[Task::from_yaml(&two_buttons, "pair").unwrap()], &read), want);
+        // In version 1 targets have numbers and no names.
+        let sphere = "{kind: pointing, position: {x: 0.3, y: 0, z: 0}, radius: 0.1, dwell_s: 0.1, repeat: 2}";
+        let two_spheres = format!("{{version: 1, name: pair, targets: [{sphere}]}}");
+        let told = evaluation(&[Task::from_yaml(&two_spheres, "pair").unwrap()], &read);
+        assert!(told.contains("\n  target              success "), "{told}");
+        assert!(told.contains("\n       1  99.8 % [99.3, 99.9]  "), "{told}");
     }
 }

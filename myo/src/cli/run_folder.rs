@@ -2,16 +2,21 @@
 
 use std::path::Path;
 
-use myo::RunDescription;
 use myo::tasks::Task;
 use myo::train::{Checkpoint, RunFolder};
+use myo::{RunDescription, layout_names};
 
 use super::failure::{Failure, Result, complain};
-use super::output::{argument, command, grouped};
+use super::output::{argument, command, grouped, name};
 
-/// The task that was trained in a run folder.
+/// The task that was trained in a run folder; the first of several layouts, of which the user is told.
 pub fn run_task(path: &Path) -> Result<Task> {
-    Ok(RunDescription::of(&RunFolder::open(path)?)?.task)
+    let run = RunDescription::of(&RunFolder::open(path)?)?;
+    if !run.other_layouts.is_empty() {
+        let names: Vec<String> = layout_names(&run.layouts()).iter().map(|layout| name(layout)).collect();
+        complain(&format!("the first of {} layouts: {}", names.len(), names.join(", ")));
+    }
+    Ok(run.task)
 }
 
 /// The newest checkpoint that is whole; refuses a run without one.

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::failure::{Failure, Mistake, Result};
 use super::output::{print, print_file, print_json, row, table};
 use super::run_folder::run_task;
-use super::stage;
+use super::scenario;
 
 /// What to do with tasks.
 #[derive(Subcommand)]
@@ -65,7 +65,7 @@ pub fn run(command: Command) -> Result<()> {
     match command {
         Command::List { json } => list(json),
         Command::Show { name } => show(&name),
-        Command::Convert { task } => print_file(&stage::read(&task)?.task.converted().to_yaml()),
+        Command::Convert { task } => print_file(&scenario::read(&task)?.task.converted().to_yaml()),
         Command::Check { task, json } => check(&task, json),
         Command::Schema => print_json(&task_schema()),
     }
@@ -94,7 +94,7 @@ fn list(json: bool) -> Result<()> {
 
 /// Targets of a task that has been read: steps of its script.
 fn targets(task: &Task) -> usize {
-    task.stage().map_or(0, |stage| stage.steps.len())
+    task.flat().map_or(0, |flat| flat.steps.len())
 }
 
 fn show(name: &str) -> Result<()> {
@@ -104,7 +104,7 @@ fn show(name: &str) -> Result<()> {
     if Path::new(name).join("config.json").exists() {
         return print_file(&run_task(Path::new(name))?.to_yaml());
     }
-    print_file(&stage::read(name)?.text)
+    print_file(&scenario::read(name)?.text)
 }
 
 fn check(name_or_file: &str, json: bool) -> Result<()> {
@@ -127,9 +127,9 @@ fn check(name_or_file: &str, json: bool) -> Result<()> {
 }
 
 fn findings(name_or_file: &str) -> Result<(Vec<Mistake>, Vec<Mistake>)> {
-    let source = stage::read(name_or_file)?;
-    let (report, _) = stage::examine(&source)?;
-    Ok(stage::mistakes(&source, &report))
+    let source = scenario::read(name_or_file)?;
+    let (report, _) = scenario::examine(&source)?;
+    Ok(scenario::mistakes(&source, &report))
 }
 
 pub fn as_json(mistake: &Mistake) -> serde_json::Value {

@@ -1,9 +1,9 @@
 //! From moments of one environment to a drawing.
 
-use myo_dynamics::{CouplingMode, Plan, PlanError, Workspace, step};
-use myo_env::Snapshot;
+use myo_dynamics::spatial::{Frame, Vec3};
+use myo_env::{BuildError, EnvError, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose, Snapshot};
 use myo_model::Model;
-use myo_tasks::{Block, Shape as Form, Stage, Task};
+use myo_tasks::{Action, Shape as Form, Task};
 
 use super::{Colour, Drawing, Shape};
 
@@ -34,155 +34,143 @@ fn shade([red, green, blue, _]: Colour, alpha: f64) -> Colour {
 /// Draws environments of one model and task.
 #[derive(Clone, Debug)]
 pub struct Painter {
-    plan: Plan<f64>,
-    bones: Vec<usize>,
-    paths: Vec<Vec<usize>>,
-    stage: Stage,
-    /// Of each object, its number among the spheres.
-    spheres: Vec<usize>,
+    skeleton: Skeleton,
 }
 
 impl Painter {
     /// For a model and a task.
     ///
     /// # Errors
-    /// The model cannot be simulated.
-    pub fn new(model: &Model, task: &Task) -> Result<Self, PlanError> {
-        // A task that cannot be run has nothing to draw.
-        let stage = task.stage().unwrap_or_default();
-        let before = |index: usize| stage.objects[..index].iter().filter(|object| object.sphere().is_some()).count();
-        Ok(Self {
-            plan: Plan::exact(model, CouplingMode::Reduced)?,
-            bones: bones(model),
-            paths: model.muscles.iter().map(|muscle| muscle.path.clone()).collect(),
-            spheres: (0..stage.objects.len()).map(before).collect(),
-            stage,
-        })
+    /// The model cannot be simulated, or the task has values out of bounds.
+    pub fn new(model: &Model, task: &Task) -> Result<Self, BuildError> {
+        Ok(Self { skeleton: Skeleton::new(model, task)? })
+    }
+
+    /// For what a skeleton knows.
+    pub fn of(skeleton: Skeleton) -> Self {
+        Self { skeleton }
+    }
+
+    /// What knows where everything is.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
     }
 
     /// One moment: the current object is strong, those of later steps are faint, all others grey.
-    pub fn moment(&self, moment: &Snapshot) -> Drawing {
-        let mut page = Page::new();
-        let phase = moment.task.phase.round() as usize;
-        let is_asked_for = |object: usize, from: usize| self.stage.steps.iter().skip(from).any(|s| s.object == object);
-        let current = self.stage.steps.get(phase).map(|step| step.object);
-        for object in (0..self.stage.objects.len()).rev().filter(|object| Some(*object) != current).chain(current) {
-            let (tone, strength) = if Some(object) == current {
-                (TARGET, 1.0)
-            } else if is_asked_for(object, phase) {
-                (TARGET, 0.3)
-            } else {
-                (DONE, 0.35)
+    ///
+    /// # Errors
+    /// The moment is of another model or task.
+    pub fn moment(&self, moment: &Snapshot) -> Result<Drawing, EnvError> {
+        let (mut page, pose) = (Page::around(&self.skeleton), self.skeleton.pose(moment)?);
+        let is_current = |object: &ObjectPose| object.role == Role::Current;
+        let (current, others): (Vec<usize>, Vec<usize>) =
+            (0..pose.objects.len()).rev().partition(|&index| is_current(&pose.objects[index]));
+        self.ways(&mut page, &pose);
+        for index in others.into_iter().chain(current) {
+            let (tone, strength) = match pose.objects[index].role {
+                Role::Current => (TARGET, 1.0),
+                Role::Later => (TARGET, 0.3),
+                Role::Done | Role::Bystander => (DONE, 0.35),
             };
-            self.object(&mut page, object, moment, tone, strength);
+            self.object(&mut page, index, &pose, tone, strength);
         }
-        self.arm(&mut page, moment);
-        page.drawing
+        self.arm(&mut page, &pose);
+        Ok(page.drawing)
     }
 
-    /// A whole episode: all targets, numbered, the path of the fingertip with a dot for every moment, and the arm as it is
+    /// A whole episode: all targets, numbered, the path of the pointer with a dot for every moment, and the arm as it is
     /// in the last of the moments. Without any moments, only the user's trunk.
-    pub fn episode(&self, moments: &[Snapshot]) -> Drawing {
-        let mut page = Page::new();
-        let Some(last) = moments.last() else { return page.drawing };
-        for object in 0..self.stage.objects.len() {
-            let numbers: Vec<String> = (1..)
-                .zip(&self.stage.steps)
-                .filter(|(_, step)| step.object == object)
-                .map(|(number, _)| number.to_string())
-                .collect();
-            let (tone, strength) = if numbers.is_empty() { (DONE, 0.25) } else { (TARGET, 0.5) };
-            self.object(&mut page, object, last, tone, strength);
-            let (centre, size) = self.place(object, last);
-            if !numbers.is_empty() {
-                page.label(centre, size.clamp(0.008, 0.035), numbers.join(" "), TARGET);
-            }
+    ///
+    /// # Errors
+    /// A moment is of another model or task.
+    pub fn episode(&self, moments: &[Snapshot]) -> Result<Drawing, EnvError> {
+        let mut page = Page::around(&self.skeleton);
+        let poses = moments.iter().map(|moment| self.skeleton.pose(moment)).collect::<Result<Vec<_>, _>>()?;
+        let Some(last) = poses.last() else { return Ok(page.drawing) };
+        self.ways(&mut page, last);
+        for index in 0..last.objects.len() {
+            self.numbered(&mut page, index, last);
         }
-        let path: Vec<Point> = moments.iter().map(|moment| self.fingertip(moment)).collect();
+        let path: Vec<Point> = poses.iter().map(|pose| pose.pointer).collect();
         page.line(&path, 0.004, shade(PATH, 0.75));
         for &point in &path {
             page.disc(point, 0.0055, PATH);
         }
         self.arm(&mut page, last);
-        page.drawing
+        Ok(page.drawing)
     }
 
-    /// Centre of an object, and its radius or half its lesser side (m).
-    fn place(&self, object: usize, moment: &Snapshot) -> (Point, f64) {
-        match &self.stage.objects[object].shape {
-            Form::Sphere(_) => {
-                let number = self.spheres[object];
-                (moment.task.position[number], moment.task.size[number])
-            }
-            Form::Button(block) | Form::Obstacle(block) => (block.centre, 0.5 * block.size[0].min(block.size[1])),
+    /// Ways to steer along, as wide as they are.
+    fn ways(&self, page: &mut Page, pose: &SkeletonPose) {
+        let task = self.skeleton.task();
+        for (number, step) in task.steps.iter().enumerate() {
+            let Action::Steer { from, width } = step.action else { continue };
+            let ends = [from, step.object].map(|object| pose.objects[object].frame.position.array());
+            let strength = if pose.step == Some(number) { 0.25 } else { 0.12 };
+            page.line(&ends, width, shade(TARGET, strength));
         }
     }
 
-    fn object(&self, page: &mut Page, object: usize, moment: &Snapshot, tone: Colour, strength: f64) {
-        match &self.stage.objects[object].shape {
-            Form::Sphere(_) => {
-                let (centre, radius) = self.place(object, moment);
-                page.sphere(centre, radius, tone, strength);
-            }
-            Form::Button(block) | Form::Obstacle(block) => page.block(block, tone, strength),
+    /// An object with the numbers of the steps that ask for it.
+    fn numbered(&self, page: &mut Page, index: usize, pose: &SkeletonPose) {
+        let asks = (1..).zip(&self.skeleton.task().steps).filter(|(_, step)| step.asks_for(index));
+        let numbers: Vec<String> = asks.map(|(number, _)| number.to_string()).collect();
+        let (tone, strength) = if numbers.is_empty() { (DONE, 0.25) } else { (TARGET, 0.5) };
+        self.object(page, index, pose, tone, strength);
+        if !numbers.is_empty() {
+            let ObjectPose { frame, half_size: [height, width, _], .. } = &pose.objects[index];
+            let centre = frame.position.array();
+            page.label(centre, height.min(*width).clamp(0.008, 0.035), numbers.join(" "), TARGET);
         }
     }
 
-    fn fingertip(&self, moment: &Snapshot) -> Point {
-        step::fingertip(&self.plan, &self.posed(moment))
-    }
-
-    fn posed(&self, moment: &Snapshot) -> Workspace<f64> {
-        let mut ws = Workspace::new(&self.plan);
-        step::kinematics::kinematics(&self.plan, &moment.body.qpos, &moment.body.qvel, &mut ws);
-        ws
+    fn object(&self, page: &mut Page, index: usize, pose: &SkeletonPose, tone: Colour, strength: f64) {
+        let object = &pose.objects[index];
+        match &self.skeleton.task().objects[index].shape {
+            Form::Sphere(_) => page.sphere(object.frame.position.array(), object.half_size[0], tone, strength),
+            Form::Button(_) | Form::Obstacle(_) => page.block(&object.frame, object.half_size, tone, strength),
+            Form::Slider(_) => {
+                page.block(&object.frame, object.half_size, tone, 0.4 * strength);
+                if let Some((frame, half_size)) = &object.handle {
+                    page.block(frame, *half_size, tone, strength);
+                }
+            }
+        }
     }
 
     /// Bones and muscles; redder and thicker muscles are more active.
-    fn arm(&self, page: &mut Page, moment: &Snapshot) {
-        let ws = self.posed(moment);
-        let fingertip = step::fingertip(&self.plan, &ws);
-        let body = |&index: &usize| ws.place(&self.plan.elements.bodies[index]).array();
-        let bones: Vec<Point> = self.bones.iter().map(body).chain([fingertip]).collect();
+    fn arm(&self, page: &mut Page, pose: &SkeletonPose) {
+        let joints = self.skeleton.limb().iter().map(|&body| pose.bodies[body].position.array());
+        let bones: Vec<Point> = joints.chain([pose.fingertip]).collect();
         for (k, bone) in bones.windows(2).enumerate() {
             // Thinner towards the hand.
             page.line(bone, 0.058 * 0.72_f64.powi(k as i32), BONE);
         }
-        for (path, &act) in self.paths.iter().zip(&moment.body.act) {
-            let points: Vec<Point> =
-                path.iter().map(|&site| ws.place(&self.plan.elements.sites[site]).array()).collect();
-            page.line(&points, 0.003 + 0.007 * act, shade(MUSCLE, 0.35 + 0.6 * act));
+        for MusclePose { points, activation } in &pose.muscles {
+            page.line(points, 0.003 + 0.007 * activation, shade(MUSCLE, 0.35 + 0.6 * activation));
         }
-        page.disc(fingertip, 0.013, MUSCLE);
-    }
-}
-
-/// Bodies from the upper arm down to the hand: those with mass on the way to the fingertip.
-fn bones(model: &Model) -> Vec<usize> {
-    let mut chain = vec![];
-    let mut body = model.sites[model.fingertip_site].body;
-    while body != myo_model::model::WORLD {
-        let here = &model.bodies[body];
-        if here.mass > 0.05 {
-            chain.push(body);
+        page.disc(pose.fingertip, 0.013, MUSCLE);
+        if let Some(from) = pose.ray_from {
+            page.line(&[from, pose.pointer], 0.003, shade(PATH, 0.5));
         }
-        body = here.parent;
+        if pose.pointer != pose.fingertip {
+            page.disc(pose.pointer, 0.013, PATH);
+        }
     }
-    chain.reverse();
-    // The girdle lies in the trunk.
-    let first = chain.iter().position(|&index| model.bodies[index].name.contains("humer")).unwrap_or(0);
-    chain.split_off(first)
 }
 
 /// A drawing in the making, with points given in space.
 struct Page {
     drawing: Drawing,
+    /// How much smaller than life things are drawn, so that all of a scene has room.
+    scale: f64,
 }
 
 impl Page {
-    /// Paper with head and trunk on it, for scale: the shoulder centre is 17 cm right of the middle.
-    fn new() -> Self {
-        let mut page = Self { drawing: Drawing { size: PAGE, paper: PAPER, shapes: vec![] } };
+    /// Paper with head and trunk on it: the shoulder centre is 17 cm right of the middle.
+    fn around(skeleton: &Skeleton) -> Self {
+        let drawing = Drawing { size: PAGE, paper: PAPER, shapes: vec![] };
+        let mut page = Self { drawing, scale: scale(skeleton) };
         page.line(&[[0.0, 0.17, -0.02], [0.0, 0.17, -0.36]], 0.283, SKIN);
         page.line(&[[0.0, 0.0, 0.0], [0.0, 0.34, 0.0]], 0.105, SKIN);
         page.line(&[[0.0, 0.17, 0.0], [0.0, 0.17, 0.14]], 0.092, SKIN);
@@ -190,45 +178,66 @@ impl Page {
         page
     }
 
-    fn sphere(&mut self, centre: Point, radius: f64, tone: Colour, strength: f64) {
-        self.disc(centre, radius, shade(tone, 0.25 * strength));
-        self.push(Shape::Ring { centre: on_page(centre), radius, width: 0.004, colour: shade(tone, strength) });
+    fn at(&self, point: Point) -> [f64; 2] {
+        on_page(point).map(|x| x * self.scale)
     }
 
-    fn block(&mut self, button: &Block, tone: Colour, strength: f64) {
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let front = corners.map(|(across, up)| button.face_point(across, up));
-        let (normal, depth) = (button.normal(), button.size[2]);
-        let back = front.map(|p| [0, 1, 2].map(|axis| p[axis] - depth * normal[axis]));
+    fn sphere(&mut self, centre: Point, radius: f64, tone: Colour, strength: f64) {
+        self.disc(centre, radius, shade(tone, 0.25 * strength));
+        self.ring(centre, radius, 0.004, shade(tone, strength));
+    }
+
+    fn block(&mut self, frame: &Frame<f64>, [h, w, d]: [f64; 3], tone: Colour, strength: f64) {
+        let corner = |up: f64, across: f64, out: f64| frame.place(Vec3::new(up * h, across * w, out * d)).array();
+        let side =
+            |out: f64| [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(up, across)| corner(up, across, out));
+        let (front, back) = (side(1.0), side(-1.0));
         self.polygon(&back, shade(tone, 0.2 * strength));
         for k in 0..4 {
             let side = [front[k], front[(k + 1) % 4], back[(k + 1) % 4], back[k]];
             self.polygon(&side, shade(tone, 0.2 * strength));
         }
         self.polygon(&front, shade(tone, 0.55 * strength));
-        let width = (0.06 * button.size[0].min(button.size[1])).clamp(0.001, 0.003);
+        let width = (0.12 * h.min(w)).clamp(0.001, 0.003);
         self.line(&[front[0], front[1], front[2], front[3], front[0]], width, shade(tone, strength));
     }
 
     fn line(&mut self, points: &[Point], width: f64, colour: Colour) {
-        self.push(Shape::Line { points: points.iter().map(|&p| on_page(p)).collect(), width, colour });
+        let points = points.iter().map(|&point| self.at(point)).collect();
+        self.push(Shape::Line { points, width: width * self.scale, colour });
     }
 
     fn polygon(&mut self, points: &[Point], colour: Colour) {
-        self.push(Shape::Polygon { points: points.iter().map(|&p| on_page(p)).collect(), colour });
+        let points = points.iter().map(|&point| self.at(point)).collect();
+        self.push(Shape::Polygon { points, colour });
     }
 
     fn disc(&mut self, centre: Point, radius: f64, colour: Colour) {
-        self.push(Shape::Disc { centre: on_page(centre), radius, colour });
+        self.push(Shape::Disc { centre: self.at(centre), radius: radius * self.scale, colour });
+    }
+
+    fn ring(&mut self, centre: Point, radius: f64, width: f64, colour: Colour) {
+        let (radius, width) = (radius * self.scale, width * self.scale);
+        self.push(Shape::Ring { centre: self.at(centre), radius, width, colour });
     }
 
     fn label(&mut self, centre: Point, height: f64, text: String, colour: Colour) {
-        self.push(Shape::Label { centre: on_page(centre), height, text, colour });
+        self.push(Shape::Label { centre: self.at(centre), height: height * self.scale, text, colour });
     }
 
     fn push(&mut self, shape: Shape) {
         self.drawing.shapes.push(shape);
     }
+}
+
+/// Life size where a scene has room on the page, as nearly all have, and else as large as it has.
+fn scale(skeleton: &Skeleton) -> f64 {
+    let corners = skeleton.task().objects.iter().flat_map(|object| {
+        let half = object.block().map_or(0.0, |block| 0.5 * block.size[0].max(block.size[1]));
+        object.extent().corners().map(|corner| (on_page(corner), half))
+    });
+    let room = corners.flat_map(|(corner, half)| [0, 1].map(|axis| 0.5 * PAGE[axis] / (corner[axis].abs() + half)));
+    room.fold(1.0, f64::min)
 }
 
 /// Oblique projection.

@@ -22,40 +22,93 @@ fn damaged_checkpoint_is_told_and_the_one_before_used() {
 }
 
 #[test]
-fn a_policy_can_be_tried_on_another_task() {
+fn a_user_can_be_tried_on_a_layout_that_it_was_not_trained_on() {
     let folder = tempfile::tempdir().unwrap();
     stdout(&myo(folder.path(), &short_training("2k", &["--out", "run"])));
-    let evaluate = |more: &[&str]| {
-        let args = [&["eval", "run", "--episodes", "16", "--seed", "3", "--json"], more].concat();
-        let output = myo(folder.path(), &args);
-        (json(&output), stderr(&output))
+    let try_on = |more: &[&str]| {
+        let args = [&["eval", "run", "--episodes", "16", "--seed", "3"], more].concat();
+        myo(folder.path(), &args)
     };
-    let (own, _) = evaluate(&[]);
-    let (same, told) = evaluate(&["--task", "pointing-single"]);
-    assert_eq!((same, told.as_str()), (own.clone(), ""), "nothing is told where nothing differs");
+    let evaluate = |more: &[&str]| json(&try_on(&[more, &["--json"]].concat()));
+    let own = evaluate(&[]);
+    assert_eq!(evaluate(&["--task", "pointing-single"]), own);
+    assert_eq!(
+        (&own["trained_here"], &own["trained_layouts"]),
+        (&true.into(), &serde_json::json!(["pointing-single"]))
+    );
 
-    let (other, told) = evaluate(&["--task", "mobile-typing"]);
+    // More steps, and of other kinds; the same is perceived.
+    let typing = stdout(&here(&["task", "show", "mobile-typing"])) + "model: mobl-arms-uitb\n";
+    std::fs::write(folder.path().join("typing.yaml"), typing).unwrap();
+    let other = evaluate(&["--task", "typing.yaml"]);
     assert_eq!((&other["task"], &other["trained_task"]), (&"mobile-typing".into(), &"pointing-single".into()));
-    assert_eq!(other["targets"].as_array().unwrap().len(), 5);
+    assert_eq!((other["targets"].as_array().unwrap().len(), &other["trained_here"]), (5, &false.into()));
     assert_ne!(other["return"], own["return"]);
-    assert_eq!(told, "", "it observes the same");
+    let told = stdout(&try_on(&["--task", "typing.yaml"]));
+    let warning =
+        "This user was not trained on mobile-typing: it acts there with what it learned on pointing-single.\n";
+    assert!(told.starts_with(warning), "{told}");
+    assert!(told.contains(" control steps on pointing-single, none on mobile-typing\n"), "{told}");
+    assert!(!stdout(&try_on(&[])).contains("not trained"));
+}
 
+#[test]
+fn a_user_is_not_tried_where_it_cannot_act_and_all_that_differs_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
     let text = stdout(&here(&["task", "show", "pointing-single"]));
-    let seen = text.clone() + "observation: {joint_acceleration: true, phase: false, touch: false}\n";
-    std::fs::write(folder.path().join("seen.yaml"), seen).unwrap();
-    let (_, told) = evaluate(&["--task", "seen.yaml"]);
-    let new = "5 observations that the policy does not know and does not use: joint_acceleration.elv_angle, ";
-    let gone = "2 observations that the policy knows and does not get: phase, touch";
-    assert!(told.contains(new) && told.contains(gone), "{told}");
-
+    let refused = |task: &str, more: &[&str], sentences: &[&str]| {
+        let output = myo(folder.path(), &[&["eval", "run", "--task", task][..], more].concat());
+        sentences.iter().for_each(|sentence| assert_refused(&output, sentence));
+        assert!(stderr(&output).contains(&format!("train {task} --from run")), "{}", stderr(&output));
+    };
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    refused(
+        "public-display",
+        &[],
+        &["cannot do public-display: its body is mobl-arms instead of mobl-arms-uitb. To train"],
+    );
+    // A body of the same name and with the same muscles is another one all the same.
     let more_text = stdout(&here(&["model", "export", "mobl-arms-uitb", "--format", "yaml"]));
-    let renamed = more_text.replace("DELT1", "OTHER1");
-    assert_ne!(renamed, more_text);
-    std::fs::write(folder.path().join("arm.yaml"), renamed).unwrap();
-    std::fs::write(folder.path().join("mine.yaml"), text.replace("mobl-arms-uitb", "arm.yaml")).unwrap();
-    let refused = myo(folder.path(), &["eval", "run", "--task", "mine.yaml"]);
-    assert_refused(&refused, "OTHER1");
-    assert!(stderr(&refused).contains("which the policy does not know"), "{}", stderr(&refused));
+    write("arm.yaml", &more_text);
+    write("mine.yaml", &text.replace("mobl-arms-uitb", "arm.yaml"));
+    refused("mine.yaml", &[], &["its body is arm.yaml instead of mobl-arms-uitb"]);
+
+    let seen = text.clone() + "observation: {joint_acceleration: true, phase: false}\ncontrol_dt_s: 0.1\n";
+    write("seen.yaml", &seen);
+    let settings = [
+        "its control step is 0.1 s instead of 0.05 s",
+        "`phase` cannot be perceived there (`observation.phase` of the task)",
+        "`joint_acceleration` is perceived there, and was not in training (`observation.joint_acceleration` of the task)",
+    ];
+    refused("seen.yaml", &[], &settings);
+
+    // Parts that are there only in some tasks.
+    let uitb = |preset: &str| stdout(&here(&["task", "show", preset])) + "model: mobl-arms-uitb\n";
+    for (preset, part, only_where) in [
+        ("slider", "drag", "where there is a slider to drag"),
+        ("choice", "cue", "where a step must be waited for"),
+        ("wall-ray", "pointer_position", "where the technique is not the fingertip"),
+    ] {
+        write("other.yaml", &uitb(preset));
+        let sentence = format!("`{part}` is perceived there, and was not in training (it is there only {only_where})");
+        refused("other.yaml", &[], &[&sentence]);
+    }
+    refused("other.yaml", &[], &["its technique is a ray from the forearm onto a display instead of the fingertip; "]);
+    let moving = [
+        ("x: 0.55", "x: 0.4"),
+        ("y: [-0.2, 0.4]", "y: 0.1"),
+        ("z: [-0.3, 0.3]", "z: -0.1"),
+        ("    radius:", "    moves: {kind: circle, diameter: 0.1, period_s: 4}\n    radius:"),
+    ];
+    write("moving.yaml", &moving.iter().fold(text.clone(), |text, (from, to)| text.replace(from, to)));
+    refused("moving.yaml", &[], &["`target_velocity` is perceived there", "(it is there only where something moves)"]);
+    // And the other way round.
+    let args = ["train", "moving.yaml", "--out", "moving", "--until", "off", "--envs", "8", "--steps", "64"];
+    stdout(&myo(folder.path(), &args));
+    let output = myo(folder.path(), &["eval", "moving", "--task", "pointing-single"]);
+    let sentence = "`target_velocity` cannot be perceived there (it is there only where something moves)";
+    assert_refused(&output, sentence);
 }
 
 #[test]

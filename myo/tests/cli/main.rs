@@ -11,6 +11,7 @@ mod resume;
 mod seeds;
 mod shell;
 mod task;
+mod together;
 mod train;
 
 use std::path::Path;

@@ -26,8 +26,12 @@ fn mistakes_in_a_task_are_told_with_their_place() {
     let text = myo::tasks::preset_text("ar").unwrap();
     let line = 1 + text.lines().position(|line| line.contains("0.42, 0.15, -0.29")).unwrap();
     let files = [
-        ("far.yaml", text.replace("0.42, 0.15, -0.29", "0.92, 0.15, -0.29"), format!("far.yaml:{line}:15: target 2")),
-        ("key.yaml", text.replacen("dwell_s", "dwel_s", 1), ":5: unknown key `dwel_s`".into()),
+        (
+            "far.yaml",
+            text.replace("0.42, 0.15, -0.29", "0.92, 0.15, -0.29"),
+            format!("far.yaml:{line}:9: lower_left is out of reach"),
+        ),
+        ("key.yaml", text.replacen("radius:", "radios:", 1), ":5: unknown key `radios`".into()),
         ("body.yaml", format!("model: mobl\n{text}"), "body.yaml:1:8: there is no built-in model `mobl`".into()),
         ("no.yaml", String::new(), "no.yaml:1:1: ".into()),
     ];

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use myo::env::{Column, EPISODE_COLUMNS, EnvConfig, EnvSpec, TARGET_COLUMNS, VectorEnv};
 use myo::model::{Model, builtin};
-use myo::train::{FIRST_COLUMNS, LAST_COLUMNS};
+use myo::train::{FIRST_COLUMNS, LAST_COLUMNS, LAYOUT_COLUMN};
 use serde_json::Value;
 
 /// Tasks whose observations are listed.
@@ -58,6 +58,8 @@ pub fn metrics() -> String {
     table(&mut page, "", &FIRST_COLUMNS);
     page.push_str("\nThen the means of the [columns of episodes](episodes.md) that ended in this update, and:\n");
     table(&mut page, "", &LAST_COLUMNS);
+    page.push_str("\nWhere one user learns several layouts, for every layout `k`, counted from 1:\n");
+    table(&mut page, "layout_k_", &[LAYOUT_COLUMN]);
     page
 }
 

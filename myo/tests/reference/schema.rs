@@ -79,7 +79,9 @@ fn value(schema: &Value) -> String {
         return format!("`{word}`");
     }
     if let Some(forms) = schema["anyOf"].as_array() {
-        return forms.iter().map(value).collect::<Vec<_>>().join(", or ");
+        // That a key may be left out is said by its not being required.
+        let forms = forms.iter().filter(|form| form["type"] != "null");
+        return forms.map(value).collect::<Vec<_>>().join(", or ");
     }
     match kind(schema) {
         "array" => list(schema),

@@ -160,6 +160,7 @@ mod tests {
             envs: 37,
             counted: 37,
             noise_free: 0,
+            layouts: 0,
             padded: 40,
             observations: 3,
             actions: 2,

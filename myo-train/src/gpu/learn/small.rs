@@ -53,7 +53,7 @@ impl Context<'_> {
 
     fn estimate_sums(&self) -> Result<Dispatch, GpuError> {
         let kernel = compile_sums(self.gpu)?;
-        let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0, 0];
+        let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0, 0, 1];
         let buffers = [self.memory.estimate_parts.binding(), self.memory.estimate_sums.binding()];
         prepare(self.gpu, &kernel, &buffers, &shape, 4 * kernel.workgroup_size() as usize)
     }

@@ -16,7 +16,7 @@ use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 use crate::cli::train::{LearnerOptions, Ready};
 
 /// Arguments of `myo bench curve`.
@@ -84,15 +84,15 @@ pub fn run(args: &CurveArgs) -> Result<()> {
     if !args.at.is_sorted() {
         return Err(Failure::sentence("the control steps of `--at` must not go down"));
     }
-    let stage = Stage::open(&args.task)?;
+    let scenario = Scenario::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
     let rows = if args.at_once {
-        measure_all(args, &stage, &config, &interrupt)?
+        measure_all(args, &scenario, &config, &interrupt)?
     } else {
         let mut rows = Vec::new();
         for seed in 1..=args.seeds as u64 {
-            complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
-            rows.extend(measure(args, &stage, &config, seed, &interrupt)?);
+            complain(&format!("{} with seed {seed} of {}", scenario.task.name, args.seeds));
+            rows.extend(measure(args, &scenario, &config, seed, &interrupt)?);
         }
         rows
     };
@@ -112,18 +112,24 @@ pub fn run(args: &CurveArgs) -> Result<()> {
         ])
     }));
     let Machine { machine, date, version } = Machine::here();
-    print(&format!("{}, {machine}, {date}, myo {version}\n{}", stage.task.name, table(&cells)))
+    print(&format!("{}, {machine}, {date}, myo {version}\n{}", scenario.task.name, table(&cells)))
 }
 
 /// Trains one user and evaluates it on its way.
-fn measure(args: &CurveArgs, stage: &Stage, config: &PpoConfig, seed: u64, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let env = stage.training_env(&args.physics.choice(BackendName::Cpu)?, config, seed)?;
-    follow(args, Ready::new(stage, env, Start::New { config, seed, from: None }, goal(args))?, interrupt)
+fn measure(
+    args: &CurveArgs,
+    scenario: &Scenario,
+    config: &PpoConfig,
+    seed: u64,
+    interrupt: &Interrupt,
+) -> Result<Vec<Row>> {
+    let env = scenario.training_env(&args.physics.choice(BackendName::Cpu)?, config, seed)?;
+    follow(args, Ready::new(scenario, env, Start::New { config, seed, from: None }, goal(args))?, interrupt)
 }
 
 /// The same of all seeds at once.
-fn measure_all(args: &CurveArgs, stage: &Stage, config: &PpoConfig, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let all = ready_at_once(stage, &args.physics, config, args.seeds, goal(args))?;
+fn measure_all(args: &CurveArgs, scenario: &Scenario, config: &PpoConfig, interrupt: &Interrupt) -> Result<Vec<Row>> {
+    let all = ready_at_once(scenario, &args.physics, config, args.seeds, goal(args))?;
     std::thread::scope(|scope| {
         let follow = |ready| scope.spawn(|| follow(args, ready, interrupt));
         let threads: Vec<_> = all.into_iter().map(follow).collect();
@@ -138,7 +144,7 @@ fn goal(args: &CurveArgs) -> Goal {
 
 /// A training to its end, with evaluations on its way.
 fn follow(args: &CurveArgs, ready: Ready<'_>, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let Ready { stage, device, mut session } = ready;
+    let Ready { scenario, device, mut session, .. } = ready;
     let mut rows = Vec::new();
     for (&mark, number) in args.at.iter().zip(1..) {
         train_to(&mut session, mark, interrupt)?;
@@ -147,7 +153,7 @@ fn follow(args: &CurveArgs, ready: Ready<'_>, interrupt: &Interrupt) -> Result<V
         rows.push(Row {
             backend: device.backend(),
             device: device.card().map(String::from),
-            task: stage.task.name.clone(),
+            task: scenario.task.name.clone(),
             seed: trainer.seed(),
             env_steps: trainer.env_steps(),
             train_s: trainer.wall_s(),

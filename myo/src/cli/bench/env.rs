@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use clap::Args;
+use myo::Device;
+use myo::env::{CpuEnv, EnvConfig};
 use myo::gpu::Gpu;
 use myo::scalar::Level;
 use myo::scalar::symbolic::Form;
-use myo::{Backend, Device};
 use serde::Serialize;
 use serde_json::json;
 
@@ -17,7 +18,7 @@ use crate::cli::backend::{BackendName, Options, device};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{print, print_json, rounded, row, table};
 use crate::cli::parse;
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 
 /// Arguments of `myo bench env`.
 #[derive(Args)]
@@ -30,6 +31,10 @@ pub struct EnvArgs {
     /// Environments side by side, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "64,1024,16384", value_parser = parse::positive)]
     envs: Vec<usize>,
+
+    /// Layouts in one batch, each environment with numbers of its own
+    #[arg(long, value_name = "N", default_value = "1", value_parser = parse::positive)]
+    layouts: usize,
 
     #[command(flatten)]
     physics: Options,
@@ -52,6 +57,7 @@ Examples:
   myo bench env
   myo bench env --task ar --envs 1024,4096 --threads 1
   myo bench env --backend gpu --envs 1024,16384,262144 --part env,physics
+  myo bench env --envs 4096 --layouts 256
 
 Actions are random; drawing them is not timed. Rates are those of the best of 7 measurements; `median` is the middle one.
 
@@ -62,7 +68,7 @@ until the kernel could run: opening the card, recording, compiling. `kernel_cach
 found on disk, `cold` if it was compiled and kept, `none` if the driver keeps nothing (null: not known). For a cold start
 let MYO_CACHE_DIR name an empty folder; drivers may have a cache of their own.
 
-JSON: `rows` of objects with `backend`, `task`, `envs`, `physics_steps_per_s`, `control_steps_per_s`,
+JSON: `rows` of objects with `backend`, `task`, `envs`, `layouts`, `physics_steps_per_s`, `control_steps_per_s`,
 `control_steps_per_s_median`, `machine`, `date`, `version`; on the cpu also `level` and `threads`, on the gpu `device`,
 `driver`, `part`, `form` (`straight` or `loops`), `ready_s`, `kernel_cache`.";
 
@@ -72,6 +78,7 @@ struct Row {
     level: &'static str,
     task: String,
     envs: usize,
+    layouts: usize,
     threads: usize,
     physics_steps_per_s: f64,
     control_steps_per_s: f64,
@@ -82,20 +89,20 @@ struct Row {
 
 /// Runs `myo bench env`.
 pub fn run(args: &EnvArgs) -> Result<()> {
-    let stage = Stage::open(&args.task)?;
+    let scenario = Scenario::open(&args.task)?;
     let most = args.envs.iter().copied().max().unwrap_or(1);
     let start = Instant::now();
     match device(&args.physics.choice(BackendName::Cpu)?, most)? {
-        Device::Gpu(gpu) => on_gpu(args, &stage, &gpu, start.elapsed().as_secs_f64()),
+        Device::Gpu(gpu) => on_gpu(args, &scenario, &gpu, start.elapsed().as_secs_f64()),
         Device::Cpu if args.part != [StepPart::Env] || args.loops => Err(Failure::sentence(
             "on the cpu there is only `--part env`, without `--loops`; `myo bench physics` measures the physics alone",
         )),
-        Device::Cpu => on_cpu(args, &stage),
+        Device::Cpu => on_cpu(args, &scenario),
     }
 }
 
-fn on_cpu(args: &EnvArgs, stage: &Stage) -> Result<()> {
-    let rows = args.envs.iter().map(|&envs| measure(stage, envs)).collect::<Result<Vec<_>>>()?;
+fn on_cpu(args: &EnvArgs, scenario: &Scenario) -> Result<()> {
+    let rows = args.envs.iter().map(|&envs| measure(scenario, envs, args.layouts)).collect::<Result<Vec<_>>>()?;
     let cells = rows.iter().map(|r| {
         row([
             r.backend,
@@ -108,35 +115,38 @@ fn on_cpu(args: &EnvArgs, stage: &Stage) -> Result<()> {
         ])
     });
     let headings = row(["backend", "level", "envs", "threads", "control steps/s", "median", "physics steps/s"]);
-    show(args, stage, &rows, [headings].into_iter().chain(cells).collect())
+    show(args, scenario, &rows, [headings].into_iter().chain(cells).collect())
 }
 
-fn on_gpu(args: &EnvArgs, stage: &Stage, gpu: &Gpu, open_s: f64) -> Result<()> {
-    let measurement = Measurement { stage, gpu, open_s, form: args.loops.then_some(Form::Loops) };
+fn on_gpu(args: &EnvArgs, scenario: &Scenario, gpu: &Gpu, open_s: f64) -> Result<()> {
+    let measurement =
+        Measurement { scenario, gpu, open_s, layouts: args.layouts, form: args.loops.then_some(Form::Loops) };
     let each = args.envs.iter().map(|&envs| measurement.run(envs, &args.part));
     let rows = each.collect::<Result<Vec<_>>>()?.concat();
     let cells = rows.iter().map(env_gpu::Row::cells);
-    show(args, stage, &rows, [row(env_gpu::HEADINGS)].into_iter().chain(cells).collect())
+    show(args, scenario, &rows, [row(env_gpu::HEADINGS)].into_iter().chain(cells).collect())
 }
 
-fn show(args: &EnvArgs, stage: &Stage, rows: &[impl Serialize], cells: Vec<Vec<String>>) -> Result<()> {
+fn show(args: &EnvArgs, scenario: &Scenario, rows: &[impl Serialize], cells: Vec<Vec<String>>) -> Result<()> {
     if args.json {
         return print_json(&json!({ "rows": rows }));
     }
     let Machine { machine, date, version } = Machine::here();
-    print(&format!("{}, {machine}, {date}, myo {version}\n{}", stage.task.name, table(&cells)))
+    print(&format!("{}, {machine}, {date}, myo {version}\n{}", scenario.task.name, table(&cells)))
 }
 
-fn measure(stage: &Stage, envs: usize) -> Result<Row> {
+fn measure(scenario: &Scenario, envs: usize, layouts: usize) -> Result<Row> {
     complain(&format!("measuring {envs} environments"));
-    let mut env = stage.env(&Backend::Cpu, envs, 1)?;
-    let (best, median) = through_host(env.as_env())?;
-    let substeps = stage.task.substeps(stage.model.options.timestep);
+    let config = EnvConfig { num_envs: envs, seed: 1, ..EnvConfig::default() };
+    let mut env = CpuEnv::with_layouts(&scenario.model, &vec![scenario.task.clone(); layouts], &config)?;
+    let (best, median) = through_host(&mut env)?;
+    let substeps = scenario.task.substeps(scenario.model.options.timestep);
     Ok(Row {
         backend: "cpu",
         level: Level::current().name(),
-        task: stage.task.name.clone(),
+        task: scenario.task.name.clone(),
         envs,
+        layouts,
         threads: rayon::current_num_threads(),
         physics_steps_per_s: f64::from(substeps) * envs as f64 / best,
         control_steps_per_s: envs as f64 / best,

@@ -14,7 +14,7 @@ use super::random::Random;
 use super::speed::{BestAndMedian, on_device, through_host};
 use crate::cli::failure::{Result, complain};
 use crate::cli::output::{rounded, row};
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 
 /// What of a step is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
@@ -38,6 +38,7 @@ pub struct Row {
     form: &'static str,
     task: String,
     envs: usize,
+    layouts: usize,
     ready_s: f64,
     kernel_cache: Option<&'static str>,
     physics_steps_per_s: f64,
@@ -77,13 +78,15 @@ struct Ready {
 /// What all measurements have in common.
 pub struct Measurement<'a> {
     /// Task and body.
-    pub stage: &'a Stage,
+    pub scenario: &'a Scenario,
     /// The open card.
     pub gpu: &'a Gpu,
     /// How long opening it took.
     pub open_s: f64,
     /// Form of the kernels; the environment's choice, if none.
     pub form: Option<Form>,
+    /// Layouts in one batch.
+    pub layouts: usize,
 }
 
 impl Measurement<'_> {
@@ -107,7 +110,8 @@ impl Measurement<'_> {
         let start = Instant::now();
         let config = EnvConfig { num_envs, seed: 1, ..EnvConfig::default() };
         let options = GpuOptions { form: self.form, ..GpuOptions::default() };
-        let env = GpuEnv::with_options(self.gpu, &self.stage.model, &self.stage.task, &config, &options)?;
+        let tasks = vec![self.scenario.task.clone(); self.layouts];
+        let env = GpuEnv::with_layouts(self.gpu, &self.scenario.model, &tasks, &config, &options)?;
         self.gpu.wait()?;
         let seconds = self.open_s + start.elapsed().as_secs_f64();
         let cache = cache(env.kernels().cached());
@@ -118,7 +122,7 @@ impl Measurement<'_> {
         // It takes actions as excitations, which lie in [0, 1].
         upload(self.gpu, env, |x| 0.5 * (x + 1.0))?;
         let start = Instant::now();
-        let tables = Tables::<f64>::new(&self.stage.model, &self.stage.task)?;
+        let tables = Tables::<f64>::new(&self.scenario.model, &self.scenario.task)?;
         let physics = PhysicsBench::new(env, &tables)?;
         let seconds = self.open_s + start.elapsed().as_secs_f64();
         let ready = Ready { seconds, cache: cache(physics.cached()) };
@@ -126,8 +130,8 @@ impl Measurement<'_> {
     }
 
     fn row(&self, env: &GpuEnv, part: StepPart, ready: Ready, (best, median): BestAndMedian) -> Row {
-        let (task, adapter) = (&self.stage.task, self.gpu.adapter());
-        let (envs, substeps) = (env.spec().num_envs, task.substeps(self.stage.model.options.timestep));
+        let (task, adapter) = (&self.scenario.task, self.gpu.adapter());
+        let (envs, substeps) = (env.spec().num_envs, task.substeps(self.scenario.model.options.timestep));
         Row {
             backend: "gpu",
             device: adapter.name.clone(),
@@ -136,6 +140,7 @@ impl Measurement<'_> {
             form: if env.kernels().form() == Form::Loops { "loops" } else { "straight" },
             task: task.name.clone(),
             envs,
+            layouts: self.layouts,
             ready_s: ready.seconds,
             kernel_cache: ready.cache,
             physics_steps_per_s: f64::from(substeps) * envs as f64 / best,

@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::cli::failure::{Failure, Result};
 use crate::cli::output::{grouped, print, print_json, row, table};
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 
 /// Threads of a workgroup in the text; it changes nothing else.
 const WORKGROUP: u32 = 64;
@@ -84,8 +84,8 @@ impl KernelKind {
 
 /// Runs `myo bench kernel`.
 pub fn run(args: &KernelArgs) -> Result<()> {
-    let stage = Stage::open(&args.task)?;
-    let tables = Tables::<f64>::new(&stage.model, &stage.task)?;
+    let scenario = Scenario::open(&args.task)?;
+    let tables = Tables::<f64>::new(&scenario.model, &scenario.task)?;
     let start = Instant::now();
     let program = args.part.record(&tables, if args.loops { Form::Loops } else { Form::Straight });
     let record_s = start.elapsed().as_secs_f64();
@@ -98,7 +98,7 @@ pub fn run(args: &KernelArgs) -> Result<()> {
     if args.json {
         let stages: Vec<_> = stages.iter().map(|(stage, n)| json!({"stage": stage, "operations": n})).collect();
         return print_json(&json!({
-            "task": stage.task.name,
+            "task": scenario.task.name,
             "part": part,
             "operations": program.operations(),
             "record_s": record_s,
@@ -108,5 +108,5 @@ pub fn run(args: &KernelArgs) -> Result<()> {
     let mut rows = vec![row(["operations", "stage"])];
     rows.extend(stages.iter().map(|(stage, n)| row([&grouped(*n as u64), stage])));
     let all = grouped(program.operations() as u64);
-    print(&format!("{}, {part}: {all} operations, recorded in {record_s:.2} s\n{}", stage.task.name, table(&rows)))
+    print(&format!("{}, {part}: {all} operations, recorded in {record_s:.2} s\n{}", scenario.task.name, table(&rows)))
 }

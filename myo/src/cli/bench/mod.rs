@@ -20,7 +20,7 @@ use myo::train::session::Goal;
 
 use super::backend::{BackendName, Options};
 use super::failure::{Failure, Result, complain};
-use super::stage::Stage;
+use super::scenario::Scenario;
 use super::train::Ready;
 
 /// What to measure.
@@ -83,14 +83,14 @@ fn best_and_median(mut times: Vec<f64>) -> (f64, f64) {
 
 /// Trainings with seeds 1 to `seeds` that run at once.
 fn ready_at_once<'a>(
-    stage: &'a Stage,
+    scenario: &'a Scenario,
     physics: &Options,
     config: &PpoConfig,
     seeds: usize,
     goal: Goal,
 ) -> Result<Vec<Ready<'a>>> {
-    complain(&format!("{} with {seeds} seeds at once", stage.task.name));
+    complain(&format!("{} with {seeds} seeds at once", scenario.task.name));
     let starts: Vec<_> = (1..=seeds as u64).map(|seed| Start::New { config, seed, from: None }).collect();
-    let all = Ready::several(stage, &physics.choice(BackendName::Gpu)?, config, &starts, goal)?;
+    let all = Ready::several(scenario, &physics.choice(BackendName::Gpu)?, config, &starts, goal)?;
     all.ok_or_else(|| Failure::sentence("only a graphics card with room for all of them trains several seeds at once"))
 }

@@ -14,7 +14,7 @@ use crate::cli::backend::{BackendName, Options, sentence};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{duration, grouped, print, print_json, rounded};
 use crate::cli::parse;
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 
 /// An environment keeps its action with this probability in each step: muscles also see long pulls.
 const HOLD: f32 = 0.7;
@@ -84,8 +84,8 @@ struct First {
 
 /// Runs `myo bench nan`.
 pub fn run(args: &NanArgs) -> Result<()> {
-    let stage = Stage::open(&args.task)?;
-    let mut env = stage.env(&args.physics.choice(BackendName::Cpu)?, args.envs, args.seed)?;
+    let scenario = Scenario::open(&args.task)?;
+    let mut env = scenario.env(&args.physics.choice(BackendName::Cpu)?, args.envs, args.seed)?;
     let device = env.device();
     let env = env.as_env();
     let spec = env.spec().clone();
@@ -111,7 +111,7 @@ pub fn run(args: &NanArgs) -> Result<()> {
             complain(&format!("{done} of {all} control steps"));
         }
     }
-    show(args, &stage, &device, &found, start.elapsed().as_secs_f64())
+    show(args, &scenario, &device, &found, start.elapsed().as_secs_f64())
 }
 
 impl Findings {
@@ -143,8 +143,8 @@ fn draw(action: &mut [f32], random: &mut Random) {
     }
 }
 
-fn show(args: &NanArgs, stage: &Stage, device: &Device, found: &Findings, wall_s: f64) -> Result<()> {
-    let task = &stage.task.name;
+fn show(args: &NanArgs, scenario: &Scenario, device: &Device, found: &Findings, wall_s: f64) -> Result<()> {
+    let task = &scenario.task.name;
     let Machine { machine, date, version } = Machine::here();
     if args.json {
         print_json(&json!({

@@ -16,7 +16,7 @@ use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 use crate::cli::train::{LearnerOptions, Ready, STEPS};
 
 /// Arguments of `myo bench train`.
@@ -88,12 +88,12 @@ struct Row {
 /// Runs `myo bench train`.
 pub fn run(args: &TrainArgs) -> Result<()> {
     args.learner.settings(&PpoConfig::default())?;
-    let stage = Stage::open(&args.task)?;
+    let scenario = Scenario::open(&args.task)?;
     let interrupt = Interrupt::listen()?;
-    let mut rows = if args.at_once { measure_all(args, &stage, &interrupt)? } else { Vec::new() };
+    let mut rows = if args.at_once { measure_all(args, &scenario, &interrupt)? } else { Vec::new() };
     for seed in (1..=args.seeds as u64).filter(|_| !args.at_once) {
-        complain(&format!("{} with seed {seed} of {}", stage.task.name, args.seeds));
-        rows.push(measure(args, &stage, seed, &interrupt)?);
+        complain(&format!("{} with seed {seed} of {}", scenario.task.name, args.seeds));
+        rows.push(measure(args, &scenario, seed, &interrupt)?);
     }
     let reached = rows.iter().filter(|row| row.stopped_by != End::Steps.name()).count();
     if args.json {
@@ -115,22 +115,23 @@ pub fn run(args: &TrainArgs) -> Result<()> {
     let threads = rayon::current_num_threads();
     print(&format!(
         "{}, {machine}, {threads} used, {date}, myo {version}\n{}  {reached} of {} seeds reached the goal\n",
-        stage.task.name,
+        scenario.task.name,
         table(&cells),
         rows.len()
     ))
 }
 
 /// All seeds at once: the time of each runs from the beginning of all to its own end.
-fn measure_all(args: &TrainArgs, stage: &Stage, interrupt: &Interrupt) -> Result<Vec<Row>> {
+fn measure_all(args: &TrainArgs, scenario: &Scenario, interrupt: &Interrupt) -> Result<Vec<Row>> {
     let config = args.learner.settings(&PpoConfig::default())?;
     let start = Instant::now();
-    let all = ready_at_once(stage, &args.physics, &config, args.seeds, goal(args))?;
+    let all = ready_at_once(scenario, &args.physics, &config, args.seeds, goal(args))?;
     let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
+    let seeds: Vec<u64> = all.iter().map(|ready| ready.session.trainer().seed()).collect();
     let mut rows = Vec::new();
-    Ready::run_all(all, interrupt, |seed, outcome| {
+    Ready::run_all(all, interrupt, |index, outcome| {
         let wall_s = start.elapsed().as_secs_f64();
-        rows.push(outcome.and_then(|outcome| ended(args, stage, &device, seed, wall_s, outcome)));
+        rows.push(outcome.and_then(|outcome| ended(args, scenario, &device, seeds[index], wall_s, outcome)));
     });
     let mut rows = rows.into_iter().collect::<Result<Vec<_>>>()?;
     rows.sort_by_key(|row| row.seed);
@@ -141,19 +142,26 @@ fn goal(args: &TrainArgs) -> Goal {
     Goal { until: args.until, steps: args.steps.unwrap_or(STEPS) }
 }
 
-fn measure(args: &TrainArgs, stage: &Stage, seed: u64, interrupt: &Interrupt) -> Result<Row> {
+fn measure(args: &TrainArgs, scenario: &Scenario, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = args.learner.settings(&PpoConfig::default())?;
     let start = Instant::now();
-    let env = stage.training_env(&args.physics.choice(BackendName::Cpu)?, &config, seed)?;
-    let ready = Ready::new(stage, env, Start::New { config: &config, seed, from: None }, goal(args))?;
+    let env = scenario.training_env(&args.physics.choice(BackendName::Cpu)?, &config, seed)?;
+    let ready = Ready::new(scenario, env, Start::New { config: &config, seed, from: None }, goal(args))?;
     let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;
     let wall_s = ready_s + outcome.wall_s;
-    ended(args, stage, &device, seed, wall_s, outcome)
+    ended(args, scenario, &device, seed, wall_s, outcome)
 }
 
 /// What is told of a training that ended after so many seconds.
-fn ended(args: &TrainArgs, stage: &Stage, device: &Device, seed: u64, wall_s: f64, outcome: Outcome) -> Result<Row> {
+fn ended(
+    args: &TrainArgs,
+    scenario: &Scenario,
+    device: &Device,
+    seed: u64,
+    wall_s: f64,
+    outcome: Outcome,
+) -> Result<Row> {
     match outcome.end {
         End::Interrupted => return Err(Failure::Interrupted),
         End::DeviceLost { reason } => return Err(Failure::DeviceLost(reason)),
@@ -162,7 +170,7 @@ fn ended(args: &TrainArgs, stage: &Stage, device: &Device, seed: u64, wall_s: f6
     Ok(Row {
         backend: device.backend(),
         device: device.card().map(String::from),
-        task: stage.task.name.clone(),
+        task: scenario.task.name.clone(),
         seed,
         envs: args.learner.settings(&PpoConfig::default())?.num_envs,
         threads: rayon::current_num_threads(),

@@ -6,43 +6,45 @@ use std::time::Duration;
 use indicatif::MultiProgress;
 use myo::train::session::{Goal, News, Outcome};
 use myo::train::{PpoConfig, RunWriter, Session};
-use myo::{Backend, Device, Envs, ModelReach, Start, likely_cause};
+use myo::{Backend, Device, Envs, ModelReach, Start, User, likely_cause};
 
 use super::progress::Progress;
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 
 /// A training that is ready, and where.
 pub struct Ready<'a> {
     /// What is trained.
-    pub stage: &'a Stage,
+    pub scenario: &'a Scenario,
     /// Where it runs.
     pub device: Device,
     /// The training.
     pub session: Session,
+    /// What it is called among several, unless by its seed.
+    name: Option<String>,
 }
 
 impl<'a> Ready<'a> {
     /// A training in these environments.
-    pub fn new(stage: &'a Stage, env: Envs, start: Start<'_>, goal: Goal) -> Result<Self> {
-        let (device, looks) = (env.device(), env.for_looks(&stage.model, &stage.task, start.seed())?);
-        Ok(Self { stage, device, session: env.session(looks, start, goal)? })
+    pub fn new(scenario: &'a Scenario, env: Envs, start: Start<'_>, goal: Goal) -> Result<Self> {
+        let (device, looks) = (env.device(), env.for_looks(start.seed())?);
+        Ok(Self { scenario, device, session: env.session(looks, start, goal)?, name: None })
     }
 
     /// Trainings that run at once, if that is possible: on a graphics card that has room for all of them.
     pub fn several(
-        stage: &'a Stage,
+        scenario: &'a Scenario,
         backend: &Backend,
         config: &PpoConfig,
         starts: &[Start<'_>],
         goal: Goal,
     ) -> Result<Option<Vec<Self>>> {
         let prepare = || {
-            let Some(env) = stage.env_for_several(backend, config, starts.len())? else { return Ok(None) };
-            let (device, looks) = (env.device(), env.for_looks(&stage.model, &stage.task, 0)?);
+            let Some(env) = scenario.env_for_several(backend, config, starts.len())? else { return Ok(None) };
+            let (device, looks) = (env.device(), env.for_looks(0)?);
             let sessions = env.sessions(looks, starts, goal)?;
-            let ready = |session| Self { stage, device: device.clone(), session };
+            let ready = |session| Self { scenario, device: device.clone(), session, name: None };
             Ok(Some(sessions.into_iter().map(ready).collect()))
         };
         prepare().or_else(|failure| match failure {
@@ -54,6 +56,23 @@ impl<'a> Ready<'a> {
         })
     }
 
+    /// Trainings of users that run at once, each of a layout of its own, on a card that is [for so
+    /// many](Device::for_several).
+    pub fn of_users(
+        device: &Device,
+        users: &[(&'a Scenario, u64)],
+        config: &PpoConfig,
+        goal: Goal,
+    ) -> Result<Vec<Self>> {
+        let Some(&(first, seed)) = users.first() else { return Ok(vec![]) };
+        let env = Envs::new(device, &first.model, &first.task, &config.envs(seed))?;
+        let looks = env.for_looks(seed)?;
+        let wanted: Vec<User<'_>> = users.iter().map(|&(scenario, seed)| User { task: &scenario.task, seed }).collect();
+        let sessions = env.sessions_of(looks, &wanted, config, goal)?.into_iter();
+        let ready = |(session, &(scenario, _))| Self { scenario, device: device.clone(), session, name: None };
+        Ok(sessions.zip(users).map(ready).collect())
+    }
+
     /// The same with metrics, checkpoints and evaluation in a run folder.
     pub fn recorded_in(self, writer: RunWriter, checkpoint_every: Duration) -> Result<Self> {
         Ok(Self { session: self.session.recorded_in(writer)?.checkpoint_every(checkpoint_every), ..self })
@@ -61,33 +80,40 @@ impl<'a> Ready<'a> {
 
     /// Trains to the end.
     pub fn run(self, interrupt: &Interrupt) -> Result<Outcome> {
-        let shown = Progress::new(&self.stage.task, self.session.goal().steps);
+        let shown = Progress::new(&self.scenario.layouts, self.session.goal().steps);
         self.run_showing(shown, interrupt)
     }
 
-    /// Trains all to the end, which were made for several at once; `hear` hears of the end of each when it comes.
-    pub fn run_all(all: Vec<Self>, interrupt: &Interrupt, mut hear: impl FnMut(u64, Result<Outcome>)) {
+    /// The same, called so among several that run at once.
+    pub fn called(self, name: String) -> Self {
+        Self { name: Some(name), ..self }
+    }
+
+    /// Trains all to the end, which were made for several at once; `hear` hears of the end of each, by its place among all, when
+    /// it comes.
+    pub fn run_all(all: Vec<Self>, interrupt: &Interrupt, mut hear: impl FnMut(usize, Result<Outcome>)) {
         let (bars, (tell, told)) = (MultiProgress::new(), mpsc::channel());
         std::thread::scope(|scope| {
-            for ready in all {
+            for (index, ready) in all.into_iter().enumerate() {
                 let (seed, limit, tell) = (ready.session.trainer().seed(), ready.session.goal().steps, tell.clone());
-                let shown = Progress::among(&bars, seed, &ready.stage.task, limit);
+                let name = ready.name.clone().unwrap_or_else(|| format!("seed {seed}"));
+                let shown = Progress::among(&bars, &name, &ready.scenario.layouts, limit);
                 // Nobody stops listening before all have told.
-                scope.spawn(move || tell.send((seed, ready.run_showing(shown, interrupt))).is_ok());
+                scope.spawn(move || tell.send((index, ready.run_showing(shown, interrupt))).is_ok());
             }
             drop(tell);
-            told.into_iter().for_each(|(seed, outcome)| hear(seed, outcome));
+            told.into_iter().for_each(|(index, outcome)| hear(index, outcome));
         });
     }
 
     fn run_showing(self, mut shown: Progress, interrupt: &Interrupt) -> Result<Outcome> {
-        let Self { stage, mut session, .. } = self;
+        let Self { scenario, mut session, .. } = self;
         let go_on = || !interrupt.wanted();
         loop {
             let progress = session.advance(&go_on)?;
             shown.show(&progress);
             for news in &progress.news {
-                shown.tell(&sentence(stage, news)?);
+                shown.tell(&sentence(scenario, news)?);
             }
             if let Some(end) = progress.end {
                 drop(shown);
@@ -98,11 +124,12 @@ impl<'a> Ready<'a> {
 }
 
 /// News, for people.
-fn sentence(stage: &Stage, news: &News) -> Result<String> {
+fn sentence(scenario: &Scenario, news: &News) -> Result<String> {
     Ok(match news {
         News::WentBack { .. } => format!("warning: {news}"),
-        News::Flat { recent, .. } => {
-            let cause = likely_cause(&stage.task, &ModelReach::new(&stage.model)?, recent);
+        News::Flat { recent, layout, .. } => {
+            let task = layout.and_then(|layout| scenario.layouts.get(layout)).unwrap_or(&scenario.task);
+            let cause = likely_cause(task, &ModelReach::for_task(&scenario.model, task)?, recent);
             format!("warning: {news}\n{cause}")
         }
     })

@@ -1,5 +1,6 @@
 //! `myo train`: learns a task, leaves a run folder.
 
+mod both;
 mod drive;
 mod progress;
 mod resume;
@@ -13,7 +14,7 @@ use std::time::Duration;
 use clap::Args;
 use myo::train::session::{End, Goal, Outcome, Until};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunWriter, Trainer};
-use myo::{Backend, Device, RunDescription, Start, WarmStart};
+use myo::{Backend, Device, RunDescription, Start, WarmStart, layout_names};
 use serde_json::json;
 
 use super::backend::{BackendName, Options, sentence};
@@ -23,9 +24,10 @@ use super::output::{argument, command, duration, grouped, name, print, print_jso
 use super::parse;
 use super::report;
 use super::run_folder::existing_checkpoint;
-use super::stage::{Stage, run_name};
+use super::scenario::{Scenario, run_name_of};
 use several::{Plan, Report};
 
+pub use both::{Side, train_both};
 pub use drive::Ready;
 pub use settings::{LearnerOptions, STEPS};
 pub use several::{Several, open_run};
@@ -34,9 +36,13 @@ pub use several::{Several, open_run};
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub struct Train {
-    /// Name of a task (see `myo task list`), or a task file
+    /// Name of a task (see `myo task list`), or a task file; several with --together
     #[arg(required_unless_present = "resume")]
-    task: Option<String>,
+    task: Vec<String>,
+
+    /// Train one user on all of several layouts, tasks of one structure: side by side, so many environments for each
+    #[arg(long)]
+    together: bool,
 
     /// Run folder to make; one that exists is refused [default: runs/<n>, named after the task or its file, such as
     /// runs/pointing-1, with the first free number]
@@ -58,7 +64,7 @@ pub struct Train {
 
     /// Continue a run, or the runs of --seeds, from the newest checkpoint on the same backend, bit for bit as if it had never
     /// stopped; on another --backend or --device, up to rounding
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "out", "seed", "seeds", "from", "envs", "set"])]
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "together", "out", "seed", "seeds", "from", "envs", "set"])]
     resume: Option<PathBuf>,
 
     /// Print the result as JSON on standard output; progress stays on standard error
@@ -105,6 +111,7 @@ Examples:
   myo train pointing --until off --steps 20M --set discount_per_s=0.7
   myo train my.yaml --from runs/pointing-1    starts from what that user has learned
   myo train ar --seeds 5                      mean and spread over five seeds
+  myo train a.yaml b.yaml c.yaml --together   one user for three layouts
   myo train --resume runs/pointing-1          after Ctrl-C, or a crash; also the folder of --seeds
 
 The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ and evaluation.json.
@@ -118,9 +125,14 @@ adds an evaluation that is missing. When learning runs away (a NaN, or a policy 
 to its last good state with shorter steps and says so; when nothing improves for six million control steps, the likely cause is
 named.
 
+With --together one user learns all layouts at once. They may differ in numbers alone: where objects are, how large, which of them
+a step asks for, times, forces, weights; else the one that differs is named. A goal is reached when it is in every layout: each
+must succeed in as many of so many episodes of its own, and the plateau is that of the layout that still improves most. The table, and
+`evaluation`, have each layout and the mean.
+
 With --backend gpu the policy acts, learns and is evaluated on the card.
 
-JSON: `run`, `task`, `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), `env_steps`, `updates`,
+JSON: `run`, `task`, `layouts` (names, one or more), `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), `env_steps`, `updates`,
 `wall_s` (evaluations included), `stopped_by` (`until`, `plateau`, `steps`, `interrupt` or `device_lost`), `until`,
 `trend` (`env_steps`, and what the `last_doubling` of training brought and `four_times` as much would: `episode_time` and
 `return` as shares, `success`; or null), and `evaluation`, with the keys that `myo eval --json` prints; null after an interrupt or a loss. With --seeds: `task`, `folder`, `runs`, a list
@@ -159,9 +171,10 @@ pub fn train_users(
     folder: &Path,
     interrupt: &Interrupt,
 ) -> Result<()> {
-    let (task, out, how) = (Some(task.into()), Some(folder.into()), how.clone());
-    let seeds = Some(seeds);
-    start_or_resume(&Train { task, out, how, seeds, from: None, resume: None, json: false, silent: true }, interrupt)
+    let (task, out, how) = (vec![task.into()], Some(folder.into()), how.clone());
+    let (seeds, together) = (Some(seeds), false);
+    let args = Train { task, together, out, how, seeds, from: None, resume: None, json: false, silent: true };
+    start_or_resume(&args, interrupt)
 }
 
 /// Runs `myo train`.
@@ -170,15 +183,22 @@ pub fn run(args: &Train) -> Result<()> {
 }
 
 fn start_or_resume(args: &Train, interrupt: &Interrupt) -> Result<()> {
-    match (&args.resume, &args.task) {
-        (Some(run), _) => resume::run(args, run, interrupt),
-        (None, Some(task)) => start(args, task, interrupt),
+    match (&args.resume, &args.task[..], args.together) {
+        (Some(run), ..) => resume::run(args, run, interrupt),
         // Excluded by the declaration of the arguments.
-        (None, None) => Err(Failure::sentence("name a task, or a run to resume")),
+        (None, [], _) => Err(Failure::sentence("name a task, or a run to resume")),
+        (None, [_], false) | (None, [_, _, ..], true) => start(args, &args.task, interrupt),
+        (None, [task], true) => {
+            Err(Failure::sentence(format!("--together needs several tasks; there is only {}", name(task))))
+        }
+        (None, tasks, false) => Err(Failure::sentence(format!(
+            "{} tasks are named: with --together one user learns all of them; `myo compare` trains users of each of two",
+            tasks.len()
+        ))),
     }
 }
 
-fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
+fn start(args: &Train, tasks: &[String], interrupt: &Interrupt) -> Result<()> {
     let heritage = args.from.as_deref().map(Heritage::open).transpose()?;
     let base = heritage
         .as_ref()
@@ -186,27 +206,27 @@ fn start(args: &Train, task: &str, interrupt: &Interrupt) -> Result<()> {
     let config = args.how.learner.settings(&base)?;
     let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
-    let stage = Stage::open(task)?;
+    let (scenario, run_name) = (Scenario::open_together(tasks)?, run_name_of(tasks));
     let goal = Goal { until: args.how.until.unwrap_or_default(), steps: args.how.steps.unwrap_or(STEPS) };
-    warn_of_goal(&stage, goal.until.share());
+    warn_of_goal(&scenario, goal.until.share());
     let backend = args.how.physics.choice(BackendName::Auto)?;
     let checkpoint_every = args.how.checkpoint_every();
-    let training = Training { stage: &stage, config, heritage, backend, goal, checkpoint_every };
+    let training = Training { scenario: &scenario, config, heritage, backend, goal, checkpoint_every };
     match seeds {
         Some(seeds) => {
-            let folder = args.out.clone().unwrap_or_else(|| free_folder(&run_name(task)));
+            let folder = args.out.clone().unwrap_or_else(|| free_folder(&run_name));
             training.several(args, seeds, &folder, interrupt)
         }
         None => {
-            let ready = training.ready(seed, |make, _| numbered(&run_name(task), args.out.as_deref(), make))?;
-            conclude(args, &stage, ready, interrupt)
+            let ready = training.ready(seed, |make, _| numbered(&run_name, args.out.as_deref(), make))?;
+            conclude(args, &scenario, ready, interrupt)
         }
     }
 }
 
 /// Tells at once when the goal is beyond what the task allows.
-fn warn_of_goal(stage: &Stage, until: Option<f64>) {
-    let most = stage.most_success;
+fn warn_of_goal(scenario: &Scenario, until: Option<f64>) {
+    let most = scenario.most_success;
     if let Some(until) = until.filter(|until| *until > most) {
         complain(&format!(
             "warning: at most {:.1} % of the episodes can succeed, since targets lie out of reach, and the goal is {:.1} %: move \
@@ -236,7 +256,7 @@ impl Heritage {
 
 /// New trainings that differ in nothing but their seed.
 struct Training<'a> {
-    stage: &'a Stage,
+    scenario: &'a Scenario,
     config: PpoConfig,
     heritage: Option<Heritage>,
     backend: Backend,
@@ -251,9 +271,9 @@ impl<'a> Training<'a> {
         seed: u64,
         make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, RunDescription) -> Result<RunWriter>,
     ) -> Result<Ready<'a>> {
-        let stage = self.stage;
-        let env = stage.training_env(&self.backend, &self.config, seed)?;
-        self.recorded(Ready::new(stage, env, self.start(seed), self.goal)?, make_folder)
+        let scenario = self.scenario;
+        let env = scenario.training_env(&self.backend, &self.config, seed)?;
+        self.recorded(Ready::new(scenario, env, self.start(seed), self.goal)?, make_folder)
     }
 
     /// Records a training; `make_folder` chooses where.
@@ -263,12 +283,12 @@ impl<'a> Training<'a> {
         make_folder: impl FnOnce(&dyn Fn(&Path) -> MadeFolder, RunDescription) -> Result<RunWriter>,
     ) -> Result<Ready<'a>> {
         let (description, trainer) = (self.description(&ready.device), ready.session.trainer());
-        let (run, names) = (serde_json::to_value(&description)?, &trainer.spec().episode_names);
-        let make = |path: &Path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), names);
+        let run = serde_json::to_value(&description)?;
+        let make = |path: &Path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), trainer.spec());
         let writer = make_folder(&make, description)?;
         complain(&format!(
             "training {} in {}: {} environments on {}",
-            name(&self.stage.task.name),
+            self.scenario.title(),
             writer.folder().path().display(),
             grouped(trainer.spec().num_envs as u64),
             sentence(&ready.device)
@@ -285,15 +305,16 @@ impl<'a> Training<'a> {
     }
 
     fn description(&self, device: &Device) -> RunDescription {
-        let (task, own_model) = (self.stage.task.clone(), self.stage.own_model.clone());
+        let (task, own_model) = (self.scenario.task.clone(), self.scenario.own_model.clone());
         let from = self.heritage.as_ref().map(Heritage::description);
-        RunDescription::new(task, own_model, device, self.goal, from)
+        let other_layouts = self.scenario.layouts[1..].to_vec();
+        RunDescription { other_layouts, ..RunDescription::new(task, own_model, device, self.goal, from) }
     }
 
     /// The trainings in a new folder: at once where that is possible, else one after the other.
     fn several(&self, args: &Train, seeds: SeedRange, folder: &Path, interrupt: &Interrupt) -> Result<()> {
         let starts: Vec<_> = seeds.clone().map(|seed| self.start(seed)).collect();
-        if let Some(all) = Ready::several(self.stage, &self.backend, &self.config, &starts, self.goal)? {
+        if let Some(all) = Ready::several(self.scenario, &self.backend, &self.config, &starts, self.goal)? {
             let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(()) };
             let plan = Plan::new(seeds, self.description(&device), self.config.clone());
             let from = self.heritage.as_ref().map(|heritage| &heritage.checkpoint);
@@ -359,14 +380,16 @@ pub fn free_folder(name: &str) -> PathBuf {
 }
 
 /// Trains to the end and tells how it went.
-fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt) -> Result<()> {
+fn conclude(args: &Train, scenario: &Scenario, ready: Ready<'_>, interrupt: &Interrupt) -> Result<()> {
     let (seed, until, device) = (ready.session.trainer().seed(), ready.session.goal().until, ready.device.clone());
     let outcome = ready.run(interrupt)?;
     let run = outcome.run.as_deref().unwrap_or(Path::new(""));
     if args.json {
+        let evaluation = outcome.evaluation.as_ref().map(|told| report::json(&scenario.layouts, told)).transpose()?;
         print_json(&json!({
             "run": run.display().to_string(),
-            "task": stage.task.name,
+            "task": scenario.task.name,
+            "layouts": layout_names(&scenario.layouts),
             "seed": seed,
             "backend": device.backend(),
             "device": device.card(),
@@ -376,10 +399,10 @@ fn conclude(args: &Train, stage: &Stage, ready: Ready<'_>, interrupt: &Interrupt
             "stopped_by": outcome.end.name(),
             "until": until,
             "trend": outcome.trend,
-            "evaluation": outcome.evaluation,
+            "evaluation": evaluation,
         }))?;
     } else if !matches!(outcome.end, End::DeviceLost { .. }) {
-        print(&summary(stage, &outcome, seed, until, run))?;
+        print(&summary(scenario, &outcome, seed, until, run))?;
     }
     match outcome.end {
         End::DeviceLost { .. } => Err(Failure::DeviceLost(loss(&outcome, run))),
@@ -400,7 +423,7 @@ fn loss(outcome: &Outcome, run: &Path) -> String {
     format!("the GPU was lost: {reason}\nstopped after {steps} control steps; {from}\n\nnext: {next}")
 }
 
-fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Until, run: &Path) -> String {
+fn summary(scenario: &Scenario, outcome: &Outcome, seed: u64, until: Until, run: &Path) -> String {
     let (steps, time) = (rounded(outcome.env_steps as f64), duration(outcome.wall_s));
     let folder = argument(run);
     let Some(evaluation) = &outcome.evaluation else {
@@ -422,7 +445,7 @@ fn summary(stage: &Stage, outcome: &Outcome, seed: u64, until: Until, run: &Path
     };
     format!(
         "\n{}{}  trained         {steps} control steps in {time}, seed {seed}\n  run folder      {}\n\n{missed}next: {next}\n",
-        report::evaluation(&stage.task, evaluation),
+        report::evaluation(&scenario.layouts, evaluation),
         report::practice(outcome.trend),
         run.display()
     )

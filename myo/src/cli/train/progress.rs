@@ -23,19 +23,19 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// For a training of a task, of at most `limit` control steps.
-    pub fn new(task: &Task, limit: u64) -> Self {
-        Self::with(String::new(), task, limit, bar)
+    /// For a training of one or several layouts, of at most `limit` control steps.
+    pub fn new(layouts: &[Task], limit: u64) -> Self {
+        Self::with(String::new(), layouts, limit, bar)
     }
 
     /// For one of several trainings at once.
-    pub fn among(all: &MultiProgress, seed: u64, task: &Task, limit: u64) -> Self {
-        Self::with(format!("seed {seed}: "), task, limit, |limit| all.add(bar(limit)))
+    pub fn among(all: &MultiProgress, name: &str, layouts: &[Task], limit: u64) -> Self {
+        Self::with(format!("{name}: "), layouts, limit, |limit| all.add(bar(limit)))
     }
 
-    fn with(name: String, task: &Task, limit: u64, bar: impl FnOnce(u64) -> ProgressBar) -> Self {
+    fn with(name: String, layouts: &[Task], limit: u64, bar: impl FnOnce(u64) -> ProgressBar) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| bar(limit));
-        Self { bar, name, line: ProgressLine::new(task, limit), last_line: Instant::now() }
+        Self { bar, name, line: ProgressLine::new(layouts, limit), last_line: Instant::now() }
     }
 
     /// Shows an update.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use myo::train::session::{End, Goal};
-use myo::train::{Checkpoint, RunClaim, Session};
+use myo::train::{Checkpoint, Evaluation, RunClaim, Session};
 use myo::{Backend, RunDescription, Start, WarmStart};
 
 use super::several::{Plan, Several};
@@ -11,15 +11,15 @@ use super::{Heritage, Ready, Train, Training, conclude, open_run};
 use crate::cli::backend::{BackendName, device, sentence};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
-use crate::cli::output::{grouped, name};
+use crate::cli::output::grouped;
 use crate::cli::run_folder::newest_checkpoint;
-use crate::cli::stage::Stage;
+use crate::cli::scenario::Scenario;
 
 /// Goes on with what is in a folder.
 pub fn run(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     match Several::open(path)? {
         Some(several) => resume_several(args, several, interrupt),
-        None => resume_run(args, path, None, |stage, ready| conclude(args, stage, ready, interrupt)),
+        None => resume_run(args, path, None, |scenario, ready| conclude(args, scenario, ready, interrupt)),
     }
 }
 
@@ -27,14 +27,14 @@ pub fn run(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
 fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> Result<()> {
     several.aim(goal(args, &several.plan().run))?;
     let Plan { run, ppo, .. } = several.plan().clone();
-    let stage = Stage::of(&run)?;
+    let scenario = Scenario::of(&run)?;
     let heritage = match (&run.from, several.from()?) {
         (Some(from), Some(checkpoint)) => Some(Heritage { run: from.run.clone(), checkpoint }),
         _ => None,
     };
     let training = Training {
         backend: backend_again(args, &run, ppo.num_envs)?,
-        stage: &stage,
+        scenario: &scenario,
         config: ppo,
         heritage,
         goal: run.goal(),
@@ -65,28 +65,28 @@ fn begun_at_once<'a>(several: &Several, training: &Training<'a>) -> Result<Optio
     let starts: Vec<_> = (begun.iter())
         .map(|(seed, .., checkpoint)| checkpoint.as_ref().map_or_else(|| training.start(*seed), Start::Resumed))
         .collect();
-    let Training { stage, backend, config, goal, .. } = training;
+    let Training { scenario, backend, config, goal, .. } = training;
     if starts.is_empty() {
         return Ok(None);
     }
-    let Some(all) = Ready::several(stage, backend, config, &starts, *goal)? else { return Ok(None) };
+    let Some(all) = Ready::several(scenario, backend, config, &starts, *goal)? else { return Ok(None) };
     drop(starts);
     let go_on = |(ready, (_, path, claim, _)): (Ready<'a>, (u64, PathBuf, Option<RunClaim>, _))| {
         let Some(mut claim) = claim else { return training.recorded(ready, |make, _| Ok(make(&path)?)) };
         RunDescription::aim(&mut claim, *goal)?;
         let trainer = ready.session.trainer();
-        let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
-        tell(stage, &path, &ready);
+        let writer = claim.resume(trainer.env_steps(), trainer.spec())?;
+        tell(scenario, &path, &ready);
         ready.recorded_in(writer, training.checkpoint_every)
     };
     all.into_iter().zip(begun).map(go_on).collect::<Result<_>>().map(Some)
 }
 
 /// Says what goes on.
-fn tell(stage: &Stage, path: &Path, ready: &Ready<'_>) {
+fn tell(scenario: &Scenario, path: &Path, ready: &Ready<'_>) {
     complain(&format!(
         "going on with {} in {} after {} control steps, on {}",
-        name(&stage.task.name),
+        scenario.title(),
         path.display(),
         grouped(ready.session.trainer().env_steps()),
         sentence(&ready.device)
@@ -98,16 +98,16 @@ fn resume_run<T>(
     args: &Train,
     path: &Path,
     planned: Option<&Training<'_>>,
-    run_on: impl FnOnce(&Stage, Ready<'_>) -> Result<T>,
+    run_on: impl FnOnce(&Scenario, Ready<'_>) -> Result<T>,
 ) -> Result<T> {
     open_run(path)?;
     let mut claim = RunClaim::take(path)?;
     let run = claim.folder();
     let description = RunDescription::of(run)?;
     let goal = planned.map_or_else(|| goal(args, &description), |training| training.goal);
-    let stage = Stage::of(&description)?;
+    let scenario = Scenario::of(&description)?;
     let (config, seed) = (run.config().ppo.clone(), run.config().seed);
-    let env = stage.training_env(&backend_again(args, &description, config.num_envs)?, &config, seed)?;
+    let env = scenario.training_env(&backend_again(args, &description, config.num_envs)?, &config, seed)?;
     let checkpoint = newest_checkpoint(run)?;
     // Stopped before its first checkpoint: the same beginning gives the same run.
     let own = match (&checkpoint, planned, &description.from) {
@@ -116,15 +116,15 @@ fn resume_run<T>(
     };
     let heritage = own.as_ref().or_else(|| planned?.heritage.as_ref());
     let new = Start::New { config: &config, seed, from: heritage.map(|heritage| &heritage.checkpoint) };
-    let ready = Ready::new(&stage, env, checkpoint.as_ref().map_or(new, Start::Resumed), goal)?;
+    let ready = Ready::new(&scenario, env, checkpoint.as_ref().map_or(new, Start::Resumed), goal)?;
     if planned.is_none() && run.has_evaluation()? {
         refuse_if_over(path, &ready.session)?;
     }
     RunDescription::aim(&mut claim, goal)?;
     let trainer = ready.session.trainer();
-    let writer = claim.resume(trainer.env_steps(), &trainer.spec().episode_names)?;
-    tell(&stage, path, &ready);
-    run_on(&stage, ready.recorded_in(writer, args.how.checkpoint_every())?)
+    let writer = claim.resume(trainer.env_steps(), trainer.spec())?;
+    tell(&scenario, path, &ready);
+    run_on(&scenario, ready.recorded_in(writer, args.how.checkpoint_every())?)
 }
 
 /// The goal of a run, changed by the options of this command.
@@ -135,7 +135,7 @@ fn goal(args: &Train, run: &RunDescription) -> Goal {
 /// Refuses a training whose end is recorded, and says what would make it go on.
 fn refuse_if_over(path: &Path, session: &Session) -> Result<()> {
     let (path, done, limit) = (path.display(), session.trainer().env_steps(), session.goal().steps);
-    let success = session.confirmed().and_then(|evaluation| evaluation.success).unwrap_or_default();
+    let success = session.confirmed().and_then(Evaluation::least_success).unwrap_or_default();
     match session.over() {
         Some(End::Until) => Err(Failure::sentence(format!(
             "{path} has reached its goal with {:.1} % success; raise it with --until, or take --until off",

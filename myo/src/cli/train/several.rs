@@ -244,26 +244,29 @@ impl Several {
         for row in &self.rows {
             complain(&format!("seed {} is done", row.seed));
         }
-        let (mut failures, mut interrupted) = (Vec::new(), Vec::new());
-        Ready::run_all(all, interrupt, |seed, outcome| {
-            let taken = outcome.and_then(|outcome| {
-                let (end, lost) = (outcome.end.clone(), loss(&outcome, &self.folder));
-                self.add(seed, outcome)?;
-                match end {
-                    End::DeviceLost { .. } => return Err(Failure::DeviceLost(lost)),
-                    End::Interrupted => interrupted.push(seed),
-                    End::Until | End::Plateau | End::Steps => {}
-                }
-                Ok(())
-            });
-            failures.extend(taken.err());
+        let seeds: Vec<u64> = all.iter().map(|ready| ready.session.trainer().seed()).collect();
+        let mut failures = Vec::new();
+        Ready::run_all(all, interrupt, |index, outcome| {
+            failures.extend(outcome.and_then(|outcome| self.take(seeds[index], outcome)).err());
         });
-        interrupted.sort_unstable();
-        match (failures.into_iter().next(), &interrupted[..]) {
-            (Some(failure), _) => Err(failure),
-            (None, []) => self.tell(report),
-            (None, seeds) => self.tell_interrupt(seeds, report),
+        match failures.into_iter().next() {
+            Some(failure) => Err(failure),
+            None => self.tell_all(report),
         }
+    }
+
+    /// Takes in how one ended that ran at once with others.
+    pub fn take(&mut self, seed: u64, outcome: Outcome) -> Result<()> {
+        let (is_lost, lost) = (matches!(outcome.end, End::DeviceLost { .. }), loss(&outcome, &self.folder));
+        self.add(seed, outcome)?;
+        if is_lost { Err(Failure::DeviceLost(lost)) } else { Ok(()) }
+    }
+
+    /// Reports the results of all, or which of them were interrupted.
+    pub fn tell_all(&self, report: Report) -> Result<()> {
+        let is_interrupted = |row: &&Row| row.stopped_by == End::Interrupted.name();
+        let interrupted: Vec<u64> = self.rows.iter().filter(is_interrupted).map(|row| row.seed).collect();
+        if interrupted.is_empty() { self.tell(report) } else { self.tell_interrupt(&interrupted, report) }
     }
 
     /// The seeds of the trainings that are not over.

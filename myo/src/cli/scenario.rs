@@ -6,16 +6,24 @@ use myo::env::EnvConfig;
 use myo::model::{Model, ModelDescription};
 use myo::tasks::{Report, Source, Task, load};
 use myo::train::PpoConfig;
-use myo::{Backend, Envs, ModelReach, RunDescription, most_success};
+use myo::{
+    Backend, Envs, LayoutsError, ModelReach, RunDescription, Setting, layout_names, most_success, one_structure,
+};
 
 use super::backend;
 use super::failure::{Failure, Mistake, Result, model_failure, task_mistakes};
 use super::model;
+use super::output::name;
 
-/// A task and its model.
-pub struct Stage {
-    /// What to do.
+/// Layouts that are all named in a title, at most.
+const NAMED: usize = 4;
+
+/// A task, or several layouts of one, and its model.
+pub struct Scenario {
+    /// What to do; the first of several layouts.
     pub task: Task,
+    /// All layouts, one or more.
+    pub layouts: Vec<Task>,
     /// The body that does it.
     pub model: Model,
     /// The description of the model, unless it comes with the program: its file may change.
@@ -24,7 +32,7 @@ pub struct Stage {
     pub most_success: f64,
 }
 
-impl Stage {
+impl Scenario {
     /// Reads a preset or a task file, prints warnings, and refuses a task that cannot be done.
     pub fn open(name_or_file: &str) -> Result<Self> {
         let source = read(name_or_file)?;
@@ -35,28 +43,63 @@ impl Stage {
             return Err(Failure::Mistakes(errors));
         }
         let own_model = model::own(&source.task.model)?;
-        Ok(Self { task: source.task, model, own_model, most_success: most_success(&report) })
+        let (task, layouts) = (source.task.clone(), vec![source.task]);
+        Ok(Self { task, layouts, model, own_model, most_success: most_success(&report) })
+    }
+
+    /// The same with several layouts, which must have one structure.
+    pub fn open_together(names_or_files: &[String]) -> Result<Self> {
+        let scenarios = names_or_files.iter().map(|name| Self::open(name)).collect::<Result<Vec<_>>>()?;
+        let most_success = scenarios.iter().map(|scenario| scenario.most_success).fold(1.0, f64::min);
+        let layouts: Vec<Task> = scenarios.iter().map(|scenario| scenario.task.clone()).collect();
+        let Some(first) = scenarios.into_iter().next() else { return Err(Failure::sentence("name a task")) };
+        one_structure(&first.model, &layouts).map_err(|error| match error {
+            LayoutsError::Differs { index, what } => Failure::sentence(format!(
+                "{} cannot be learned together with {}: {what}. Layouts may differ in numbers alone: where things are, how large, \
+                 which of them a step asks for, times, forces, weights",
+                names_or_files[index], names_or_files[0]
+            )),
+            other => other.into(),
+        })?;
+        Ok(Self { layouts, most_success, ..first })
     }
 
     /// The task and the model of a run.
     pub fn of(run: &RunDescription) -> Result<Self> {
         let model = run.body().map_err(|error| model_failure(&error))?;
-        Ok(Self { task: run.task.clone(), model, own_model: run.model.clone(), most_success: 1.0 })
+        let (task, layouts) = (run.task.clone(), run.layouts());
+        Ok(Self { task, layouts, model, own_model: run.model.clone(), most_success: 1.0 })
+    }
+
+    /// The body and the first layout.
+    pub fn setting(&self) -> Setting<'_> {
+        Setting { task: &self.task, model: &self.model, own_model: self.own_model.as_ref() }
+    }
+
+    /// What is done, for people: the name of the task, or of the first few layouts.
+    pub fn title(&self) -> String {
+        let names: Vec<String> = layout_names(&self.layouts).iter().map(|layout| name(layout)).collect();
+        match &names[..] {
+            [one] => one.clone(),
+            [first, .., last] if names.len() > NAMED => format!("{first} to {last} ({} layouts)", names.len()),
+            [others @ .., last] => format!("{} and {last}", others.join(", ")),
+            [] => String::new(),
+        }
     }
 
     /// Environments of the task for several trainings at once; none where they would run one after the other.
     pub fn env_for_several(&self, backend: &Backend, config: &PpoConfig, trainings: usize) -> Result<Option<Envs>> {
-        backend::build_several(backend, &self.model, &self.task, &config.envs(0), trainings)
+        backend::build_several(backend, &self.model, &self.layouts, &config.envs(0), trainings)
     }
 
     /// Environments of the task to train in, on the backend that is asked for.
     pub fn training_env(&self, backend: &Backend, config: &PpoConfig, seed: u64) -> Result<Envs> {
-        backend::build(backend, &self.model, &self.task, &config.envs(seed))
+        backend::build(backend, &self.model, &self.layouts, &config.envs(seed))
     }
 
     /// Environments of the task on the backend that is asked for.
     pub fn env(&self, backend: &Backend, num_envs: usize, seed: u64) -> Result<Envs> {
-        backend::build(backend, &self.model, &self.task, &EnvConfig { num_envs, seed, ..EnvConfig::default() })
+        backend::build(backend, &self.model, &self.layouts, &EnvConfig { num_envs, seed, ..EnvConfig::default() })
     }
 }
 
@@ -67,6 +110,15 @@ pub fn run_name(name_or_file: &str) -> String {
     stem.replace(|c: char| !c.is_alphanumeric() && c != '_', "-")
 }
 
+/// What the runs of several layouts are called.
+pub fn run_name_of(names_or_files: &[String]) -> String {
+    let names: Vec<String> = names_or_files.iter().map(|name| run_name(name)).collect();
+    match &names[..] {
+        [first, ..] if names.len() > NAMED => format!("{first}-and-{}-more", names.len() - 1),
+        all => all.join("-"),
+    }
+}
+
 /// Reads a preset or a task file.
 pub fn read(name_or_file: &str) -> Result<Source> {
     load(name_or_file).map_err(|error| Failure::Mistakes(task_mistakes(&error)))
@@ -75,7 +127,7 @@ pub fn read(name_or_file: &str) -> Result<Source> {
 /// Everything wrong or odd about a task for its body, and the body.
 pub fn examine(source: &Source) -> Result<(Report, Model)> {
     let model = model::open(&source.task.model).map_err(|failure| at_model_key(source, failure))?;
-    let reach = ModelReach::new(&model)?;
+    let reach = ModelReach::for_task(&model, &source.task)?;
     Ok((source.check(&reach), model))
 }
 
@@ -102,5 +154,7 @@ mod tests {
     fn runs_are_called_like_the_preset_or_the_file() {
         let names = ["pointing-single", "my.yaml", "../tasks/two keys.v2.yml", "./ar"].map(run_name);
         assert_eq!(names, ["pointing-single", "my", "two-keys-v2", "ar"]);
+        let files = |count: usize| (0..count).map(|k| format!("tasks/{k}.yaml")).collect::<Vec<_>>();
+        assert_eq!([1, 3, 6].map(|count| run_name_of(&files(count))), ["0", "0-1-2", "0-and-5-more"]);
     }
 }

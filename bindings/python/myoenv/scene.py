@@ -1,0 +1,830 @@
+"""Tasks built from objects: what stands in a scene, what a script asks for, what points, and all settings.
+
+>>> from myoenv import build_task, scene as s
+>>> task = build_task(
+...     "volume",
+...     scene={"volume": s.Slider(at=(0.42, 0.05, -0.15), tilt_deg=45, length=0.1, range=(0, 100))},
+...     script=[s.Drag("volume", to=70, within=5)],
+...     time_limit_s=6,
+... )
+
+Fields are the keys of a task file; `in` and `from`, which Python keeps for itself, are `in_` and `from_`. Fields that
+are left out, or None, have the defaults of the format. Vectors and ranges are tuples, lists or arrays. Whether values
+fit is told when the task is built. Every object has `to_dict()`.
+
+Lengths are metres from the shoulder centre (x forward, y to the left, z up), times seconds, forces newtons, angles
+degrees unless it is said otherwise.
+"""
+
+# Made from the JSON Schema of task files by `MYO_BLESS=1 python -m pytest bindings/tests/test_scene.py`.
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, ClassVar, Literal, TypeAlias
+
+from myoenv._native import Task
+from myoenv.described import (
+    Array,
+    Described,
+    Instruction,
+    Name,
+    Names,
+    NumberOrRange,
+    OfKind,
+    OfNames,
+    Pair,
+    Triple,
+)
+from myoenv.tasks import load_task
+
+__all__ = [
+    "AnyOrder",
+    "Button",
+    "Circle",
+    "CircleMotion",
+    "Cursor",
+    "Drag",
+    "Dwell",
+    "Fingertip",
+    "Follow",
+    "GoGo",
+    "Grid",
+    "Group",
+    "Keyboard",
+    "LineMotion",
+    "Motion",
+    "Noise",
+    "Object",
+    "Observation",
+    "Obstacle",
+    "Place",
+    "Press",
+    "PressAndRelease",
+    "RandomMotion",
+    "RandomOrder",
+    "Ray",
+    "React",
+    "Region",
+    "Repeat",
+    "Reset",
+    "Reward",
+    "Slider",
+    "Sphere",
+    "Steer",
+    "Step",
+    "Technique",
+    "Type",
+    "Wait",
+    "Wave",
+    "WavesMotion",
+    "build_task",
+]
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Region(Described):
+    """An axis-parallel box of positions, in m relative to the shoulder centre. Each axis is a number or `(min, max)`.
+
+    Args:
+        x: Forward, away from the chest, in m. From -2 to 2 m.
+        y: To the user's left, in m; negative is right of the right shoulder. From -2 to 2 m.
+        z: Up, in m. From -2 to 2 m.
+    """
+
+    x: NumberOrRange
+    y: NumberOrRange
+    z: NumberOrRange
+
+
+# Three numbers or ranges.
+Place: TypeAlias = Sequence[NumberOrRange] | Array | Region
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Wave(Described):
+    """A sine wave.
+
+    Args:
+        by: How far it goes from the middle to either side, `(x, y, z)` in m. Each from -2 to 2 m.
+        period_s: Time of one wave, in s. From 0.2 to 600.
+    """
+
+    by: Triple
+    period_s: float
+
+
+class Motion(OfKind):
+    """How a sphere moves about its place. Every episode begins somewhere else on the path."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CircleMotion(Motion):
+    """Round and round.
+
+    Args:
+        diameter: Diameter of the circle, in m. From 0.001 to 2 m.
+        period_s: Time of one round, in s. From 0.2 to 600.
+        tilt_deg: How the circle is tilted, in degrees: 0 lies like a table; 90, the default, stands like a wall before
+            the user. From 0 to 180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+    """
+
+    kind: ClassVar[str] = "circle"
+    diameter: float
+    period_s: float
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LineMotion(Motion):
+    """Back and forth, like a pendulum.
+
+    Args:
+        by: From one end to the other, `(x, y, z)` in m. Each from -2 to 2 m.
+        period_s: Time of one way there and back, in s. From 0.2 to 600.
+    """
+
+    kind: ClassVar[str] = "line"
+    by: Triple
+    period_s: float
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class WavesMotion(Motion):
+    """Up to four sine waves, added up.
+
+    Args:
+        waves: The waves, 1 to 4; each begins anywhere in its period.
+    """
+
+    kind: ClassVar[str] = "waves"
+    waves: Sequence[Wave]
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RandomMotion(Motion):
+    """A path that does not repeat and cannot be foreseen for long.
+
+    Args:
+        by: How far it may go from its place to either side, `(x, y, z)` in m. Each from -2 to 2 m.
+        period_s: Period of the fastest of its waves, in s; the slowest takes 2.7 times as long. From 0.2 to 600.
+    """
+
+    kind: ClassVar[str] = "random"
+    by: Triple
+    period_s: float
+
+
+class Object(OfKind):
+    """One or several objects. Places are in m from the shoulder centre (x forward, y to the left, z up), or, in a
+    group, along the group's own axes."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Sphere(Object):
+    """A sphere in the air, or several alike.
+
+    Args:
+        radius: Radius in m, a number or `(min, max)`; drawn anew for every episode. From 0.001 to 2.
+        at: Where the centre may lie, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode.
+            Each from -2 to 2 m.
+        copies: So many spheres like this, each drawn for itself: with `copies=3`, `ball` becomes `ball.1`, `ball.2` and
+            `ball.3`. From 1 to 256.
+        moves: How it moves about its place. Without it: not at all.
+        min_distance_from_previous: Least distance in m between this centre and that of the object before it in the
+            scene, obstacles aside; positions are redrawn until it holds. Without it: twice the greatest radius. 0
+            switches the rule off. From 0 to 4 m.
+    """
+
+    kind: ClassVar[str] = "sphere"
+    radius: NumberOrRange
+    at: Place | None = None
+    copies: int | None = None
+    moves: Motion | None = None
+    min_distance_from_previous: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Button(Object):
+    """A box that can be pressed.
+
+    Args:
+        size: Full sizes `(width, height, depth)` in m: of the upright face, width is the horizontal and height the
+            vertical extent; depth is how thick the button is. Each from 0.001 to 2.
+        at: Centre of the box, `(x, y, z)` in m. Each from -2 to 2 m.
+        tilt_deg: Where the face looks, in degrees: 0 up, like a key on a table; 90 towards the user, like a wall.
+            Default 0. From 0 to 180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+        min_force_n: Contact force that counts as pressed, in N. From 0.01 to 1000; 1, the default, is a light touch.
+    """
+
+    kind: ClassVar[str] = "button"
+    size: Triple
+    at: Triple | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+    min_force_n: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Slider(Object):
+    """A handle that is dragged along a way.
+
+    Args:
+        length: How far the handle can be moved, in m. From 0.001 to 2 m.
+        at: The middle of the way, `(x, y, z)` in m. Each from -2 to 2 m.
+        handle: Length of the handle along the way, in m. Default 0.02. From 0.001 to 2 m.
+        width: How wide the way and its handle are, in m. Default 0.02. From 0.001 to 2 m.
+        depth: How thick it is, in m. Default 0.005. From 0.001 to 2 m.
+        rises: Which way the value rises. Default `right`. `right`: Across the face, to the user's right. `up`: Up the
+            face.
+        range: Values at both ends of the way, the smaller one first. Default `(0, 1)`.
+        value: Where the handle stands when an episode begins: a value, or `(min, max)`, drawn anew for every episode.
+            Without it: at the smaller end. From -1,000,000 to 1,000,000.
+        tilt_deg: Where it looks, in degrees: 0 up, like a table; 90 towards the user, like a wall. Default 0. From 0 to
+            180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+        min_force_n: Contact force that takes hold of the handle, in N. From 0.01 to 1000; 0.2, the default, is less
+            than a touch that is felt.
+    """
+
+    kind: ClassVar[str] = "slider"
+    length: float
+    at: Triple | None = None
+    handle: float | None = None
+    width: float | None = None
+    depth: float | None = None
+    rises: Literal["right", "up"] | None = None
+    range: Pair | None = None
+    value: NumberOrRange | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+    min_force_n: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Obstacle(Object):
+    """A box that only stands in the way: a table, the edge of a display.
+
+    Args:
+        size: Full sizes `(width, height, depth)` in m, as of a button. Each from 0.001 to 2 m.
+        at: Centre of the box, `(x, y, z)` in m. Each from -2 to 2 m.
+        tilt_deg: Where its face looks, as of a button. Default 0. From 0 to 180 deg.
+        turn_deg: Turned about the vertical, as of a button. Default 0. From -180 to 180 deg.
+    """
+
+    kind: ClassVar[str] = "obstacle"
+    size: Triple
+    at: Triple | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Group(Object):
+    """Objects that are moved, turned and scaled as one.
+
+    Args:
+        objects: What belongs to it.
+        at: Where its origin lies, `(x, y, z)` in m. Default: at the origin of what is around it. Each from -2 to 2 m.
+        tilt_deg: How it is tilted, in degrees: at 0 its own axes are those around it; at 90 its x points up, and its z
+            to the user. From 0 to 180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+        scale: Factor for all lengths in it. Default 1. From 0.01 to 100.
+    """
+
+    kind: ClassVar[str] = "group"
+    objects: Mapping[str, Object]
+    at: Triple | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+    scale: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Grid(Object):
+    """Rows and columns of one object.
+
+    Args:
+        rows: How many rows. From 1 to 256.
+        columns: How many columns. From 1 to 256.
+        pitch: Distance from one middle to the next, in m; of rows and columns alike, or `(across, down)`. From 0.001 to
+            2 m.
+        of: What stands at each place; its own `at` is added.
+        at: Its middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
+            180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+        names: What each is called, row by row. Without it: 1, 2, 3 and so on.
+    """
+
+    kind: ClassVar[str] = "grid"
+    rows: int
+    columns: int
+    pitch: float | Pair
+    of: Object
+    at: Triple | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+    names: Sequence[Name] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Circle(Object):
+    """One object again and again on a circle, numbered across it (ISO 9241-9).
+
+    Args:
+        count: How many objects; an odd number, so that every way is as long as the others. From 3 to 255.
+        diameter: Diameter of the circle through their middles, in m. From 0.001 to 2 m.
+        of: What stands at each place; its own `at` is added.
+        at: Its middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
+            180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+    """
+
+    kind: ClassVar[str] = "circle"
+    count: int
+    diameter: float
+    of: Object
+    at: Triple | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Keyboard(Object):
+    """The keys of a keyboard.
+
+    Args:
+        pitch: Distance from the middle of one key to that of the next, in m. From 0.001 to 2 m.
+        key: Width and height of a key, in m; the space bar is five keys wide. From 0.001 to 2 m.
+        at: Its middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
+            180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+        layout: Which letters stand where. Default `qwerty`. `qwerty`: The letters of English, the space bar below.
+        depth: How thick keys are, in m. Default 0.005. From 0.001 to 2 m.
+        min_force_n: Contact force that counts as pressed, in N. From 0.01 to 1000; 1, the default, is a light touch.
+    """
+
+    kind: ClassVar[str] = "keyboard"
+    pitch: float
+    key: float
+    at: Triple | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+    layout: Literal["qwerty"] | None = None
+    depth: float | None = None
+    min_force_n: float | None = None
+
+
+class Step(Instruction):
+    """Something to do. Where it names a group, it means each object of it in turn."""
+
+
+@dataclass(frozen=True, repr=False)
+class Dwell(Step):
+    """Stay in spheres: `Dwell("slot", for_s=0.3)`.
+
+    Args:
+        in_: Names of the spheres, or of groups of them, in the order in which to stay in them.
+        for_s: How long in each without a break, in s, from 0 to 600. Rounded to whole control steps, at least one.
+    """
+
+    action: ClassVar[str] = "dwell"
+    in_: Names
+    _: KW_ONLY
+    for_s: float
+
+
+class Press(OfNames, Step):
+    """Press buttons: `Press(1, 3, 3, 5)`. A button is done as soon as it is pressed hard enough; one that is pressed
+    twice in a row must be let go in between.
+
+    Args:
+        names: Names of the objects, in this order.
+    """
+
+    action: ClassVar[str] = "press"
+
+
+class PressAndRelease(OfNames, Step):
+    """Press buttons and let go of them: `PressAndRelease(1, 3, 3, 5)`. A button is done when it is let go.
+
+    Args:
+        names: Names of the objects, in this order.
+    """
+
+    action: ClassVar[str] = "press_and_release"
+
+
+@dataclass(frozen=True, repr=False)
+class Drag(Step):
+    """Drag the handle of a slider to a value and let go of it there: `Drag("volume", to=70, within=2)`.
+
+    Args:
+        slider: Name of the slider whose handle is dragged.
+        to: The value at which to let go of the handle, in the range of the slider.
+        within: How far off the value may be when the handle is let go, in the same unit.
+    """
+
+    action: ClassVar[str] = "drag"
+    slider: Name
+    _: KW_ONLY
+    to: float
+    within: float
+
+
+@dataclass(frozen=True, repr=False)
+class Follow(Step):
+    """Stay with moving spheres for a time: `Follow("ball", for_s=3)`.
+
+    Args:
+        target: Names of the spheres that move, or of groups of them, in the order in which to follow them.
+        for_s: How long inside each, in s, from 0 to 600: all the time inside is added up. Rounded to whole control
+            steps, at least one.
+    """
+
+    action: ClassVar[str] = "follow"
+    target: Names
+    _: KW_ONLY
+    for_s: float
+
+
+@dataclass(frozen=True, repr=False)
+class Steer(Step):
+    """Go from sphere to sphere without leaving a way of some width, as through a menu or a tunnel: `Steer(("a", "b",
+    "c"), width=0.03)`.
+
+    Args:
+        through: The spheres, two or more: the way begins in the first, goes straight from each to the next, and ends in
+            the last.
+        width: How wide it is, in m, from 0.002 to 4. Whoever leaves it must come back to where it was left; how often
+            it was left is counted (`exits`), and costs what `reward.exit` says.
+    """
+
+    action: ClassVar[str] = "steer"
+    through: Names
+    _: KW_ONLY
+    width: float
+
+
+@dataclass(frozen=True, repr=False)
+class React(Step):
+    """Wait for one of several objects to light up, and press it or dwell in it: `React("lamps", after_s=(0.5, 1.5))`.
+
+    Args:
+        among: Names of the buttons, or of the spheres, of which one lights up; each as often as the others.
+        after_s: After what time one lights up, in s, a number or `(min, max)`, drawn anew every time.
+        for_s: Of spheres: how long to stay inside, in s. Buttons are pressed.
+    """
+
+    action: ClassVar[str] = "react"
+    among: Names
+    _: KW_ONLY
+    after_s: NumberOrRange
+    for_s: float | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Wait(Step):
+    """Wait before the next step, in s, a number or `(min, max)`, drawn anew every time: `Wait(0.5)`. What comes next
+    can be seen, and does not count before the time is over.
+
+    Args:
+        for_s: How long, in s, a number or `(min, max)`.
+    """
+
+    action: ClassVar[str] = "wait"
+    has_short_form: ClassVar[bool] = True
+    for_s: NumberOrRange
+
+
+@dataclass(frozen=True, repr=False)
+class Type(Step):
+    """Press the keys of a keyboard: `Type("hello")`, or `Type("hello", on="keyboard")`.
+
+    Args:
+        text: Each letter is the name of a key, a blank is `space`. Capital letters are typed as small ones.
+        on: On which keyboard or group. Without it: on the only keyboard there is.
+    """
+
+    action: ClassVar[str] = "type"
+    has_short_form: ClassVar[bool] = True
+    text: str
+    _: KW_ONLY
+    on: str | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class RandomOrder(Step):
+    """Steps in an order that each episode draws: `RandomOrder([Press(1, 2, 3)])`.
+
+    Args:
+        steps: The steps.
+    """
+
+    action: ClassVar[str] = "random_order"
+    has_short_form: ClassVar[bool] = True
+    steps: Sequence[Step]
+
+
+@dataclass(frozen=True, repr=False)
+class AnyOrder(Step):
+    """Steps in any order that the user takes: `AnyOrder([Press(1, 2, 3)])`. What is nearest to the pointer counts as
+    the current step.
+
+    Args:
+        steps: The steps.
+    """
+
+    action: ClassVar[str] = "any_order"
+    has_short_form: ClassVar[bool] = True
+    steps: Sequence[Step]
+
+
+@dataclass(frozen=True, repr=False)
+class Repeat(Step):
+    """The same steps again: `Repeat(3, steps=[...])`.
+
+    Args:
+        times: How often the steps are done, 1 to 256.
+        steps: What is done every time, in this order.
+    """
+
+    action: ClassVar[str] = "repeat"
+    times: int
+    _: KW_ONLY
+    steps: Sequence[Step]
+
+
+class Technique(OfKind):
+    """What points: every step of the script goes by one pointer, which the technique makes of the body's posture. Only
+    the fingertip can press and drag."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Fingertip(Technique):
+    """The fingertip itself."""
+
+    kind: ClassVar[str] = "fingertip"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Ray(Technique):
+    """A ray from the forearm or the hand, like that of a laser pointer.
+
+    Args:
+        from_: What it follows: `forearm`, from the elbow through the wrist, or `hand`, from the wrist through the
+            fingertip.
+        onto: Name of the object whose face it meets. Without it the ray goes through space.
+    """
+
+    kind: ClassVar[str] = "ray"
+    from_: Literal["forearm", "hand"]
+    onto: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class GoGo(Technique):
+    """A hand that reaches farther the farther the arm is stretched (Go-Go; Poupyrev et al. 1996, doi
+    10.1145/237091.237102).
+
+    Args:
+        beyond: Distance in m of the fingertip from the shoulder centre up to which the pointer is the fingertip.
+            Default 0.4: two thirds of an arm's length, as published. From 0 to 4 m.
+        gain: How fast it goes away beyond it, in 1/m. Default 16.7: the published 1/6 per cm. From 0 to 100 1/m.
+    """
+
+    kind: ClassVar[str] = "go_go"
+    beyond: float | None = None
+    gain: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Cursor(Technique):
+    """A cursor on a display, moved by the fingertip.
+
+    Args:
+        onto: Name of the object on whose face it moves.
+        at: Where the fingertip is when the cursor is in the middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        gain: How many metres the cursor moves for a metre of the fingertip (control-display gain). From 0.01 to 100.
+        tilt_deg: How the plane of the hand is tilted, in degrees: 0, the default, lies like a table, on which forward
+            is up on the display; 90 stands like a wall. From 0 to 180 deg.
+        turn_deg: The plane of the hand turned about the vertical, in degrees, to the left as seen from above. Default
+            0. From -180 to 180 deg.
+    """
+
+    kind: ClassVar[str] = "cursor"
+    onto: str
+    at: Triple
+    gain: float
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Reward(Described):
+    """Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
+
+    The defaults are those that train soonest. The published system (MyoInteract) has `distance=1`,
+    `inside_is_zero=False`, `remaining_path=True`, `time_cost=0`, `subtask_bonus=0`, `completion_bonus=10`,
+    `neural_effort=0`.
+
+    Args:
+        distance: Cost per metre and control step of the distance from the fingertip to the current target. Default 0.3:
+            where the arm must first go away from a target to reach it, a larger cost makes stopping short pay. From 0
+            to 1,000,000.
+        inside_is_zero: `True`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that
+            dwelling anywhere in it costs nothing; for a button it counts from the pressed face. `False`: from the
+            centre. Default True.
+        remaining_path: Whether the distance goes on over the centres of the targets still to come. Default False.
+        time_cost: Cost per second as long as the task is not finished. Default 0.6. From 0 to 1,000,000.
+        subtask_bonus: Given once when a target is done, the last one included. Default 3. From 0 to 1,000,000.
+        completion_bonus: Given once when the whole task is done. Default 6. From 0 to 1,000,000.
+        wrong_press: Cost of pressing a button that the current step does not ask for, each time. Default 0: it is
+            counted, and that is all. From 0 to 1,000,000.
+        exit: Cost of leaving the way of a `steer`, each time. Default 0: it is counted, and that is all. From 0 to
+            1,000,000.
+        neural_effort: Cost of muscle control: times the sum over muscles of the squared control, per control step.
+            Default 0.001. From 0 to 1,000,000.
+        acceleration_effort: Cost of jerky movement: times the sum over independent joints of the squared acceleration
+            in rad/s2, per control step. Default 0; accelerations are large: the published weight is 6.67e-6. From 0 to
+            1,000,000.
+    """
+
+    distance: float | None = None
+    inside_is_zero: bool | None = None
+    remaining_path: bool | None = None
+    time_cost: float | None = None
+    subtask_bonus: float | None = None
+    completion_bonus: float | None = None
+    wrong_press: float | None = None
+    exit: float | None = None
+    neural_effort: float | None = None
+    acceleration_effort: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Observation(Described):
+    """Which parts the observation has; at least one. All of them by default, accelerations aside.
+
+    Args:
+        joint_position: Angles of the independent joints, their range mapped to -1 to 1. Default True.
+        joint_velocity: Velocities of the independent joints, in rad/s. Default True.
+        joint_acceleration: Accelerations of the independent joints, in 100 rad/s2. Default False: they are noisy and
+            velocities say enough.
+        fingertip_position: Position of the fingertip, in m from the shoulder centre. Default True.
+        pointer_position: Position of the pointer, in m from the shoulder centre, where the technique is not the
+            fingertip itself. Default True.
+        activation: Activation of each muscle, 0 to 1 mapped to -1 to 1. Default True.
+        target_position: Centre of the current target, in m from the shoulder centre. Default True.
+        target_size: Radius of the current sphere, or half the width of the current button or way, in m. Default True.
+        target_vector: From the fingertip, or the pointer, to the centre of the current target, in m. Default True.
+        target_velocity: Velocity of the current target, in m/s, in tasks where something moves. Default True.
+        next_target_vector: From the centre of the current target to that of the next, in m; 0 at the last target.
+            Default True.
+        phase: How many targets are done, as a share of all. Default True.
+        dwell_fraction: How much of the current dwell has passed, as a share. Default True.
+        time_left: Time left until the limit, as a share. Default True.
+        inside: Whether the fingertip is inside the current sphere: 1 or 0. Default True.
+        touch: Force on the current button, as a share of what it needs, at most 1. Default True.
+        cue: Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks
+            with waits. Default True.
+        drag: Whether the handle of the current slider is held, 1 or 0, and the way it must go, in m; in tasks with
+            sliders. Default True.
+        steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
+            whether it is within the way: 1 or 0; in tasks with ways. Default True.
+    """
+
+    joint_position: bool | None = None
+    joint_velocity: bool | None = None
+    joint_acceleration: bool | None = None
+    fingertip_position: bool | None = None
+    pointer_position: bool | None = None
+    activation: bool | None = None
+    target_position: bool | None = None
+    target_size: bool | None = None
+    target_vector: bool | None = None
+    target_velocity: bool | None = None
+    next_target_vector: bool | None = None
+    phase: bool | None = None
+    dwell_fraction: bool | None = None
+    time_left: bool | None = None
+    inside: bool | None = None
+    touch: bool | None = None
+    cue: bool | None = None
+    drag: bool | None = None
+    steer: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Reset(Described):
+    """How the body starts an episode. Coupled joints follow the independent ones.
+
+    Args:
+        pose: Joint angles at the start. Default `range_uniform`. `range_uniform`: Every independent joint anywhere in
+            its range. `near_zero`: Every independent joint close to zero: the arm hangs. `zero`: Every joint at zero,
+            at rest.
+        pose_spread_rad: With `near_zero`: angles are drawn from plus or minus this, in rad, kept within the joint
+            range. Default 0.05. From 0 to 1 rad.
+        velocity_spread_rad_s: Joint velocities are drawn from plus or minus this, in rad/s; the pose `zero` always
+            starts at rest. Default 0.05. From 0 to 10 rad/s.
+        activation_max: Muscle activations are drawn from 0 to this. Default 1; 0 starts relaxed. From 0 to 1.
+    """
+
+    pose: Literal["range_uniform", "near_zero", "zero"] | None = None
+    pose_spread_rad: float | None = None
+    velocity_spread_rad_s: float | None = None
+    activation_max: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Noise(Described):
+    """Gaussian motor noise on the muscle controls: independent for each muscle, drawn anew at each control step.
+
+    Args:
+        signal_dependent: Standard deviation as a share of the control itself. Default 0 (off); the literature's level
+            is 0.103. From 0 to 1.
+        constant: Standard deviation that does not depend on the control. Default 0 (off); the literature's level is
+            0.185. From 0 to 1.
+    """
+
+    signal_dependent: float | None = None
+    constant: float | None = None
+
+
+def build_task(
+    name: str,
+    *,
+    scene: Mapping[str, Object],
+    script: Sequence[Step],
+    technique: Technique | Literal["fingertip"] | None = None,
+    stimulus: Literal["all", "current"] | None = None,
+    correction: Name | None = None,
+    time_limit_s: float | None = None,
+    reward: Reward | None = None,
+    observation: Observation | None = None,
+    reset: Reset | None = None,
+    noise: Noise | None = None,
+    control_dt_s: float | None = None,
+    model: str | None = None,
+    description: str | None = None,
+) -> Task:
+    """A task of a scene, a script and settings, for `make_vec`, `train` and whatever else takes a task.
+
+    Args:
+        name: Short name, used for run folders and tables.
+        scene: What stands there: objects by name, alone or in groups; up to 256.
+        script: What is to do with them, one after the other; up to 256 steps.
+        technique: What points: the fingertip, a ray, a Go-Go hand or a cursor. Default `fingertip`.
+        stimulus: What the simulated user sees of the task: the object of the current step and of the next one, or of
+            the `current` one alone. Default `all`. `all`: The object of the current step, and where that of the next
+            one is. `current`: The object of the current step alone.
+        correction: The button that takes back a wrong press, such as `delete`: each must be corrected before the script
+            goes on. Without it wrong presses are counted, and cost what `reward.wrong_press` says.
+        time_limit_s: When an episode ends without success, in s. Rounded to whole control steps. Default 12. From 0.001
+            to 600 s.
+        reward: What the simulated user is rewarded for.
+        observation: What the simulated user perceives.
+        reset: How the body starts an episode.
+        noise: Motor noise, off by default.
+        control_dt_s: Time between two decisions of the simulated user, in s; muscle controls are held in between. From
+            0.001 to 0.5; default 0.05 (20 Hz).
+        model: The body that does it: the name of a built-in model, or a model file, looked for in the working
+            directory. Default `mobl-arms`.
+        description: What the task stands for, for people. Default: empty; at most 10,000 characters.
+
+    Raises:
+        TaskError: A value does not fit; the sentence names it, such as `scene.panel.of.size`.
+    """
+    task: dict[str, Any] = {
+        "version": 2,
+        "name": name,
+        "scene": scene,
+        "script": script,
+        "technique": technique,
+        "stimulus": stimulus,
+        "correction": correction,
+        "time_limit_s": time_limit_s,
+        "reward": reward,
+        "observation": observation,
+        "reset": reset,
+        "noise": noise,
+        "control_dt_s": control_dt_s,
+        "model": model,
+        "description": description,
+    }
+    needed = ("name", "scene", "script")
+    return load_task({key: value for key, value in task.items() if key in needed or value is not None})

@@ -1,0 +1,161 @@
+//! Scenes of many boxes where rows are read from memory: the nearest boxes are listed, and as long as no other can have come into
+//! reach, nothing else is looked at. Loops over all boxes are then as rare as a fingertip moves past its neighbours.
+//!
+//! After L. Verlet 1967 (doi 10.1103/PhysRev.159.98), who lists the neighbours of molecules.
+
+use super::contact::{ROUNDING, surface};
+use crate::obstacles::Obstacles;
+use crate::spatial::Vec3;
+use crate::workspace::Nearby;
+use myo_scalar::{Carried, Row, Scalar, Stage, Visitor};
+
+/// With more boxes than this the nearest are listed.
+const MANY: usize = 32;
+/// Boxes whose ball is farther than this beyond reach (m) need no closer look to be put in order.
+const SKIN: f64 = 0.05;
+/// Farther than anything in reach (m).
+const FAR: f64 = 1e3;
+
+/// Whether these numbers list the nearest of so many boxes.
+pub const fn lists<S: Scalar>(boxes: usize) -> bool {
+    S::READS_ROWS && boxes > MANY
+}
+
+/// Lists the boxes that are nearest to the fingertip, and how far it may go before another is.
+pub struct List<'a, S: Scalar> {
+    /// All boxes.
+    pub obstacles: &'a Obstacles<S::Const, S>,
+    /// Centre of the fingertip.
+    pub centre: Vec3<S>,
+    /// From there to where contact begins (m).
+    pub reach: S,
+    /// What is listed.
+    pub nearby: &'a mut Nearby<S>,
+}
+
+impl<S: Scalar> Stage<S> for List<'_, S> {
+    const NAME: &'static str = "list of the nearest boxes";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { obstacles, centre, reach, nearby } = self;
+        let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
+        let count = nearby.boxes.len();
+        let far = S::lit(FAR);
+        let mut order = Order { distances: vec![far; count], numbers: vec![S::zero(); count], rest: far };
+        S::for_each_row(n, &mut order, |order, row| {
+            let [x, y, z, radius] = S::of_row(row, n, |k| {
+                let [x, y, z] = boxes[k].centre;
+                [x, y, z, boxes[k].radius]
+            });
+            let away = centre - Vec3::new(x, y, z);
+            let distance = away.dot(away).sqrt() - radius - reach;
+            // What the ball around a box says is the least that it can be: farther than the rest, it changes nothing.
+            S::when(distance.lt(order.rest), order, |order| {
+                let mut distance = distance;
+                let near = distance.lt(S::lit(SKIN));
+                S::when(near, &mut Closer(&mut distance), |Closer(distance)| {
+                    **distance = S::select(near, exact(obstacles, row, away) - reach, **distance);
+                });
+                order.insert(distance, S::row_number(row));
+            });
+        });
+        nearby.boxes.copy_from_slice(&order.numbers);
+        nearby.from = centre;
+        nearby.free = (order.rest - S::lit(ROUNDING)).max(S::zero());
+    }
+}
+
+/// Distance (m) from the surface of a box.
+#[inline(always)]
+fn exact<S: Scalar>(obstacles: &Obstacles<S::Const, S>, row: Row<S::Word>, away: Vec3<S>) -> S {
+    let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
+    let [a, b, c, e, f, g, i, j, k, h, w, d] = S::of_row(row, n, |k| boxes[k].sides());
+    surface([[a, b, c], [e, f, g], [i, j, k]], [h, w, d], away).0
+}
+
+/// A distance that a closer look changes.
+struct Closer<'a, S>(&'a mut S);
+
+impl<S: Scalar> Carried<S> for Closer<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.number(self.0);
+    }
+}
+
+/// The nearest boxes so far, nearest first.
+struct Order<S> {
+    distances: Vec<S>,
+    numbers: Vec<S>,
+    /// Least distance of all that are not among them.
+    rest: S,
+}
+
+impl<S: Scalar> Order<S> {
+    /// Puts a box where it belongs; what is pushed out at the end is the rest.
+    #[inline(always)]
+    fn insert(&mut self, mut distance: S, mut number: S) {
+        for (at, name) in self.distances.iter_mut().zip(&mut self.numbers) {
+            let closer = distance.lt(*at);
+            (*at, distance) = (S::select(closer, distance, *at), S::select(closer, *at, distance));
+            (*name, number) = (S::select(closer, number, *name), S::select(closer, *name, number));
+        }
+        self.rest = self.rest.min(distance);
+    }
+}
+
+impl<S: Scalar> Carried<S> for Order<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.numbers(self.distances.iter_mut().chain(&mut self.numbers).chain([&mut self.rest]));
+    }
+}
+
+impl<S: Scalar> Carried<S> for Nearby<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Self { from, free, boxes } = self;
+        visitor.numbers(boxes.iter_mut().chain([&mut from.x, &mut from.y, &mut from.z, free]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::obstacles::Surface;
+    use crate::workspace::Workspace;
+    use crate::{CouplingMode, Plan, StaticBox};
+    use myo_model::{Model, builtin};
+
+    /// Two hundred buttons on a wall.
+    fn wall() -> Vec<StaticBox> {
+        let axes = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+        let button = |k: usize| [0.4, 0.025 * (k % 20) as f64 - 0.24, 0.025 * (k / 20) as f64 - 0.4];
+        (0..200).map(|k| StaticBox::new(button(k), axes, [0.01, 0.01, 0.005])).collect()
+    }
+
+    #[test]
+    fn what_is_passed_over_is_neither_among_the_nearest_nor_the_next() {
+        let plan = Plan::exact(&Model::new(&builtin("mobl-arms").unwrap()).unwrap(), CouplingMode::Reduced).unwrap();
+        let obstacles = Obstacles::<f64>::new(&plan, &wall(), Surface::default());
+        let reach = 0.011;
+        for k in 0..500 {
+            // From before the wall to behind it, over its edges.
+            let along = |step: f64| (f64::from(k) * step).fract();
+            let centre = Vec3::new(0.3 + 0.15 * along(0.618), 0.6 * along(0.414) - 0.3, 0.5 * along(0.732) - 0.5);
+            let mut nearby = Workspace::<f64>::with_contacts(&plan, 4).nearby;
+            List { obstacles: &obstacles, centre, reach, nearby: &mut nearby }.run();
+
+            let distance = |row: usize| {
+                let [x, y, z] = obstacles.boxes[row].centre;
+                let away = centre - Vec3::new(x, y, z);
+                let ball = away.dot(away).sqrt() - obstacles.boxes[row].radius - reach;
+                if ball < SKIN { exact::<f64>(&obstacles, Row::Known(row), away) - reach } else { ball }
+            };
+            let mut all: Vec<(f64, f64)> = (0..200).map(|row| (distance(row), row as f64)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let count = nearby.boxes.len();
+            let nearest: Vec<f64> = all[..count].iter().map(|&(_, row)| row).collect();
+            assert_eq!(nearby.boxes, nearest, "at {centre:?}");
+            assert_eq!(nearby.free, (all[count].0 - ROUNDING).max(0.0), "at {centre:?}");
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! From the state of one environment to poses: where bodies, muscles, fingertip and objects are.
+
+use crate::config::BuildError;
+use crate::snapshot::Snapshot;
+use crate::vector::EnvError;
+use myo_dynamics::spatial::{Frame, Rotation, Vec3};
+use myo_dynamics::{CouplingMode, Plan, Workspace, step};
+use myo_model::{Model, model::WORLD};
+use myo_tasks::logic::{self, CompiledTask, Goal, Landmarks, Point, TaskState};
+use myo_tasks::{Block, Direction, FlatTask, Pointer, RayFrom, Shape, Slider, Task};
+
+/// Bodies lighter than this (kg) only carry joints.
+const LEAST_MASS: f64 = 0.05;
+
+/// A model and a task, ready to tell where everything is at a moment of an environment: what viewers draw, and nothing about
+/// drawing. Positions come from the kinematics of the physics, in double precision.
+///
+/// ```
+/// use myo_env::{CpuEnv, EnvConfig, Role, Skeleton, VectorEnv};
+///
+/// let task = myo_tasks::preset("pointing").unwrap();
+/// let model = myo_model::Model::new(&myo_model::builtin(&task.model)?)?;
+/// let env = CpuEnv::new(&model, &task, &EnvConfig { num_envs: 1000, ..Default::default() })?;
+/// let skeleton = Skeleton::new(&model, &task)?;
+/// for moment in env.peek(7..9)? {
+///     let pose = skeleton.pose(&moment)?;
+///     let [x, y, z] = pose.fingertip;
+///     println!("The fingertip is at {x:.3}, {y:.3}, {z:.3} m.");
+///     assert_eq!(pose.objects[0].role, Role::Current);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Skeleton {
+    model: Model,
+    plan: Plan<f64>,
+    limb: Vec<usize>,
+    flat: FlatTask,
+    task: CompiledTask<f64>,
+    /// Of each object, its number among the spheres, or among the boxes.
+    numbers: Vec<usize>,
+}
+
+/// Where everything is at one moment. Lengths in m from the shoulder centre, world axes: x forward, y to the left, z up.
+#[derive(Clone, Debug)]
+pub struct SkeletonPose {
+    /// Axes and origins of the bodies, in the order of the model, the world first.
+    pub bodies: Vec<Frame<f64>>,
+    /// The muscles, in the order of the model.
+    pub muscles: Vec<MusclePose>,
+    /// The point that presses.
+    pub fingertip: [f64; 3],
+    /// What points: the fingertip, or what the technique makes of the posture.
+    pub pointer: [f64; 3],
+    /// Where a ray begins that points.
+    pub ray_from: Option<[f64; 3]>,
+    /// What stands there, in the order of the [task](Skeleton::task).
+    pub objects: Vec<ObjectPose>,
+    /// Index of the step that is to do; none once all are done.
+    pub step: Option<usize>,
+    /// Index of the object that it asks for; none once all steps are done, and before one of several lights up.
+    pub current: Option<usize>,
+}
+
+/// A muscle at one moment.
+#[derive(Clone, Debug)]
+pub struct MusclePose {
+    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics.
+    pub points: Vec<[f64; 3]>,
+    /// Its activation in [0, 1].
+    pub activation: f64,
+}
+
+/// An object at one moment.
+#[derive(Clone, Debug)]
+pub struct ObjectPose {
+    /// Its centre and own axes; those of a box are x up its upright face, y across it to the left, z out of it.
+    pub frame: Frame<f64>,
+    /// Half its size along each own axis (m); for a sphere three times the radius.
+    pub half_size: [f64; 3],
+    /// The handle of a slider that the task drags: centre and axes, half sizes (m).
+    pub handle: Option<(Frame<f64>, [f64; 3])>,
+    /// The value that it stands at, in the slider's range.
+    pub value: Option<f64>,
+    /// Its part in the task.
+    pub role: Role,
+}
+
+/// What an object is to the task at one moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The current step asks for it.
+    Current,
+    /// A later step asks for it.
+    Later,
+    /// All steps that ask for it are done.
+    Done,
+    /// No step asks for it.
+    Bystander,
+}
+
+impl Skeleton {
+    /// For a model and a task.
+    ///
+    /// # Errors
+    /// The model cannot be simulated, or the task has values out of bounds.
+    pub fn new(model: &Model, task: &Task) -> Result<Self, BuildError> {
+        Self::on(task.flat()?, model, task)
+    }
+
+    /// For a model and a task whose script does not count, since [`Rules`](crate::Rules) of one's own judge.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new); the task has a technique.
+    pub fn without_script(model: &Model, task: &Task) -> Result<Self, BuildError> {
+        Self::on(task.scenery()?, model, task)
+    }
+
+    fn on(flat: FlatTask, model: &Model, task: &Task) -> Result<Self, BuildError> {
+        let is_sphere = |index: usize| flat.objects[index].sphere().is_some();
+        let number = |index: usize| (0..index).filter(|&other| is_sphere(other) == is_sphere(index)).count();
+        let task = CompiledTask::of(task, &flat);
+        let plan = Plan::exact(model, CouplingMode::Reduced)?;
+        Ok(Self {
+            model: model.clone(),
+            plan: if task.pointer.is_ray() { plan.with_arm(model)? } else { plan },
+            limb: limb(model),
+            numbers: (0..flat.objects.len()).map(number).collect(),
+            flat,
+            task,
+        })
+    }
+
+    /// The model: names, parents of bodies, paths of muscles.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Objects and steps of the task, with their names.
+    pub fn task(&self) -> &FlatTask {
+        &self.flat
+    }
+
+    /// Names of the independent joints, in the order of `qpos`.
+    pub fn joint_names(&self) -> impl Iterator<Item = &str> {
+        self.plan.dofs.iter().map(|dof| &*dof.name)
+    }
+
+    /// Indices of the bodies with mass on the way from the upper arm down to the fingertip, the upper arm first.
+    pub fn limb(&self) -> &[usize] {
+        &self.limb
+    }
+
+    /// Where everything is at a moment of an environment with this model and task.
+    ///
+    /// # Errors
+    /// [`EnvError::WrongLength`] where the moment is of another model or task.
+    pub fn pose(&self, moment: &Snapshot) -> Result<SkeletonPose, EnvError> {
+        self.check(moment)?;
+        let ws = self.posed(&moment.body.qpos);
+        let ahead = self.ahead(&moment.task);
+        let step = ahead.first().copied();
+        let body = self.landmarks(&ws);
+        let ray_from = self.plan.arm.is_some().then_some(match &self.flat.pointer {
+            Pointer::Ray { from: RayFrom::Forearm, .. } => body.wrist,
+            _ => body.fingertip,
+        });
+        let corrects = moment.task.corrects() == Some(true);
+        let asked_for = || step.and_then(|step| self.asked_for(step, &moment.task));
+        let current = if corrects { self.flat.correction } else { asked_for() };
+        Ok(SkeletonPose {
+            bodies: self.plan.elements.bodies.iter().map(|body| ws.fixed(body)).collect(),
+            muscles: self.muscles(&ws, &moment.body.act),
+            fingertip: body.fingertip,
+            pointer: self.pointer(&body, &moment.task),
+            ray_from,
+            objects: (0..self.flat.objects.len())
+                .map(|index| self.object(index, &moment.task, &ahead, current))
+                .collect(),
+            step,
+            current,
+        })
+    }
+
+    fn pointer(&self, body: &Landmarks<f64>, state: &TaskState<f64>) -> Point<f64> {
+        if self.flat.steps.is_empty() {
+            // Without a script only the fingertip points.
+            return body.fingertip;
+        }
+        self.task.pointer.place(body, Goal::of(&self.task, state).centre)
+    }
+
+    fn check(&self, moment: &Snapshot) -> Result<(), EnvError> {
+        let (Snapshot { body, task, .. }, spheres) = (moment, self.task.spheres.len());
+        let fresh = TaskState::<f64>::new(&self.task);
+        let lengths = [
+            ("qpos of the snapshot", body.qpos.len(), self.plan.ndof()),
+            ("act of the snapshot", body.act.len(), self.plan.nmuscle()),
+            ("task.position of the snapshot", task.position.len(), spheres),
+            ("task.size of the snapshot", task.size.len(), spheres),
+            ("task.phases of the snapshot", task.phases.len(), self.task.waves.len()),
+            ("task.values of the snapshot", task.values.len(), self.task.handles.len()),
+            ("task.done_at of the snapshot", task.done_at.len(), self.task.steps.len()),
+            ("task.order of the snapshot", task.order.len(), fresh.order.len()),
+            ("task.cue of the snapshot", usize::from(task.cue.is_some()), usize::from(fresh.cue.is_some())),
+            (
+                "task.steering of the snapshot",
+                usize::from(task.steering.is_some()),
+                usize::from(fresh.steering.is_some()),
+            ),
+            ("task.errors of the snapshot", usize::from(task.errors.is_some()), usize::from(fresh.errors.is_some())),
+        ];
+        match lengths.into_iter().find(|(_, got, expected)| got != expected) {
+            Some((what, got, expected)) => Err(EnvError::WrongLength { what, got, expected }),
+            None => Ok(()),
+        }
+    }
+
+    /// The body in this position, at rest.
+    fn posed(&self, qpos: &[f64]) -> Workspace<f64> {
+        let mut ws = Workspace::new(&self.plan);
+        step::kinematics::kinematics(&self.plan, qpos, &vec![0.0; qpos.len()], &mut ws);
+        ws
+    }
+
+    fn muscles(&self, ws: &Workspace<f64>, act: &[f64]) -> Vec<MusclePose> {
+        let point = |&site: &usize| ws.place(&self.plan.elements.sites[site]).array();
+        let pose = |(muscle, &activation): (&myo_model::model::Muscle, &f64)| MusclePose {
+            points: muscle.path.iter().map(point).collect(),
+            activation,
+        };
+        self.model.muscles.iter().zip(act).map(pose).collect()
+    }
+
+    fn landmarks(&self, ws: &Workspace<f64>) -> Landmarks<f64> {
+        let fingertip = step::fingertip(&self.plan, ws);
+        let arm = self.plan.arm.as_ref().map(|arm| arm.each_ref().map(|point| ws.place(point).array()));
+        let [elbow, wrist] = arm.unwrap_or([fingertip; 2]);
+        Landmarks { fingertip, elbow, wrist }
+    }
+
+    /// Steps that are not done, the current one first.
+    fn ahead(&self, task: &TaskState<f64>) -> Vec<usize> {
+        let done = task.phase.round() as usize;
+        let at = |place: usize| task.order.get(place).map_or(place, |&step| step as usize);
+        (done..self.flat.steps.len()).map(at).collect()
+    }
+
+    fn object(&self, index: usize, task: &TaskState<f64>, ahead: &[usize], current: Option<usize>) -> ObjectPose {
+        let boxed = |block: &Block| (frame(block.centre, axes(block)), block.half_extents());
+        let (frame, half_size) = match &self.flat.objects[index].shape {
+            // Only spheres are drawn anew in every episode.
+            Shape::Sphere(_) => {
+                let (centre, radius, _) = logic::sphere(&self.task, task, self.numbers[index] as f64);
+                (frame(centre, Rotation::identity()), [radius; 3])
+            }
+            Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => boxed(block),
+        };
+        let slider = match &self.flat.objects[index].shape {
+            Shape::Slider(slider) => self.share(index, task).map(|share| (handle(slider, share), slider.value(share))),
+            _ => None,
+        };
+        let (handle, value) = slider.unzip();
+        ObjectPose { frame, half_size, handle, value, role: self.role(index, ahead, current) }
+    }
+
+    /// Where the handle of a slider stands, as a share of its way.
+    fn share(&self, index: usize, task: &TaskState<f64>) -> Option<f64> {
+        let slider = self.task.handles.iter().position(|handle| handle.number as usize == index)?;
+        task.values.get(slider).copied()
+    }
+
+    /// The object that a step asks for; none before one of several lights up.
+    fn asked_for(&self, step: usize, task: &TaskState<f64>) -> Option<usize> {
+        let step = &self.flat.steps[step];
+        match &task.cue {
+            Some(cue) if !step.among.is_empty() => {
+                let is_it = |&object: &usize| cue.lit_at <= task.step && self.numbers[object] == cue.object as usize;
+                step.objects().find(is_it)
+            }
+            _ => Some(step.object),
+        }
+    }
+
+    fn role(&self, object: usize, ahead: &[usize], current: Option<usize>) -> Role {
+        let steps = &self.flat.steps;
+        match current {
+            Some(current) if current == object => Role::Current,
+            _ if ahead.iter().any(|&step| steps[step].asks_for(object)) => Role::Later,
+            _ if steps.iter().any(|step| step.asks_for(object)) => Role::Done,
+            _ => Role::Bystander,
+        }
+    }
+}
+
+/// Frame and half sizes (m) of a handle at a share of its way.
+fn handle(slider: &Slider, share: f64) -> (Frame<f64>, [f64; 3]) {
+    let [mut height, mut width, depth] = slider.block.half_extents();
+    match slider.rises {
+        Direction::Right => width = 0.5 * slider.handle,
+        Direction::Up => height = 0.5 * slider.handle,
+    }
+    (frame(slider.handle_at(share), axes(&slider.block)), [height, width, depth])
+}
+
+/// Bodies with mass on the way to the fingertip.
+fn limb(model: &Model) -> Vec<usize> {
+    let mut chain = vec![];
+    let mut body = model.sites[model.fingertip_site].body;
+    while body != WORLD {
+        let here = &model.bodies[body];
+        if here.mass > LEAST_MASS {
+            chain.push(body);
+        }
+        body = here.parent;
+    }
+    chain.reverse();
+    // The girdle lies in the trunk.
+    let first = chain.iter().position(|&index| model.bodies[index].name.contains("humer")).unwrap_or(0);
+    chain.split_off(first)
+}
+
+fn frame([x, y, z]: Point<f64>, rotation: Rotation<f64>) -> Frame<f64> {
+    Frame { rotation, position: Vec3::new(x, y, z) }
+}
+
+/// A box's own axes in the world.
+fn axes(block: &Block) -> Rotation<f64> {
+    let column = |k: usize| Vec3::new(block.rotation[(0, k)], block.rotation[(1, k)], block.rotation[(2, k)]);
+    Rotation { x: column(0), y: column(1), z: column(2) }
+}

@@ -1,0 +1,161 @@
+//! Poses of states: they are those of the physics.
+
+mod common;
+
+use common::{arm, entry, rollout, short, shuffled};
+use myo_dynamics::spatial::Vec3;
+use myo_dynamics::{Obstacles, Workspace, step};
+use myo_env::{EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, VectorEnv};
+use myo_tasks::{Task, preset_names};
+
+fn env(task: &Task, num_envs: usize) -> ReferenceEnv {
+    let config = myo_env::EnvConfig { num_envs, seed: 4, ..Default::default() };
+    ReferenceEnv::new(&arm(task), task, &config).unwrap()
+}
+
+fn roles(pose: &SkeletonPose) -> Vec<Role> {
+    pose.objects.iter().map(|object| object.role).collect()
+}
+
+#[test]
+fn the_fingertip_is_the_one_that_is_observed() {
+    for name in preset_names() {
+        let task = short(name);
+        let (mut env, skeleton) = (env(&task, 3), Skeleton::new(&arm(&task), &task).unwrap());
+        let seen = rollout(&mut env, 4).pop().unwrap().observation;
+        let (at, width) = (entry(&env, "fingertip_position.x"), env.spec().observation_size());
+        for (moment, row) in env.peek(0..3).unwrap().iter().zip(seen.chunks(width)) {
+            let pose = skeleton.pose(moment).unwrap();
+            assert_eq!(pose.fingertip.map(|x| x as f32), row[at..at + 3], "{name}");
+        }
+    }
+}
+
+#[test]
+fn paths_of_muscles_are_as_long_as_in_the_physics_and_lie_on_bodies() {
+    let task = short("pointing");
+    let (mut env, skeleton) = (env(&task, 5), Skeleton::new(&arm(&task), &task).unwrap());
+    rollout(&mut env, 6);
+    let plan = &env.tables().plan;
+    let (mut ws, model) = (Workspace::<f64>::new(plan), skeleton.model());
+    for moment in env.peek(0..5).unwrap() {
+        let pose = skeleton.pose(&moment).unwrap();
+        step::forward(plan, &Obstacles::none(plan), &moment.body, &mut ws);
+        for (index, muscle) in pose.muscles.iter().enumerate() {
+            let name = &model.muscles[index].name;
+            let part = |ends: &[[f64; 3]]| (0..3).map(|k| (ends[1][k] - ends[0][k]).powi(2)).sum::<f64>().sqrt();
+            let length: f64 = muscle.points.windows(2).map(part).sum();
+            assert!((length - ws.tendon_length[index]).abs() < 1e-12, "{name}: {length}");
+            assert_eq!(muscle.activation, moment.body.act[index]);
+            for (&site, point) in model.muscles[index].path.iter().zip(&muscle.points) {
+                let site = &model.sites[site];
+                let on_body = pose.bodies[site.body].place(Vec3::new(site.pos.x, site.pos.y, site.pos.z)).array();
+                let off = (0..3).map(|k| (on_body[k] - point[k]).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-12, "{name} on {}: {off:e}", model.bodies[site.body].name);
+            }
+        }
+    }
+    let names: Vec<&str> = skeleton.limb().iter().map(|&body| &*model.bodies[body].name).collect();
+    assert_eq!(names, ["humerus", "ulna", "radius", "hand"]);
+}
+
+/// A sphere somewhere, an obstacle, a button that is pressed twice, in this order.
+fn mixed() -> Task {
+    let text = "
+version: 2
+name: mixed
+time_limit_s: 2
+scene:
+  slot: {kind: sphere, at: {x: 0.4, y: [-0.1, 0.1], z: -0.2}, radius: [0.03, 0.05]}
+  wall: {kind: obstacle, at: [0.5, 0.2, -0.3], size: [0.1, 0.2, 0.02]}
+  key: {kind: button, at: [0.45, -0.1, -0.3], tilt_deg: 60, size: [0.03, 0.05, 0.01]}
+script: [{press: key}, {dwell: {in: slot, for_s: 0.2}}, {press: key}]
+";
+    Task::from_yaml(text, "mixed").unwrap()
+}
+
+#[test]
+fn objects_are_where_they_are_in_this_episode() {
+    let task = mixed();
+    let (env, skeleton) = (env(&task, 2), Skeleton::new(&arm(&task), &task).unwrap());
+    let moments = env.peek(0..2).unwrap();
+    assert_ne!(moments[0].task.position, moments[1].task.position);
+    for moment in &moments {
+        let pose = skeleton.pose(moment).unwrap();
+        assert_eq!(pose.objects[0].frame.position.array(), moment.task.position[0]);
+        assert_eq!(pose.objects[0].half_size, [moment.task.size[0]; 3]);
+        for index in [1, 2] {
+            let (block, object) = (skeleton.task().objects[index].block().unwrap(), &pose.objects[index]);
+            let [h, w, d] = object.half_size;
+            for (across, up) in [(0.0, 0.0), (1.0, 1.0), (-1.0, 0.5)] {
+                let (face, point) =
+                    (block.face_point(across, up), object.frame.place(Vec3::new(up * h, across * w, d)).array());
+                assert!((0..3).all(|k| (face[k] - point[k]).abs() < 1e-12), "{face:?} {point:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn objects_have_their_part_in_the_task() {
+    let task = mixed();
+    let skeleton = Skeleton::new(&arm(&task), &task).unwrap();
+    let moment = env(&task, 1).peek(0..1).unwrap().remove(0);
+    let at = |phase: f64| {
+        let mut later = moment.clone();
+        later.task.phase = phase;
+        let pose = skeleton.pose(&later).unwrap();
+        (pose.step, roles(&pose))
+    };
+    assert_eq!(at(0.0), (Some(0), vec![Role::Later, Role::Bystander, Role::Current]));
+    assert_eq!(at(1.0), (Some(1), vec![Role::Current, Role::Bystander, Role::Later]));
+    assert_eq!(at(2.0), (Some(2), vec![Role::Done, Role::Bystander, Role::Current]));
+    assert_eq!(at(3.0), (None, vec![Role::Done, Role::Bystander, Role::Done]));
+}
+
+#[test]
+fn the_current_object_goes_by_the_order_of_the_episode_and_by_what_is_to_be_corrected() {
+    let task = shuffled();
+    let skeleton = Skeleton::new(&arm(&task), &task).unwrap();
+    let mut env = env(&task, 20);
+    let mut moment = env.peek(0..1).unwrap().remove(0);
+    (moment.task.order, moment.task.phase) = (vec![2.0, 0.0, 1.0, 3.0, 5.0, 4.0, 6.0, 7.0, 8.0], 1.0);
+    let pose = skeleton.pose(&moment).unwrap();
+    assert_eq!((pose.step, pose.current), (Some(0), Some(0)));
+    assert_eq!([0, 1, 2].map(|object| pose.objects[object].role), [Role::Current, Role::Later, Role::Done]);
+    moment.task.errors = Some(1.0);
+    let pose = skeleton.pose(&moment).unwrap();
+    let current = &skeleton.task().objects[pose.current.unwrap()];
+    assert_eq!((pose.step, &*current.name), (Some(0), "back"));
+    // Arms that flail press wrongly, and dwell in any order.
+    let (mut corrects, mut exchanged) = (false, false);
+    for _ in 0..20 {
+        rollout(&mut env, 1);
+        for moment in env.peek(0..20).unwrap() {
+            corrects |= moment.task.corrects() == Some(true);
+            exchanged |= moment.task.order[3..7] != [3.0, 4.0, 5.0, 6.0];
+        }
+    }
+    assert!(corrects && exchanged, "{corrects}, {exchanged}");
+}
+
+#[test]
+fn moments_of_other_tasks_and_bodies_are_refused() {
+    let task = short("pointing");
+    let skeleton = Skeleton::new(&arm(&task), &task).unwrap();
+    let other = env(&short("ticket"), 1).peek(0..1).unwrap().remove(0);
+    let refused = skeleton.pose(&other).err().unwrap().to_string();
+    assert_eq!(refused, "task.position of the snapshot has 0 entries, expected 10");
+    let own = env(&task, 1).peek(0..1).unwrap().remove(0);
+    let without = |change: fn(&mut Snapshot) -> Option<f64>| {
+        let mut changed = own.clone();
+        change(&mut changed);
+        skeleton.pose(&changed).err()
+    };
+    let wrong = |what, got, expected| Some(EnvError::WrongLength { what, got, expected });
+    assert_eq!(without(|moment| moment.body.qpos.pop()), wrong("qpos of the snapshot", 4, 5));
+    assert_eq!(without(|moment| moment.body.act.pop()), wrong("act of the snapshot", 25, 26));
+    assert_eq!(without(|moment| moment.task.size.pop()), wrong("task.size of the snapshot", 9, 10));
+    let bad = Task { time_limit_s: -1.0, ..task.clone() };
+    assert!(Skeleton::new(&arm(&task), &bad).err().unwrap().to_string().contains("time_limit_s"));
+}

@@ -1,0 +1,396 @@
+//! A task written out: every object and every step on its own, in the world's axes. What comes after reading works on this.
+
+use myo_model::OrientedBox;
+use nalgebra::{Rotation3, Vector3};
+
+use crate::check::single_value_errors;
+use crate::description::{Stimulus, Task, rounded_steps};
+use crate::motion::Path;
+use crate::range::Range;
+use crate::report::InvalidTask;
+use crate::scene::Frame;
+use crate::slider::Slider;
+use crate::target::{Region, Target};
+use crate::technique::RayFrom;
+
+/// All objects and all steps of a task.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlatTask {
+    /// What stands there, in the order of the file.
+    pub objects: Vec<Object>,
+    /// What is to do, one after the other; at least one, but in [scenery](Task::scenery).
+    pub steps: Vec<Step>,
+    /// What points.
+    pub pointer: Pointer,
+    /// Steps that change places with each other.
+    pub orders: Vec<Order>,
+    /// Index of the button that corrects a wrong press, where each must be corrected.
+    pub correction: Option<usize>,
+    /// What is shown.
+    pub stimulus: Stimulus,
+}
+
+/// Steps in a row that are done in another order than they are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Order {
+    /// Index of the first.
+    pub first: usize,
+    /// How many there are, at least two.
+    pub count: usize,
+    /// Whether the user takes any order; else each episode draws one.
+    pub is_any: bool,
+}
+
+/// What points, written out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Pointer {
+    /// The fingertip.
+    #[default]
+    Fingertip,
+    /// A ray, and the object whose face it meets.
+    Ray {
+        /// What it follows.
+        from: RayFrom,
+        /// Index of the object; none where it goes through space.
+        onto: Option<usize>,
+    },
+    /// A hand that reaches farther than the arm.
+    GoGo {
+        /// Distance (m) from the shoulder centre up to which it is the fingertip.
+        beyond_m: f64,
+        /// How fast it goes away beyond it (1/m).
+        gain: f64,
+    },
+    /// A cursor on the face of an object.
+    Cursor {
+        /// Index of the object.
+        onto: usize,
+        /// Where the fingertip is (m) when the cursor is in the middle.
+        at: [f64; 3],
+        /// From the axes of the plane in which the hand works to the world's.
+        rotation: Rotation3<f64>,
+        /// Metres of the cursor per metre of the fingertip.
+        gain: f64,
+    },
+}
+
+/// Something with a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// What people call it, such as `keyboard.h`, or `target 3 (pressing)` in tasks of version 1.
+    pub name: String,
+    /// Path of what describes it in the file, such as `scene.keyboard` or `targets[2]`.
+    pub path: String,
+    /// What it is.
+    pub shape: Shape,
+}
+
+/// What an object is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A sphere in the air.
+    Sphere(Sphere),
+    /// A box that can be pressed.
+    Button(Block),
+    /// A handle on a way.
+    Slider(Slider),
+    /// A box that only stands in the way.
+    Obstacle(Block),
+}
+
+/// A sphere without a surface to touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sphere {
+    /// Where the centre may lie (m from the shoulder centre).
+    pub region: Region,
+    /// Its radius (m).
+    pub radius: Range,
+    /// Index of another object and the least distance (m) that the centres keep.
+    pub apart: Option<(usize, f64)>,
+    /// How it moves about that place.
+    pub path: Option<Path>,
+}
+
+/// A box fixed in space. Own axes: x up its upright face, y across it to the left, z out of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Its centre (m from the shoulder centre).
+    pub centre: [f64; 3],
+    /// From its own axes to the world's.
+    pub rotation: Rotation3<f64>,
+    /// Full width, height and depth (m): along y, x and z of its own.
+    pub size: [f64; 3],
+    /// Force that counts as pressed (N); infinite for an obstacle.
+    pub min_force_n: f64,
+}
+
+/// Something to do with an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Index of the object; the first where it is one of several.
+    pub object: usize,
+    /// All objects of which one lights up; empty where there is no choice.
+    pub among: Vec<usize>,
+    /// What is to do with it.
+    pub action: Action,
+    /// What must be waited for.
+    pub cue: Option<Cue>,
+    /// Path of what asks for it in the file, such as `script[1].press[2]`.
+    pub path: String,
+}
+
+/// What is to do with an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// To stay in a sphere without a break, for so many seconds.
+    Dwell(f64),
+    /// To be in a sphere for so many seconds in all.
+    Follow(f64),
+    /// To take hold of a slider's handle, move it and let go of it.
+    Drag {
+        /// Where it must be let go, as a share of the way.
+        to: f64,
+        /// How far off that it may be, as a share of the way.
+        within: f64,
+    },
+    /// To go straight to a sphere from another without leaving a way.
+    Steer {
+        /// Index of the sphere where the way begins.
+        from: usize,
+        /// Its width (m).
+        width: f64,
+    },
+    /// To press a button; done when it is pressed.
+    Press,
+    /// To press a button and let go of it; done when it is let go.
+    PressAndRelease,
+}
+
+/// A time that passes before a step counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cue {
+    /// How long it takes (s); drawn anew every time.
+    pub after_s: Range,
+    /// Whether nothing tells before which object it is.
+    pub hidden: bool,
+}
+
+impl Task {
+    /// Its objects and steps.
+    ///
+    /// # Errors
+    /// What is wrong with its values, or with what the script asks for.
+    pub fn flat(&self) -> Result<FlatTask, InvalidTask> {
+        self.check_values()?;
+        FlatTask::of(self).map_err(|errors| InvalidTask { errors })
+    }
+
+    /// Its objects alone, without steps, for whoever judges in place of its script: that is not read and may be empty.
+    ///
+    /// # Errors
+    /// What is wrong with its values or its scene, or a technique other than the fingertip.
+    pub fn scenery(&self) -> Result<FlatTask, InvalidTask> {
+        let mut errors = single_value_errors(self);
+        if errors.is_empty() {
+            match FlatTask::scenery_of(self) {
+                Ok(flat) => return Ok(flat),
+                Err(found) => errors = found,
+            }
+        }
+        Err(InvalidTask { errors })
+    }
+}
+
+impl FlatTask {
+    /// How people call what a step asks for, such as `press keyboard.h`, or `target 3 (pressing)`.
+    pub fn label(&self, step: usize) -> String {
+        let Object { name, shape, .. } = self.object(step);
+        let Step { action, among, .. } = &self.steps[step];
+        let name = match among.last() {
+            None => name.clone(),
+            Some(&last) => format!("one of {name} to {}", self.objects[last].name),
+        };
+        match (*action, shape) {
+            _ if self.object(step).is_target() => name,
+            (Action::Drag { to, .. }, Shape::Slider(slider)) => format!("drag {name} to {}", rounded(slider.value(to))),
+            (action, _) => action.with(&name),
+        }
+    }
+
+    /// What a step asks for, such as `press keyboard.h`; none in tasks of version 1, whose targets have numbers and no names.
+    pub fn asked(&self, step: usize) -> Option<String> {
+        (!self.object(step).is_target()).then(|| self.label(step))
+    }
+
+    /// The object of a step.
+    ///
+    /// # Panics
+    /// When there is no such step.
+    pub fn object(&self, step: usize) -> &Object {
+        &self.objects[self.steps[step].object]
+    }
+
+    /// The steps that ask for an object.
+    pub fn steps_of(&self, object: usize) -> impl Iterator<Item = &Step> {
+        self.steps.iter().filter(move |step| step.asks_for(object))
+    }
+}
+
+impl Action {
+    /// What is to do, with what has this name.
+    pub(crate) fn with(self, name: &str) -> String {
+        match self {
+            Self::Dwell(_) => format!("dwell in {name}"),
+            Self::Follow(_) => format!("follow {name}"),
+            Self::Drag { .. } => format!("drag {name}"),
+            Self::Steer { .. } => format!("steer to {name}"),
+            Self::Press => format!("press {name}"),
+            Self::PressAndRelease => format!("press and release {name}"),
+        }
+    }
+}
+
+impl Step {
+    /// All objects that it may ask for.
+    pub fn objects(&self) -> impl Iterator<Item = usize> + '_ {
+        let alone = self.among.is_empty().then_some(self.object);
+        alone.into_iter().chain(self.among.iter().copied())
+    }
+
+    /// Whether it asks for an object, or may.
+    pub fn asks_for(&self, object: usize) -> bool {
+        self.objects().any(|own| own == object)
+    }
+
+    /// Seconds to stay; none where it is no dwell.
+    pub const fn dwell_s(&self) -> Option<f64> {
+        match self.action {
+            Action::Dwell(seconds) | Action::Follow(seconds) => Some(seconds),
+            // The end of a way is a sphere, where nobody needs to stay.
+            Action::Steer { .. } => Some(0.0),
+            Action::Press | Action::PressAndRelease | Action::Drag { .. } => None,
+        }
+    }
+
+    /// Control steps of `control_dt_s` seconds to stay; 1 where it is no dwell.
+    pub fn dwell_steps(&self, control_dt_s: f64) -> u32 {
+        self.dwell_s().map_or(1, |seconds| rounded_steps(seconds, control_dt_s))
+    }
+}
+
+impl Object {
+    /// Where its centre may lie; a single point for a box.
+    pub fn region(&self) -> Region {
+        match &self.shape {
+            Shape::Sphere(sphere) => sphere.region,
+            Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
+                Region::point(block.centre)
+            }
+        }
+    }
+
+    /// Where its centre, or that of its handle, may ever be: its region, and all ways about it.
+    pub fn extent(&self) -> Region {
+        let around = |axis: usize| match &self.shape {
+            Shape::Sphere(Sphere { path: Some(path), .. }) => path.farthest(axis),
+            Shape::Slider(slider) => 0.5 * slider.length * slider.along()[axis].abs(),
+            _ => 0.0,
+        };
+        let Region { x, y, z } = self.region();
+        let wide = |range: Range, by: f64| Range::new(range.min - by, range.max + by);
+        Region { x: wide(x, around(0)), y: wide(y, around(1)), z: wide(z, around(2)) }
+    }
+
+    /// The word for what it is: `sphere`, `button`, `slider` or `obstacle`.
+    pub const fn kind(&self) -> &'static str {
+        match self.shape {
+            Shape::Sphere(_) => "sphere",
+            Shape::Button(_) => "button",
+            Shape::Slider(_) => "slider",
+            Shape::Obstacle(_) => "obstacle",
+        }
+    }
+
+    /// The sphere that it is.
+    pub const fn sphere(&self) -> Option<&Sphere> {
+        match &self.shape {
+            Shape::Sphere(sphere) => Some(sphere),
+            Shape::Button(_) | Shape::Obstacle(_) | Shape::Slider(_) => None,
+        }
+    }
+
+    /// The box that it is, as far as it can be touched.
+    pub const fn block(&self) -> Option<&Block> {
+        match &self.shape {
+            Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => Some(block),
+            Shape::Sphere(_) => None,
+        }
+    }
+
+    /// Whether it comes from a task of version 1, where objects and steps are one.
+    pub(crate) fn is_target(&self) -> bool {
+        self.path.starts_with("targets[")
+    }
+}
+
+impl Block {
+    /// A box in the middle of a frame; `size` in the frame's own lengths.
+    pub(crate) fn in_frame(frame: Frame, size: [f64; 3], min_force_n: f64) -> Self {
+        let size = size.map(|length| frame.scale * length);
+        Self { centre: frame.origin.into(), rotation: frame.rotation, size, min_force_n }
+    }
+
+    /// Half sizes (m) along its own axes.
+    pub fn half_extents(&self) -> [f64; 3] {
+        let [width, height, depth] = self.size;
+        [0.5 * height, 0.5 * width, 0.5 * depth]
+    }
+
+    /// Gap (m) to another box; negative when they overlap.
+    pub fn gap(&self, other: &Self) -> f64 {
+        let [a, b] = [self, other].map(|block| OrientedBox {
+            centre: block.centre.into(),
+            axes: block.rotation.into_inner(),
+            half_size: block.half_extents().into(),
+        });
+        a.gap(&b)
+    }
+
+    /// The face's outward unit normal in world axes.
+    pub fn normal(&self) -> [f64; 3] {
+        (self.rotation * Vector3::z()).into()
+    }
+
+    /// A point of the face in m from the shoulder centre; `across` and `up` run from -1 to 1.
+    pub fn face_point(&self, across: f64, up: f64) -> [f64; 3] {
+        let [h, w, d] = self.half_extents();
+        (Vector3::from(self.centre) + self.rotation * Vector3::new(up * h, across * w, d)).into()
+    }
+}
+
+/// A task of version 1, written out: each target is an object and a step.
+pub(crate) fn of_targets(targets: &[Target]) -> FlatTask {
+    let mut flat = FlatTask::default();
+    for (origin, target) in targets.iter().enumerate() {
+        for _ in 0..target.repeat() {
+            let object = flat.objects.len();
+            let path = format!("targets[{origin}]");
+            let (shape, action) = match target {
+                Target::Pointing(sphere) => {
+                    let apart = object.checked_sub(1).map(|previous| (previous, sphere.min_distance()));
+                    let shape = Sphere { region: sphere.position, radius: sphere.radius, apart, path: None };
+                    (Shape::Sphere(shape), Action::Dwell(sphere.dwell_s))
+                }
+                Target::Pressing(button) => (Shape::Button(button.block()), Action::Press),
+            };
+            flat.objects.push(Object { name: target.label(object), path: path.clone(), shape });
+            flat.steps.push(Step { object, among: vec![], action, cue: None, path });
+        }
+    }
+    flat
+}
+
+/// Without what binary fractions leave at the end.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}

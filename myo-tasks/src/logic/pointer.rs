@@ -1,0 +1,195 @@
+//! The pointer: what a technique makes of a body's posture.
+
+use super::{Point, difference, norm};
+use crate::flat::{self, FlatTask};
+use crate::technique::RayFrom;
+use myo_scalar::{Real, Scalar};
+
+/// How far (m) a ray goes that meets nothing.
+const FAR: f64 = 20.0;
+/// A ray that meets a face at less than this, as the cosine to its normal, is taken as one that meets it at this.
+const GRAZING: f64 = 0.05;
+
+/// What points. Lengths m from the shoulder centre.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pointer<T> {
+    /// The fingertip.
+    Fingertip,
+    /// Where a ray meets a face; without one, its point nearest to the current object.
+    Ray {
+        /// What it follows.
+        from: RayFrom,
+        /// The face.
+        onto: Option<Face<T>>,
+    },
+    /// A hand that reaches farther than the arm.
+    GoGo {
+        /// Distance from the shoulder centre up to which it is the fingertip.
+        beyond: T,
+        /// How fast it goes away beyond it (1/m).
+        gain: T,
+    },
+    /// A cursor on a face.
+    Cursor {
+        /// The face.
+        onto: Face<T>,
+        /// Where the fingertip is when the cursor is in the middle.
+        at: [T; 3],
+        /// Directions in which the hand moves it: up the face, and across it.
+        hand: [[T; 3]; 2],
+        /// Metres of the cursor per metre of the fingertip.
+        gain: T,
+    },
+}
+
+/// The face of a box.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face<T> {
+    /// Its middle.
+    pub middle: [T; 3],
+    /// Its directions: up, across to the left, and out of it.
+    pub axes: [[T; 3]; 3],
+}
+
+/// Places of the body that techniques go by (m, from the shoulder centre).
+#[derive(Clone, Copy, Debug)]
+pub struct Landmarks<S> {
+    /// The fingertip.
+    pub fingertip: Point<S>,
+    /// Elbow and wrist; the same as the fingertip where no technique asks for them.
+    pub elbow: Point<S>,
+    /// See `elbow`.
+    pub wrist: Point<S>,
+}
+
+impl<S: Scalar> Landmarks<S> {
+    /// Before anything is known.
+    #[inline(always)]
+    pub fn unknown() -> Self {
+        let origin = [S::zero(); 3];
+        Self { fingertip: origin, elbow: origin, wrist: origin }
+    }
+}
+
+impl<C: Real> Pointer<C> {
+    pub(super) fn new(flat: &FlatTask) -> Self {
+        let c = C::from_f64;
+        match &flat.pointer {
+            flat::Pointer::Fingertip => Self::Fingertip,
+            flat::Pointer::Ray { from, onto } => {
+                Self::Ray { from: *from, onto: onto.and_then(|object| Face::new(flat, object)) }
+            }
+            flat::Pointer::GoGo { beyond_m, gain } => Self::GoGo { beyond: c(*beyond_m), gain: c(*gain) },
+            flat::Pointer::Cursor { onto, at, rotation, gain } => match Face::new(flat, *onto) {
+                Some(onto) => {
+                    let column = |k: usize| [0, 1, 2].map(|row| c(rotation[(row, k)]));
+                    Self::Cursor { onto, at: at.map(c), hand: [column(0), column(1)], gain: c(*gain) }
+                }
+                None => Self::Fingertip,
+            },
+        }
+    }
+}
+
+impl<C: Real> Face<C> {
+    fn new(flat: &FlatTask, object: usize) -> Option<Self> {
+        let (block, c) = (flat.objects[object].block()?, C::from_f64);
+        let column = |k: usize| [0, 1, 2].map(|row| c(block.rotation[(row, k)]));
+        Some(Self { middle: block.face_point(0.0, 0.0).map(c), axes: [column(0), column(1), column(2)] })
+    }
+}
+
+impl<T> Pointer<T> {
+    #[inline(always)]
+    pub(super) fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Pointer<U> {
+        match self {
+            Self::Fingertip => Pointer::Fingertip,
+            Self::Ray { from, onto } => Pointer::Ray { from: *from, onto: onto.as_ref().map(|face| face.map(f)) },
+            Self::GoGo { beyond, gain } => Pointer::GoGo { beyond: f(beyond), gain: f(gain) },
+            Self::Cursor { onto, at, hand, gain } => Pointer::Cursor {
+                onto: onto.map(f),
+                at: at.each_ref().map(&mut *f),
+                hand: hand.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
+                gain: f(gain),
+            },
+        }
+    }
+
+    /// Whether it is the fingertip itself.
+    pub const fn is_fingertip(&self) -> bool {
+        matches!(self, Self::Fingertip)
+    }
+
+    /// Whether elbow and wrist must be known.
+    pub const fn is_ray(&self) -> bool {
+        matches!(self, Self::Ray { .. })
+    }
+}
+
+impl<T> Face<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Face<U> {
+        Face {
+            middle: self.middle.each_ref().map(&mut *f),
+            axes: self.axes.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
+        }
+    }
+}
+
+impl<S: Scalar> Pointer<S> {
+    /// Where it is, with the current object at `goal` (m).
+    #[inline(always)]
+    pub fn place(&self, body: &Landmarks<S>, goal: Point<S>) -> Point<S> {
+        match self {
+            Self::Fingertip => body.fingertip,
+            Self::Ray { from, onto } => {
+                let (from, origin) = match from {
+                    RayFrom::Forearm => (body.elbow, body.wrist),
+                    RayFrom::Hand => (body.wrist, body.fingertip),
+                };
+                ray(from, origin, onto.as_ref(), goal)
+            }
+            Self::GoGo { beyond, gain } => {
+                let reach = norm(body.fingertip);
+                let more = (reach - *beyond).max(S::zero());
+                // A fingertip at the shoulder centre has no direction, and is not beyond anything either.
+                let factor = (more * more).mul_add(*gain * reach.max(S::lit(1e-6)).recip(), S::lit(1.0));
+                body.fingertip.map(|x| x * factor)
+            }
+            Self::Cursor { onto, at, hand, gain } => {
+                let off = difference(body.fingertip, *at);
+                let [up, across] = [dot(off, hand[0]) * *gain, dot(off, hand[1]) * *gain];
+                let mut place = onto.middle;
+                for (k, x) in place.iter_mut().enumerate() {
+                    *x = onto.axes[0][k].mul_add(up, onto.axes[1][k].mul_add(across, *x));
+                }
+                place
+            }
+        }
+    }
+}
+
+/// Where the ray from `origin`, away from `from`, meets the face; without one, its point that is nearest to the goal.
+#[inline(always)]
+fn ray<S: Scalar>(from: Point<S>, origin: Point<S>, onto: Option<&Face<S>>, goal: Point<S>) -> Point<S> {
+    let way = difference(origin, from);
+    let scale = norm(way).max(S::lit(1e-6)).recip();
+    let direction = [way[0] * scale, way[1] * scale, way[2] * scale];
+    let along = match onto {
+        Some(face) => {
+            let normal = face.axes[2];
+            let above = dot(difference(origin, face.middle), normal);
+            // The ray goes against the normal; one that does not meets the face far away.
+            let towards = (S::zero() - dot(direction, normal)).max(S::lit(GRAZING));
+            above * towards.recip()
+        }
+        None => dot(difference(goal, origin), direction),
+    };
+    let along = along.clamp(0.0, FAR);
+    [0, 1, 2].map(|k| direction[k].mul_add(along, origin[k]))
+}
+
+#[inline(always)]
+fn dot<S: Scalar>(a: Point<S>, b: Point<S>) -> S {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}

@@ -1,0 +1,440 @@
+//! From the script of a file to every step.
+
+use myo_model::Nearest;
+
+use crate::expand::{Builder, STEPS_MAX, join, with_article};
+use crate::flat::{Action, Cue, Object, Order, Shape, Step};
+use crate::notation::Name;
+use crate::quantity::Quantity;
+use crate::range::Range;
+use crate::script::{Drag, Dwell, Follow, Instruction, React, Repeat, Steer, Typing};
+use crate::spoken::spoken;
+use crate::target::DWELL;
+use crate::technique::Technique;
+
+/// Most steps that change places with each other: each is told from every other in one line of code.
+const ORDER_MAX: usize = 32;
+const WIDTH: Quantity = Quantity::between(0.002, 4.0, "m");
+const WAIT: Quantity = Quantity::between(0.0, 600.0, "s");
+
+impl Builder {
+    /// All steps; at least one.
+    pub(crate) fn whole_script(&mut self, script: &[Instruction], technique: &Technique) {
+        self.script(script, "script");
+        if !self.errors.is_empty() {
+            return;
+        }
+        if self.flat.steps.is_empty() {
+            let problem = "has no step; write what is to do, such as `- press: [1, 2]`";
+            return self.refuse("script", "the script", problem.into());
+        }
+        if self.cue.is_some() {
+            self.refuse(
+                "script",
+                "the script",
+                "ends with a wait; write what is to do after it, or leave it out".into(),
+            );
+        }
+        if !technique.is_fingertip() {
+            self.no_press(technique);
+        }
+    }
+
+    /// Only the fingertip can press.
+    fn no_press(&mut self, technique: &Technique) {
+        let Some(step) = self.flat.steps.iter().find(|step| step.dwell_s().is_none()) else { return };
+        let (path, word) =
+            (step.path.clone(), if matches!(step.action, Action::Drag { .. }) { "drag" } else { "press" });
+        let problem =
+            format!("cannot {word}, only the fingertip can; take spheres to dwell in, or `technique: fingertip`");
+        self.refuse(&path, technique.name(), problem);
+    }
+
+    fn script(&mut self, script: &[Instruction], path: &str) {
+        for (k, instruction) in script.iter().enumerate() {
+            let path = format!("{path}[{k}]");
+            match instruction {
+                Instruction::Dwell(dwell) => self.dwell(dwell, &format!("{path}.dwell")),
+                Instruction::Press(names) => self.press(&names.0, Action::Press, &format!("{path}.press")),
+                Instruction::PressAndRelease(names) => {
+                    self.press(&names.0, Action::PressAndRelease, &format!("{path}.press_and_release"));
+                }
+                Instruction::Drag(drag) => self.drag(drag, &format!("{path}.drag")),
+                Instruction::Follow(follow) => self.follow(follow, &format!("{path}.follow")),
+                Instruction::Steer(steer) => self.steer(steer, &format!("{path}.steer")),
+                Instruction::React(react) => self.react(react, &format!("{path}.react")),
+                Instruction::Wait(time) => self.wait(*time, false, &format!("{path}.wait")),
+                Instruction::Type(typing) => self.type_text(typing, &format!("{path}.type")),
+                Instruction::RandomOrder(steps) => self.order(steps, false, &format!("{path}.random_order")),
+                Instruction::AnyOrder(steps) => self.order(steps, true, &format!("{path}.any_order")),
+                Instruction::Repeat(repeat) => self.repeat(repeat, &format!("{path}.repeat")),
+            }
+            if self.errors.iter().any(|error| error.path() == "script") {
+                return;
+            }
+        }
+    }
+
+    fn step(&mut self, object: usize, action: Action, path: &str) {
+        if self.flat.steps.len() == STEPS_MAX {
+            if !self.errors.iter().any(|error| error.path() == "script") {
+                let problem = format!("has more than {STEPS_MAX} steps, repetitions counted");
+                self.refuse("script", "the script", problem);
+            }
+            return;
+        }
+        let cue = self.cue.take();
+        self.flat.steps.push(Step { object, among: vec![], action, cue, path: path.to_owned() });
+    }
+
+    fn dwell(&mut self, dwell: &Dwell, path: &str) {
+        if let Err(problem) = DWELL.check(dwell.for_s) {
+            self.refuse(&format!("{path}.for_s"), "the dwell", problem.message().to_owned());
+        }
+        for name in &dwell.within.0 {
+            let path_in = format!("{path}.in");
+            for object in self.find(&name.0, &path_in) {
+                if self.flat.objects[object].sphere().is_some() {
+                    self.step(object, Action::Dwell(dwell.for_s), path);
+                } else {
+                    self.refuse_object(&path_in, object, |kind| {
+                        format!("is {kind}; the fingertip can dwell in spheres only")
+                    });
+                }
+            }
+        }
+    }
+
+    fn follow(&mut self, follow: &Follow, path: &str) {
+        if let Err(problem) = DWELL.check(follow.for_s) {
+            self.refuse(&format!("{path}.for_s"), "the time", problem.message().to_owned());
+        }
+        for name in &follow.target.0 {
+            let path_of = format!("{path}.target");
+            for object in self.find(&name.0, &path_of) {
+                match self.flat.objects[object].sphere() {
+                    Some(sphere) if sphere.path.is_some() => self.step(object, Action::Follow(follow.for_s), path),
+                    Some(_) => {
+                        self.refuse_object(&path_of, object, |_| "does not move (`moves`); `dwell` in it".into())
+                    }
+                    None => self.refuse_object(&path_of, object, |kind| {
+                        format!("is {kind}; only spheres that move can be followed")
+                    }),
+                }
+            }
+        }
+    }
+
+    fn drag(&mut self, drag: &Drag, path: &str) {
+        for object in self.find(&drag.slider.0, &format!("{path}.slider")) {
+            let Shape::Slider(slider) = &self.flat.objects[object].shape else {
+                let path = format!("{path}.slider");
+                return self.refuse_object(&path, object, |kind| format!("is {kind}; only sliders can be dragged"));
+            };
+            let ([least, most], (to, within)) = (slider.range, (drag.to, drag.within));
+            if !(least..=most).contains(&to) {
+                let problem = format!("is {to}; the values of the slider go from {least} to {most}");
+                return self.refuse_value(&format!("{path}.to"), problem);
+            }
+            if !(within > 0.0 && within < most - least) {
+                let problem = format!("is {within}; it must be more than 0, and less than {}", most - least);
+                return self.refuse_value(&format!("{path}.within"), problem);
+            }
+            let action = Action::Drag { to: slider.share(to), within: within / (most - least) };
+            self.step(object, action, path);
+        }
+    }
+
+    fn steer(&mut self, steer: &Steer, path: &str) {
+        if let Err(problem) = WIDTH.check(steer.width) {
+            return self.refuse(&format!("{path}.width"), "the width", problem.message().to_owned());
+        }
+        let path_through = format!("{path}.through");
+        let mut through: Vec<usize> = vec![];
+        for name in &steer.through.0 {
+            through.extend(self.find(&name.0, &path_through));
+        }
+        if !self.errors.is_empty() {
+            return;
+        }
+        let still = |object: &Object| object.sphere().is_some_and(|sphere| sphere.path.is_none());
+        if let Some(&other) = through.iter().find(|&&object| !still(&self.flat.objects[object])) {
+            return match self.flat.objects[other].sphere() {
+                Some(_) => {
+                    self.refuse_object(&path_through, other, |_| "moves; a way leads along what stands still".into())
+                }
+                None => self.refuse_object(&path_through, other, |kind| {
+                    format!("is {kind}; a way leads from sphere to sphere")
+                }),
+            };
+        }
+        if through.len() < 2 {
+            let problem = "is one sphere; a way needs another to lead to".into();
+            return self.refuse(&path_through, &spoken(&path_through), problem);
+        }
+        self.step(through[0], Action::Dwell(0.0), path);
+        for pair in through.windows(2) {
+            if pair[0] == pair[1] {
+                let problem = "comes twice in a row, and a way has a length".into();
+                let subject = format!("`{}`", self.name(pair[0]));
+                return self.refuse(&path_through, &subject, problem);
+            }
+            self.step(pair[1], Action::Steer { from: pair[0], width: steer.width }, path);
+        }
+    }
+
+    fn react(&mut self, react: &React, path: &str) {
+        let path_among = format!("{path}.among");
+        let mut among: Vec<usize> = vec![];
+        for name in &react.among.0 {
+            among.extend(self.find(&name.0, &path_among));
+        }
+        let Some(&first) = among.first() else { return };
+        let kind = |object: usize| self.flat.objects[object].kind();
+        if let Some(&other) = among.iter().find(|&&object| kind(object) != kind(first)) {
+            let problem = format!(
+                "is {}, and `{}` is {}; take objects of one kind",
+                with_article(kind(other)),
+                self.name(first),
+                with_article(kind(first))
+            );
+            return self.refuse(&path_among, &format!("`{}`", self.name(other)), problem);
+        }
+        if among.len() < 2 {
+            let problem = format!(
+                "is one object, so there is no choice; write `wait`, and what to do with `{}`",
+                self.name(first)
+            );
+            return self.refuse_value(&path_among, problem);
+        }
+        let action = match (&self.flat.objects[first].shape, react.for_s) {
+            (Shape::Button(_), None) => Action::Press,
+            (Shape::Sphere(_), Some(for_s)) => match DWELL.check(for_s) {
+                Ok(()) => Action::Dwell(for_s),
+                Err(problem) => {
+                    return self.refuse(&format!("{path}.for_s"), "the dwell", problem.message().to_owned());
+                }
+            },
+            (Shape::Button(_), Some(_)) => {
+                let problem = "is for spheres; buttons are done when they are pressed".into();
+                return self.refuse_value(&format!("{path}.for_s"), problem);
+            }
+            (Shape::Sphere(_), None) => {
+                return self.refuse(path, "the reaction", "needs `for_s`, how long to stay in the sphere".into());
+            }
+            (Shape::Slider(_) | Shape::Obstacle(_), _) => {
+                return self.refuse_object(&path_among, first, |kind| {
+                    format!("is {kind}; only buttons and spheres can light up")
+                });
+            }
+        };
+        self.wait(react.after_s, true, &format!("{path}.after_s"));
+        let steps = self.flat.steps.len();
+        self.step(first, action, path);
+        if let Some(step) = self.flat.steps.get_mut(steps) {
+            step.among = among;
+        }
+    }
+
+    /// A time that passes before the next step counts; waits in a row are added up.
+    fn wait(&mut self, time: Range, hidden: bool, path: &str) {
+        if let Err(problem) = WAIT.range_rule()(&time, &()) {
+            return self.refuse(path, "the time to wait", problem.message().to_owned());
+        }
+        let before = self.cue.take().map_or(Range::fixed(0.0), |cue| cue.after_s);
+        let after_s = Range::new(before.min + time.min, before.max + time.max);
+        self.cue = Some(Cue { after_s, hidden });
+    }
+
+    fn name(&self, object: usize) -> &str {
+        &self.flat.objects[object].name
+    }
+
+    /// Refuses a value, which its path tells in words.
+    fn refuse_value(&mut self, path: &str, problem: String) {
+        self.refuse(path, &spoken(path), problem);
+    }
+
+    /// Refuses an object for what it is.
+    pub(crate) fn refuse_object(&mut self, path: &str, object: usize, problem: impl FnOnce(&str) -> String) {
+        let Object { name, .. } = &self.flat.objects[object];
+        let (subject, kind) = (format!("`{name}`"), with_article(self.flat.objects[object].kind()));
+        self.refuse(path, &subject, problem(&kind));
+    }
+
+    fn press(&mut self, names: &[Name], action: Action, path: &str) {
+        for (k, name) in names.iter().enumerate() {
+            let path = if names.len() == 1 { path.to_owned() } else { format!("{path}[{k}]") };
+            for object in self.find(&name.0, &path) {
+                self.press_one(object, action, &path);
+            }
+        }
+    }
+
+    fn press_one(&mut self, object: usize, action: Action, path: &str) {
+        if matches!(self.flat.objects[object].shape, Shape::Button(_)) {
+            self.step(object, action, path);
+        } else {
+            self.refuse_object(path, object, |kind| format!("is {kind}; only buttons can be pressed"));
+        }
+    }
+
+    fn type_text(&mut self, typing: &Typing, path: &str) {
+        let keyboard = match (&typing.on, &self.keyboards[..]) {
+            (Some(name), _) => name.clone(),
+            (None, [only]) => only.clone(),
+            (None, []) => {
+                let problem =
+                    "needs a keyboard in the scene, such as `keyboard: {kind: keyboard, pitch: 0.01, key: 0.009}`";
+                return self.refuse(path, "typing", problem.into());
+            }
+            (None, several) => {
+                let names: Vec<_> = several.iter().map(|name| format!("`{name}`")).collect();
+                let problem = format!("must say on which keyboard (`on`): {}", names.join(" or "));
+                return self.refuse(path, "typing", problem);
+            }
+        };
+        let Some(full) = self.resolve(&keyboard).map(|(name, _)| name) else {
+            self.find(&keyboard, &format!("{path}.on"));
+            return;
+        };
+        if typing.text.is_empty() {
+            return self.refuse(path, "the text", "is empty".into());
+        }
+        for letter in typing.text.chars() {
+            let key = if letter == ' ' { "space".into() } else { letter.to_lowercase().to_string() };
+            match self.named.get(&join(&full, &key)).map(|objects| objects[..].to_vec()) {
+                Some(objects) => objects.into_iter().for_each(|object| self.press_one(object, Action::Press, path)),
+                None => {
+                    let problem = format!("has no key for {letter:?} of the text {:?}", typing.text);
+                    return self.refuse(path, &format!("`{full}`"), problem);
+                }
+            }
+        }
+    }
+
+    fn repeat(&mut self, repeat: &Repeat, path: &str) {
+        if !(1..=STEPS_MAX as u32).contains(&repeat.times) {
+            let problem = format!("is {}; it must be from 1 to {STEPS_MAX}", repeat.times);
+            return self.refuse_value(&format!("{path}.times"), problem);
+        }
+        if repeat.steps.is_empty() {
+            return self.refuse_value(&format!("{path}.steps"), "has no step".into());
+        }
+        for _ in 0..repeat.times {
+            self.script(&repeat.steps, &format!("{path}.steps"));
+            if !self.errors.is_empty() {
+                return;
+            }
+        }
+    }
+
+    /// Steps that change places with each other.
+    fn order(&mut self, steps: &[Instruction], is_any: bool, path: &str) {
+        let (subject, first) = (spoken(path), self.flat.steps.len());
+        if self.is_ordered {
+            let problem = "stands in another order; write them one after the other";
+            return self.refuse(path, &subject, problem.into());
+        }
+        if self.cue.is_some() {
+            let problem = "comes after a wait, which belongs to one step; write `wait` before a step in it";
+            return self.refuse(path, &subject, problem.into());
+        }
+        self.is_ordered = true;
+        self.script(steps, path);
+        self.is_ordered = false;
+        if !self.errors.is_empty() {
+            return;
+        }
+        if self.cue.is_some() {
+            return self.refuse(
+                path,
+                &subject,
+                "ends with a wait; write what is to do after it, or leave it out".into(),
+            );
+        }
+        let count = self.flat.steps.len() - first;
+        if !(2..=ORDER_MAX).contains(&count) {
+            let steps = if count == 1 { "1 step".into() } else { format!("{count} steps") };
+            return self.refuse(path, &subject, format!("has {steps}; it must be from 2 to {ORDER_MAX}"));
+        }
+        let is_steer = |step: &&Step| matches!(step.action, Action::Steer { .. });
+        if let Some(at) = self.flat.steps[first..].iter().find(is_steer).map(|step| step.path.clone()) {
+            let problem = "has a way, whose parts come one after the other; write it outside";
+            return self.refuse(&at, &subject, problem.into());
+        }
+        if is_any {
+            self.only_free_steps(first, path);
+        }
+        self.flat.orders.push(Order { first, count, is_any });
+    }
+
+    /// Steps that the user may take in any order, from step `first` on, are those that are told by where the pointer is.
+    fn only_free_steps(&mut self, first: usize, path: &str) {
+        let is_free = |step: &Step| {
+            step.cue.is_none() && matches!(step.action, Action::Dwell(_) | Action::Press | Action::PressAndRelease)
+        };
+        let Some(step) = self.flat.steps[first..].iter().find(|step| !is_free(step)) else { return };
+        let (at, subject) = (step.path.clone(), spoken(path));
+        let problem = "has a step that is waited for, dragged or followed, which nothing but its order tells from others; take \
+                       `dwell`, `press` and `press_and_release` alone, or `random_order`";
+        self.refuse(&at, &subject, problem.into());
+    }
+
+    /// The button that takes back wrong presses.
+    pub(crate) fn correction(&mut self, name: Option<&Name>, technique: &Technique) {
+        let Some(Name(name)) = name else { return };
+        let subject = format!("the correction `{name}`");
+        match self.find(name, "correction")[..] {
+            [] => {}
+            [object] if !matches!(self.flat.objects[object].shape, Shape::Button(_)) => {
+                self.refuse_object("correction", object, |kind| {
+                    format!("is {kind}; a button takes wrong presses back")
+                });
+            }
+            [_] if !technique.is_fingertip() => {
+                let problem = format!("cannot be pressed by {}; leave it out", technique.name());
+                self.refuse("correction", &subject, problem);
+            }
+            [object] => self.flat.correction = Some(object),
+            ref several => {
+                let problem = format!("stands for {} objects; name one button", several.len());
+                self.refuse("correction", &subject, problem);
+            }
+        }
+    }
+
+    /// Full name and objects that a name in the script stands for: the full name, or the end of only one.
+    fn resolve(&self, name: &str) -> Option<(String, Vec<usize>)> {
+        if let Some(objects) = self.named.get(name) {
+            return Some((name.to_owned(), objects.clone()));
+        }
+        let end = format!(".{name}");
+        let mut found = self.named.iter().filter(|(full, _)| full.ends_with(&end));
+        match (found.next(), found.next()) {
+            (Some((full, objects)), None) => Some((full.clone(), objects.clone())),
+            _ => None,
+        }
+    }
+
+    /// Objects that a name stands for; none, and an error, where it is not clear which.
+    pub(crate) fn find(&mut self, name: &str, path: &str) -> Vec<usize> {
+        if let Some((_, objects)) = self.resolve(name) {
+            return objects;
+        }
+        let end = format!(".{name}");
+        let mut several: Vec<&str> =
+            self.named.keys().map(String::as_str).filter(|full| full.ends_with(&end)).collect();
+        several.sort_unstable();
+        let problem = if several.is_empty() {
+            let mut names: Vec<&str> = self.named.keys().map(String::as_str).collect();
+            names.sort_unstable();
+            format!("is no object of the scene; {}", Nearest::to(name, &names))
+        } else {
+            let names: Vec<String> = several.iter().map(|name| format!("`{name}`")).collect();
+            format!("may stand for {}; write which", names.join(" or "))
+        };
+        self.refuse(path, &format!("`{name}`"), problem);
+        vec![]
+    }
+}

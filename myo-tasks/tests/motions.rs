@@ -1,0 +1,396 @@
+//! Objects that move, handles that are dragged, steps that must be waited for, and techniques.
+
+mod common;
+
+use common::run::{OFF, Run, SUBSTEPS, refusal, task, text};
+use myo_tasks::logic::{CompiledTask, Goal, Landmarks, Pointer, centre_ahead};
+use myo_tasks::{Action, Task, check};
+
+const SLIDER: &str = "  s: {kind: slider, at: [0.4, 0, 0], length: 0.1, range: [0, 100], value: 20}";
+const LAMPS: &str = "  lamps: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 3, pitch: 0.05, of: {kind: button, size: [0.03, 0.03, 0.01]}}";
+const BALL: &str =
+    "  ball: {kind: sphere, at: [0.4, 0, 0], radius: 0.05, moves: {kind: circle, diameter: 0.2, period_s: 2}}";
+const WALL: &str = "  wall: {kind: obstacle, at: [2, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  spot: {kind: sphere, at: [1.99, 0.2, 0.3], radius: 0.1}";
+
+/// On the slider at a value, pressing.
+fn on_slider(value: f64) -> ([f64; 3], Option<(usize, f64)>) {
+    ([0.4, -(value - 50.0) * 1e-3, 0.0], Some((0, 0.5)))
+}
+
+#[test]
+fn a_handle_follows_the_fingertip_from_where_it_was_taken_to_where_it_is_let_go() {
+    let task = task(SLIDER, "  - drag: {slider: s, to: 70, within: 5}");
+    let flat = task.flat().unwrap();
+    assert!(
+        matches!(flat.steps[0].action, Action::Drag { to, within } if (to - 0.7).abs() < 1e-12 && (within - 0.05).abs() < 1e-12)
+    );
+    assert_eq!(flat.label(0), "drag s to 70");
+    // Taken at 20, moved a millimetre every two physics steps, let go at 72.
+    let drag = |end: f64| {
+        move |_: &Goal<f64>, now: usize| {
+            let value = 20.0 + 0.5 * now as f64;
+            if value < end { on_slider(value) } else { OFF }
+        }
+    };
+    let mut run = Run::new(&task);
+    assert!(run.run(10, drag(72.0)));
+    assert!((run.state.values[0] - 0.715).abs() < 1e-9, "{:?}", run.state.values);
+    // Let go too early: it stays there, and the task goes on from there.
+    let mut run = Run::new(&task);
+    assert!(!run.run(10, drag(60.0)));
+    assert!((run.state.values[0] - 0.595).abs() < 1e-9);
+    let goal = run.goal();
+    assert!((goal.centre[1] - -(59.5 - 50.0) * 1e-3).abs() < 1e-9, "the handle is what is aimed at: {:?}", goal.centre);
+    assert!((goal.drag().unwrap().left(run.state.values[0]) - 0.0105).abs() < 1e-9);
+    assert_near(centre_ahead(&run.task, &run.state, 1), goal.centre);
+    assert!(run.run(2, |_, now| if now < 255 {
+        on_slider(59.5)
+    } else if now < 280 {
+        on_slider(69.0)
+    } else {
+        OFF
+    }));
+}
+
+#[test]
+fn a_touch_beside_the_handle_takes_nothing_along() {
+    let task = task(SLIDER, "  - drag: {slider: s, to: 70, within: 5}");
+    let mut run = Run::new(&task);
+    // The handle is 20 mm long and stands at 20.
+    assert!(!run.run(10, |_, now| on_slider(35.0 + 0.1 * now as f64)));
+    assert_eq!(run.state.values[0], 0.2);
+    // Too light a touch takes nothing either.
+    let mut run = Run::new(&task);
+    assert!(!run.run(10, |_, now| (on_slider(20.0 + 0.1 * now as f64).0, Some((0, 0.1)))));
+    assert_eq!(run.state.values[0], 0.2);
+}
+
+#[test]
+fn sliders_rise_to_the_right_or_up_wherever_they_look() {
+    for (rises, tilt, along) in
+        [("right", 0, [0.0, -1.0, 0.0]), ("up", 0, [1.0, 0.0, 0.0]), ("up", 90, [0.0, 0.0, 1.0])]
+    {
+        let scene = SLIDER.replace("value: 20", &format!("value: 20, rises: {rises}, tilt_deg: {tilt}"));
+        let flat = task(&scene, "  - drag: {slider: s, to: 70, within: 5}").flat().unwrap();
+        let myo_tasks::Shape::Slider(slider) = &flat.objects[0].shape else { panic!("a slider") };
+        assert!((0..3).all(|k| (slider.along()[k] - along[k]).abs() < 1e-12), "{rises}, {tilt}: {:?}", slider.along());
+        assert_eq!(
+            slider.block.size.map(|x| (1e3 * x).round()),
+            if rises == "up" { [20.0, 120.0, 5.0] } else { [120.0, 20.0, 5.0] }
+        );
+    }
+}
+
+#[test]
+fn what_lights_up_is_drawn_and_what_was_touched_before_does_not_count() {
+    let task = task(LAMPS, "  - repeat: {times: 250, steps: [{react: {among: lamps, after_s: [0.2, 0.4]}}]}");
+    let mut run = Run::new(&task);
+    let (mut objects, mut waits) = ([0; 3], [0; 9]);
+    let (mut last, mut wrong) = (None, 0);
+    for _ in 0..250 {
+        let (begin, cue) = (run.state.step, run.state.cue.clone().unwrap());
+        waits[(cue.lit_at - begin) as usize] += 1;
+        objects[cue.object as usize] += 1;
+        let middle = run.goal().centre;
+        assert!((middle[1]).abs() < 1e-12, "nothing tells which one it is: {middle:?}");
+        let lit_at = cue.lit_at as usize * SUBSTEPS;
+        let object = cue.object as usize;
+        // A tap before the light and one after it. Where the button is still down from the step before, that is no new press.
+        wrong += usize::from(last.replace(object) != Some(object));
+        let tap = move |_: &Goal<f64>, now: usize| match now {
+            now if now < begin as usize * SUBSTEPS + 5 => ([0.4, 0.0, 0.0], Some((object, 2.0))),
+            now if now >= lit_at + 3 => ([0.4, 0.0, 0.0], Some((object, 2.0))),
+            _ => OFF,
+        };
+        let before = run.state.phase;
+        while run.state.phase == before {
+            run.run(1, tap);
+        }
+        let index = before as usize;
+        assert_eq!(run.state.cue.as_ref().unwrap().shown_at[index], cue.lit_at);
+        assert_eq!(run.state.reached_at[index], (lit_at + 3) as f64);
+    }
+    assert_eq!(waits[..4], [0; 4]);
+    assert!(waits[4..].iter().all(|&count| count > 30), "{waits:?}");
+    assert!(objects.iter().all(|&count| count > 60), "{objects:?}");
+    assert_eq!(run.wrong_presses, wrong as f64);
+    assert!((145..190).contains(&wrong), "{wrong}");
+}
+
+#[test]
+fn who_rests_on_a_button_until_it_lights_up_must_let_go_first() {
+    let task = task(LAMPS, "  - react: {among: lamps, after_s: 0.2}");
+    let mut run = Run::new(&task);
+    let object = run.state.cue.as_ref().unwrap().object as usize;
+    let rest = move |_: &Goal<f64>, _: usize| ([0.4, 0.0, 0.0], Some((object, 2.0)));
+    assert!(!run.run(10, rest));
+    assert_eq!(run.wrong_presses, 1.0);
+    let again = move |_: &Goal<f64>, now: usize| if now < 260 { OFF } else { ([0.4, 0.0, 0.0], Some((object, 2.0))) };
+    assert!(run.run(1, again));
+}
+
+#[test]
+fn a_wait_shows_what_comes_and_does_not_count_it() {
+    let scene =
+        "  a: {kind: sphere, at: [0.4, 0.1, 0], radius: 0.05}\n  b: {kind: sphere, at: [0.4, -0.1, 0], radius: 0.05}";
+    let task = task(scene, "  - dwell: {in: a, for_s: 0.1}\n  - wait: 0.3\n  - dwell: {in: b, for_s: 0.1}");
+    let mut run = Run::new(&task);
+    assert!(!run.run(2, |_, _| ([0.4, 0.1, 0.0], None)));
+    assert_eq!(run.state.done_at, [2.0, -1.0]);
+    assert_eq!(run.goal().centre, [0.4, -0.1, 0.0], "it can be seen");
+    // Inside all the time: six control steps of waiting, two of dwelling.
+    assert!(run.run(10, |_, _| ([0.4, -0.1, 0.0], None)));
+    assert_eq!((run.state.done_at[1], run.state.reached_at[1]), (10.0, 200.0));
+}
+
+#[test]
+fn following_adds_up_the_time_inside_and_dwelling_does_not() {
+    let inside = |goal: &Goal<f64>, now: usize| {
+        let at = goal.centre_after((now % SUBSTEPS) as f64 / SUBSTEPS as f64);
+        // Out of it for one control step of every four.
+        if now / SUBSTEPS % 4 == 3 { ([0.0; 3], None) } else { (at, None) }
+    };
+    // Three in, one out: ten control steps inside take thirteen.
+    let mut run = Run::new(&task(BALL, "  - follow: {target: ball, for_s: 0.5}"));
+    assert!(run.run(20, inside));
+    assert_eq!(run.state.done_at, [13.0]);
+    let mut run = Run::new(&task(BALL, "  - dwell: {in: ball, for_s: 0.5}"));
+    assert!(!run.run(40, inside));
+}
+
+#[test]
+fn a_sphere_on_a_circle_keeps_its_distance_and_its_speed() {
+    let mut run = Run::new(&task(BALL, "  - follow: {target: ball, for_s: 60}"));
+    for _ in 0..40 {
+        let goal = run.goal();
+        let [x, y, z] = goal.centre;
+        assert!((x - 0.4).abs() < 1e-12, "it stands before the user: {x}");
+        assert!((y.hypot(z) - 0.1).abs() < 1e-12);
+        let next = goal.centre_after(1.0);
+        run.run(1, |_, _| OFF);
+        let now = run.goal().centre;
+        assert!((0..3).all(|k| (now[k] - next[k]).abs() < 1e-12), "where it was to be: {next:?}, {now:?}");
+        let chord = goal.moves.unwrap().iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((chord - 0.2 * (std::f64::consts::PI / 40.0).sin()).abs() < 1e-12, "{chord}");
+    }
+}
+
+#[test]
+fn random_ways_stay_within_what_they_were_given() {
+    let scene = "  ball: {kind: sphere, at: [0.4, 0, 0], radius: 0.05, moves: {kind: random, by: [0.02, 0.1, 0.1], period_s: 1}}";
+    let flat = task(scene, "  - follow: {target: ball, for_s: 1}").flat().unwrap();
+    let path = flat.objects[0].sphere().unwrap().path.clone().unwrap();
+    let mut most = [0.0_f64; 3];
+    for k in 0..20_000 {
+        let offset = path.offset(0.05 * f64::from(k), &[0.1, 2.0, 4.0, 5.0]);
+        most = [0, 1, 2].map(|axis| most[axis].max(offset[axis].abs()));
+    }
+    let given = [0.02, 0.1, 0.1];
+    assert!((0..3).all(|k| most[k] <= given[k] + 1e-12 && most[k] > 0.8 * given[k]), "{most:?}");
+}
+
+/// What an environment shows before the light must not depend on which one it will be.
+#[test]
+fn what_will_light_up_cannot_be_told_from_what_is_seen() {
+    let scene = "  a: {kind: sphere, at: [0.4, 0.1, 0], radius: 0.02}\n  b: {kind: sphere, at: [0.4, -0.1, 0], radius: 0.06, moves: {kind: line, by: [0, 0, 0.1], period_s: 1}}";
+    let run = Run::new(&task(scene, "  - react: {among: [a, b], after_s: 1, for_s: 0.1}"));
+    for object in [0.0, 1.0] {
+        let mut state = run.state.clone();
+        state.cue.as_mut().unwrap().object = object;
+        let goal = Goal::of(&run.task, &state);
+        assert_eq!((goal.centre, goal.moves), ([0.4, 0.0, 0.0], Some([0.0; 3])));
+        assert!((goal.size - 0.04).abs() < 1e-12, "{}", goal.size);
+    }
+}
+
+#[test]
+fn the_farthest_places_of_a_random_way_are_looked_at() {
+    /// Reaches no higher than this.
+    struct Low(f64);
+    impl myo_tasks::Reach for Low {
+        fn nearest_in_reach(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+            [x, y, z.min(self.0)]
+        }
+    }
+    let scene =
+        "  ball: {kind: sphere, at: [0.4, 0, 0], radius: 0.01, moves: {kind: random, by: [0, 0, 0.1], period_s: 1}}";
+    let task = task(scene, "  - follow: {target: ball, for_s: 1}");
+    assert!(!check(&task, &Low(0.085)).is_ok());
+    assert!(check(&task, &Low(0.095)).is_ok());
+}
+
+/// A body with these places.
+fn body(elbow: [f64; 3], wrist: [f64; 3], fingertip: [f64; 3]) -> Landmarks<f64> {
+    Landmarks { fingertip, elbow, wrist }
+}
+
+fn pointer(technique: &str) -> Pointer<f64> {
+    let text = format!("{}technique: {technique}\n", text(WALL, "  - dwell: {in: spot, for_s: 0.2}"));
+    CompiledTask::new(&Task::from_yaml(&text, "t.yaml").unwrap()).unwrap().pointer
+}
+
+fn assert_near(a: [f64; 3], b: [f64; 3]) {
+    assert!((0..3).all(|k| (a[k] - b[k]).abs() < 1e-9), "{a:?} instead of {b:?}");
+}
+
+#[test]
+fn a_ray_meets_the_face_or_goes_past_the_goal() {
+    let goal = [1.99, 0.2, 0.3];
+    let forearm = pointer("{kind: ray, from: forearm, onto: wall}");
+    // From (0, 0, 0) through (0.1, 0.01, 0.02): 1.99 m ahead.
+    let arm = body([0.0; 3], [0.1, 0.01, 0.02], [0.2, 0.3, 0.4]);
+    assert_near(forearm.place(&arm, goal), [1.99, 0.199, 0.398]);
+    let hand = pointer("{kind: ray, from: hand, onto: wall}");
+    assert_near(hand.place(&body([0.0; 3], [0.1, 0.0, 0.0], [0.2, 0.0, -0.01]), goal), [1.99, 0.0, -0.189]);
+    // Away from the wall there is no place on it, but a place all the same.
+    let away = forearm.place(&body([0.1, 0.0, 0.0], [0.0; 3], [0.0; 3]), goal);
+    assert!(away[0] < -1.0 && away.iter().all(|x| x.is_finite()), "{away:?}");
+    // Without a face: the point of the ray that is nearest to the goal.
+    let space = pointer("{kind: ray, from: forearm}");
+    assert_near(space.place(&body([0.0; 3], [0.1, 0.0, 0.0], [0.0; 3]), goal), [1.99, 0.0, 0.0]);
+    assert_near(space.place(&body([0.1, 0.0, 0.0], [0.0; 3], [0.0; 3]), goal), [0.0; 3]);
+}
+
+#[test]
+fn go_go_reaches_farther_and_a_cursor_as_far_as_its_gain() {
+    let at = |fingertip| body([0.0; 3], [0.0; 3], fingertip);
+    let go_go = pointer("{kind: go_go, beyond: 0.4, gain: 10}");
+    assert_near(go_go.place(&at([0.0, 0.3, 0.0]), [0.0; 3]), [0.0, 0.3, 0.0]);
+    // 0.2 m beyond: 10 * 0.2^2 = 0.4 m more.
+    assert_near(go_go.place(&at([0.36, 0.48, 0.0]), [0.0; 3]), [0.6, 0.8, 0.0]);
+    let cursor = pointer("{kind: cursor, onto: wall, at: [0.3, -0.1, -0.2], gain: 5}");
+    assert_near(cursor.place(&at([0.3, -0.1, -0.2]), [0.0; 3]), [1.99, 0.0, 0.0]);
+    // Forward on the table is up on the wall, and depth does nothing.
+    assert_near(cursor.place(&at([0.35, -0.08, 0.1]), [0.0; 3]), [1.99, 0.1, 0.25]);
+    assert_eq!(pointer("fingertip"), Pointer::Fingertip);
+    assert_eq!(pointer("{kind: fingertip}"), Pointer::Fingertip);
+}
+
+#[test]
+fn what_cannot_be_is_refused_by_name_and_place() {
+    let with = |technique: &str, scene: &str, script: &str| format!("{}technique: {technique}\n", text(scene, script));
+    let ray = "{kind: ray, from: hand, onto: wall}";
+    let spots = "  - dwell: {in: spot, for_s: 0.2}";
+    let mut wrong = vec![];
+    for (text, expected) in [
+        (
+            text(SLIDER, "  - drag: {slider: s, to: 170, within: 5}"),
+            "t.yaml:6:27: `drag.to` of entry 1 of the script is 170; the values of the slider go from 0 to 100",
+        ),
+        (
+            text(SLIDER, "  - drag: {slider: s, to: 70, within: 0}"),
+            "t.yaml:6:39: `drag.within` of entry 1 of the script is 0; it must be more than 0, and less than 100",
+        ),
+        (
+            text(LAMPS, "  - drag: {slider: lamps.1, to: 0, within: 1}"),
+            "t.yaml:6:20: `lamps.1` is a button; only sliders can be dragged",
+        ),
+        (text(SLIDER, "  - press: s"), "t.yaml:6:12: `s` is a slider; only buttons can be pressed"),
+        (
+            text(&SLIDER.replace("value: 20", "value: [20, 120]"), "  - drag: {slider: s, to: 70, within: 5}"),
+            "t.yaml:4:75: the value of `s` is 120; its `range` goes from 0 to 100",
+        ),
+        (
+            text(&SLIDER.replace("[0, 100]", "[100, 0]"), "  - drag: {slider: s, to: 70, within: 5}"),
+            "goes from 100 to 0; the smaller value must come first",
+        ),
+        (
+            text(
+                &BALL.replace(", moves: {kind: circle, diameter: 0.2, period_s: 2}", ""),
+                "  - follow: {target: ball, for_s: 1}",
+            ),
+            "t.yaml:6:22: `ball` does not move (`moves`); `dwell` in it",
+        ),
+        (
+            text(LAMPS, "  - follow: {target: lamps.2, for_s: 1}"),
+            "t.yaml:6:22: `lamps.2` is a button; only spheres that move can be followed",
+        ),
+        (
+            text(
+                "  b: {kind: sphere, radius: 0.05, moves: {kind: line, by: [0, 0, 0], period_s: 1}}",
+                "  - follow: {target: b, for_s: 1}",
+            ),
+            "the way of `b` has no length; write how far it goes, or leave `moves` out",
+        ),
+        (
+            text(&BALL.replace("period_s: 2", "period_s: 0.01"), "  - follow: {target: ball, for_s: 1}"),
+            "is 0.01 s; it must be from 0.2 to 600 s",
+        ),
+        (
+            text(LAMPS, "  - react: {among: lamps.1, after_s: 1}"),
+            "t.yaml:6:20: `react.among` of entry 1 of the script is one object, so there is no choice; write `wait`, and what to do with `lamps.1`",
+        ),
+        (
+            text(&format!("{LAMPS}\n{BALL}"), "  - react: {among: [lamps, ball], after_s: 1}"),
+            "`ball` is a sphere, and `lamps.1` is a button; take objects of one kind",
+        ),
+        (
+            text(LAMPS, "  - react: {among: lamps, after_s: 1, for_s: 0.2}"),
+            "`react.for_s` of entry 1 of the script is for spheres; buttons are done when they are pressed",
+        ),
+        (
+            text(LAMPS, "  - react: {among: lamps, after_s: [2, 1]}"),
+            "the time to wait goes from 2 s to 1 s; the smaller end must come first",
+        ),
+        (
+            text(LAMPS, "  - wait: -1\n  - press: lamps.1"),
+            "t.yaml:6:11: the time to wait is -1 s; it must be from 0 to 600 s",
+        ),
+        (
+            text(LAMPS, "  - press: lamps.1\n  - wait: 1"),
+            "t.yaml:6:3: the script ends with a wait; write what is to do after it, or leave it out",
+        ),
+        (
+            text(LAMPS, "  - wait: 20\n  - press: lamps.1"),
+            "the dwells and waits of all targets add up to 20.00 s but the time limit is 12 s; raise the limit or shorten the dwells",
+        ),
+        (with(ray, WALL, "  - press: wall"), "`wall` is an obstacle; only buttons can be pressed"),
+        (
+            with(ray, &format!("{WALL}\n{LAMPS}"), "  - press: lamps.1"),
+            "t.yaml:8:12: a ray cannot press, only the fingertip can; take spheres to dwell in, or `technique: fingertip`",
+        ),
+        (
+            with(ray, &format!("{WALL}\n{SLIDER}"), "  - drag: {slider: s, to: 70, within: 5}"),
+            "a ray cannot drag, only the fingertip can",
+        ),
+        (
+            with("{kind: ray, from: hand, onto: wal}", WALL, spots),
+            "t.yaml:8:42: `wal` is no object of the scene; did you mean `wall`?",
+        ),
+        (
+            with("{kind: ray, from: hand, onto: spot}", WALL, spots),
+            "`spot` is a sphere; a pointer needs a face, such as that of an obstacle",
+        ),
+        (
+            with(ray, &WALL.replace("1.99", "1.8"), spots),
+            "t.yaml:5:9: `spot` is up to 19.0 cm off the face of `wall`, on which a ray points, and no wider; put it there",
+        ),
+        (with("laser", WALL, spots), "unknown value `laser`"),
+        (
+            with("{kind: cursor, onto: wall, at: [0.3, 0, 0], gain: 0}", WALL, spots),
+            "is 0; it must be from 0.01 to 100",
+        ),
+    ] {
+        let said = refusal(&text);
+        if !said.contains(expected) {
+            wrong.push(format!("{text}\nsays: {said}\ninstead of: {expected}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn a_path_that_leaves_the_reach_is_refused() {
+    struct Near;
+    impl myo_tasks::Reach for Near {
+        fn nearest_in_reach(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+            [x, y.clamp(-0.04, 0.2), z]
+        }
+    }
+    let refused = check(&task(BALL, "  - follow: {target: ball, for_s: 1}"), &Near);
+    let said = refused.errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    assert!(said.starts_with("the path of ball leaves the reach of the model: "), "{said}");
+    assert!(said.contains("at (0.40, -0.10, "), "{said}");
+    let small = BALL.replace("diameter: 0.2", "diameter: 0.1");
+    assert!(check(&task(&small, "  - follow: {target: ball, for_s: 1}"), &Near).is_ok());
+}
