@@ -163,7 +163,7 @@ def test_a_training_that_failed_writes_no_more(tmp_path):
     from myoenv import _native
 
     session = _native.Session(
-        myoenv.Task.load("pointing-single"),
+        [myoenv.Task.load("pointing-single")],
         myoenv.Model(),
         config=json.dumps(SMALL["settings"] | RUNAWAY["a policy that moves too far"] | {"num_envs": 32}),
         seed=1,
