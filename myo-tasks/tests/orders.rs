@@ -2,16 +2,13 @@
 
 mod common;
 
-use common::run::{OFF, Run, SUBSTEPS, refusal, task, text};
+use common::run::{Deed, OFF, Run, SUBSTEPS, refusal, task, text};
 use myo_tasks::logic::Goal;
 use myo_tasks::{Order, Stimulus};
 
 /// Four keys in a row, 5 cm apart from left to right, and one to take back.
 const KEYS: &str = "  keys: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 4, pitch: 0.05, of: {kind: button, size: [0.03, 0.03, 0.01]}}\n  back: {kind: button, at: [0.4, 0, 0.2], size: [0.03, 0.03, 0.01]}";
 const BALLS: &str = "  balls: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 4, pitch: 0.05, of: {kind: sphere, at: [0, 0, 0], radius: 0.02}}";
-
-/// What the fingertip does: where it is, and which box it touches how hard.
-type Deed = ([f64; 3], Option<(usize, f64)>);
 
 /// On a box, pressing.
 fn on(number: usize) -> Deed {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::run::{Run, SUBSTEPS, refusal, task, text};
+use common::run::{Deed, Run, SUBSTEPS, refusal, task, text};
 use myo_tasks::logic::{Goal, begins_at};
 use myo_tasks::{Action, Task};
 
@@ -13,7 +13,7 @@ const SCRIPT: &str = "  - steer: {through: [a, b, c], width: 0.04}";
 const EACH: usize = 110;
 
 /// Along both ways from physics step `first` on, off to the side by what `off` says for a physics step since then (m).
-fn along(first: usize, off: impl Fn(usize) -> f64) -> impl Fn(&Goal<f64>, usize) -> ([f64; 3], Option<(usize, f64)>) {
+fn along(first: usize, off: impl Fn(usize) -> f64) -> impl Fn(&Goal<f64>, usize) -> Deed {
     move |_, now| {
         let since = now.saturating_sub(first);
         let share = |since: usize| (since as f64 / EACH as f64).min(1.0);

@@ -8,8 +8,10 @@ use myo_tasks::{Anywhere, Source, Task};
 
 /// Physics steps of a control step.
 pub const SUBSTEPS: usize = 25;
+/// What the fingertip does: where it is, and which box it touches how hard.
+pub type Deed = ([f64; 3], Option<(usize, f64)>);
 /// In the air.
-pub const OFF: ([f64; 3], Option<(usize, f64)>) = ([0.3, 0.0, 0.1], None);
+pub const OFF: Deed = ([0.3, 0.0, 0.1], None);
 
 pub fn text(scene: &str, script: &str) -> String {
     format!("version: 2\nname: t\nscene:\n{scene}\nscript:\n{script}\n")
@@ -65,7 +67,7 @@ impl Run {
     }
 
     /// Runs control steps until the task is done or `steps` are over; returns whether it is done.
-    pub fn run(&mut self, steps: usize, at: impl Fn(&Goal<f64>, usize) -> ([f64; 3], Option<(usize, f64)>)) -> bool {
+    pub fn run(&mut self, steps: usize, at: impl Fn(&Goal<f64>, usize) -> Deed) -> bool {
         for _ in 0..steps {
             let goal = self.goal();
             let mut stay = Stay::new(&self.state, &goal);
