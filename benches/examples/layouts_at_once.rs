@@ -54,7 +54,7 @@ fn layout(number: u32) -> Task {
     for (item, (right, up)) in task.scene.0.values_mut().zip(places) {
         let Item::Button(button) = item else { continue };
         let (half_y, half_z) = (0.05 + 0.1 * apart_y, 0.05 + 0.1 * apart_z);
-        button.at = [0.42, -0.05 + 0.1 * across - right * half_y, -0.24 + 0.2 * down + up * half_z];
+        button.at = [0.42, -0.05 + 0.1 * across - right * half_y, -0.24 + 0.2 * down + up * half_z].into();
         let size = 0.03 + 0.03 * size;
         button.size = [size, size, 0.02];
     }

@@ -66,7 +66,7 @@ mod trial;
 mod workspace;
 
 pub use batch::Batch;
-pub use crowd::most_at_once;
+pub use crowd::{MovedBox, most_at_once};
 pub use myo_model::StaticBox;
 pub use obstacles::{Obstacles, Surface};
 pub use plan::{CouplingMode, Plan, PlanError};

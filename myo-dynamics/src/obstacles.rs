@@ -1,11 +1,12 @@
 //! Boxes fixed to the world that the fingertip can press.
 
-use crate::crowd::most_at_once;
+use crate::crowd::{MovedBox, most_at_once};
 use crate::impedance::Impedance;
 use crate::plan::Plan;
+use myo_model::StaticBox;
 use myo_model::description::Softness;
-use myo_model::{OrientedBox, StaticBox};
 use myo_scalar::{Real, Scalar};
+use nalgebra::Vector3;
 
 /// How surfaces behave in contact; the same for all boxes of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,9 @@ impl Default for Surface {
 pub struct Obstacles<C, T = C> {
     /// The boxes.
     pub boxes: Vec<StaticBox<T>>,
+    /// Per box, which of the [offsets](crate::Workspace::offsets) moves it; where none does, a number that there is not. Empty where
+    /// all stand still.
+    pub moved_by: Vec<T>,
     /// Sum of the margins (m).
     pub margin: C,
     /// Sliding friction.
@@ -47,17 +51,30 @@ impl<C: Real> Obstacles<C> {
         Self::with_boxes(plan, boxes, surface)
     }
 
-    /// How many of the boxes the fingertip of a plan can touch at once, at most.
+    /// How many of the boxes the fingertip of a plan can touch at once, at most, where they stand.
     pub fn most_at_once(&self, plan: &Plan<C>) -> usize {
+        self.most_at_once_moved(plan, &[])
+    }
+
+    /// How many of the boxes the fingertip of a plan can touch at once, at most, where offset `k` is up to one half, either way, of each
+    /// of the ways (m) of number `k`.
+    pub fn most_at_once_moved(&self, plan: &Plan<C>, ways: &[[[f64; 3]; 3]]) -> usize {
         let Some(sphere) = &plan.contact_sphere else { return 1 };
-        let boxes: Vec<OrientedBox> =
-            self.boxes.iter().map(|each| each.map(&mut |&x: &C| x.to_f64()).oriented()).collect();
-        most_at_once(&boxes, sphere.radius.to_f64() + self.margin.to_f64())
+        let moved_by = |k: usize| self.moved_by.get(k).map_or(ways.len(), |number| number.to_f64() as usize);
+        let boxes: Vec<MovedBox> = (0..self.boxes.len())
+            .map(|k| {
+                let place = self.boxes[k].map(&mut |&x: &C| x.to_f64()).oriented();
+                MovedBox { place, moved_by: moved_by(k) }
+            })
+            .collect();
+        let ways: Vec<[Vector3<f64>; 3]> = ways.iter().map(|ways| ways.map(Vector3::from)).collect();
+        most_at_once(&boxes, &ways, sphere.radius.to_f64() + self.margin.to_f64())
     }
 
     /// The same in every lane.
     pub fn splat<S: Scalar<Const = C>>(&self) -> Obstacles<C, S> {
-        self.with(self.boxes.iter().map(|each| each.map(&mut |&x| S::splat(x))).collect())
+        let boxes = self.boxes.iter().map(|each| each.map(&mut |&x| S::splat(x))).collect();
+        self.with(boxes, self.moved_by.iter().map(|&number| S::splat(number)).collect())
     }
 }
 
@@ -68,9 +85,9 @@ impl<C: Real, T> Obstacles<C, T> {
     }
 
     /// Other boxes of the same surface.
-    pub fn with<U>(&self, boxes: Vec<StaticBox<U>>) -> Obstacles<C, U> {
+    pub fn with<U>(&self, boxes: Vec<StaticBox<U>>, moved_by: Vec<U>) -> Obstacles<C, U> {
         let &Self { margin, friction, impedance, diagonal, .. } = self;
-        Obstacles { boxes, margin, friction, impedance, diagonal }
+        Obstacles { boxes, moved_by, margin, friction, impedance, diagonal }
     }
 
     /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
@@ -90,6 +107,7 @@ impl<C: Real, T> Obstacles<C, T> {
         let diagonal = 2.0 * friction * friction * (1.0 + friction * friction) * inverse_mass;
         Self {
             boxes,
+            moved_by: vec![],
             margin: c(sphere.map_or(0.0, |s| s.margin) + surface.margin),
             friction: c(friction),
             impedance: Impedance::new(&softness, plan.timestep.to_f64()),

@@ -279,6 +279,9 @@ pub struct Workspace<S: Scalar> {
     /// Where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
     /// [unknown](Clearance::unknown).
     pub clearance: Clearance<S>,
+    /// How far boxes are off their places (m), by the numbers in [`Obstacles::moved_by`](crate::Obstacles::moved_by); empty where none is.
+    /// Set by whoever moves them.
+    pub offsets: Vec<Vec3<S>>,
     /// The nearest boxes, where there are many.
     pub nearby: Nearby<S>,
     /// Jacobian of the contacts' rows, `(contacts, 4, ndof)`.
@@ -340,6 +343,7 @@ impl<S: Scalar> Workspace<S> {
             equality_jacobian: vec![o; plan.equalities.len() * ndof],
             contacts: vec![Contact::none(); contacts],
             clearance: Clearance::unknown(),
+            offsets: vec![],
             nearby: Nearby::unknown(contacts),
             contact_jacobian: vec![o; contacts * PYRAMID * ndof],
             matrix: vec![o; ndof * ndof],

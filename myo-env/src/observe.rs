@@ -2,10 +2,16 @@
 
 use crate::parameters::World;
 use crate::state::EnvState;
+use myo_dynamics::spatial::Vec3;
+use myo_dynamics::step::boxes::{Boxes, Which};
+use myo_dynamics::step::contact::surface;
 use myo_model::Model;
-use myo_scalar::{Real, Scalar};
+use myo_scalar::{Carried, Real, Scalar, Visitor};
 use myo_tasks::Observation;
 use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, centre_ahead, difference, inside};
+
+/// Obstacles farther away than this (m) are not observed.
+const FAR: f64 = 1.0;
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +34,10 @@ pub enum ObservationPart {
     TargetSize,
     /// From the pointer to the centre of the current target (m).
     TargetVector,
+    /// Where the face of the current button or slider looks; zeros for spheres.
+    TargetNormal,
+    /// One where the current step asks to press or drag, zero where to point.
+    TargetKind,
     /// Velocity of the current target (m/s), where something moves.
     TargetVelocity,
     /// From the current target to the next (m).
@@ -48,6 +58,8 @@ pub enum ObservationPart {
     Drag,
     /// From the pointer to the farthest place of the current way that was come to (m), and one within the way, where there are ways.
     Steer,
+    /// From the fingertip to the nearest place of the surface of any box but the current one (m), where there are boxes.
+    NearestObstacle,
 }
 
 impl ObservationPart {
@@ -79,6 +91,8 @@ impl ObservationPart {
             Self::TargetPosition => "target_position",
             Self::TargetSize => "target_size",
             Self::TargetVector => "target_vector",
+            Self::TargetNormal => "target_normal",
+            Self::TargetKind => "target_kind",
             Self::TargetVelocity => "target_velocity",
             Self::NextTargetVector => "next_target_vector",
             Self::Phase => "phase",
@@ -89,6 +103,7 @@ impl ObservationPart {
             Self::Cue => "cue",
             Self::Drag => "drag",
             Self::Steer => "steer",
+            Self::NearestObstacle => "nearest_obstacle",
         }
     }
 
@@ -100,6 +115,7 @@ impl ObservationPart {
             Self::Cue => Some("where a step must be waited for"),
             Self::Drag => Some("where there is a slider to drag"),
             Self::Steer => Some("where there is a way to steer along"),
+            Self::NearestObstacle => Some("where there are boxes"),
             _ => None,
         }
     }
@@ -118,6 +134,8 @@ pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart>
         (o.target_position, ObservationPart::TargetPosition),
         (o.target_size, ObservationPart::TargetSize),
         (o.target_vector, ObservationPart::TargetVector),
+        (o.target_normal, ObservationPart::TargetNormal),
+        (o.target_kind, ObservationPart::TargetKind),
         (o.target_velocity && motion, ObservationPart::TargetVelocity),
         (o.next_target_vector, ObservationPart::NextTargetVector),
         (o.phase, ObservationPart::Phase),
@@ -128,6 +146,7 @@ pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart>
         (o.cue && cue, ObservationPart::Cue),
         (o.drag && drag, ObservationPart::Drag),
         (o.steer && steer, ObservationPart::Steer),
+        (o.nearest_obstacle && !task.boxes.is_empty(), ObservationPart::NearestObstacle),
     ];
     all.into_iter().filter_map(|(wanted, part)| wanted.then_some(part)).collect()
 }
@@ -147,10 +166,13 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             | ObservationPart::PointerPosition
             | ObservationPart::TargetPosition
             | ObservationPart::TargetVector
+            | ObservationPart::TargetNormal
             | ObservationPart::TargetVelocity
-            | ObservationPart::NextTargetVector => of(&axes),
+            | ObservationPart::NextTargetVector
+            | ObservationPart::NearestObstacle => of(&axes),
             ObservationPart::Activation => of(&muscles),
             ObservationPart::TargetSize
+            | ObservationPart::TargetKind
             | ObservationPart::Phase
             | ObservationPart::DwellFraction
             | ObservationPart::TimeLeft
@@ -180,15 +202,20 @@ pub fn observe<S: Scalar>(
             ObservationPart::TargetPosition => out.extend_from_slice(&goal.centre),
             ObservationPart::TargetSize => out.push(goal.size),
             ObservationPart::TargetVector => out.extend_from_slice(&difference(goal.centre, sensed.pointer)),
+            ObservationPart::TargetNormal => out.extend_from_slice(&normal(goal)),
+            ObservationPart::TargetKind => out.push(S::indicator(goal.is_press)),
             ObservationPart::TargetVelocity => out.extend_from_slice(&velocity(world, goal)),
             ObservationPart::NextTargetVector => out.extend_from_slice(&to_next(task, state, goal)),
             ObservationPart::Phase => out.push(state.phase * S::lit(1.0 / task.steps.len() as f64)),
             ObservationPart::DwellFraction => out.push((state.dwell * goal.dwell.recip()).only(!goal.is_press)),
-            ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal) & goal.lit())),
+            ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal) & goal.lit() & goal.is_seen())),
             ObservationPart::Touch => out.push(touch(goal, env.touch)),
             ObservationPart::Cue => out.push(S::indicator(goal.lit())),
             ObservationPart::Drag => drag(goal, state, out),
             ObservationPart::Steer => steer(goal, state, sensed, out),
+            ObservationPart::NearestObstacle => {
+                out.extend_from_slice(&to_nearest_obstacle(world, goal, state, sensed.body.fingertip));
+            }
             &of_body => observe_body(of_body, world, env, &sensed.body.fingertip, out),
         }
     }
@@ -269,6 +296,51 @@ fn steer<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, sensed: &Sensed<S>, ou
     let (Some(steer), Some(steering)) = (&goal.steer, &state.steering) else { return out.extend([S::zero(); 4]) };
     out.extend_from_slice(&steer.to_gone(sensed.pointer, steering.along));
     out.push(steering.within.only(steer.is_steer));
+}
+
+/// Outward normal of the face of the current button or slider; zeros where the step asks for a sphere.
+#[inline(always)]
+fn normal<S: Scalar>(goal: &Goal<S>) -> Point<S> {
+    let Some(button) = &goal.button else { return [S::zero(); 3] };
+    button.shape.axes[2].map(|x| x.only(goal.is_press & goal.lit()))
+}
+
+/// From the fingertip to the nearest place of the surface of any box but the current one (m), no farther than [`FAR`].
+#[inline(always)]
+fn to_nearest_obstacle<S: Scalar>(
+    world: &World<'_, S>,
+    goal: &Goal<S>,
+    state: &TaskState<S>,
+    [x, y, z]: Point<S>,
+) -> Point<S> {
+    let offsets: Vec<Vec3<S>> = state.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z)).collect();
+    let boxes = Boxes { obstacles: &world.obstacles, offsets: &offsets };
+    let (o, fingertip) = (S::zero(), Vec3::new(x, y, z));
+    let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
+    let mut nearest = Nearest { distance: S::lit(FAR), way: Vec3::new(o, o, o) };
+    S::for_each_row(boxes.len(), &mut nearest, |nearest, row| {
+        let which = Which::Row(row);
+        let (away, _) = boxes.seen_from(fingertip, which);
+        let (axes, half_size) = boxes.sides(which);
+        let (distance, normal) = surface(axes, half_size, away);
+        let is_nearer = distance.lt(nearest.distance) & !(which.number() - current).abs().lt(S::lit(0.5));
+        nearest.distance = S::select(is_nearer, distance, nearest.distance);
+        nearest.way = Vec3::select(is_nearer, normal.scale(-distance), nearest.way);
+    });
+    nearest.way.array()
+}
+
+/// The nearest obstacle so far.
+struct Nearest<S> {
+    distance: S,
+    way: Vec3<S>,
+}
+
+impl<S: Scalar> Carried<S> for Nearest<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Self { distance, way: Vec3 { x, y, z } } = self;
+        visitor.numbers([distance, x, y, z]);
+    }
 }
 
 /// Share of the force that the current button needs, at most one.

@@ -1,7 +1,7 @@
 //! The numbers of a task, which may change without anything being compiled again.
 
 use crate::tables::Tables;
-use myo_dynamics::{Obstacles, StaticBox};
+use myo_dynamics::{Obstacles, Plan};
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::CompiledTask;
 use myo_tasks::{FlatTask, Pose, Reset, Task};
@@ -99,6 +99,7 @@ impl Parameters<()> {
             ("steps", ours.steps.len(), theirs.steps.len()),
             ("spheres", ours.spheres.len(), theirs.spheres.len()),
             ("boxes", ours.boxes.len(), theirs.boxes.len()),
+            ("places that are drawn", ours.shifts.spans.len(), theirs.shifts.spans.len()),
         ] {
             if new != old {
                 return Some(format!("it has {new} {word} instead of {old}"));
@@ -120,6 +121,12 @@ impl Parameters<()> {
             (new.motion, old.motion, "has spheres that move", "has no sphere that moves"),
             (new.steer, old.steer, "has ways to steer along", "has no way to steer along"),
             (new.next, old.next, "shows what comes next", "does not show what comes next"),
+            (
+                new.memory,
+                old.memory,
+                "hides its objects once a movement has begun",
+                "does not hide its objects once a movement has begun",
+            ),
             (
                 ours.correction.is_some(),
                 theirs.correction.is_some(),
@@ -174,10 +181,18 @@ impl<C: Real> Parameters<C> {
 }
 
 impl<T: Copy> Parameters<T> {
-    /// What the fingertip can press.
+    /// What the fingertip can press, of this surface.
     #[inline(always)]
-    pub fn boxes(&self) -> Vec<StaticBox<T>> {
-        self.task.boxes.iter().map(|each| each.shape).collect()
+    pub fn obstacles<C: Real>(&self, surface: &Obstacles<C>) -> Obstacles<C, T> {
+        surface.with(self.task.boxes.iter().map(|each| each.shape).collect(), self.task.shifts.boxes.clone())
+    }
+}
+
+impl<C: Real> Parameters<C> {
+    /// How many boxes of this surface the fingertip of a plan can touch at once, at most.
+    pub(crate) fn most_contacts(&self, surface: &Obstacles<C>, plan: &Plan<C>) -> usize {
+        let ways: Vec<_> = self.task.shifts.spans.iter().map(|spans| spans.map(|span| span.map(C::to_f64))).collect();
+        self.obstacles(surface).most_at_once_moved(plan, &ways)
     }
 }
 

@@ -7,7 +7,7 @@ use myo_dynamics::spatial::{Frame, Rotation, Vec3};
 use myo_dynamics::{CouplingMode, Plan, Workspace, step};
 use myo_model::{Model, model::WORLD};
 use myo_tasks::logic::{self, CompiledTask, Goal, Landmarks, Point, TaskState};
-use myo_tasks::{Block, Direction, FlatTask, Pointer, RayFrom, Shape, Slider, Task};
+use myo_tasks::{Block, Direction, FlatTask, Object, Pointer, RayFrom, Shape, Slider, Task};
 
 /// Bodies lighter than this (kg) only carry joints.
 const LEAST_MASS: f64 = 0.05;
@@ -160,7 +160,7 @@ impl Skeleton {
         let ws = self.posed(&moment.body.qpos);
         let ahead = self.ahead(&moment.task);
         let step = ahead.first().copied();
-        let body = self.landmarks(&ws);
+        let body = self.landmarks(&ws, &moment.task);
         let ray_from = self.plan.arm.is_some().then_some(match &self.flat.pointer {
             Pointer::Ray { from: RayFrom::Forearm, .. } => body.wrist,
             _ => body.fingertip,
@@ -208,6 +208,9 @@ impl Skeleton {
                 usize::from(task.steering.is_some()),
                 usize::from(fresh.steering.is_some()),
             ),
+            ("task.shifts of the snapshot", task.shifts.len(), fresh.shifts.len()),
+            ("task.seen of the snapshot", usize::from(task.seen.is_some()), usize::from(fresh.seen.is_some())),
+            ("task.cursor of the snapshot", usize::from(task.cursor.is_some()), usize::from(fresh.cursor.is_some())),
             ("task.errors of the snapshot", usize::from(task.errors.is_some()), usize::from(fresh.errors.is_some())),
         ];
         match lengths.into_iter().find(|(_, got, expected)| got != expected) {
@@ -232,11 +235,11 @@ impl Skeleton {
         self.model.muscles.iter().zip(act).map(pose).collect()
     }
 
-    fn landmarks(&self, ws: &Workspace<f64>) -> Landmarks<f64> {
+    fn landmarks(&self, ws: &Workspace<f64>, task: &TaskState<f64>) -> Landmarks<f64> {
         let fingertip = step::fingertip(&self.plan, ws);
         let arm = self.plan.arm.as_ref().map(|arm| arm.each_ref().map(|point| ws.place(point).array()));
         let [elbow, wrist] = arm.unwrap_or([fingertip; 2]);
-        Landmarks { fingertip, elbow, wrist }
+        Landmarks { fingertip, elbow, wrist, cursor: task.cursor.unwrap_or_default() }
     }
 
     /// Steps that are not done, the current one first.
@@ -247,17 +250,21 @@ impl Skeleton {
     }
 
     fn object(&self, index: usize, task: &TaskState<f64>, ahead: &[usize], current: Option<usize>) -> ObjectPose {
-        let boxed = |block: &Block| (frame(block.centre, axes(block)), block.half_extents());
-        let (frame, half_size) = match &self.flat.objects[index].shape {
-            // Only spheres are drawn anew in every episode.
+        let Object { shape, shift, .. } = &self.flat.objects[index];
+        let shift = shift.map_or([0.0; 3], |shift| task.shifts[shift.number]);
+        let moved = |place: Point<f64>| [0, 1, 2].map(|k| place[k] + shift[k]);
+        let boxed = |block: &Block| (frame(moved(block.centre), axes(block)), block.half_extents());
+        let (frame, half_size) = match shape {
             Shape::Sphere(_) => {
                 let (centre, radius, _) = logic::sphere(&self.task, task, self.numbers[index] as f64);
                 (frame(centre, Rotation::identity()), [radius; 3])
             }
             Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => boxed(block),
         };
-        let slider = match &self.flat.objects[index].shape {
-            Shape::Slider(slider) => self.share(index, task).map(|share| (handle(slider, share), slider.value(share))),
+        let slider = match shape {
+            Shape::Slider(slider) => {
+                self.share(index, task).map(|share| (handle(slider, share, moved), slider.value(share)))
+            }
             _ => None,
         };
         let (handle, value) = slider.unzip();
@@ -294,13 +301,13 @@ impl Skeleton {
 }
 
 /// Frame and half sizes (m) of a handle at a share of its way.
-fn handle(slider: &Slider, share: f64) -> (Frame<f64>, [f64; 3]) {
+fn handle(slider: &Slider, share: f64, moved: impl Fn(Point<f64>) -> Point<f64>) -> (Frame<f64>, [f64; 3]) {
     let [mut height, mut width, depth] = slider.block.half_extents();
     match slider.rises {
         Direction::Right => width = 0.5 * slider.handle,
         Direction::Up => height = 0.5 * slider.handle,
     }
-    (frame(slider.handle_at(share), axes(&slider.block)), [height, width, depth])
+    (frame(moved(slider.handle_at(share)), axes(&slider.block)), [height, width, depth])
 }
 
 /// Bodies with mass on the way to the fingertip.

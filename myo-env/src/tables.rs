@@ -114,7 +114,7 @@ impl<C: Real> Tables<C> {
         }
         let plan = plan(&exact);
         let surface = Obstacles::none(&plan);
-        let contacts = surface.with(parameters.boxes()).most_at_once(&plan);
+        let contacts = parameters.most_contacts(&surface, &plan);
         if contacts > MOST_CONTACTS {
             return Err(BuildError::Crowded { contacts, most: MOST_CONTACTS });
         }
@@ -203,7 +203,7 @@ impl<C: Real> Tables<C> {
 
     /// How many boxes the fingertip can touch at once, at most.
     fn contacts_of(&self, parameters: &Parameters<C>) -> usize {
-        self.surface.with(parameters.boxes()).most_at_once(&self.plan)
+        parameters.most_contacts(&self.surface, &self.plan)
     }
 
     /// All numbers of the task of an environment, in the order of [`Parameters::map`].
@@ -224,7 +224,7 @@ impl<C: Real> Tables<C> {
 
     /// What the fingertip can press.
     pub fn obstacles(&self) -> Obstacles<C> {
-        self.surface.with(self.parameters.boxes())
+        self.parameters.obstacles(&self.surface)
     }
 
     /// The same numbers in every lane.
@@ -254,7 +254,7 @@ impl<C: Real> Tables<C> {
     /// With numbers of the lanes' own.
     #[inline(always)]
     pub fn with<S: Scalar<Const = C>>(&self, parameters: Parameters<S>) -> World<'_, S> {
-        World { tables: self, obstacles: self.surface.with(parameters.boxes()), parameters }
+        World { tables: self, obstacles: parameters.obstacles(&self.surface), parameters }
     }
 }
 

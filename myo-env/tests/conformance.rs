@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{actions, arm, assert_follows, column, entry, following, gpu, rollout, short, sphere};
+use common::{actions, arm, assert_follows, column, drifting, entry, following, gpu, rollout, short, sphere, steered};
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
 };
@@ -353,8 +353,8 @@ conformance!(
 /// step returns.
 #[test]
 fn lanes_follow_the_reference() {
-    let tasks =
-        ["pointing", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain([following()]);
+    let made = [following(), drifting(), steered()];
+    let tasks = ["pointing", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain(made);
     for task in tasks {
         let name = &task.name;
         let config = EnvConfig { num_envs: 20, exploring: 9, ..Default::default() };

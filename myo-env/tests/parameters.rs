@@ -2,7 +2,10 @@
 
 mod common;
 
-use common::{arm, dwell_for, entry, following, following_with, gpu, rollout, short, shuffled, sphere, without_gpu};
+use common::{
+    arm, changed, drifting, drifting_with, dwell_for, entry, following, following_with, gpu, rollout, short, shuffled,
+    sphere, steered, steered_with, without_gpu,
+};
 use myo_env::gpu::{GpuOptions, record};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
 use myo_scalar::symbolic::Form;
@@ -26,7 +29,7 @@ fn other(task: &Task) -> Task {
                 sphere.radius = Range::new(0.5 * sphere.radius.min, 0.7 * sphere.radius.max);
             }
             Item::Button(button) => {
-                button.at[2] += 0.03;
+                button.at.0 = button.at.0.moved([0.0, 0.0, 0.03]);
                 button.tilt_deg += 10.0;
                 button.size[0] *= 0.7;
                 button.min_force_n *= 1.5;
@@ -102,14 +105,9 @@ fn kernels_know_the_structure_of_a_task_and_none_of_its_numbers() {
     }
 }
 
-/// A preset's text with other numbers.
-fn changed(name: &str, changes: &[(&str, &str)]) -> Task {
-    let text = myo_tasks::preset_text(name).unwrap().to_owned();
-    let text = changes.iter().fold(text, |text, (old, new)| {
-        assert!(text.contains(old), "{old}");
-        text.replace(old, new)
-    });
-    Task { time_limit_s: 0.5, ..Task::from_yaml(&text, name).unwrap() }
+/// A preset with other numbers.
+fn preset_with(name: &str, changes: &[(&str, &str)]) -> Task {
+    Task { time_limit_s: 0.5, ..changed(name, myo_tasks::preset_text(name).unwrap(), changes) }
 }
 
 #[test]
@@ -128,14 +126,18 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     let waited = [("after_s: [0.5, 1.5]", "after_s: [0.1, 0.2]"), ("pitch: 0.06", "pitch: 0.07")];
     let pointed =
         [("at: [2, 0, 0]", "at: [1.5, 0, 0]"), ("at: [1.99, 0, 0]", "at: [1.49, 0, 0]"), ("for_s: 0.25", "for_s: 0.1")];
+    let drifted = [("[-0.2, 0.2], [-0.3, 0.1]]", "0.1, [-0.3, 0.2]]"), ("[0.4, 0.6]", "[0.5, 0.9]")];
+    let aimed = [("gain: 3", "gain: 2, still: 0.03"), ("at: [0.3, 0, -0.2]", "at: [0.35, 0.1, -0.2]")];
     let mut wider = shuffled();
     sphere(&mut wider, "wide").radius = Range::fixed(0.4);
     for (before, task) in [
         (following(), following_with(&moved)),
-        (short("slider"), changed("slider", &slid)),
-        (short("choice"), changed("choice", &waited)),
-        (short("wall-ray"), changed("wall-ray", &pointed)),
+        (short("slider"), preset_with("slider", &slid)),
+        (short("choice"), preset_with("choice", &waited)),
+        (short("wall-ray"), preset_with("wall-ray", &pointed)),
         (shuffled(), wider),
+        (drifting(), drifting_with(&drifted)),
+        (steered(), steered_with(&aimed)),
     ] {
         let model = arm(&task);
         let lanes = |task| CpuEnv::new(&model, task, &config(21)).unwrap();
@@ -164,6 +166,13 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     assert!(refused(&plain, &shown).ends_with("it shows what comes next, and the other did not"));
     kept.correction = None;
     assert!(refused(&plain, &kept).ends_with("it has no wrong press corrected, and the other did"));
+    let still = drifting_with(&[("at: [0.3, 0, [0.4, 0.6]]", "at: [0.3, 0, 0.5]")]);
+    assert!(refused(&drifting(), &still).ends_with("it has 1 places that are drawn instead of 2"));
+    let watched = steered_with(&[("stimulus: before_movement", "stimulus: current")]);
+    assert!(
+        refused(&steered(), &watched)
+            .ends_with("it does not hide its objects once a movement has begun, and the other did")
+    );
     let mut fixed = shuffled();
     let Instruction::RandomOrder(steps) = fixed.script.remove(0) else { panic!("an order") };
     fixed.script.splice(0..0, steps);

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{
-    actions, arm, assert_follows, assert_same_summary, column, dwell_for, entry, following, gpu, rollout, short,
-    shuffled, sphere, without_gpu,
+    actions, arm, assert_follows, assert_same_summary, column, drifting, dwell_for, entry, following, gpu, rollout,
+    short, shuffled, sphere, steered, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, PhysicsBench};
 use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv};
@@ -48,9 +48,8 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
     if without_gpu() {
         return;
     }
-    for task in
-        ["pointing", "public-display", "slider", "wall-ray"].map(short).into_iter().chain([following(), shuffled()])
-    {
+    let made = [following(), shuffled(), drifting(), steered()];
+    for task in ["pointing", "public-display", "slider", "wall-ray"].map(short).into_iter().chain(made) {
         let name = &task.name;
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, exploring: 9, ..Default::default() });
         let runs = rollout(&mut card, 25).into_iter().zip(rollout(&mut reference, 25));

@@ -3,7 +3,7 @@
 use garde::Validate;
 
 use crate::description::{Task, rounded_steps};
-use crate::flat::{Block, FlatTask, Object, Shape, Sphere, Step};
+use crate::flat::{Block, FlatTask, Object, Shape, Shift, Sphere, Step};
 use crate::geometry::{distance, farthest, farthest_at_worst, spread};
 use crate::motion::Path;
 use crate::range::Range;
@@ -85,7 +85,7 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
         let dwell_s = flat.steps_of(element.first).filter_map(Step::dwell_s).reduce(f64::max)?;
         // What moves is not held still.
         let sphere = object.sphere().filter(|sphere| sphere.path.is_none())?;
-        weakness(task, element, sphere, dwell_s, reach)
+        weakness(task, element, &Sphere { region: object.places(), ..sphere.clone() }, dwell_s, reach)
     }));
     report
 }
@@ -161,8 +161,14 @@ fn distances(flat: &FlatTask, report: &mut Report) {
         }
         seen.push([previous, object]);
         let [previous, target] = [before, index].map(|k| Element::objects(flat, k, k));
-        distance_rule(previous, flat.objects[before].region(), target, object.region(), needed, report);
+        let [from, to] = places_apart(&flat.objects[before], object);
+        distance_rule(previous, from, target, to, needed, report);
     }
+}
+
+/// Where two objects may lie as seen from each other: what moves as one keeps its distance.
+fn places_apart(a: &Object, b: &Object) -> [Region; 2] {
+    if a.shift == b.shift { [a.region(), b.region()] } else { [a.places(), b.places()] }
 }
 
 fn distance_rule(previous: Element, from: Region, target: Element, to: Region, needed: f64, report: &mut Report) {
@@ -185,11 +191,11 @@ fn distance_rule(previous: Element, from: Region, target: Element, to: Region, n
 
 /// Boxes that stand in each other.
 fn overlaps(flat: &FlatTask, report: &mut Report) {
-    let blocks = || flat.objects.iter().enumerate().filter_map(|(index, object)| Some((index, object.block()?)));
+    let solid = || flat.objects.iter().enumerate().filter(|(_, object)| object.block().is_some());
     let mut seen: Vec<[&str; 2]> = Vec::new();
-    for (a, first) in blocks() {
-        for (b, second) in blocks().filter(|(b, _)| *b > a) {
-            let overlap_m = -first.gap(second);
+    for (a, first) in solid() {
+        for (b, second) in solid().filter(|(b, _)| *b > a) {
+            let overlap_m = -first.least_gap(second);
             // Keys that are too large have one thing to say, not sixty.
             let paths = [a, b].map(|index| &*flat.objects[index].path);
             if overlap_m > ROUNDING && !seen.contains(&paths) {
@@ -263,9 +269,9 @@ impl Unreached {
 
 fn look(object: &Object, reach: &dyn Reach) -> Unreached {
     match &object.shape {
-        Shape::Sphere(sphere) => look_at_sphere(sphere, reach),
+        Shape::Sphere(sphere) => look_at_sphere(&Sphere { region: object.places(), ..sphere.clone() }, reach),
         Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
-            look_at_face(block, reach)
+            look_at_face(block, object.shift, reach)
         }
     }
 }
@@ -295,10 +301,13 @@ fn look_at_sphere(sphere: &Sphere, reach: &dyn Reach) -> Unreached {
     Unreached { tried: tried.collect() }
 }
 
-/// A button counts as reached when the fingertip gets to some point of its face.
-fn look_at_face(block: &Block, reach: &dyn Reach) -> Unreached {
+/// A button counts as reached when the fingertip gets to some point of its face, wherever an episode draws it.
+fn look_at_face(block: &Block, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
     const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let tried = GRID.iter().flat_map(|across| GRID.map(|up| block.face_point(*across, up))).map(|point| {
+    let face = GRID.iter().flat_map(|across| GRID.map(|up| block.face_point(*across, up)));
+    let offsets = shift.map_or_else(|| vec![[0.0; 3]], |shift| Region::corner_shares().map(|at| shift.at(at)).to_vec());
+    let points = face.flat_map(|point| offsets.iter().map(move |offset| [0, 1, 2].map(|k| point[k] + offset[k])));
+    let tried = points.map(|point| {
         let beyond_m = reach.distance_out_of_reach(point);
         Tried { point, beyond_m, is_reached: beyond_m <= 0.0 }
     });
@@ -309,8 +318,9 @@ fn look_at_face(block: &Block, reach: &dyn Reach) -> Unreached {
 fn remedy(object: &Object, found: &Unreached, reach: &dyn Reach) -> Remedy {
     let mut points: Vec<_> = found.tried.iter().map(|tried| tried.point).collect();
     points.dedup();
-    let moved = least_move(object.region(), &points, reach);
-    let Some(sphere) = object.sphere() else { return Remedy { moved, narrowed: None } };
+    let moved = least_move(object.places(), &points, reach);
+    let sphere = object.sphere().filter(|_| object.shift.is_none());
+    let Some(sphere) = sphere else { return Remedy { moved, narrowed: None } };
     let narrowed = if sphere.region.is_point() { None } else { narrowed(sphere, found, reach) };
     let can_shrink = moved.is_none() && narrowed.is_none();
     Remedy { moved: moved.or_else(|| can_shrink.then(|| shrink_and_move(&sphere.region, reach))?), narrowed }
@@ -369,5 +379,5 @@ fn is_alike(a: &Object, b: &Object) -> bool {
         (Some((_, x)), Some((_, y))) => x == y,
         _ => true,
     };
-    (x.region, x.radius, &x.path) == (y.region, y.radius, &y.path) && same_rule
+    (x.region, x.radius, &x.path, a.shift) == (y.region, y.radius, &y.path, b.shift) && same_rule
 }

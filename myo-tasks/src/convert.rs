@@ -56,7 +56,7 @@ fn item(target: &Target) -> Item {
             })
         }
         &Target::Pressing(Pressing { position: at, size, tilt_deg, min_force_n }) => {
-            Item::Button(ButtonItem { at, size, tilt_deg, turn_deg: 0.0, min_force_n })
+            Item::Button(ButtonItem { at: at.into(), size, tilt_deg, turn_deg: 0.0, min_force_n })
         }
     }
 }

@@ -119,7 +119,7 @@ pub struct Task {
     pub noise: Noise,
 }
 
-/// What the simulated user sees of the task.
+/// What the simulated user sees of the task. Default `all`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stimulus {
@@ -128,6 +128,8 @@ pub enum Stimulus {
     All,
     /// The object of the current step alone.
     Current,
+    /// The same, and only until the pointer has moved a centimetre towards it or elsewhere; from then on it is remembered as it was.
+    BeforeMovement,
 }
 
 /// How the body starts an episode. Coupled joints follow the independent ones.
@@ -249,6 +251,10 @@ pub struct Observation {
     pub target_size: bool,
     /// From the fingertip, or the pointer, to the centre of the current target, in m. Default true.
     pub target_vector: bool,
+    /// Where the face of the current button or slider looks, a unit vector; 0 for spheres, and before it lights up. Default false.
+    pub target_normal: bool,
+    /// Whether the current target is to be pressed or dragged, 1, or to be pointed at, 0. Default false.
+    pub target_kind: bool,
     /// Velocity of the current target, in m/s, in tasks where something moves. Default true.
     pub target_velocity: bool,
     /// From the centre of the current target to that of the next, in m; 0 at the last target. Default true.
@@ -270,6 +276,9 @@ pub struct Observation {
     /// From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and whether it is within the
     /// way: 1 or 0; in tasks with ways. Default true.
     pub steer: bool,
+    /// From the fingertip to the nearest place of the surface of any box but the current target, in m, at most 1; in tasks with boxes.
+    /// Default false.
+    pub nearest_obstacle: bool,
 }
 
 /// Gaussian motor noise on the muscle controls: independent for each muscle, drawn anew at each control step.
@@ -397,7 +406,7 @@ impl Stimulus {
 
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 19] {
+    pub fn parts(&self) -> [(&'static str, bool); 22] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
@@ -408,6 +417,8 @@ impl Observation {
             ("target_position", self.target_position),
             ("target_size", self.target_size),
             ("target_vector", self.target_vector),
+            ("target_normal", self.target_normal),
+            ("target_kind", self.target_kind),
             ("target_velocity", self.target_velocity),
             ("next_target_vector", self.next_target_vector),
             ("phase", self.phase),
@@ -418,6 +429,7 @@ impl Observation {
             ("cue", self.cue),
             ("drag", self.drag),
             ("steer", self.steer),
+            ("nearest_obstacle", self.nearest_obstacle),
         ]
     }
 }
@@ -464,6 +476,8 @@ impl Default for Observation {
             target_position: true,
             target_size: true,
             target_vector: true,
+            target_normal: false,
+            target_kind: false,
             target_velocity: true,
             next_target_vector: true,
             phase: true,
@@ -474,6 +488,7 @@ impl Default for Observation {
             cue: true,
             drag: true,
             steer: true,
+            nearest_obstacle: false,
         }
     }
 }

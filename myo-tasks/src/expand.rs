@@ -6,15 +6,18 @@ use std::f64::consts::TAU;
 use crate::description::Task;
 use crate::flat::{Block, Cue, FlatTask, Object, Shape, Sphere, of_targets};
 use crate::motion::Motion;
+use crate::notation::{Name, Place};
 use crate::range::Range;
 use crate::report::TaskError;
-use crate::scene::{Circle, Frame, Grid, Group, Item, Keyboard, Scene, SphereItem};
+use crate::scene::{Arc, Circle, Frame, Grid, Group, Item, Keyboard, Placement, Scene, SphereItem};
 use crate::target::Region;
 
 /// Most objects of a scene.
 pub const OBJECTS_MAX: usize = 256;
 /// Most steps of a script.
 pub const STEPS_MAX: usize = 256;
+/// Most groups and boxes whose place is drawn: each is told from every other in one line of code.
+const SHIFTS_MAX: usize = 16;
 /// Groups within groups.
 const DEPTH_MAX: usize = 16;
 
@@ -64,6 +67,8 @@ pub(crate) struct Builder {
     pub(crate) cue: Option<Cue>,
     /// Whether the steps that come change places with each other.
     pub(crate) is_ordered: bool,
+    /// Groups and boxes whose place is drawn.
+    shifts: usize,
     pub(crate) errors: Vec<TaskError>,
 }
 
@@ -86,26 +91,8 @@ impl Builder {
     /// Adds an item, and notes what its name stands for.
     fn item(&mut self, item: &Item, name: &str, path: &str, frame: Frame, depth: usize) {
         let first = self.flat.objects.len();
-        match item {
-            Item::Sphere(sphere) => self.spheres(sphere, name, path, frame),
-            Item::Button(button) => {
-                let frame = frame.child(button.at, button.tilt_deg, button.turn_deg, 1.0);
-                self.push(name, path, Shape::Button(Block::in_frame(frame, button.size, button.min_force_n)));
-            }
-            Item::Slider(slider) => match slider.placed(frame) {
-                Ok(slider) => self.push(name, path, Shape::Slider(slider)),
-                Err((field, problem)) => {
-                    self.refuse(&format!("{path}.{field}"), &format!("the {field} of `{name}`"), problem);
-                }
-            },
-            Item::Obstacle(obstacle) => {
-                let frame = frame.child(obstacle.at, obstacle.tilt_deg, obstacle.turn_deg, 1.0);
-                self.push(name, path, Shape::Obstacle(Block::in_frame(frame, obstacle.size, f64::INFINITY)));
-            }
-            Item::Group(group) => self.group(group, name, path, frame, depth),
-            Item::Grid(grid) => self.grid(grid, name, path, frame, depth),
-            Item::Circle(circle) => self.circle(circle, name, path, frame, depth),
-            Item::Keyboard(keyboard) => self.keyboard(keyboard, name, path, frame),
+        if let Some(frame) = self.placed(item, name, path, frame) {
+            self.in_its_frame(item, name, path, frame, depth);
         }
         let objects: Vec<usize> = (first..self.flat.objects.len()).collect();
         if self.named.insert(name.to_owned(), objects).is_some() {
@@ -113,7 +100,53 @@ impl Builder {
         }
     }
 
-    fn push(&mut self, name: &str, path: &str, shape: Shape) {
+    /// The frame of an item; none, and an error, where it is drawn within what is drawn.
+    fn placed(&mut self, item: &Item, name: &str, path: &str, around: Frame) -> Option<Frame> {
+        let Placement { at: Place(region), tilt_deg, turn_deg, scale } = item.placement();
+        let mut frame = around.child([region.x, region.y, region.z].map(Range::centre), tilt_deg, turn_deg, scale);
+        if region.is_point() {
+            return Some(frame);
+        }
+        let problem = if around.shift.is_some() {
+            "is a range of places in a group whose place is drawn already; give single numbers".into()
+        } else if self.shifts == SHIFTS_MAX {
+            format!("is the {}th range of places of groups and boxes; at most {SHIFTS_MAX} are drawn", SHIFTS_MAX + 1)
+        } else {
+            frame.shift = Some(around.shifted(region, self.shifts));
+            self.shifts += 1;
+            return Some(frame);
+        };
+        self.refuse(&format!("{path}.at"), &format!("the place of `{name}`"), problem);
+        None
+    }
+
+    /// Adds an item that stands in the middle of a frame.
+    fn in_its_frame(&mut self, item: &Item, name: &str, path: &str, frame: Frame, depth: usize) {
+        match item {
+            Item::Sphere(sphere) => self.spheres(sphere, name, path, frame),
+            Item::Button(button) => {
+                let block = Block::in_frame(frame, button.size, button.min_force_n);
+                self.push(name, path, frame, Shape::Button(block));
+            }
+            Item::Slider(slider) => match slider.placed(frame) {
+                Ok(slider) => self.push(name, path, frame, Shape::Slider(slider)),
+                Err((field, problem)) => {
+                    self.refuse(&format!("{path}.{field}"), &format!("the {field} of `{name}`"), problem);
+                }
+            },
+            Item::Obstacle(obstacle) => {
+                let block = Block::in_frame(frame, obstacle.size, f64::INFINITY);
+                self.push(name, path, frame, Shape::Obstacle(block));
+            }
+            Item::Group(group) => self.group(group, name, path, frame, depth),
+            Item::Grid(grid) => self.grid(grid, name, path, frame, depth),
+            Item::Arc(arc) => self.arc(arc, name, path, frame, depth),
+            Item::Circle(circle) => self.circle(circle, name, path, frame, depth),
+            Item::Keyboard(keyboard) => self.keyboard(keyboard, name, path, frame),
+        }
+    }
+
+    fn push(&mut self, name: &str, path: &str, frame: Frame, shape: Shape) {
         if self.flat.objects.len() == OBJECTS_MAX {
             // Said once: what comes after is too much as well.
             if !self.errors.iter().any(|error| error.path() == "scene") {
@@ -122,7 +155,8 @@ impl Builder {
             }
             return;
         }
-        self.flat.objects.push(Object { name: name.to_owned(), path: path.to_owned(), shape });
+        let (name, path) = (name.to_owned(), path.to_owned());
+        self.flat.objects.push(Object { name, path, shape, shift: frame.shift });
     }
 
     fn spheres(&mut self, item: &SphereItem, name: &str, path: &str, frame: Frame) {
@@ -144,17 +178,17 @@ impl Builder {
             let apart = self.flat.objects.iter().rposition(is_solid).map(|previous| (previous, least));
             let shape = Shape::Sphere(Sphere { region, radius, apart, path: moves.clone() });
             match item.copies {
-                None => self.push(name, path, shape),
-                Some(_) => self.child(&copy.to_string(), name, path, |builder, name| builder.push(name, path, shape)),
+                None => self.push(name, path, frame, shape),
+                Some(_) => self.child(&copy.to_string(), name, path, frame, shape),
             }
         }
     }
 
     /// Adds one object of several that have a name together.
-    fn child(&mut self, own: &str, group: &str, path: &str, add: impl FnOnce(&mut Self, &str)) {
+    fn child(&mut self, own: &str, group: &str, path: &str, frame: Frame, shape: Shape) {
         let name = join(group, own);
         let first = self.flat.objects.len();
-        add(self, &name);
+        self.push(&name, path, frame, shape);
         let objects: Vec<usize> = (first..self.flat.objects.len()).collect();
         if self.named.insert(name.clone(), objects).is_some() {
             self.refuse(path, &format!("the name `{name}`"), "stands for two objects; names must differ".into());
@@ -162,7 +196,6 @@ impl Builder {
     }
 
     fn group(&mut self, group: &Group, name: &str, path: &str, frame: Frame, depth: usize) {
-        let frame = frame.child(group.at, group.tilt_deg, group.turn_deg, group.scale);
         if group.objects.is_empty() {
             self.refuse(path, &format!("the group `{name}`"), "has no objects".into());
         } else if depth == DEPTH_MAX {
@@ -174,13 +207,7 @@ impl Builder {
     }
 
     fn grid(&mut self, grid: &Grid, name: &str, path: &str, frame: Frame, depth: usize) {
-        let count = (grid.rows * grid.columns) as usize;
-        if !grid.names.is_empty() && grid.names.len() != count {
-            let problem = format!("are {} for {count} places", grid.names.len());
-            return self.refuse(&format!("{path}.names"), &format!("the names of `{name}`"), problem);
-        }
-        let own = |k: usize| grid.names.get(k).map_or_else(|| (k + 1).to_string(), |name| name.0.clone());
-        let frame = frame.child(grid.at, grid.tilt_deg, grid.turn_deg, 1.0);
+        let Some(own) = self.own_names(&grid.names, (grid.rows * grid.columns) as usize, name, path) else { return };
         let [across, down] = grid.pitch.pair();
         let middle = |count: u32| 0.5 * f64::from(count - 1);
         let places = (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (row, column)));
@@ -190,8 +217,33 @@ impl Builder {
         self.each_at(places, own, &grid.of, name, path, frame, depth);
     }
 
+    fn arc(&mut self, arc: &Arc, name: &str, path: &str, frame: Frame, depth: usize) {
+        let Some(own) = self.own_names(&arc.names, arc.count as usize, name, path) else { return };
+        let steps = f64::from(arc.count.max(2) - 1);
+        let places = (0..arc.count).map(|k| {
+            let angle = (arc.from_deg + (arc.to_deg - arc.from_deg) * f64::from(k) / steps).to_radians();
+            [arc.radius * angle.cos(), -arc.radius * angle.sin(), 0.0]
+        });
+        self.each_at(places, own, &arc.of, name, path, frame, depth);
+    }
+
+    /// What each of several objects is called: their names in the file, else their numbers from one on.
+    fn own_names<'a>(
+        &mut self,
+        names: &'a [Name],
+        count: usize,
+        name: &str,
+        path: &str,
+    ) -> Option<impl Fn(usize) -> String + use<'a>> {
+        if !names.is_empty() && names.len() != count {
+            let problem = format!("are {} for {count} places", names.len());
+            self.refuse(&format!("{path}.names"), &format!("the names of `{name}`"), problem);
+            return None;
+        }
+        Some(|k: usize| names.get(k).map_or_else(|| (k + 1).to_string(), |name| name.0.clone()))
+    }
+
     fn circle(&mut self, circle: &Circle, name: &str, path: &str, frame: Frame, depth: usize) {
-        let frame = frame.child(circle.at, circle.tilt_deg, circle.turn_deg, 1.0);
         // Each is as nearly opposite of the one before as an odd number allows.
         let across = circle.count.div_ceil(2);
         let places = (0..circle.count).map(|k| {
@@ -232,7 +284,6 @@ impl Builder {
     }
 
     fn keyboard(&mut self, keyboard: &Keyboard, name: &str, path: &str, frame: Frame) {
-        let frame = frame.child(keyboard.at, keyboard.tilt_deg, keyboard.turn_deg, 1.0);
         self.keyboards.push(name.to_owned());
         let rows = keyboard.layout.rows();
         let key = |place: [f64; 3], width: f64| {
@@ -245,11 +296,11 @@ impl Builder {
         for (row, (letters, indent)) in rows.into_iter().enumerate() {
             for (column, letter) in letters.chars().enumerate() {
                 let shape = key([up(row), left(indent + column as f64), 0.0], keyboard.key);
-                self.child(&letter.to_string(), name, path, |builder, name| builder.push(name, path, shape));
+                self.child(&letter.to_string(), name, path, frame, shape);
             }
         }
         let space = key([up(rows.len()), 0.0, 0.0], 4.0 * keyboard.pitch + keyboard.key);
-        self.child("space", name, path, |builder, name| builder.push(name, path, space));
+        self.child("space", name, path, frame, space);
     }
 }
 

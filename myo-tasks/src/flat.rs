@@ -72,6 +72,19 @@ pub enum Pointer {
         /// Metres of the cursor per metre of the fingertip.
         gain: f64,
     },
+    /// A cursor on the face of an object that moves as long as the fingertip is off its rest.
+    RateCursor {
+        /// Index of the object.
+        onto: usize,
+        /// Where the fingertip rests (m).
+        at: [f64; 3],
+        /// From the axes of the plane in which the hand works to the world's.
+        rotation: Rotation3<f64>,
+        /// Metres per second of the cursor per metre of the fingertip.
+        gain_per_s: f64,
+        /// How far off its rest the fingertip moves nothing (m).
+        still_m: f64,
+    },
 }
 
 /// Something with a place.
@@ -83,6 +96,18 @@ pub struct Object {
     pub path: String,
     /// What it is.
     pub shape: Shape,
+    /// How far each episode draws it off its place; none where it stands still.
+    pub shift: Option<Shift>,
+}
+
+/// How far something is off its place in an episode: so much as is drawn of each of three ways, from minus one half of it to one half.
+/// What has the same number is moved as one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// Which of the draws of an episode it is.
+    pub number: usize,
+    /// The ways (m), in world axes.
+    pub spans: [[f64; 3]; 3],
 }
 
 /// What an object is.
@@ -230,6 +255,17 @@ impl FlatTask {
         &self.objects[self.steps[step].object]
     }
 
+    /// What is drawn of places of groups and boxes, in the order of their numbers.
+    pub fn shifts(&self) -> Vec<Shift> {
+        let mut shifts: Vec<Shift> = vec![];
+        for shift in self.objects.iter().filter_map(|object| object.shift) {
+            if shift.number == shifts.len() {
+                shifts.push(shift);
+            }
+        }
+        shifts
+    }
+
     /// The steps that ask for an object.
     pub fn steps_of(&self, object: usize) -> impl Iterator<Item = &Step> {
         self.steps.iter().filter(move |step| step.asks_for(object))
@@ -279,7 +315,7 @@ impl Step {
 }
 
 impl Object {
-    /// Where its centre may lie; a single point for a box.
+    /// Where its centre may lie, but for its [shift](Self::shift); a single point for a box.
     pub fn region(&self) -> Region {
         match &self.shape {
             Shape::Sphere(sphere) => sphere.region,
@@ -289,16 +325,31 @@ impl Object {
         }
     }
 
-    /// Where its centre, or that of its handle, may ever be: its region, and all ways about it.
+    /// The box around all places where an episode may draw its centre.
+    pub fn places(&self) -> Region {
+        match self.shift {
+            None => self.region(),
+            Some(shift) => widened(self.region(), |axis| shift.farthest(axis)),
+        }
+    }
+
+    /// Where its centre, or that of its handle, may ever be: its places, and all ways about them.
     pub fn extent(&self) -> Region {
-        let around = |axis: usize| match &self.shape {
+        widened(self.places(), |axis| match &self.shape {
             Shape::Sphere(Sphere { path: Some(path), .. }) => path.farthest(axis),
             Shape::Slider(slider) => 0.5 * slider.length * slider.along()[axis].abs(),
             _ => 0.0,
-        };
-        let Region { x, y, z } = self.region();
-        let wide = |range: Range, by: f64| Range::new(range.min - by, range.max + by);
-        Region { x: wide(x, around(0)), y: wide(y, around(1)), z: wide(z, around(2)) }
+        })
+    }
+
+    /// The least gap (m) to another, wherever an episode draws them; negative where they may overlap, infinite where one is no box.
+    pub fn least_gap(&self, other: &Self) -> f64 {
+        let [Some(a), Some(b)] = [self, other].map(Self::block) else { return f64::INFINITY };
+        let shifts = [self.shift, other.shift];
+        // What is moved as one keeps its distance.
+        let apart = shifts.into_iter().flatten().filter(|_| shifts[0] != shifts[1]);
+        let ways: Vec<_> = apart.flat_map(|shift| shift.spans.map(Vector3::from)).collect();
+        a.oriented().least_gap(&b.oriented(), &ways)
     }
 
     /// The word for what it is: `sphere`, `button`, `slider` or `obstacle`.
@@ -333,6 +384,24 @@ impl Object {
     }
 }
 
+impl Shift {
+    /// How far (m) it may be along an axis, either way.
+    pub fn farthest(&self, axis: usize) -> f64 {
+        0.5 * self.spans.iter().map(|span| span[axis].abs()).sum::<f64>()
+    }
+
+    /// How far it is off (m) where these shares of the ways, from 0 to 1, are drawn.
+    pub fn at(&self, shares: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.spans.iter().zip(shares).map(|(span, share)| span[axis] * (share - 0.5)).sum())
+    }
+}
+
+/// A region that goes so many metres farther along each axis, either way.
+fn widened(Region { x, y, z }: Region, by: impl Fn(usize) -> f64) -> Region {
+    let wide = |range: Range, by: f64| Range::new(range.min - by, range.max + by);
+    Region { x: wide(x, by(0)), y: wide(y, by(1)), z: wide(z, by(2)) }
+}
+
 impl Block {
     /// A box in the middle of a frame; `size` in the frame's own lengths.
     pub(crate) fn in_frame(frame: Frame, size: [f64; 3], min_force_n: f64) -> Self {
@@ -348,12 +417,15 @@ impl Block {
 
     /// Gap (m) to another box; negative when they overlap.
     pub fn gap(&self, other: &Self) -> f64 {
-        let [a, b] = [self, other].map(|block| OrientedBox {
-            centre: block.centre.into(),
-            axes: block.rotation.into_inner(),
-            half_size: block.half_extents().into(),
-        });
-        a.gap(&b)
+        self.oriented().gap(&other.oriented())
+    }
+
+    fn oriented(&self) -> OrientedBox {
+        OrientedBox {
+            centre: self.centre.into(),
+            axes: self.rotation.into_inner(),
+            half_size: self.half_extents().into(),
+        }
     }
 
     /// The face's outward unit normal in world axes.
@@ -383,7 +455,7 @@ pub(crate) fn of_targets(targets: &[Target]) -> FlatTask {
                 }
                 Target::Pressing(button) => (Shape::Button(button.block()), Action::Press),
             };
-            flat.objects.push(Object { name: target.label(object), path: path.clone(), shape });
+            flat.objects.push(Object { name: target.label(object), path: path.clone(), shape, shift: None });
             flat.steps.push(Step { object, among: vec![], action, cue: None, path });
         }
     }

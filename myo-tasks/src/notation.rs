@@ -49,6 +49,12 @@ impl Pitch {
     }
 }
 
+impl From<[f64; 3]> for Place {
+    fn from(point: [f64; 3]) -> Self {
+        Self(Region::point(point))
+    }
+}
+
 impl Default for Place {
     fn default() -> Self {
         Self(Region::point([0.0; 3]))

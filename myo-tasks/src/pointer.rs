@@ -20,8 +20,16 @@ impl Builder {
                 let rotation = tilted_and_turned(cursor.tilt_deg, cursor.turn_deg);
                 Pointer::Cursor { onto, at: cursor.at, rotation, gain: cursor.gain }
             }
+            Technique::RateCursor(cursor) => {
+                let Some(onto) = self.display(&cursor.onto) else { return };
+                let rotation = tilted_and_turned(cursor.tilt_deg, cursor.turn_deg);
+                let (gain_per_s, still_m) = (cursor.gain, cursor.still);
+                Pointer::RateCursor { onto, at: cursor.at, rotation, gain_per_s, still_m }
+            }
         };
-        if let Pointer::Ray { onto: Some(onto), .. } | Pointer::Cursor { onto, .. } = self.flat.pointer {
+        if let Pointer::Ray { onto: Some(onto), .. } | Pointer::Cursor { onto, .. } | Pointer::RateCursor { onto, .. } =
+            self.flat.pointer
+        {
             self.spheres_on(onto, technique.name());
         }
     }
@@ -32,6 +40,11 @@ impl Builder {
         let objects = self.find(name, path);
         match objects[..] {
             [] => None,
+            [object] if self.flat.objects[object].shift.is_some() => {
+                let problem = "has a range of places; a pointer needs a face that stands still".into();
+                self.refuse_object(path, object, |_| problem);
+                None
+            }
             [object] if self.flat.objects[object].block().is_some() => Some(object),
             [object] => {
                 let problem = |kind: &str| format!("is {kind}; a pointer needs a face, such as that of an obstacle");
@@ -59,7 +72,7 @@ impl Builder {
         let beside = wanted.filter_map(|index| {
             let object = &self.flat.objects[index];
             let sphere = object.sphere()?;
-            let off = sphere.region.corners().into_iter().map(above).fold(0.0, |a: f64, b| a.max(b.abs()));
+            let off = object.places().corners().into_iter().map(above).fold(0.0, |a: f64, b| a.max(b.abs()));
             (off >= sphere.radius.min).then_some((object, off))
         });
         let Some((object, off)) = { beside }.next() else { return };

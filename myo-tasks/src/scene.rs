@@ -6,12 +6,13 @@ use nalgebra::{Rotation3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::flat::Shift;
 use crate::motion::Motion;
 use crate::notation::{Name, Pitch, Place};
 use crate::quantity::Quantity;
 use crate::range::Range;
 use crate::slider::SliderItem;
-use crate::target::{COORDINATE, DISTANCE, FORCE, LENGTH, TILT, TURN, on_one_line};
+use crate::target::{DISTANCE, FORCE, LENGTH, Region, TILT, TURN, on_one_line};
 
 const SCALE: Quantity = Quantity::between(0.01, 100.0, "");
 /// Most rows, columns or copies that a generator may be asked for; what they make is bounded once more.
@@ -39,6 +40,8 @@ pub enum Item {
     Group(Group),
     /// Rows and columns of one object.
     Grid(Grid),
+    /// One object again and again on a part of a circle.
+    Arc(Arc),
     /// One object again and again on a circle, numbered across it (ISO 9241-9).
     Circle(Circle),
     /// The keys of a keyboard.
@@ -82,11 +85,10 @@ pub struct SphereItem {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct ButtonItem {
-    /// Centre of the box, `[x, y, z]` in m.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// Centre of the box, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// Full sizes `[width, height, depth]` in m: of the upright face, width is the horizontal and height the vertical
     /// extent; depth is how thick the button is. Each from 0.001 to 2.
@@ -118,11 +120,10 @@ pub struct ButtonItem {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleItem {
-    /// Centre of the box, `[x, y, z]` in m.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// Centre of the box, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// Full sizes `[width, height, depth]` in m, as of a button.
     #[serde(serialize_with = "on_one_line")]
@@ -147,11 +148,11 @@ pub struct ObstacleItem {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct Group {
-    /// Where its origin lies, `[x, y, z]` in m. Default: at the origin of what is around it.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// Where its origin lies, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode, and all that
+    /// belongs to it moves along. Default: at the origin of what is around it.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// How it is tilted, in degrees: at 0 its own axes are those around it; at 90 its x points up, and its z to the user.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -181,11 +182,10 @@ pub struct Group {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
-    /// Its middle, `[x, y, z]` in m.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// Its middle, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -200,12 +200,12 @@ pub struct Grid {
     pub turn_deg: f64,
 
     /// How many rows.
-    #[garde(custom(count))]
+    #[garde(custom(how_many))]
     #[schemars(range(min = 1, max = 256))]
     pub rows: u32,
 
     /// How many columns.
-    #[garde(custom(count))]
+    #[garde(custom(how_many))]
     #[schemars(range(min = 1, max = 256))]
     pub columns: u32,
 
@@ -223,15 +223,67 @@ pub struct Grid {
     pub of: Box<Item>,
 }
 
+/// One object again and again on a part of a circle, from left to right: what a thumb or a forearm sweeps over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+pub struct Arc {
+    /// Middle of the circle, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
+
+    /// How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[garde(custom(TILT.rule()))]
+    #[schemars(transform = TILT.schema())]
+    pub tilt_deg: f64,
+
+    /// Turned about the vertical, in degrees, to the left as seen from above. Default 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[garde(custom(TURN.rule()))]
+    #[schemars(transform = TURN.schema())]
+    pub turn_deg: f64,
+
+    /// How many objects.
+    #[garde(custom(how_many))]
+    #[schemars(range(min = 1, max = 256))]
+    pub count: u32,
+
+    /// From the middle of the circle to theirs, in m.
+    #[garde(custom(LENGTH.rule()))]
+    #[schemars(transform = LENGTH.schema())]
+    pub radius: f64,
+
+    /// Where the first stands, in degrees: 0 up the face (of a table: straight ahead), 90 to the right. Default -45.
+    #[serde(default = "left")]
+    #[garde(custom(TURN.rule()))]
+    #[schemars(transform = TURN.schema())]
+    pub from_deg: f64,
+
+    /// Where the last stands, in degrees. Default 45.
+    #[serde(default = "right")]
+    #[garde(custom(TURN.rule()))]
+    #[schemars(transform = TURN.schema())]
+    pub to_deg: f64,
+
+    /// What each is called, from the first to the last. Without it: 1, 2, 3 and so on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[garde(skip)]
+    pub names: Vec<Name>,
+
+    /// What stands at each place; its own `at` is added.
+    #[garde(dive)]
+    pub of: Box<Item>,
+}
+
 /// One object again and again on a circle, numbered so that each is across the circle from the one before (ISO 9241-9).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct Circle {
-    /// Its middle, `[x, y, z]` in m.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// Its middle, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -264,11 +316,10 @@ pub struct Circle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct Keyboard {
-    /// Its middle, `[x, y, z]` in m.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// Its middle, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -319,12 +370,22 @@ pub enum Letters {
     Qwerty,
 }
 
+/// Where the frame of an item stands in the one around it.
+pub(crate) struct Placement {
+    pub(crate) at: Place,
+    pub(crate) tilt_deg: f64,
+    pub(crate) turn_deg: f64,
+    pub(crate) scale: f64,
+}
+
 /// A place and directions that objects are given in.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     pub(crate) origin: Vector3<f64>,
     pub(crate) rotation: Rotation3<f64>,
     pub(crate) scale: f64,
+    /// How far each episode draws it off this place.
+    pub(crate) shift: Option<Shift>,
 }
 
 impl Letters {
@@ -346,7 +407,7 @@ impl Letters {
 impl Frame {
     /// The world's.
     pub(crate) fn world() -> Self {
-        Self { origin: Vector3::zeros(), rotation: Rotation3::identity(), scale: 1.0 }
+        Self { origin: Vector3::zeros(), rotation: Rotation3::identity(), scale: 1.0, shift: None }
     }
 
     /// What is placed, tilted and turned in this frame.
@@ -355,12 +416,42 @@ impl Frame {
             origin: self.point(at),
             rotation: self.rotation * tilted_and_turned(tilt_deg, turn_deg),
             scale: self.scale * scale,
+            shift: self.shift,
         }
+    }
+
+    /// What is drawn of a range of places in this frame, as draw `number` of an episode.
+    pub(crate) fn shifted(&self, region: Region, number: usize) -> Shift {
+        let widths = [region.x, region.y, region.z].map(Range::width);
+        let span = |axis: usize| {
+            let mut way = [0.0; 3];
+            way[axis] = widths[axis];
+            (self.rotation * (self.scale * Vector3::from(way))).into()
+        };
+        Shift { number, spans: [0, 1, 2].map(span) }
     }
 
     /// A point in the world.
     pub(crate) fn point(&self, at: [f64; 3]) -> Vector3<f64> {
         self.origin + self.rotation * (self.scale * Vector3::from(at))
+    }
+}
+
+impl Item {
+    /// Where its frame stands. A sphere has no directions and stays in the one around it.
+    pub(crate) fn placement(&self) -> Placement {
+        let (at, tilt_deg, turn_deg, scale) = match self {
+            Self::Sphere(_) => (Place::default(), 0.0, 0.0, 1.0),
+            Self::Button(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Slider(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Obstacle(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Group(item) => (item.at, item.tilt_deg, item.turn_deg, item.scale),
+            Self::Grid(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Arc(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Circle(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Keyboard(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+        };
+        Placement { at, tilt_deg, turn_deg, scale }
     }
 }
 
@@ -402,13 +493,14 @@ impl Validate for Item {
             Self::Obstacle(item) => item.validate_into(ctx, parent, report),
             Self::Group(item) => item.validate_into(ctx, parent, report),
             Self::Grid(item) => item.validate_into(ctx, parent, report),
+            Self::Arc(item) => item.validate_into(ctx, parent, report),
             Self::Circle(item) => item.validate_into(ctx, parent, report),
             Self::Keyboard(item) => item.validate_into(ctx, parent, report),
         }
     }
 }
 
-fn count(count: &u32, (): &()) -> garde::Result {
+fn how_many(count: &u32, (): &()) -> garde::Result {
     match *count {
         1..=MANY => Ok(()),
         other => Err(garde::Error::new(format!("is {other}; it must be from 1 to {MANY}"))),
@@ -416,7 +508,7 @@ fn count(count: &u32, (): &()) -> garde::Result {
 }
 
 fn many(copies: &u32, (): &()) -> garde::Result {
-    count(copies, &())
+    how_many(copies, &())
 }
 
 fn odd(number: &u32, (): &()) -> garde::Result {
@@ -434,6 +526,14 @@ fn light_touch() -> f64 {
 
 fn key_depth() -> f64 {
     0.005
+}
+
+fn left() -> f64 {
+    -45.0
+}
+
+fn right() -> f64 {
+    45.0
 }
 
 fn unit() -> f64 {

@@ -6,11 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::flat::Block;
-use crate::notation::two_on_one_line;
+use crate::notation::{Place, two_on_one_line};
 use crate::quantity::Quantity;
 use crate::range::Range;
 use crate::scene::{Frame, is_zero};
-use crate::target::{COORDINATE, FORCE, LENGTH, TILT, TURN, on_one_line};
+use crate::target::{FORCE, LENGTH, TILT, TURN};
 
 const VALUE: Quantity = Quantity::between(-1e6, 1e6, "");
 
@@ -18,11 +18,10 @@ const VALUE: Quantity = Quantity::between(-1e6, 1e6, "");
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields)]
 pub struct SliderItem {
-    /// The middle of the way, `[x, y, z]` in m.
-    #[serde(default, serialize_with = "on_one_line")]
-    #[garde(inner(custom(COORDINATE.rule())))]
-    #[schemars(transform = COORDINATE.schema())]
-    pub at: [f64; 3],
+    /// The middle of the way, `[x, y, z]` in m, each a number or `[min, max]`; drawn anew for every episode.
+    #[serde(default)]
+    #[garde(dive)]
+    pub at: Place,
 
     /// How far the handle can be moved, in m.
     #[garde(custom(LENGTH.rule()))]
@@ -113,12 +112,11 @@ pub struct Slider {
 }
 
 impl SliderItem {
-    /// Written out in a frame.
+    /// Written out in the frame that it stands in the middle of.
     ///
     /// # Errors
     /// The field that is wrong, and what is wrong with it.
     pub(crate) fn placed(&self, frame: Frame) -> Result<Slider, (&'static str, String)> {
-        let frame = frame.child(self.at, self.tilt_deg, self.turn_deg, 1.0);
         let (along, across) = (self.length + self.handle, self.width);
         let size = match self.rises {
             Direction::Right => [along, across, self.depth],

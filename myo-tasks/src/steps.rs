@@ -200,6 +200,12 @@ impl Builder {
             );
             return self.refuse(&path_among, &format!("`{}`", self.name(other)), problem);
         }
+        let draw = |object: usize| self.flat.objects[object].shift.map(|shift| shift.number);
+        if let Some(&other) = among.iter().find(|&&object| draw(object) != draw(first)) {
+            let problem =
+                format!("is not moved with `{}` when places are drawn; put both into one group", self.name(first));
+            return self.refuse(&path_among, &format!("`{}`", self.name(other)), problem);
+        }
         if among.len() < 2 {
             let problem = format!(
                 "is one object, so there is no choice; write `wait`, and what to do with `{}`",

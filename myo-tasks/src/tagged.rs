@@ -10,10 +10,10 @@ use serde::de::{DeserializeSeed, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::motion::{CircularMotion, LinearMotion, Motion, RandomMotion, Waves};
-use crate::scene::{ButtonItem, Circle, Grid, Group, Item, Keyboard, ObstacleItem, SphereItem};
+use crate::scene::{Arc, ButtonItem, Circle, Grid, Group, Item, Keyboard, ObstacleItem, SphereItem};
 use crate::slider::SliderItem;
 use crate::target::{Pointing, Pressing, Target};
-use crate::technique::{Cursor, GoGo, Ray, Technique};
+use crate::technique::{Cursor, GoGo, RateCursor, Ray, Technique};
 
 const KIND: &str = "kind";
 
@@ -71,7 +71,7 @@ tagged!(Target, "a target", TargetInAnyOrder, TargetVisitor: "pointing" => Point
 tagged!(Item, "an object", ItemInAnyOrder, ItemVisitor:
     "sphere" => Sphere(SphereItem), "button" => Button(ButtonItem), "slider" => Slider(SliderItem),
     "obstacle" => Obstacle(ObstacleItem),
-    "group" => Group(Group), "grid" => Grid(Grid), "circle" => Circle(Circle), "keyboard" => Keyboard(Keyboard));
+    "group" => Group(Group), "grid" => Grid(Grid), "arc" => Arc(Arc), "circle" => Circle(Circle), "keyboard" => Keyboard(Keyboard));
 tagged!(Motion, "a motion", MotionInAnyOrder, MotionVisitor:
     "circle" => Circle(CircularMotion), "line" => Line(LinearMotion), "waves" => Waves(Waves), "random" => Random(RandomMotion));
 
@@ -81,6 +81,7 @@ pub(crate) enum TechniqueMap {
     Ray(Ray),
     GoGo(GoGo),
     Cursor(Cursor),
+    RateCursor(RateCursor),
 }
 
 /// No keys at all.
@@ -89,7 +90,8 @@ pub(crate) enum TechniqueMap {
 pub(crate) struct Nothing {}
 
 tagged!(TechniqueMap, "a technique", TechniqueInAnyOrder, TechniqueMapVisitor:
-    "fingertip" => Fingertip(Nothing), "ray" => Ray(Ray), "go_go" => GoGo(GoGo), "cursor" => Cursor(Cursor));
+    "fingertip" => Fingertip(Nothing), "ray" => Ray(Ray), "go_go" => GoGo(GoGo), "cursor" => Cursor(Cursor),
+    "rate_cursor" => RateCursor(RateCursor));
 
 impl From<TechniqueMap> for Technique {
     fn from(map: TechniqueMap) -> Self {
@@ -98,6 +100,7 @@ impl From<TechniqueMap> for Technique {
             TechniqueMap::Ray(ray) => Self::Ray(ray),
             TechniqueMap::GoGo(go_go) => Self::GoGo(go_go),
             TechniqueMap::Cursor(cursor) => Self::Cursor(cursor),
+            TechniqueMap::RateCursor(cursor) => Self::RateCursor(cursor),
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::tagged::TechniqueMap;
 use crate::target::{COORDINATE, DISTANCE, TILT, TURN, on_one_line};
 
 const GAIN: Quantity = Quantity::between(0.01, 100.0, "");
+const RATE: Quantity = Quantity::between(0.01, 100.0, "1/s");
 const GROWTH: Quantity = Quantity::between(0.0, 100.0, "1/m");
 
 /// What points: every step of the script goes by one pointer, which the technique makes of the body's posture. Only the
@@ -31,6 +32,8 @@ pub enum Technique {
     GoGo(GoGo),
     /// A cursor on a display, moved by the fingertip.
     Cursor(Cursor),
+    /// A cursor on a display that moves as long as the fingertip is off its place of rest, like that of a joystick.
+    RateCursor(RateCursor),
 }
 
 /// A ray. Its pointer is where it meets a display, or, without one, its point that is nearest to the current object.
@@ -110,6 +113,45 @@ pub struct Cursor {
     pub turn_deg: f64,
 }
 
+/// The pointer is on the face of a display, and moves over it as fast as the fingertip is far off a place of rest, along the
+/// directions of a plane in which the hand works. It begins every episode in the middle and stays on the face.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+pub struct RateCursor {
+    /// Name of the object on whose face it moves.
+    #[garde(skip)]
+    pub onto: String,
+
+    /// Where the fingertip rests, `[x, y, z]` in m.
+    #[serde(serialize_with = "on_one_line")]
+    #[garde(inner(custom(COORDINATE.rule())))]
+    #[schemars(transform = COORDINATE.schema())]
+    pub at: [f64; 3],
+
+    /// How fast the cursor moves, in m/s for each metre that the fingertip is off its rest. From 0.01 to 100.
+    #[garde(custom(RATE.rule()))]
+    #[schemars(transform = RATE.schema())]
+    pub gain: f64,
+
+    /// How far off its rest, in m, the fingertip moves nothing. Default 0.01.
+    #[serde(default = "fingerwidth")]
+    #[garde(custom(DISTANCE.rule()))]
+    #[schemars(transform = DISTANCE.schema())]
+    pub still: f64,
+
+    /// How the plane of the hand is tilted, in degrees, as of a cursor. Default 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[garde(custom(TILT.rule()))]
+    #[schemars(transform = TILT.schema())]
+    pub tilt_deg: f64,
+
+    /// The plane of the hand turned about the vertical, in degrees, as of a cursor. Default 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[garde(custom(TURN.rule()))]
+    #[schemars(transform = TURN.schema())]
+    pub turn_deg: f64,
+}
+
 impl Technique {
     /// Whether it is the fingertip itself.
     pub const fn is_fingertip(&self) -> bool {
@@ -123,6 +165,7 @@ impl Technique {
             Self::Ray(_) => "a ray",
             Self::GoGo(_) => "a Go-Go hand",
             Self::Cursor(_) => "a cursor",
+            Self::RateCursor(_) => "a rate cursor",
         }
     }
 }
@@ -137,6 +180,7 @@ impl Validate for Technique {
             Self::Ray(ray) => ray.validate_into(ctx, parent, report),
             Self::GoGo(go_go) => go_go.validate_into(ctx, parent, report),
             Self::Cursor(cursor) => cursor.validate_into(ctx, parent, report),
+            Self::RateCursor(cursor) => cursor.validate_into(ctx, parent, report),
         }
     }
 }
@@ -179,6 +223,10 @@ fn or_a_word(schema: &mut schemars::Schema) {
 
 fn two_thirds() -> f64 {
     0.4
+}
+
+fn fingerwidth() -> f64 {
+    0.01
 }
 
 fn sixth_per_cm() -> f64 {

@@ -55,6 +55,7 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
         value: 0.0,
         steering: Steering::new(),
         passed: 0.0,
+        cursor: [0.0; 2],
     };
     Sensed { body: Landmarks::unknown(), pointer: fingertip, stay, now: 25.0 }
 }

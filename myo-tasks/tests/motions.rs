@@ -3,7 +3,7 @@
 mod common;
 
 use common::run::{OFF, Run, SUBSTEPS, refusal, task, text};
-use myo_tasks::logic::{CompiledTask, Goal, Landmarks, Pointer, centre_ahead};
+use myo_tasks::logic::{CompiledTask, Goal, Landmarks, Pointer, centre_ahead, remember};
 use myo_tasks::{Action, Task, check};
 
 const SLIDER: &str = "  s: {kind: slider, at: [0.4, 0, 0], length: 0.1, range: [0, 100], value: 20}";
@@ -221,7 +221,7 @@ fn the_farthest_places_of_a_random_way_are_looked_at() {
 
 /// A body with these places.
 fn body(elbow: [f64; 3], wrist: [f64; 3], fingertip: [f64; 3]) -> Landmarks<f64> {
-    Landmarks { fingertip, elbow, wrist }
+    Landmarks { fingertip, elbow, wrist, cursor: [0.0; 2] }
 }
 
 fn pointer(technique: &str) -> Pointer<f64> {
@@ -264,6 +264,64 @@ fn go_go_reaches_farther_and_a_cursor_as_far_as_its_gain() {
     assert_near(cursor.place(&at([0.35, -0.08, 0.1]), [0.0; 3]), [1.99, 0.1, 0.25]);
     assert_eq!(pointer("fingertip"), Pointer::Fingertip);
     assert_eq!(pointer("{kind: fingertip}"), Pointer::Fingertip);
+}
+
+#[test]
+fn a_rate_cursor_goes_on_as_long_as_the_fingertip_is_off_its_rest() {
+    let cursor = pointer("{kind: rate_cursor, onto: wall, at: [0.3, 0, -0.2], gain: 4, still: 0.02}");
+    let mut body = body([0.0; 3], [0.0; 3], [0.3, -0.07, -0.2]);
+    // 5 cm beyond rest to the right: 20 cm/s, a hundredth of a metre per control step of 50 ms.
+    for step in 1..=30 {
+        for _ in 0..25 {
+            body.cursor = cursor.moved(&body, 1.0 / 25.0);
+        }
+        assert_near(cursor.place(&body, [0.0; 3]), [1.99, -0.01 * f64::from(step), 0.0]);
+    }
+    body.fingertip = [0.31, 0.01, -0.1];
+    assert_eq!(cursor.moved(&body, 1.0), body.cursor, "near its rest nothing moves, and depth does nothing");
+    body.fingertip = [0.8, 0.0, -0.2];
+    for _ in 0..100 {
+        body.cursor = cursor.moved(&body, 1.0);
+    }
+    assert_near(cursor.place(&body, [0.0; 3]), [1.99, -0.3, 1.0]);
+    assert_near(cursor.place_in_time(&body, [1.9, 0.2, -3.0]), [1.99, 0.2, -1.0]);
+    let still = pointer("{kind: cursor, onto: wall, at: [0.3, 0, -0.2], gain: 4}");
+    assert_eq!(still.moved(&body, 1.0), body.cursor);
+}
+
+/// An object that moves is seen where it is until the pointer has gone a centimetre, and where it was from then on.
+#[test]
+fn what_is_seen_before_the_movement_alone_is_remembered_as_it_was() {
+    let text = format!(
+        "{}stimulus: before_movement\n",
+        text(BALL, "  - follow: {target: ball, for_s: 1}\n  - dwell: {in: ball, for_s: 0.1}")
+    );
+    let mut run = Run::new(&Task::from_yaml(&text, "t.yaml").unwrap());
+    let rest = [0.1, 0.0, 0.0];
+    let known = |run: &mut Run, pointer: [f64; 3], begins: bool| {
+        let goal = run.goal();
+        let known = remember(&goal, pointer, begins, &mut run.state).unwrap();
+        run.state.step += 1.0;
+        (known, goal)
+    };
+    for step in 0..10 {
+        let (seen, goal) = known(&mut run, rest, step == 0);
+        assert_eq!((seen.centre, seen.moves), (goal.centre, goal.moves));
+        assert!(seen.is_seen());
+    }
+    let (last, _) = known(&mut run, [0.109, 0.0, 0.0], false);
+    for k in 0..10 {
+        // Once begun, a movement stays so, wherever it goes.
+        let pointer = if k < 5 { [0.1 + 0.02 * f64::from(k + 1), 0.0, 0.0] } else { rest };
+        let (remembered, goal) = known(&mut run, pointer, false);
+        assert_eq!((remembered.centre, remembered.size), (last.centre, last.size));
+        assert!(remembered.centre != goal.centre && !remembered.is_seen());
+        assert_eq!(remembered.moves, Some([0.0; 3]));
+    }
+    let (seen, goal) = known(&mut run, [0.4, 0.0, 0.0], true);
+    assert_eq!(seen.centre, goal.centre, "the next step shows its object again");
+    let all = Run::new(&task(BALL, "  - follow: {target: ball, for_s: 1}"));
+    assert!(remember(&all.goal(), rest, true, &mut all.state.clone()).is_none());
 }
 
 #[test]
@@ -366,6 +424,14 @@ fn what_cannot_be_is_refused_by_name_and_place() {
             "t.yaml:5:9: `spot` is up to 19.0 cm off the face of `wall`, on which a ray points, and no wider; put it there",
         ),
         (with("laser", WALL, spots), "unknown value `laser`"),
+        (
+            with("{kind: rate_cursor, onto: spot, at: [0.3, 0, 0], gain: 1}", WALL, spots),
+            "`spot` is a sphere; a pointer needs a face, such as that of an obstacle",
+        ),
+        (
+            with("{kind: rate_cursor, onto: wall, at: [0.3, 0, 0], gain: 1}", &WALL.replace("1.99", "1.8"), spots),
+            "off the face of `wall`, on which a rate cursor points, and no wider; put it there",
+        ),
         (
             with("{kind: cursor, onto: wall, at: [0.3, 0, 0], gain: 0}", WALL, spots),
             "is 0; it must be from 0.01 to 100",

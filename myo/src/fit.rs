@@ -117,5 +117,6 @@ fn words(technique: &Technique) -> String {
         }
         Technique::GoGo(_) => "a Go-Go hand".into(),
         Technique::Cursor(_) => "a cursor".into(),
+        Technique::RateCursor(_) => "a rate cursor".into(),
     }
 }

@@ -51,7 +51,7 @@ impl ModelReach {
         } else {
             let place = move |body: &BodyPlaces, goal: [f64; 3]| {
                 let [elbow, wrist] = body.arm;
-                pointer.place(&Landmarks { fingertip: body.fingertip, elbow, wrist }, goal)
+                pointer.place_in_time(&Landmarks { fingertip: body.fingertip, elbow, wrist, cursor: [0.0; 2] }, goal)
             };
             ReachableSpace::of_pointer(&plan, Arc::new(place))
         };

@@ -12,7 +12,7 @@ fn layout(up_m: f64) -> Task {
     let mut task = Task { time_limit_s: 0.6, ..preset("public-display").unwrap() };
     for item in task.scene.0.values_mut() {
         let Item::Button(button) = item else { panic!("a button") };
-        button.at[2] += up_m;
+        button.at.0 = button.at.0.moved([0.0, 0.0, up_m]);
     }
     task
 }

@@ -6,12 +6,13 @@
 //! ball around them rules out; where there are many, and numbers that read rows from memory, the [nearest are listed](super::nearby). How many can be touched at once is known when a task is compiled
 //! ([`most_at_once`](crate::most_at_once)), so there is a slot for each of them, and none is left out.
 
+use super::boxes::{Boxes, Which};
 use super::nearby::{self, List};
 use crate::obstacles::Obstacles;
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
 use crate::workspace::{self, Clearance, Contact, Nearby, PYRAMID, State, Workspace};
-use myo_scalar::{Carried, Row, Scalar, Stage, Visitor};
+use myo_scalar::{Carried, Scalar, Stage, Visitor};
 
 /// Farther than anything in reach (m).
 const FAR: f64 = 1e3;
@@ -38,10 +39,11 @@ pub fn contact<S: Scalar>(
     let centre = ws.place(&sphere.centre);
     let moved = centre - ws.clearance.from;
     let near = !moved.dot(moved).lt(ws.clearance.free.sq());
-    let Workspace { contacts, clearance, nearby, .. } = &mut *ws;
+    let Workspace { contacts, clearance, nearby, offsets, .. } = &mut *ws;
+    let boxes = Boxes { obstacles, offsets };
     let mut around =
         Around { contacts, clearance, nearby, found: S::zero(), lists: nearby::lists::<S>(obstacles.boxes.len()) };
-    S::when(near, &mut around, |around| S::outline(LookAround { sphere, obstacles, centre, around }));
+    S::when(near, &mut around, |around| S::outline(LookAround { sphere, boxes, centre, around }));
     for number in 0..ws.contacts.len() {
         S::when(ws.contacts[number].exists, &mut Edges(ws, number), |Edges(ws, number)| {
             S::outline(Pyramid { plan, sphere, obstacles, state, centre, number: *number, ws });
@@ -53,7 +55,7 @@ pub fn contact<S: Scalar>(
 /// instructions.
 struct LookAround<'a, 'b, S: Scalar> {
     sphere: &'a ContactSphere<S::Const>,
-    obstacles: &'a Obstacles<S::Const, S>,
+    boxes: Boxes<'a, S>,
     centre: Vec3<S>,
     around: &'a mut Around<'b, S>,
 }
@@ -63,7 +65,7 @@ impl<S: Scalar> Stage<S> for LookAround<'_, '_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        look_around(self.sphere, self.obstacles, self.centre, self.around);
+        look_around(self.sphere, self.boxes, self.centre, self.around);
     }
 }
 
@@ -122,24 +124,24 @@ impl<S: Scalar> Carried<S> for Around<'_, S> {
 #[inline(always)]
 fn look_around<S: Scalar>(
     sphere: &ContactSphere<S::Const>,
-    obstacles: &Obstacles<S::Const, S>,
+    boxes: Boxes<'_, S>,
     centre: Vec3<S>,
     around: &mut Around<'_, S>,
 ) {
-    let reach = S::splat(sphere.radius) + S::splat(obstacles.margin);
+    let reach = S::splat(sphere.radius) + S::splat(boxes.obstacles.margin);
     *around.clearance = Clearance { from: centre, free: S::lit(FAR) };
     if around.lists {
         let moved = centre - around.nearby.from;
         let is_stale = !moved.dot(moved).lt(around.nearby.free.sq());
-        S::when(is_stale, around.nearby, |nearby| S::outline(List { obstacles, centre, reach, nearby }));
+        S::when(is_stale, around.nearby, |nearby| S::outline(List { boxes, centre, reach, nearby }));
         let moved = centre - around.nearby.from;
         around.clearance.free = (around.nearby.free - moved.dot(moved).sqrt()).max(S::zero());
         for number in around.nearby.boxes.clone() {
-            look_at(sphere, obstacles, centre, reach, Which::Listed(number), around);
+            look_at(sphere, boxes, centre, reach, Which::Listed(number), around);
         }
     } else {
-        S::for_each_row(obstacles.boxes.len(), around, |around, row| {
-            look_at(sphere, obstacles, centre, reach, Which::Row(row), around);
+        S::for_each_row(boxes.len(), around, |around, row| {
+            look_at(sphere, boxes, centre, reach, Which::Row(row), around);
         });
     }
 }
@@ -148,58 +150,26 @@ fn look_around<S: Scalar>(
 #[inline(always)]
 fn look_at<S: Scalar>(
     sphere: &ContactSphere<S::Const>,
-    obstacles: &Obstacles<S::Const, S>,
+    boxes: Boxes<'_, S>,
     centre: Vec3<S>,
     reach: S,
     which: Which<S>,
     around: &mut Around<'_, S>,
 ) {
-    let boxes = &obstacles.boxes;
-    let [x, y, z, radius] = which.entries(boxes.len(), |k| {
-        let [x, y, z] = boxes[k].centre;
-        [x, y, z, boxes[k].radius]
-    });
-    let away = centre - Vec3::new(x, y, z);
+    let (away, radius) = boxes.seen_from(centre, which);
     // From the ball around the box.
     let clear = away.dot(away).sqrt() - radius - reach;
     let near = clear.lt(S::zero());
     let mut beside = Beside { around, clear };
-    S::when(near, &mut beside, |beside| S::outline(Inspect { sphere, obstacles, which, away, near, reach, beside }));
+    S::when(near, &mut beside, |beside| S::outline(Inspect { sphere, boxes, which, away, near, reach, beside }));
     let Beside { around, clear } = beside;
     around.clearance.free = around.clearance.free.min((clear - S::lit(ROUNDING)).max(S::zero()));
-}
-
-/// Which box is looked at.
-#[derive(Clone, Copy)]
-enum Which<S: Scalar> {
-    /// One of all, gone through in a row.
-    Row(Row<S::Word>),
-    /// One by its number.
-    Listed(S),
-}
-
-impl<S: Scalar> Which<S> {
-    #[inline(always)]
-    fn entries<const N: usize>(self, count: usize, entry: impl Fn(usize) -> [S; N]) -> [S; N] {
-        match self {
-            Self::Row(row) => S::of_row(row, count, entry),
-            Self::Listed(number) => S::gather(count, entry, number),
-        }
-    }
-
-    #[inline(always)]
-    fn number(self) -> S {
-        match self {
-            Self::Row(row) => S::row_number(row),
-            Self::Listed(number) => number,
-        }
-    }
 }
 
 /// A closer look at a box.
 struct Inspect<'a, 'b, 'c, S: Scalar> {
     sphere: &'a ContactSphere<S::Const>,
-    obstacles: &'a Obstacles<S::Const, S>,
+    boxes: Boxes<'a, S>,
     /// The box.
     which: Which<S>,
     /// The fingertip, from its centre.
@@ -216,10 +186,8 @@ impl<S: Scalar> Stage<S> for Inspect<'_, '_, '_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { sphere, obstacles, which, away, near, reach, beside: Beside { around, clear } } = self;
-        let boxes = &obstacles.boxes;
-        let [a, b, c, e, f, g, i, j, k, h, w, d] = which.entries(boxes.len(), |k| boxes[k].sides());
-        let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
+        let Self { sphere, boxes, which, away, near, reach, beside: Beside { around, clear } } = self;
+        let (axes, half_size) = boxes.sides(which);
         let (distance, normal) = surface(axes, half_size, away);
         *clear = S::select(near, distance - reach, *clear);
         let touches = near & clear.lt(S::zero());

@@ -3,6 +3,7 @@
 //! Everything here is `#[inline(always)]`: code that is not inlined into its level's entry point would be compiled without
 //! that level's instructions.
 
+pub mod boxes;
 pub mod cholesky;
 pub mod constraint;
 pub mod contact;

@@ -3,8 +3,8 @@
 //!
 //! After L. Verlet 1967 (doi 10.1103/PhysRev.159.98), who lists the neighbours of molecules.
 
+use super::boxes::{Boxes, Which};
 use super::contact::{ROUNDING, surface};
-use crate::obstacles::Obstacles;
 use crate::spatial::Vec3;
 use crate::workspace::Nearby;
 use myo_scalar::{Carried, Row, Scalar, Stage, Visitor};
@@ -24,7 +24,7 @@ pub const fn lists<S: Scalar>(boxes: usize) -> bool {
 /// Lists the boxes that are nearest to the fingertip, and how far it may go before another is.
 pub struct List<'a, S: Scalar> {
     /// All boxes.
-    pub obstacles: &'a Obstacles<S::Const, S>,
+    pub boxes: Boxes<'a, S>,
     /// Centre of the fingertip.
     pub centre: Vec3<S>,
     /// From there to where contact begins (m).
@@ -38,24 +38,19 @@ impl<S: Scalar> Stage<S> for List<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { obstacles, centre, reach, nearby } = self;
-        let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
+        let Self { boxes, centre, reach, nearby } = self;
         let count = nearby.boxes.len();
         let far = S::lit(FAR);
         let mut order = Order { distances: vec![far; count], numbers: vec![S::zero(); count], rest: far };
-        S::for_each_row(n, &mut order, |order, row| {
-            let [x, y, z, radius] = S::of_row(row, n, |k| {
-                let [x, y, z] = boxes[k].centre;
-                [x, y, z, boxes[k].radius]
-            });
-            let away = centre - Vec3::new(x, y, z);
+        S::for_each_row(boxes.len(), &mut order, |order, row| {
+            let (away, radius) = boxes.seen_from(centre, Which::Row(row));
             let distance = away.dot(away).sqrt() - radius - reach;
             // What the ball around a box says is the least that it can be: farther than the rest, it changes nothing.
             S::when(distance.lt(order.rest), order, |order| {
                 let mut distance = distance;
                 let near = distance.lt(S::lit(SKIN));
                 S::when(near, &mut Closer(&mut distance), |Closer(distance)| {
-                    **distance = S::select(near, exact(obstacles, row, away) - reach, **distance);
+                    **distance = S::select(near, exact(boxes, row, away) - reach, **distance);
                 });
                 order.insert(distance, S::row_number(row));
             });
@@ -68,10 +63,9 @@ impl<S: Scalar> Stage<S> for List<'_, S> {
 
 /// Distance (m) from the surface of a box.
 #[inline(always)]
-fn exact<S: Scalar>(obstacles: &Obstacles<S::Const, S>, row: Row<S::Word>, away: Vec3<S>) -> S {
-    let (boxes, n) = (&obstacles.boxes, obstacles.boxes.len());
-    let [a, b, c, e, f, g, i, j, k, h, w, d] = S::of_row(row, n, |k| boxes[k].sides());
-    surface([[a, b, c], [e, f, g], [i, j, k]], [h, w, d], away).0
+fn exact<S: Scalar>(boxes: Boxes<'_, S>, row: Row<S::Word>, away: Vec3<S>) -> S {
+    let (axes, half_size) = boxes.sides(Which::Row(row));
+    surface(axes, half_size, away).0
 }
 
 /// A distance that a closer look changes.
@@ -120,7 +114,7 @@ impl<S: Scalar> Carried<S> for Nearby<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::obstacles::Surface;
+    use crate::obstacles::{Obstacles, Surface};
     use crate::workspace::Workspace;
     use crate::{CouplingMode, Plan, StaticBox};
     use myo_model::{Model, builtin};
@@ -137,18 +131,19 @@ mod tests {
         let plan = Plan::exact(&Model::new(&builtin("mobl-arms").unwrap()).unwrap(), CouplingMode::Reduced).unwrap();
         let obstacles = Obstacles::<f64>::new(&plan, &wall(), Surface::default());
         let reach = 0.011;
+        let boxes = Boxes { obstacles: &obstacles, offsets: &[] };
         for k in 0..500 {
             // From before the wall to behind it, over its edges.
             let along = |step: f64| (f64::from(k) * step).fract();
             let centre = Vec3::new(0.3 + 0.15 * along(0.618), 0.6 * along(0.414) - 0.3, 0.5 * along(0.732) - 0.5);
             let mut nearby = Workspace::<f64>::with_contacts(&plan, 4).nearby;
-            List { obstacles: &obstacles, centre, reach, nearby: &mut nearby }.run();
+            List { boxes, centre, reach, nearby: &mut nearby }.run();
 
             let distance = |row: usize| {
                 let [x, y, z] = obstacles.boxes[row].centre;
                 let away = centre - Vec3::new(x, y, z);
                 let ball = away.dot(away).sqrt() - obstacles.boxes[row].radius - reach;
-                if ball < SKIN { exact::<f64>(&obstacles, Row::Known(row), away) - reach } else { ball }
+                if ball < SKIN { exact::<f64>(boxes, Row::Known(row), away) - reach } else { ball }
             };
             let mut all: Vec<(f64, f64)> = (0..200).map(|row| (distance(row), row as f64)).collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0));

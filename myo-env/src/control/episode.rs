@@ -36,7 +36,9 @@ pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
         goal = Goal::of(&world.parameters.task, &env.task);
         sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
     }
-    S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.next_observation });
+    let known = logic::remember(&goal, sensed.pointer, mask, &mut env.task);
+    let known = known.as_ref().unwrap_or(&goal);
+    S::outline(stages::Observe { world, goal: known, env, sensed: &sensed, out: &mut ws.next_observation });
 }
 
 /// Draws body and targets, and starts all counters.

@@ -97,7 +97,7 @@ fn search_poses<S: Scalar>(world: &World<'_, S>, mask: S::Mask, poses: usize, se
     S::repeat(poses, search, |Search { best, nearest, draw, env, physics }| {
         S::outline(stages::DrawPose { world, draw: *draw, env });
         let mut body = Landmarks::unknown();
-        S::outline(stages::Look { world, env, physics, out: &mut body });
+        S::outline(stages::Look { world, env, physics, cursor: [S::zero(); 2], out: &mut body });
         let pointer = world.parameters.task.pointer.place(&body, target);
         let distance = logic::norm(logic::difference(pointer, target));
         let nearer = mask & distance.lt(*nearest);

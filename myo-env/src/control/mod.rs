@@ -85,7 +85,9 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     let terms = logic::reward(&world.parameters.task, &progress, distance, effort, sum_of_squares(&env.qacc));
     let errors = [progress.wrong_presses, progress.exits];
     summary::add_up(world, env, &terms.array(), errors, effort, &ws.physics.tally);
-    S::outline(stages::Observe { world, goal: &goal, env, sensed: &sensed, out: &mut ws.observation });
+    let known = logic::remember(&goal, sensed.pointer, progress.target_done, &mut env.task);
+    let known = known.as_ref().unwrap_or(&goal);
+    S::outline(stages::Observe { world, goal: known, env, sensed: &sensed, out: &mut ws.observation });
     summary::summarise(world, &goal, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }
@@ -111,7 +113,7 @@ fn sense<S: Scalar>(
     physics: &mut Workspace<S>,
 ) -> Sensed<S> {
     let mut body = Landmarks::unknown();
-    S::outline(stages::Look { world, env, physics, out: &mut body });
+    S::outline(stages::Look { world, env, physics, cursor: stay.cursor, out: &mut body });
     let pointer = world.parameters.task.pointer.place(&body, goal);
     let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(world.tables.substeps));
     Sensed { body, pointer, stay, now }

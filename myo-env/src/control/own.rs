@@ -74,7 +74,7 @@ impl<S: Scalar, R: Rules> Stage<S> for Ask<'_, S, R> {
     fn run(self) {
         let Self { rules, world, mask, controls, env, physics, out, verdict } = self;
         let mut body = Landmarks::unknown();
-        S::outline(stages::Look { world, env, physics, out: &mut body });
+        S::outline(stages::Look { world, env, physics, cursor: [S::zero(); 2], out: &mut body });
         if mask.any() {
             let (mut remembered, mut observed) = (env.remembered.clone(), Vec::with_capacity(env.observed.len()));
             let spheres = spheres(world, env);
@@ -103,7 +103,7 @@ fn moment<'a, S: Scalar>(
     spheres: &'a [Ball<S>],
 ) -> Moment<'a, S> {
     let (plan, control_dt) = (&world.tables.plan, world.tables.control_dt());
-    let body = landmarks(world, physics);
+    let body = landmarks(world, physics, [S::zero(); 2]);
     let velocity = physics.velocity[plan.fingertip.link].at(physics.place(&plan.fingertip));
     let has_arm = plan.arm.is_some();
     Moment {

@@ -3,6 +3,7 @@
 use super::Scratch;
 use crate::parameters::World;
 use crate::state::EnvState;
+use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
 use myo_tasks::logic::{self, Goal, Landmarks, Stay, Steering};
@@ -27,6 +28,8 @@ pub fn simulate<S: Scalar>(
     physics.tally = SolverTally::new();
     physics.clearance = Clearance::unknown();
     physics.nearby.forget();
+    physics.offsets.clear();
+    physics.offsets.extend(env.task.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z)));
     let mut carried = Substep { world, env, physics, watch };
     S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, watch, .. }| {
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
@@ -53,7 +56,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
     #[inline(always)]
     fn visit(&mut self, world: &World<'_, S>, visitor: &mut impl Visitor<S>) {
         let kinds = world.parameters.task.kinds;
-        let Stay { held, touch, pressed, let_go, down, old, wrong, wrong_presses, value, steering, passed } =
+        let Stay { held, touch, pressed, let_go, down, old, wrong, wrong_presses, value, steering, passed, cursor } =
             &mut self.stay;
         visitor.number(held);
         if kinds.press {
@@ -74,6 +77,9 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
         }
         if kinds.motion {
             visitor.number(passed);
+        }
+        if world.parameters.task.pointer.is_rate_cursor() {
+            visitor.numbers(cursor);
         }
     }
 }
@@ -106,21 +112,23 @@ impl<S: Scalar> Stage<S> for Follow<'_, S> {
         let task = &world.parameters.task;
         let share = 1.0 / f64::from(world.tables.substeps);
         let at = goal.centre_after(stay.passed * S::lit(share));
-        let pointer = task.pointer.place(&landmarks(world, physics), at);
+        let body = landmarks(world, physics, stay.cursor);
+        let pointer = task.pointer.place(&body, at);
         let contacts = physics.contacts.iter();
         let contacts = contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force });
         stay.follow(task, goal, pointer, share, contacts);
+        stay.cursor = task.pointer.moved(&body, share);
     }
 }
 
-/// Places of the body that techniques go by, after the kinematics.
+/// Places that techniques go by, after the kinematics; a cursor that moves by itself stands at `cursor`.
 #[inline(always)]
-pub fn landmarks<S: Scalar>(world: &World<'_, S>, physics: &Workspace<S>) -> Landmarks<S> {
+pub fn landmarks<S: Scalar>(world: &World<'_, S>, physics: &Workspace<S>, cursor: [S; 2]) -> Landmarks<S> {
     let plan = &world.tables.plan;
     let fingertip = step::fingertip(plan, physics);
     let [elbow, wrist] =
         plan.arm.as_ref().map_or([fingertip; 2], |arm| arm.each_ref().map(|point| physics.place(point).array()));
-    Landmarks { fingertip, elbow, wrist }
+    Landmarks { fingertip, elbow, wrist, cursor }
 }
 
 /// What a physics step hands on.

@@ -50,6 +50,8 @@ pub struct Look<'a, S: Scalar> {
     pub world: &'a World<'a, S>,
     pub env: &'a EnvState<S>,
     pub physics: &'a mut Workspace<S>,
+    /// Where a cursor that moves by itself stands.
+    pub cursor: [S; 2],
     pub out: &'a mut Landmarks<S>,
 }
 
@@ -58,9 +60,9 @@ impl<S: Scalar> Stage<S> for Look<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { world, env, physics, out } = self;
+        let Self { world, env, physics, cursor, out } = self;
         step::kinematics::kinematics(&world.tables.plan, &env.body.qpos, &env.body.qvel, physics);
-        *out = landmarks(world, physics);
+        *out = landmarks(world, physics, cursor);
     }
 }
 

@@ -44,11 +44,16 @@ pub fn following_with(changes: &[(&str, &str)]) -> Task {
                 technique: {kind: cursor, onto: wall, at: [0.3, 0, -0.2], gain: 4}\nscript:\n  - wait: [0.05, 0.2]\n  \
                 - follow: {target: ball, for_s: 0.1}\n  - react: {among: [slow, ball], after_s: [0, 0.1], for_s: 0.05}\n\
                 time_limit_s: 0.5\n";
-    let changed = changes.iter().fold(text.to_owned(), |text, (old, new)| {
+    changed("following", text, changes)
+}
+
+/// A task's text with other numbers: pairs of a text in it and what stands there instead.
+pub fn changed(name: &str, text: &str, changes: &[(&str, &str)]) -> Task {
+    let text = changes.iter().fold(text.to_owned(), |text, (old, new)| {
         assert!(text.contains(old), "{old}");
         text.replace(old, new)
     });
-    Task::from_yaml(&changed, "following").unwrap()
+    Task::from_yaml(&text, name).unwrap()
 }
 
 /// Spheres in a drawn order and in any, a way between two of them, and a plate before the body, which presses that take back others.
@@ -60,6 +65,40 @@ pub fn shuffled() -> Task {
                 - any_order: [{dwell: {in: [wide.4, wide.5, wide.6], for_s: 0.05}}, {press: plate}]\n  \
                 - steer: {through: [wide.7, wide.1], width: 0.3}\ntime_limit_s: 0.8\n";
     Task::from_yaml(text, "shuffled").unwrap()
+}
+
+/// Plates and a sphere in groups that stand elsewhere in every episode, an obstacle beside them, and all of it observed.
+pub fn drifting() -> Task {
+    drifting_with(&[])
+}
+
+/// The same with other numbers.
+pub fn drifting_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nname: drifting\nscene:\n  desk:\n    kind: group\n    at: [[0.15, 0.35], [-0.2, 0.2], [-0.3, 0.1]]\n    \
+                turn_deg: 20\n    objects:\n      plate: {kind: button, at: [0, 0.3, 0], size: [0.55, 0.9, 0.02], min_force_n: 0.05}\n      \
+                other: {kind: button, at: [0, -0.3, 0], size: [0.55, 0.9, 0.02], min_force_n: 0.05}\n      \
+                spot: {kind: sphere, at: [0, 0, 0.2], radius: [0.25, 0.35]}\n  \
+                shelf: {kind: obstacle, at: [0.3, 0, [0.4, 0.6]], size: [1, 0.5, 0.02]}\n\
+                observation: {target_normal: true, target_kind: true, nearest_obstacle: true}\nscript:\n  \
+                - press: [other, plate]\n  - dwell: {in: spot, for_s: 0.05}\n  - react: {among: [plate, other], after_s: [0, 0.1]}\n\
+                time_limit_s: 0.8\n";
+    changed("drifting", text, changes)
+}
+
+/// A cursor that moves by itself to spheres on a wall, one of which moves, seen until the movement begins.
+pub fn steered() -> Task {
+    steered_with(&[])
+}
+
+/// The same with other numbers.
+pub fn steered_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nname: steered\nscene:\n  wall: {kind: obstacle, at: [1, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  \
+                ball: {kind: sphere, at: [0.99, [-0.1, 0.1], 0], radius: 0.3, moves: {kind: random, by: [0, 0.2, 0.2], period_s: 1}}\n  \
+                spot: {kind: sphere, at: [0.99, [-0.2, 0.2], [-0.2, 0.2]], radius: 0.2, min_distance_from_previous: 0}\n\
+                technique: {kind: rate_cursor, onto: wall, at: [0.3, 0, -0.2], gain: 3}\nstimulus: before_movement\n\
+                script:\n  - wait: [0, 0.1]\n  - dwell: {in: [ball, spot], for_s: 0.1}\n  - follow: {target: ball, for_s: 0.2}\n\
+                time_limit_s: 0.8\n";
+    changed("steered", text, changes)
 }
 
 /// A sphere of a task's scene, to be changed.

@@ -43,6 +43,8 @@ pub struct Stay<S> {
     pub steering: Steering<S>,
     /// Physics steps of the control step that have passed.
     pub passed: S,
+    /// See [`TaskState::cursor`]; zeros where there is none.
+    pub cursor: [S; 2],
 }
 
 impl<S: Scalar> Stay<S> {
@@ -53,7 +55,20 @@ impl<S: Scalar> Stay<S> {
         let TaskState { held, down, old, wrong, .. } = *state;
         let value = goal.drag().map_or(o, |drag| drag.value);
         let steering = state.steering.map_or_else(Steering::new, |steering| Steering { exits: o, ..steering });
-        Self { held, touch: o, pressed: o, let_go: o, down, old, wrong, wrong_presses: o, value, steering, passed: o }
+        Self {
+            held,
+            touch: o,
+            pressed: o,
+            let_go: o,
+            down,
+            old,
+            wrong,
+            wrong_presses: o,
+            value,
+            steering,
+            passed: o,
+            cursor: state.cursor.unwrap_or([o; 2]),
+        }
     }
 
     /// Counts a physics step that began with the pointer here and these contacts; `share` of a control step is a physics step.

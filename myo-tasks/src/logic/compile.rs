@@ -1,6 +1,6 @@
 //! The task in numbers.
 
-use super::{DragStep, Handle, Pointer, SteerStep, StepCue, Waves};
+use super::{DragStep, Handle, Pointer, Shifts, SteerStep, StepCue, Waves};
 use crate::flat::{Action, Block, FlatTask, Object, Order, Shape, Step};
 use crate::{InvalidTask, Reward, Stimulus, Task};
 use myo_model::StaticBox;
@@ -21,6 +21,8 @@ pub struct CompiledTask<T> {
     pub steps: Vec<TaskStep<T>>,
     /// Which kinds of steps there are.
     pub kinds: Kinds,
+    /// Places of groups and boxes that are drawn.
+    pub shifts: Shifts<T>,
     /// How each sphere moves; none where all stand still.
     pub waves: Vec<Waves<T>>,
     /// Handles of sliders, in the order of the scene.
@@ -69,6 +71,8 @@ pub struct Kinds {
     pub steer: bool,
     /// What comes next is shown.
     pub next: bool,
+    /// Once a movement has begun, its object is not seen any more, but remembered.
+    pub memory: bool,
 }
 
 /// [`Reward`] per control step.
@@ -163,6 +167,7 @@ impl<C: Real> CompiledTask<C> {
         let step = |step: &Step| TaskStep::new(step, numbers.0[step.object], task.control_dt_s);
         let kinds = Kinds::of(flat);
         Self {
+            shifts: Shifts::new(flat),
             waves: if kinds.motion { waves(flat, task.control_dt_s) } else { vec![] },
             handles: if kinds.drag { handles(flat) } else { vec![] },
             drags: if kinds.drag { drags(flat) } else { vec![] },
@@ -172,7 +177,7 @@ impl<C: Real> CompiledTask<C> {
             steers: if kinds.steer { steers(flat, &numbers) } else { vec![] },
             orders: flat.orders.clone(),
             correction: flat.correction.map(|object| numbers.number(object)),
-            pointer: Pointer::new(flat),
+            pointer: Pointer::new(flat, task.control_dt_s),
             spheres: flat.objects.iter().enumerate().filter_map(sphere).collect(),
             boxes: flat.objects.iter().filter_map(|object| object.block().map(TouchBox::new)).collect(),
             steps: flat.steps.iter().map(step).collect(),
@@ -192,6 +197,7 @@ impl<T> CompiledTask<T> {
             boxes: self.boxes.iter().map(|each| each.map(f)).collect(),
             steps: self.steps.iter().map(|step| step.map(f)).collect(),
             kinds: self.kinds,
+            shifts: self.shifts.map(f),
             waves: self.waves.iter().map(|waves| waves.map(f)).collect(),
             handles: self.handles.iter().map(|handle| handle.map(f)).collect(),
             drags: self.drags.iter().map(|drag| drag.map(f)).collect(),
@@ -226,6 +232,7 @@ impl Kinds {
             motion: flat.objects.iter().filter_map(Object::sphere).any(|sphere| sphere.path.is_some()),
             steer: any(|step| matches!(step.action, Action::Steer { .. })),
             next: flat.stimulus == Stimulus::All,
+            memory: flat.stimulus == Stimulus::BeforeMovement,
         }
     }
 }

@@ -153,11 +153,12 @@ pub(super) struct Hidden<S: Scalar> {
 
 /// What is seen of step number `step`, which counts where `is_lit`.
 #[inline(always)]
-pub(super) fn hidden<S: Scalar>(task: &CompiledTask<S>, step: S, is_lit: S::Mask) -> Hidden<S> {
+pub(super) fn hidden<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, step: S, is_lit: S::Mask) -> Hidden<S> {
     let entry = |k: usize| {
         let StepCue { hidden, home: [x, y, z], home_size, .. } = task.cues[k];
         [hidden, x, y, z, home_size]
     };
     let [hidden, x, y, z, size] = S::gather(task.cues.len(), entry, step);
-    Hidden { mask: S::lit(0.5).lt(hidden) & !is_lit, centre: [x, y, z], size }
+    let centre = task.shifts.move_step(state, step, [x, y, z]);
+    Hidden { mask: S::lit(0.5).lt(hidden) & !is_lit, centre, size }
 }

@@ -22,6 +22,8 @@ pub struct Goal<S: Scalar> {
     pub is_press: S::Mask,
     /// Where the step counts already; none where all of the task count at once.
     pub is_lit: Option<S::Mask>,
+    /// Where the object is only remembered; none in tasks in which it is seen all the time.
+    pub remembered: Option<S::Mask>,
     /// The way to go, in tasks with ways.
     pub steer: Option<GoalSteer<S>>,
     /// Where a wrong press is to be corrected; none where none must be.
@@ -56,7 +58,7 @@ pub fn centre_ahead<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, ahe
     let centre = centre_of_step(task, state, step, drawn);
     match cue::is_lit(task, state) {
         Some(is_lit) => {
-            let hidden = cue::hidden(task, step, if ahead == 0 { is_lit } else { S::Mask::splat(false) });
+            let hidden = cue::hidden(task, state, step, if ahead == 0 { is_lit } else { S::Mask::splat(false) });
             select_point(hidden.mask, hidden.centre, centre)
         }
         None => centre,
@@ -75,7 +77,8 @@ pub(super) fn centre_of_step<S: Scalar>(
     let [object, is_press] = S::gather(steps.len(), |k| [steps[k].object, steps[k].is_press], step);
     let object = drawn.unwrap_or(object);
     let button = |object| {
-        let centre = S::gather(boxes.len(), |k| boxes[k].shape.centre, object);
+        let place = S::gather(boxes.len(), |k| boxes[k].shape.centre, object);
+        let centre = task.shifts.move_box(state, object, place);
         if task.kinds.drag { slide::handle_of_step(task, state, step, centre) } else { centre }
     };
     match (task.kinds.dwell, task.kinds.press) {
@@ -159,8 +162,19 @@ impl<S: Scalar> Goal<S> {
             S::lit(0.5).lt(follows)
         });
         let (centre, size) = ([S::zero(); 3], S::zero());
-        let mut goal =
-            Self { centre, moves: None, size, dwell, follows, is_press, is_lit, steer: None, corrects, button: None };
+        let mut goal = Self {
+            centre,
+            moves: None,
+            size,
+            dwell,
+            follows,
+            is_press,
+            is_lit,
+            steer: None,
+            corrects,
+            button: None,
+            remembered: None,
+        };
         if task.kinds.dwell {
             (goal.centre, goal.size, goal.moves) = sphere(task, state, object);
         }
@@ -173,7 +187,7 @@ impl<S: Scalar> Goal<S> {
             goal.press(task, state, object, releases);
         }
         if let Some(is_lit) = is_lit {
-            let hidden = cue::hidden(task, number, is_lit);
+            let hidden = cue::hidden(task, state, number, is_lit);
             goal.centre = select_point(hidden.mask, hidden.centre, goal.centre);
             goal.size = S::select(hidden.mask, hidden.size, goal.size);
             goal.moves = goal.moves.map(|moves| moves.map(|x| x.only(!hidden.mask)));
@@ -187,6 +201,7 @@ impl<S: Scalar> Goal<S> {
         let is_press = self.is_press;
         let row = S::gather(task.boxes.len(), |k| task.boxes[k].row(), object);
         let TouchBox { mut shape, min_force } = TouchBox::from_row(row);
+        shape.centre = task.shifts.move_box(state, object, shape.centre);
         let drag = if task.kinds.drag { Some(GoalDrag::of(task, state, &mut shape)) } else { None };
         self.centre = select_point(is_press, shape.centre, self.centre);
         self.size = S::select(is_press, shape.half_size[1], self.size);

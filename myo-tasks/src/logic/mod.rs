@@ -7,11 +7,13 @@ mod arrival;
 mod compile;
 mod cue;
 mod goal;
+mod memory;
 mod order;
 mod pointer;
 mod progress;
 mod reward;
 mod sample;
+mod shift;
 mod slide;
 mod steer;
 mod waves;
@@ -20,11 +22,13 @@ pub use arrival::{Contact, Stay};
 pub use compile::{CompiledTask, DrawnSphere, Kinds, TaskStep, TouchBox, Weights, Which};
 pub use cue::{CueState, StepCue, begin_step};
 pub use goal::{Goal, GoalButton, begins_at, centre_ahead, sphere};
+pub use memory::{Seen, remember};
 pub use order::choose_nearest;
 pub use pointer::{Face, Landmarks, Pointer};
 pub use progress::{Progress, Sensed, advance, inside};
 pub use reward::{RewardTerms, distance_to_goal, remaining_path, reward};
 pub use sample::{MAX_DRAWS, draw_objects};
+pub use shift::Shifts;
 pub use slide::{DragStep, GoalDrag, Handle};
 pub use steer::{GoalSteer, SteerStep, Steering};
 pub use waves::{Wave, Waves};
@@ -44,6 +48,8 @@ pub struct TaskState<S> {
     pub position: Vec<Point<S>>,
     /// Radius of each sphere (m).
     pub size: Vec<S>,
+    /// How far off their places groups and boxes stand (m), per draw; empty where everything stands still.
+    pub shifts: Vec<Point<S>>,
     /// Where the waves of each sphere's path begin (turns); empty where nothing moves.
     pub phases: Vec<[S; 4]>,
     /// Where the handle of each slider stands, as a share of its way; empty where none is dragged.
@@ -56,6 +62,10 @@ pub struct TaskState<S> {
     pub errors: Option<S>,
     /// How far the current way has been gone; none where no step has one.
     pub steering: Option<Steering<S>>,
+    /// What is remembered of the current object; none where it is seen all the time.
+    pub seen: Option<Seen<S>>,
+    /// Where a cursor that moves by itself stands, see [`Landmarks::cursor`]; none where there is none.
+    pub cursor: Option<[S; 2]>,
     /// Number of steps done.
     pub phase: S,
     /// Control steps inside the current sphere without a break.
@@ -85,12 +95,15 @@ impl<S: Scalar> TaskState<S> {
         Self {
             position: vec![[o; 3]; spheres],
             size: vec![o; spheres],
+            shifts: vec![[o; 3]; task.shifts.spans.len()],
             phases: vec![[o; 4]; task.waves.len()],
             values: vec![o; task.handles.len()],
             order: if task.orders.is_empty() { vec![] } else { (0..steps).map(|step| S::lit(step as f64)).collect() },
             cue: (task.kinds.cue || !task.orders.is_empty()).then(|| CueState::new(steps)),
             steering: task.kinds.steer.then(Steering::new),
             errors: task.correction.is_some().then(S::zero),
+            seen: task.kinds.memory.then(Seen::new),
+            cursor: task.pointer.is_rate_cursor().then(|| [o; 2]),
             phase: o,
             dwell: o,
             held: o,
@@ -109,7 +122,8 @@ impl<S: Scalar> TaskState<S> {
         let marks = [&mut self.held, &mut self.down, &mut self.wrong];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
-        for counter in counters.chain(&mut self.errors).chain(steering) {
+        let cursor = self.cursor.iter_mut().flatten();
+        for counter in counters.chain(&mut self.errors).chain(steering).chain(cursor) {
             *counter = S::select(mask, S::zero(), *counter);
         }
         let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
@@ -153,12 +167,15 @@ impl<S: Scalar> TaskState<S> {
         let Self {
             position,
             size,
+            shifts,
             phases,
             values,
             order,
             cue,
             steering,
             errors,
+            seen,
+            cursor,
             phase,
             dwell,
             held,
@@ -169,14 +186,17 @@ impl<S: Scalar> TaskState<S> {
             done_at,
             reached_at,
         } = self;
-        let objects = position.iter_mut().flatten().chain(size).chain(phases.iter_mut().flatten());
+        let points = position.iter_mut().chain(shifts).flatten();
+        let objects = points.chain(size).chain(phases.iter_mut().flatten());
         let cue = cue
             .iter_mut()
             .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
         let times = done_at.iter_mut().chain(reached_at);
         let steering = steering.iter_mut().flat_map(Steering::kept);
         let counters = [phase, dwell, held, down, old, step, wrong];
-        objects.chain(values).chain(order).chain(cue).chain(times).chain(counters).chain(errors).chain(steering)
+        let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
+        let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors);
+        objects.chain(values).chain(script).chain(steering).chain(pointed)
     }
 
     /// Place and radius of the sphere of this number.

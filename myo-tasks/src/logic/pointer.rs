@@ -4,6 +4,7 @@ use super::{Point, difference, norm};
 use crate::flat::{self, FlatTask};
 use crate::technique::RayFrom;
 use myo_scalar::{Real, Scalar};
+use nalgebra::Rotation3;
 
 /// How far (m) a ray goes that meets nothing.
 const FAR: f64 = 20.0;
@@ -40,6 +41,21 @@ pub enum Pointer<T> {
         /// Metres of the cursor per metre of the fingertip.
         gain: T,
     },
+    /// A cursor on a face that moves as long as the fingertip is off its rest.
+    RateCursor {
+        /// The face.
+        onto: Face<T>,
+        /// How far the cursor may go from its middle: up, and across.
+        half: [T; 2],
+        /// Where the fingertip rests.
+        at: [T; 3],
+        /// Directions in which the hand moves it: up the face, and across it.
+        hand: [[T; 3]; 2],
+        /// Metres of the cursor per metre of the fingertip, in a control step.
+        gain: T,
+        /// How far off its rest the fingertip moves nothing.
+        still: T,
+    },
 }
 
 /// The face of a box.
@@ -51,7 +67,7 @@ pub struct Face<T> {
     pub axes: [[T; 3]; 3],
 }
 
-/// Places of the body that techniques go by (m, from the shoulder centre).
+/// Places that techniques go by (m, from the shoulder centre).
 #[derive(Clone, Copy, Debug)]
 pub struct Landmarks<S> {
     /// The fingertip.
@@ -60,6 +76,8 @@ pub struct Landmarks<S> {
     pub elbow: Point<S>,
     /// See `elbow`.
     pub wrist: Point<S>,
+    /// Where a cursor that moves by itself stands, from the middle of its face: up, and across; zeros where there is none.
+    pub cursor: [S; 2],
 }
 
 impl<S: Scalar> Landmarks<S> {
@@ -67,13 +85,14 @@ impl<S: Scalar> Landmarks<S> {
     #[inline(always)]
     pub fn unknown() -> Self {
         let origin = [S::zero(); 3];
-        Self { fingertip: origin, elbow: origin, wrist: origin }
+        Self { fingertip: origin, elbow: origin, wrist: origin, cursor: [S::zero(); 2] }
     }
 }
 
 impl<C: Real> Pointer<C> {
-    pub(super) fn new(flat: &FlatTask) -> Self {
+    pub(super) fn new(flat: &FlatTask, control_dt_s: f64) -> Self {
         let c = C::from_f64;
+        let hand = |rotation: &Rotation3<f64>| [0, 1].map(|k| [0, 1, 2].map(|row| c(rotation[(row, k)])));
         match &flat.pointer {
             flat::Pointer::Fingertip => Self::Fingertip,
             flat::Pointer::Ray { from, onto } => {
@@ -81,12 +100,18 @@ impl<C: Real> Pointer<C> {
             }
             flat::Pointer::GoGo { beyond_m, gain } => Self::GoGo { beyond: c(*beyond_m), gain: c(*gain) },
             flat::Pointer::Cursor { onto, at, rotation, gain } => match Face::new(flat, *onto) {
-                Some(onto) => {
-                    let column = |k: usize| [0, 1, 2].map(|row| c(rotation[(row, k)]));
-                    Self::Cursor { onto, at: at.map(c), hand: [column(0), column(1)], gain: c(*gain) }
-                }
+                Some(onto) => Self::Cursor { onto, at: at.map(c), hand: hand(rotation), gain: c(*gain) },
                 None => Self::Fingertip,
             },
+            flat::Pointer::RateCursor { onto, at, rotation, gain_per_s, still_m } => {
+                let Some((face, block)) = Face::new(flat, *onto).zip(flat.objects[*onto].block()) else {
+                    return Self::Fingertip;
+                };
+                let [up, across, _] = block.half_extents();
+                let (gain, still) = (c(gain_per_s * control_dt_s), c(*still_m));
+                let half = [c(up), c(across)];
+                Self::RateCursor { onto: face, half, at: at.map(c), hand: hand(rotation), gain, still }
+            }
         }
     }
 }
@@ -112,12 +137,25 @@ impl<T> Pointer<T> {
                 hand: hand.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
                 gain: f(gain),
             },
+            Self::RateCursor { onto, half, at, hand, gain, still } => Pointer::RateCursor {
+                onto: onto.map(f),
+                half: half.each_ref().map(&mut *f),
+                at: at.each_ref().map(&mut *f),
+                hand: hand.each_ref().map(|axis| axis.each_ref().map(&mut *f)),
+                gain: f(gain),
+                still: f(still),
+            },
         }
     }
 
     /// Whether it is the fingertip itself.
     pub const fn is_fingertip(&self) -> bool {
         matches!(self, Self::Fingertip)
+    }
+
+    /// Whether it moves by itself.
+    pub const fn is_rate_cursor(&self) -> bool {
+        matches!(self, Self::RateCursor { .. })
     }
 
     /// Whether elbow and wrist must be known.
@@ -158,15 +196,55 @@ impl<S: Scalar> Pointer<S> {
             }
             Self::Cursor { onto, at, hand, gain } => {
                 let off = difference(body.fingertip, *at);
-                let [up, across] = [dot(off, hand[0]) * *gain, dot(off, hand[1]) * *gain];
-                let mut place = onto.middle;
-                for (k, x) in place.iter_mut().enumerate() {
-                    *x = onto.axes[0][k].mul_add(up, onto.axes[1][k].mul_add(across, *x));
-                }
-                place
+                onto.at([dot(off, hand[0]) * *gain, dot(off, hand[1]) * *gain])
             }
+            Self::RateCursor { onto, .. } => onto.at(body.cursor),
         }
     }
+
+    /// Where it may be in time, with the body here: what moves by itself comes to whatever is on its face.
+    #[inline(always)]
+    pub fn place_in_time(&self, body: &Landmarks<S>, goal: Point<S>) -> Point<S> {
+        match self {
+            Self::RateCursor { onto, half, .. } => {
+                let off = difference(goal, onto.middle);
+                let [up, across] = [0, 1].map(|k| within(dot(off, onto.axes[k]), half[k]));
+                onto.at([up, across])
+            }
+            _ => self.place(body, goal),
+        }
+    }
+
+    /// Where a cursor that moves by itself stands a `share` of a control step later, with the body here.
+    #[inline(always)]
+    pub fn moved(&self, body: &Landmarks<S>, share: f64) -> [S; 2] {
+        let Self::RateCursor { half, at, hand, gain, still, .. } = self else { return body.cursor };
+        let off = difference(body.fingertip, *at);
+        let [up, across] = [dot(off, hand[0]), dot(off, hand[1])];
+        let far = up.mul_add(up, across * across).sqrt();
+        // Nearer to its rest than a micrometre the fingertip has no direction, and moves nothing.
+        let rate = (far - *still).max(S::zero()) * far.max(S::lit(1e-6)).recip() * *gain * S::lit(share);
+        let [x, y] = body.cursor;
+        [within(up.mul_add(rate, x), half[0]), within(across.mul_add(rate, y), half[1])]
+    }
+}
+
+impl<S: Scalar> Face<S> {
+    /// The place that is so far (m) up and across from the middle.
+    #[inline(always)]
+    fn at(&self, [up, across]: [S; 2]) -> Point<S> {
+        let mut place = self.middle;
+        for (k, x) in place.iter_mut().enumerate() {
+            *x = self.axes[0][k].mul_add(up, self.axes[1][k].mul_add(across, *x));
+        }
+        place
+    }
+}
+
+/// The nearest number that is at most so far from zero.
+#[inline(always)]
+fn within<S: Scalar>(x: S, most: S) -> S {
+    x.min(most).max(-most)
 }
 
 /// Where the ray from `origin`, away from `from`, meets the face; without one, its point that is nearest to the goal.

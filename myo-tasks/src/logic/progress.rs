@@ -1,6 +1,6 @@
 //! Whether the current step is done.
 
-use super::{CompiledTask, Goal, Landmarks, Point, Stay, TaskState, difference, norm};
+use super::{CompiledTask, Goal, Landmarks, Point, Stay, TaskState, difference, is_same, norm};
 use myo_scalar::Scalar;
 
 /// What the task sees of the body after a control step.
@@ -92,7 +92,7 @@ pub fn advance<S: Scalar>(
     }
     if let Some(drag) = goal.drag() {
         for (number, value) in state.values.iter_mut().enumerate() {
-            let is_it = drag.is_drag & (drag.slider - S::lit(number as f64)).abs().lt(S::lit(0.5));
+            let is_it = drag.is_drag & is_same(drag.slider, S::lit(number as f64));
             *value = S::select(is_it, sensed.stay.value, *value);
         }
     }
@@ -101,6 +101,9 @@ pub fn advance<S: Scalar>(
         for kept in steering.kept() {
             *kept = kept.only(!done);
         }
+    }
+    if let Some(cursor) = &mut state.cursor {
+        *cursor = sensed.stay.cursor;
     }
     state.phase += S::indicator(done);
     let mut task_done = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);

@@ -1,6 +1,7 @@
 //! Drawing the objects of an episode.
 
 use super::order::draw_order;
+use super::shift::{draw_shifts, drawn};
 use super::slide::draw_values;
 use super::waves::draw_phases;
 use super::{CompiledTask, DrawnSphere, Point, TARGET_STREAM, TaskState, Which, difference, norm, select_point};
@@ -10,8 +11,8 @@ use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 /// hardly be met is warned about before training.
 pub const MAX_DRAWS: u32 = 64;
 
-/// Draws where spheres are, where their paths begin, where handles stand and in which order steps come, where the mask is true. `counter` names the episode;
-/// its step and stream are set here.
+/// Draws where groups, boxes and spheres are, where paths begin, where handles stand and in which order steps come, where the
+/// mask is true. `counter` names the episode; its step and stream are set here.
 #[inline(always)]
 pub fn draw_objects<S: Scalar>(
     task: &CompiledTask<S>,
@@ -19,6 +20,7 @@ pub fn draw_objects<S: Scalar>(
     counter: Counter<S::Word>,
     state: &mut TaskState<S>,
 ) {
+    draw_shifts(&task.shifts, mask, counter, state);
     draw_spheres(task, mask, counter, state);
     draw_phases(task, mask, counter, state);
     draw_values(task, mask, counter, state);
@@ -32,9 +34,10 @@ fn draw_spheres<S: Scalar>(task: &CompiledTask<S>, mask: S::Mask, counter: Count
         let counter = Counter { stream: S::Word::splat(TARGET_STREAM + sphere.number), ..counter };
         let previous = sphere.previous.map(|previous| match previous {
             Which::Sphere(index) => state.position[index],
-            Which::Box(index) => task.boxes[index].shape.centre,
+            Which::Box(index) => task.shifts.move_box(state, S::lit(index as f64), task.boxes[index].shape.centre),
         });
-        let (position, radius) = draw_sphere(sphere, mask, counter, previous);
+        let shift = task.shifts.spheres.get(index).map(|&number| drawn(&state.shifts, number));
+        let (position, radius) = draw_sphere(sphere, shift, mask, counter, previous);
         state.position[index] = select_point(mask, position, state.position[index]);
         state.size[index] = S::select(mask, radius, state.size[index]);
     }
@@ -44,11 +47,16 @@ fn draw_spheres<S: Scalar>(task: &CompiledTask<S>, mask: S::Mask, counter: Count
 #[inline(always)]
 fn draw_sphere<S: Scalar>(
     sphere: &DrawnSphere<S>,
+    shift: Option<Point<S>>,
     mask: S::Mask,
     counter: Counter<S::Word>,
     previous: Option<Point<S>>,
 ) -> (Point<S>, S) {
     let least = sphere.min_distance;
+    let mut corner = sphere.lo;
+    for (x, shift) in corner.iter_mut().zip(shift.into_iter().flatten()) {
+        *x += shift;
+    }
     let mut search = Search {
         draw: S::Word::splat(0),
         best: [S::zero(); 3],
@@ -60,7 +68,7 @@ fn draw_sphere<S: Scalar>(
         let words = philox::<S>(Counter { step: search.draw, ..counter });
         let mut candidate = search.best;
         for (k, x) in candidate.iter_mut().enumerate() {
-            *x = unit::<S>(words[k]).mul_add(sphere.extent[k], sphere.lo[k]);
+            *x = unit::<S>(words[k]).mul_add(sphere.extent[k], corner[k]);
         }
         let radius = unit::<S>(words[3]).mul_add(sphere.radius_extent, sphere.radius);
         let first = search.farthest.lt(S::zero());

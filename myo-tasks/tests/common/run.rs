@@ -79,7 +79,7 @@ impl Run {
             }
             self.step += 1;
             let (pointer, _) = at(&goal, self.step * SUBSTEPS);
-            let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer };
+            let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, cursor: [0.0; 2] };
             let sensed = Sensed { body, pointer, stay, now: (self.step * SUBSTEPS) as f64 };
             let progress = advance(&self.task, &goal, &sensed, &mut self.state);
             let begins = progress.target_done && !progress.task_done;

@@ -1,0 +1,134 @@
+//! Groups and boxes whose place is drawn anew for every episode, and arcs.
+
+mod common;
+
+use common::run::{Run, refusal, task, text};
+use myo_tasks::FlatTask;
+
+/// A panel on the wall, somewhere to the left or right and nearer or farther, with two keys and a spot on it, and a lamp that stands
+/// still.
+const PANEL: &str = "  panel:\n    kind: group\n    at: [[0.4, 0.5], [-0.2, 0.1], 0]\n    tilt_deg: 90\n    objects:\n      a: {kind: button, at: [0, 0.05, 0], size: [0.03, 0.03, 0.01]}\n      b: {kind: button, at: [0, -0.05, 0], size: [0.03, 0.03, 0.01]}\n      spot: {kind: sphere, at: [0.1, 0, -0.02], radius: 0.01}\n  lamp: {kind: sphere, at: [0.5, 0.3, 0], radius: 0.02}";
+const TOUR: &str = "  - press: [a, b]\n  - dwell: {in: [spot, lamp], for_s: 0.1}";
+
+/// Where the objects of all steps are in an episode.
+fn places(run: &mut Run) -> Vec<[f64; 3]> {
+    let steps = run.task.steps.len();
+    (0..steps)
+        .map(|step| {
+            run.state.phase = step as f64;
+            run.goal().centre
+        })
+        .collect()
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[track_caller]
+fn assert_near(a: [f64; 3], b: [f64; 3]) {
+    assert!((0..3).all(|k| (a[k] - b[k]).abs() < 1e-12), "{a:?}, {b:?}");
+}
+
+#[test]
+fn a_panel_is_drawn_as_one_and_what_is_not_on_it_stays() {
+    let task = task(PANEL, TOUR);
+    let (mut x, mut y) = (vec![], vec![]);
+    const EPISODES: u32 = 400;
+    for episode in 1..=EPISODES {
+        let [a, b, spot, lamp] = places(&mut Run::episode(&task, episode))[..] else { panic!("four steps") };
+        assert_near(minus(a, b), [0.0, 0.1, 0.0]);
+        assert_near(minus(spot, b), [0.02, 0.05, 0.1]);
+        assert_near(lamp, [0.5, 0.3, 0.0]);
+        assert_eq!(a[2], 0.0);
+        x.push(a[0]);
+        y.push(a[1] - 0.05);
+    }
+    for (drawn, least, most) in [(&x, 0.4, 0.5), (&y, -0.2, 0.1)] {
+        assert!(drawn.iter().all(|place| (least..=most).contains(place)));
+        let mean = drawn.iter().sum::<f64>() / f64::from(EPISODES);
+        // Uniform: its deviation is the width over the root of twelve; four standard errors.
+        let error = (most - least) / 12_f64.sqrt() / f64::from(EPISODES).sqrt();
+        assert!((mean - 0.5 * (least + most)).abs() < 4.0 * error, "{mean}");
+    }
+    let (mean_x, mean_y) = (0.45, -0.05);
+    let together: f64 = x.iter().zip(&y).map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / f64::from(EPISODES);
+    assert!(together.abs() < 4.0 * 0.0289 * 0.0866 / 20.0, "both are drawn for themselves: {together}");
+}
+
+#[test]
+fn ways_are_those_of_what_is_around() {
+    let scene = "  wall:\n    kind: group\n    at: [0.5, 0, 0]\n    tilt_deg: 90\n    scale: 0.5\n    objects:\n      key: {kind: button, at: [[0, 0.2], 0, 0], size: [0.06, 0.06, 0.02]}";
+    let task = task(scene, "  - press: key");
+    let heights: Vec<f64> = (1..=50)
+        .map(|episode| {
+            let [x, y, z] = places(&mut Run::episode(&task, episode))[0];
+            assert!((x - 0.5).abs() < 1e-12 && y.abs() < 1e-12, "up the wall: {x}, {y}");
+            z
+        })
+        .collect();
+    let (least, most) = heights.iter().fold((1.0_f64, 0.0_f64), |(lo, hi), &z| (lo.min(z), hi.max(z)));
+    assert!((0.0..0.01).contains(&least) && (0.09..=0.1).contains(&most), "{least} to {most}, half of what is written");
+    let object = &task.flat().unwrap().objects[0];
+    assert!((object.places().z.max - 0.1).abs() < 1e-12 && object.places().z.min.abs() < 1e-12);
+}
+
+#[test]
+fn what_is_drawn_for_itself_may_not_meet_what_it_stands_beside() {
+    let said = |panel: &str| {
+        let scene = format!(
+            "  a: {{kind: button, at: {panel}, size: [0.03, 0.03, 0.01]}}\n  b: {{kind: obstacle, at: [0.4, 0.1, 0], size: [0.03, 0.03, 0.01]}}"
+        );
+        refusal(&text(&scene, "  - press: a"))
+    };
+    assert_eq!(said("[0.4, [0, 0.06], 0]"), "");
+    // Up to 0.08 and half a width; the other begins at 0.085.
+    assert_eq!(
+        said("[0.4, [0, 0.08], 0]"),
+        "t.yaml:5:27: a and b overlap by 10.0 mm; move one of them, or make it smaller"
+    );
+    assert_eq!(said("[[0.2, 0.35], [0, 0.08], 0]"), "", "never beside it");
+}
+
+#[test]
+fn a_range_in_a_range_and_a_display_that_moves_are_refused() {
+    let inner = PANEL.replace("at: [0, 0.05, 0]", "at: [0, [0.04, 0.05], 0]");
+    assert_eq!(
+        refusal(&text(&inner, TOUR)),
+        "t.yaml:9:29: the place of `panel.a` is a range of places in a group whose place is drawn already; give single numbers"
+    );
+    let grid = "  g: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 17, pitch: 0.03, of: {kind: button, at: [0, 0, [0, 0.1]], size: [0.01, 0.01, 0.01]}}";
+    assert_eq!(
+        refusal(&text(grid, "  - press: 1")),
+        "t.yaml:4:94: the place of `g.17` is the 17th range of places of groups and boxes; at most 16 are drawn"
+    );
+    let wall = "  wall: {kind: obstacle, at: [2, [0, 0.1], 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  spot: {kind: sphere, at: [1.99, 0.2, 0.3], radius: 0.1}";
+    let onto = format!(
+        "{}technique: {{kind: ray, from: hand, onto: wall}}\n",
+        text(wall, "  - dwell: {in: spot, for_s: 0.1}")
+    );
+    assert_eq!(refusal(&onto), "t.yaml:8:42: `wall` has a range of places; a pointer needs a face that stands still");
+    let lamps = format!("{PANEL}\n  c: {{kind: button, at: [0.4, 0.5, 0], size: [0.03, 0.03, 0.01]}}");
+    let refused = refusal(&text(&lamps, "  - react: {among: [a, c], after_s: 1}"));
+    assert!(
+        refused.ends_with("`c` is not moved with `panel.a` when places are drawn; put both into one group"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn an_arc_goes_from_left_to_right() {
+    let flat = |text: &str| -> FlatTask { task(text, "  - press: fan").flat().unwrap() };
+    let key = "of: {kind: button, size: [0.02, 0.02, 0.01]}";
+    let fan = flat(&format!(
+        "  fan: {{kind: arc, at: [0.3, 0, -0.3], count: 3, radius: 0.1, from_deg: -90, to_deg: 90, names: [l, m, r], {key}}}"
+    ));
+    let at = |k: usize| fan.objects[k].region().at([0.5; 3]);
+    assert_eq!(fan.objects.iter().map(|object| &*object.name).collect::<Vec<_>>(), ["fan.l", "fan.m", "fan.r"]);
+    assert_near(at(0), [0.3, 0.1, -0.3]);
+    assert_near(at(1), [0.4, 0.0, -0.3]);
+    assert_near(at(2), [0.3, -0.1, -0.3]);
+    let one = flat(&format!("  fan: {{kind: arc, count: 1, radius: 0.1, {key}}}"));
+    let half = 0.1 * 0.5_f64.sqrt();
+    assert_near(one.objects[0].region().at([0.5; 3]), [half, half, 0.0]);
+}
