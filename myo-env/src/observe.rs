@@ -318,7 +318,7 @@ fn to_nearest_obstacle<S: Scalar>(
     let (o, fingertip) = (S::zero(), Vec3::new(x, y, z));
     let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
     let mut nearest = Nearest { distance: S::lit(FAR), way: Vec3::new(o, o, o) };
-    S::for_each_row(boxes.len(), &mut nearest, |nearest, row| {
+    S::for_each_row(boxes.count(), &mut nearest, |nearest, row| {
         let which = Which::Row(row);
         let (away, _) = boxes.seen_from(fingertip, which);
         let (axes, half_size) = boxes.sides(which);

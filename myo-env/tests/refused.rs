@@ -47,6 +47,9 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         cue: false,
         drag: false,
         steer: false,
+        target_normal: false,
+        target_kind: false,
+        nearest_obstacle: false,
     };
     refused(blind.clone(), "`observation` has no part; at least one must be true");
     blind.observation.cue = true;

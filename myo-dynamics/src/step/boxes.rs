@@ -34,7 +34,7 @@ pub enum Which<S: Scalar> {
 impl<S: Scalar> Boxes<'_, S> {
     /// How many there are.
     #[inline(always)]
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.obstacles.boxes.len()
     }
 

@@ -140,7 +140,7 @@ fn look_around<S: Scalar>(
             look_at(sphere, boxes, centre, reach, Which::Listed(number), around);
         }
     } else {
-        S::for_each_row(boxes.len(), around, |around, row| {
+        S::for_each_row(boxes.count(), around, |around, row| {
             look_at(sphere, boxes, centre, reach, Which::Row(row), around);
         });
     }

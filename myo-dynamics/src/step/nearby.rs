@@ -42,7 +42,7 @@ impl<S: Scalar> Stage<S> for List<'_, S> {
         let count = nearby.boxes.len();
         let far = S::lit(FAR);
         let mut order = Order { distances: vec![far; count], numbers: vec![S::zero(); count], rest: far };
-        S::for_each_row(boxes.len(), &mut order, |order, row| {
+        S::for_each_row(boxes.count(), &mut order, |order, row| {
             let (away, radius) = boxes.seen_from(centre, Which::Row(row));
             let distance = away.dot(away).sqrt() - radius - reach;
             // What the ball around a box says is the least that it can be: farther than the rest, it changes nothing.

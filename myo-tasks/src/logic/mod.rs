@@ -103,7 +103,7 @@ impl<S: Scalar> TaskState<S> {
             steering: task.kinds.steer.then(Steering::new),
             errors: task.correction.is_some().then(S::zero),
             seen: task.kinds.memory.then(Seen::new),
-            cursor: task.pointer.is_rate_cursor().then(|| [o; 2]),
+            cursor: task.pointer.is_rate_cursor().then_some([o; 2]),
             phase: o,
             dwell: o,
             held: o,
