@@ -423,8 +423,8 @@ fn table(outcome: &Outcome) -> serde_json::Value {
 /// How a training of several went as JSON, or what went wrong.
 type Told = (Option<String>, String);
 
-/// Users of one batch of tasks and seeds, trained at once on a graphics card without run folders: for each, how it went as
-/// JSON, or what went wrong. And what a signal handler raised meanwhile, which is left to the caller.
+/// Users of one batch of tasks and seeds, trained at once on a graphics card without run folders: for each, how it went, and what was
+/// trained, as JSON, or what went wrong. And what a signal handler raised meanwhile, which is left to the caller.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named arguments in Python")]
 #[pyo3(signature = (tasks, model, seeds, *, config, device, until, steps))]
@@ -446,8 +446,17 @@ pub fn train_at_once(
     let body = model.inner();
     let (outcomes, raised) =
         interruptible(py, &*pool()?, |go_on| myo::train_at_once(&device, body, &users, &config, goal, go_on))?;
-    let told = outcomes.map_err(error::run)?.into_iter().map(|outcome| match outcome {
-        Ok(outcome) => (Some(table(&outcome).to_string()), String::new()),
+    let describe = |user: &User<'_>| {
+        let own_model = model.unless_built_in(&user.task.model);
+        let run = RunDescription::new(user.task.clone(), own_model, &device, goal, None);
+        serde_json::json!({ "run": run, "ppo": config, "seed": user.seed })
+    };
+    let told = outcomes.map_err(error::run)?.into_iter().zip(&users).map(|(outcome, user)| match outcome {
+        Ok(outcome) => {
+            let mut table = table(&outcome);
+            table["description"] = describe(user);
+            (Some(table.to_string()), String::new())
+        }
         Err(error) => (None, error.to_string()),
     });
     Ok((told.collect(), raised))

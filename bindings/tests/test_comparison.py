@@ -4,6 +4,7 @@ import pandas
 import pytest
 
 import myoenv
+import myoenv.sweep
 
 SHORT = {"until": None, "steps": 512, "num_envs": 32, "backend": "cpu", "settings": {"steps_per_update": 16}}
 
@@ -22,6 +23,15 @@ def test_two_layouts_are_compared(tmp_path):
     pandas.testing.assert_frame_equal(myoenv.compare(**runs), table)
     alone = myoenv.compare(runs["first"][:1], runs["second"])
     assert (alone["verdict"] == "unknown").all() and alone["low"].isna().all()
+
+
+def test_users_on_a_card_are_trained_at_once_and_as_if_each_were_alone(tmp_path):
+    layouts = myoenv.sweep.button_grid(columns=2, rows=1).values()
+    short = {**SHORT, "backend": "gpu", "device": 0}
+    at_once = myoenv.compare(*layouts, seeds=2, **short)
+    alone = myoenv.compare(*layouts, seeds=2, out=tmp_path, **short)
+    pandas.testing.assert_frame_equal(at_once, alone)
+    assert at_once.attrs == alone.attrs and at_once.attrs["users"] == [2, 2]
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path):

@@ -23,7 +23,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from myoenv._native import __version__, task_batches, train_at_once, write_whole
+from myoenv._native import __version__, write_whole
 from myoenv.arguments import (
     MOST_THREADS,
     as_count,
@@ -37,6 +37,7 @@ from myoenv.arguments import (
     as_text,
     as_until,
 )
+from myoenv.at_once import User, train_users
 from myoenv.tasks import TaskError, TaskLike, load_task, task_and_model, to_dict
 from myoenv.training import STEPS
 
@@ -253,32 +254,18 @@ def _run(ray: Any, trials: list[Trial], threads: int, results: _Results) -> None
 def _run_on_card(trials: list[Trial], device: str | None, goal: str, results: _Results) -> None:
     """Trains trials at once, batch after batch."""
     described = [json.loads(trial.description) for trial in trials]
-    pairs = [task_and_model(each["task"]) for each in described]
-    bodies: dict[str, list[int]] = {}
-    for k, (_, body) in enumerate(pairs):
-        bodies.setdefault(body.to_json(), []).append(k)
-    for same in bodies.values():
-        body = pairs[same[0]][1]
-        for batch in task_batches([pairs[k][0] for k in same], body):
-            members = [same[k] for k in batch]
-            first = described[members[0]]
-            config = {**first["settings"], **({} if first["num_envs"] is None else {"num_envs": first["num_envs"]})}
-            outcomes, raised = train_at_once(
-                [pairs[k][0] for k in members],
-                body,
-                [described[k]["seed"] for k in members],
-                config=json.dumps(config),
-                device=device,
-                until=goal,
-                steps=first["steps"],
-            )
-            if raised is not None:
-                raise raised
-            for k, (outcome, error) in zip(members, outcomes, strict=True):
-                if outcome is None:
-                    results.fail(trials[k], RuntimeError(error))
-                else:
-                    results.finish(trials[k], _row(trials[k], **json.loads(outcome)))
+    if not described:
+        return
+    users = [User(*task_and_model(each["task"]), each["seed"]) for each in described]
+    # Only tasks and seeds differ from trial to trial.
+    first = described[0]
+    num_envs = {} if first["num_envs"] is None else {"num_envs": first["num_envs"]}
+    settings = {**first["settings"], **num_envs}
+    for k, outcome in train_users(users, settings=settings, device=device, until=goal, steps=first["steps"]):
+        if isinstance(outcome, RuntimeError):
+            results.fail(trials[k], outcome)
+        else:
+            results.finish(trials[k], _row(trials[k], **outcome))
 
 
 def run_trial(trial: Trial, threads: int) -> Row:

@@ -1,0 +1,46 @@
+"""Users trained at once on a graphics card, each as it would be trained alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from myoenv._native import Model, Task, task_batches, train_at_once
+
+
+class User(NamedTuple):
+    """Who is to be trained."""
+
+    task: Task
+    body: Model
+    seed: int
+
+
+def train_users(
+    users: Sequence[User], *, settings: Mapping[str, Any], device: str | None, until: str, steps: int
+) -> Iterator[tuple[int, dict[str, Any] | RuntimeError]]:
+    """For each user, by its number, how it went or what went wrong; batch after batch.
+
+    A batch is of one body and of layouts of one structure.
+    """
+    bodies: dict[str, list[int]] = {}
+    for k, user in enumerate(users):
+        bodies.setdefault(user.body.to_json(), []).append(k)
+    for same in bodies.values():
+        body = users[same[0]].body
+        for batch in task_batches([users[k].task for k in same], body):
+            members = [same[k] for k in batch]
+            outcomes, raised = train_at_once(
+                [users[k].task for k in members],
+                body,
+                [users[k].seed for k in members],
+                config=json.dumps(settings),
+                device=device,
+                until=until,
+                steps=steps,
+            )
+            if raised is not None:
+                raise raised
+            for k, (outcome, error) in zip(members, outcomes, strict=True):
+                yield k, RuntimeError(error) if outcome is None else json.loads(outcome)
