@@ -57,7 +57,7 @@ impl<C: Precision> BatchEnv<C> {
     /// As for [`new`](Self::new); there is no task, or more than environments, or their structures differ.
     pub fn with_layouts(model: &Model, tasks: &[Task], config: &EnvConfig) -> Result<Self, BuildError> {
         check_count(config)?;
-        check_layouts(tasks, config.num_envs)?;
+        check_layouts(tasks.len(), config.num_envs)?;
         let tables = Tables::of_layouts(model, tasks, None, &C::plan)?;
         let spec = spec(model, tasks, &tables, config);
         Self::start(tables, spec, C::script(), config)
@@ -79,7 +79,7 @@ impl<C: Precision> BatchEnv<C> {
     /// No environments, no memory left, no such number of threads, or fewer environments than layouts.
     pub fn sibling(&self, config: &EnvConfig) -> Result<Self, BuildError> {
         check_count(config)?;
-        self.spec.check_layouts(config.num_envs)?;
+        check_layouts(self.spec.layouts(), config.num_envs)?;
         self.tables.rules.as_ref().map_or(Ok(()), |rules| rules.check_config(config))?;
         let &EnvConfig { num_envs, exploring, .. } = config;
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
@@ -268,7 +268,7 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
     }
 
     fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {
-        check_layouts(tasks, self.spec.num_envs).map_err(EnvError::other_task)?;
+        check_layouts(tasks.len(), self.spec.num_envs).map_err(EnvError::other_task)?;
         self.tables.set_tasks(tasks).map_err(EnvError::other_task)?;
         self.spec.max_episode_steps = longest_episode(tasks);
         self.spec.layout_limits = layout_limits(tasks);

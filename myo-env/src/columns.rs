@@ -11,6 +11,22 @@ pub struct Column {
     pub meaning: &'static str,
 }
 
+/// Columns that every summary of an episode has.
+pub(crate) const RETURN: Column = Column::new("return", "", "Sum of the rewards.");
+pub(crate) const LENGTH: Column = Column::new("length", "control steps", "Control steps from reset to end.");
+pub(crate) const EFFORT: Column =
+    Column::new("effort", "", "Squared muscle control, mean over muscles and control steps.");
+pub(crate) const SOLVER_ROUNDS: Column = Column::new(
+    "solver_rounds",
+    "",
+    "Rounds of the constraint solver per physics step, mean; 1 without limits and contact.",
+);
+pub(crate) const SOLVER_UNSOLVED: Column = Column::new(
+    "solver_unsolved",
+    "",
+    "Physics steps that the solver gave up on: their forces are not to be trusted.",
+);
+
 impl Column {
     /// A column.
     pub const fn new(name: &'static str, unit: &'static str, meaning: &'static str) -> Self {

@@ -4,7 +4,7 @@ use crate::memory::MOST_ENVS;
 use crate::vector::Autoreset;
 use myo_dynamics::PlanError;
 use myo_scalar::{Level, LevelError};
-use myo_tasks::{InvalidTask, Task};
+use myo_tasks::InvalidTask;
 use thiserror::Error;
 
 /// Most threads of one pool.
@@ -151,8 +151,7 @@ pub enum BuildError {
 }
 
 /// Every layout needs an environment: number `env` does the task of number `env` modulo how many there are.
-pub(crate) fn check_layouts(tasks: &[Task], num_envs: usize) -> Result<(), BuildError> {
-    let layouts = tasks.len();
+pub(crate) fn check_layouts(layouts: usize, num_envs: usize) -> Result<(), BuildError> {
     if layouts > num_envs { Err(BuildError::IdleLayouts { layouts, num_envs }) } else { Ok(()) }
 }
 

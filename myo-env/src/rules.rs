@@ -1,6 +1,6 @@
 //! Tasks of one's own: observation, judgement and reward as one function, in place of a script.
 
-use crate::columns::Column;
+use crate::columns::{self, Column};
 use crate::config::{BuildError, EnvConfig};
 use crate::tables::Tables;
 use crate::vector::EnvSpec;
@@ -150,17 +150,13 @@ impl<S: Scalar> Verdict<S> {
 
 /// Columns of an episode summary under [`Rules`], in place of those of a script.
 pub const RULES_COLUMNS: [Column; 7] = [
-    Column::new("return", "", "Sum of the rewards."),
-    Column::new("length", "control steps", "Control steps from reset to end."),
+    columns::RETURN,
+    columns::LENGTH,
     Column::new("success", "", "1 if the rules ended the episode as done, else 0."),
     Column::new("failed", "", "1 if the rules ended it as failed, else 0; neither where the time was up."),
-    Column::new("effort", "", "Squared muscle control, mean over muscles and control steps."),
-    Column::new(
-        "solver_rounds",
-        "",
-        "Rounds of the constraint solver per physics step, mean; 1 without limits and contact.",
-    ),
-    Column::new("solver_unsolved", "", "Physics steps that the solver gave up on: their forces are not to be trusted."),
+    columns::EFFORT,
+    columns::SOLVER_ROUNDS,
+    columns::SOLVER_UNSOLVED,
 ];
 
 /// What tables keep of rules: enough for sizes and names, nothing that runs.

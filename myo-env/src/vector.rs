@@ -54,12 +54,6 @@ impl EnvSpec {
         self.layout_limits.len().max(1)
     }
 
-    /// Every layout needs an environment.
-    pub(crate) fn check_layouts(&self, num_envs: usize) -> Result<(), BuildError> {
-        let layouts = self.layouts();
-        if layouts > num_envs { Err(BuildError::IdleLayouts { layouts, num_envs }) } else { Ok(()) }
-    }
-
     /// Control steps from one cut by the time limit to the next of the same environment, at least; 1 or more.
     pub fn steps_between_cuts(&self) -> usize {
         let share = if self.exploring > 0 { LEFT[0] } else { 1.0 };

@@ -41,6 +41,7 @@ from myoenv.tasks import load_task
 
 __all__ = [
     "AnyOrder",
+    "Arc",
     "Button",
     "Circle",
     "CircleMotion",
@@ -64,6 +65,7 @@ __all__ = [
     "PressAndRelease",
     "RandomMotion",
     "RandomOrder",
+    "RateCursor",
     "Ray",
     "React",
     "Region",
@@ -215,7 +217,8 @@ class Button(Object):
     Args:
         size: Full sizes `(width, height, depth)` in m: of the upright face, width is the horizontal and height the
             vertical extent; depth is how thick the button is. Each from 0.001 to 2.
-        at: Centre of the box, `(x, y, z)` in m. Each from -2 to 2 m.
+        at: Centre of the box, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from
+            -2 to 2 m.
         tilt_deg: Where the face looks, in degrees: 0 up, like a key on a table; 90 towards the user, like a wall.
             Default 0. From 0 to 180 deg.
         turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
@@ -225,7 +228,7 @@ class Button(Object):
 
     kind: ClassVar[str] = "button"
     size: Triple
-    at: Triple | None = None
+    at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
     min_force_n: float | None = None
@@ -237,7 +240,8 @@ class Slider(Object):
 
     Args:
         length: How far the handle can be moved, in m. From 0.001 to 2 m.
-        at: The middle of the way, `(x, y, z)` in m. Each from -2 to 2 m.
+        at: The middle of the way, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each
+            from -2 to 2 m.
         handle: Length of the handle along the way, in m. Default 0.02. From 0.001 to 2 m.
         width: How wide the way and its handle are, in m. Default 0.02. From 0.001 to 2 m.
         depth: How thick it is, in m. Default 0.005. From 0.001 to 2 m.
@@ -256,7 +260,7 @@ class Slider(Object):
 
     kind: ClassVar[str] = "slider"
     length: float
-    at: Triple | None = None
+    at: Place | None = None
     handle: float | None = None
     width: float | None = None
     depth: float | None = None
@@ -274,14 +278,15 @@ class Obstacle(Object):
 
     Args:
         size: Full sizes `(width, height, depth)` in m, as of a button. Each from 0.001 to 2 m.
-        at: Centre of the box, `(x, y, z)` in m. Each from -2 to 2 m.
+        at: Centre of the box, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from
+            -2 to 2 m.
         tilt_deg: Where its face looks, as of a button. Default 0. From 0 to 180 deg.
         turn_deg: Turned about the vertical, as of a button. Default 0. From -180 to 180 deg.
     """
 
     kind: ClassVar[str] = "obstacle"
     size: Triple
-    at: Triple | None = None
+    at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
 
@@ -292,7 +297,8 @@ class Group(Object):
 
     Args:
         objects: What belongs to it.
-        at: Where its origin lies, `(x, y, z)` in m. Default: at the origin of what is around it. Each from -2 to 2 m.
+        at: Where its origin lies, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode, and
+            all that belongs to it moves along. Default: at the origin of what is around it. Each from -2 to 2 m.
         tilt_deg: How it is tilted, in degrees: at 0 its own axes are those around it; at 90 its x points up, and its z
             to the user. From 0 to 180 deg.
         turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
@@ -302,7 +308,7 @@ class Group(Object):
 
     kind: ClassVar[str] = "group"
     objects: Mapping[str, Object]
-    at: Triple | None = None
+    at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
     scale: float | None = None
@@ -318,7 +324,8 @@ class Grid(Object):
         pitch: Distance from one middle to the next, in m; of rows and columns alike, or `(across, down)`. From 0.001 to
             2 m.
         of: What stands at each place; its own `at` is added.
-        at: Its middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        at: Its middle, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from -2 to 2
+            m.
         tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
             180 deg.
         turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
@@ -331,9 +338,41 @@ class Grid(Object):
     columns: int
     pitch: float | Pair
     of: Object
-    at: Triple | None = None
+    at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
+    names: Sequence[Name] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Arc(Object):
+    """One object again and again on a part of a circle.
+
+    Args:
+        count: How many objects. From 1 to 256.
+        radius: From the middle of the circle to theirs, in m. From 0.001 to 2 m.
+        of: What stands at each place; its own `at` is added.
+        at: Middle of the circle, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each
+            from -2 to 2 m.
+        tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
+            180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+        from_deg: Where the first stands, in degrees: 0 up the face (of a table: straight ahead), 90 to the right.
+            Default -45. From -180 to 180 deg.
+        to_deg: Where the last stands, in degrees. Default 45. From -180 to 180 deg.
+        names: What each is called, from the first to the last. Without it: 1, 2, 3 and so on.
+    """
+
+    kind: ClassVar[str] = "arc"
+    count: int
+    radius: float
+    of: Object
+    at: Place | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+    from_deg: float | None = None
+    to_deg: float | None = None
     names: Sequence[Name] | None = None
 
 
@@ -345,7 +384,8 @@ class Circle(Object):
         count: How many objects; an odd number, so that every way is as long as the others. From 3 to 255.
         diameter: Diameter of the circle through their middles, in m. From 0.001 to 2 m.
         of: What stands at each place; its own `at` is added.
-        at: Its middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        at: Its middle, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from -2 to 2
+            m.
         tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
             180 deg.
         turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
@@ -356,7 +396,7 @@ class Circle(Object):
     count: int
     diameter: float
     of: Object
-    at: Triple | None = None
+    at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
 
@@ -368,7 +408,8 @@ class Keyboard(Object):
     Args:
         pitch: Distance from the middle of one key to that of the next, in m. From 0.001 to 2 m.
         key: Width and height of a key, in m; the space bar is five keys wide. From 0.001 to 2 m.
-        at: Its middle, `(x, y, z)` in m. Each from -2 to 2 m.
+        at: Its middle, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from -2 to 2
+            m.
         tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
             180 deg.
         turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
@@ -381,7 +422,7 @@ class Keyboard(Object):
     kind: ClassVar[str] = "keyboard"
     pitch: float
     key: float
-    at: Triple | None = None
+    at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
     layout: Literal["qwerty"] | None = None
@@ -635,6 +676,29 @@ class Cursor(Technique):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
+class RateCursor(Technique):
+    """A cursor on a display that moves as long as the fingertip is off its place of rest, like that of a joystick.
+
+    Args:
+        onto: Name of the object on whose face it moves.
+        at: Where the fingertip rests, `(x, y, z)` in m. Each from -2 to 2 m.
+        gain: How fast the cursor moves, in m/s for each metre that the fingertip is off its rest. From 0.01 to 100.
+        still: How far off its rest, in m, the fingertip moves nothing. Default 0.01. From 0 to 4 m.
+        tilt_deg: How the plane of the hand is tilted, in degrees, as of a cursor. Default 0. From 0 to 180 deg.
+        turn_deg: The plane of the hand turned about the vertical, in degrees, as of a cursor. Default 0. From -180 to
+            180 deg.
+    """
+
+    kind: ClassVar[str] = "rate_cursor"
+    onto: str
+    at: Triple
+    gain: float
+    still: float | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Reward(Described):
     """Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
 
@@ -692,6 +756,9 @@ class Observation(Described):
         target_position: Centre of the current target, in m from the shoulder centre. Default True.
         target_size: Radius of the current sphere, or half the width of the current button or way, in m. Default True.
         target_vector: From the fingertip, or the pointer, to the centre of the current target, in m. Default True.
+        target_normal: Where the face of the current button or slider looks, a unit vector; 0 for spheres, and before it
+            lights up. Default False.
+        target_kind: Whether the current target is to be pressed or dragged, 1, or to be pointed at, 0. Default False.
         target_velocity: Velocity of the current target, in m/s, in tasks where something moves. Default True.
         next_target_vector: From the centre of the current target to that of the next, in m; 0 at the last target.
             Default True.
@@ -706,6 +773,8 @@ class Observation(Described):
             sliders. Default True.
         steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
             whether it is within the way: 1 or 0; in tasks with ways. Default True.
+        nearest_obstacle: From the fingertip to the nearest place of the surface of any box but the current target, in
+            m, at most 1; in tasks with boxes. Default False.
     """
 
     joint_position: bool | None = None
@@ -717,6 +786,8 @@ class Observation(Described):
     target_position: bool | None = None
     target_size: bool | None = None
     target_vector: bool | None = None
+    target_normal: bool | None = None
+    target_kind: bool | None = None
     target_velocity: bool | None = None
     next_target_vector: bool | None = None
     phase: bool | None = None
@@ -727,6 +798,7 @@ class Observation(Described):
     cue: bool | None = None
     drag: bool | None = None
     steer: bool | None = None
+    nearest_obstacle: bool | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -771,7 +843,7 @@ def build_task(
     scene: Mapping[str, Object],
     script: Sequence[Step],
     technique: Technique | Literal["fingertip"] | None = None,
-    stimulus: Literal["all", "current"] | None = None,
+    stimulus: Literal["all", "current", "before_movement"] | None = None,
     correction: Name | None = None,
     time_limit_s: float | None = None,
     reward: Reward | None = None,
@@ -791,7 +863,8 @@ def build_task(
         technique: What points: the fingertip, a ray, a Go-Go hand or a cursor. Default `fingertip`.
         stimulus: What the simulated user sees of the task: the object of the current step and of the next one, or of
             the `current` one alone. Default `all`. `all`: The object of the current step, and where that of the next
-            one is. `current`: The object of the current step alone.
+            one is. `current`: The object of the current step alone. `before_movement`: The same, and only until the
+            pointer has moved a centimetre towards it or elsewhere; from then on it is remembered as it was.
         correction: The button that takes back a wrong press, such as `delete`: each must be corrected before the script
             goes on. Without it wrong presses are counted, and cost what `reward.wrong_press` says.
         time_limit_s: When an episode ends without success, in s. Rounded to whole control steps. Default 12. From 0.001

@@ -1,6 +1,6 @@
 //! What is summed up over an episode, and the summary at its end.
 
-use crate::columns::Column;
+use crate::columns::{self, Column};
 use crate::parameters::World;
 use crate::state::{EFFORT_SUM, EXIT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM, WRONG_SUM};
 use myo_dynamics::SolverTally;
@@ -9,8 +9,8 @@ use myo_tasks::logic::{self, Goal, Progress, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
 pub const EPISODE_COLUMNS: [Column; 17] = [
-    Column::new("return", "", "Sum of the rewards."),
-    Column::new("length", "control steps", "Control steps from reset to end."),
+    columns::RETURN,
+    columns::LENGTH,
     Column::new("success", "", "1 if every target was done, else 0."),
     Column::new("targets_done", "", "Targets that were done."),
     Column::new(
@@ -18,7 +18,7 @@ pub const EPISODE_COLUMNS: [Column; 17] = [
         "m",
         "From the fingertip, or the pointer, to the centre of the current target at the end.",
     ),
-    Column::new("effort", "", "Squared muscle control, mean over muscles and control steps."),
+    columns::EFFORT,
     Column::new("reward_distance", "", "What the cost of distance and of time added up to, negative."),
     Column::new("reward_subtask", "", "What was given for targets."),
     Column::new("reward_completion", "", "What was given for the whole task."),
@@ -26,12 +26,8 @@ pub const EPISODE_COLUMNS: [Column; 17] = [
     Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
     Column::new("reward_wrong_press", "", "What presses cost that were not asked for, negative."),
     Column::new("reward_exit", "", "What leaving ways cost, negative."),
-    Column::new(
-        "solver_rounds",
-        "",
-        "Rounds of the constraint solver per physics step, mean; 1 without limits and contact.",
-    ),
-    Column::new("solver_unsolved", "", "Physics steps that the solver gave up on: their forces are not to be trusted."),
+    columns::SOLVER_ROUNDS,
+    columns::SOLVER_UNSOLVED,
     Column::new("wrong_presses", "", "How often a button was pressed that the current step did not ask for."),
     Column::new("exits", "", "How often a way was left that was to be steered along."),
 ];

@@ -80,7 +80,7 @@ impl GpuEnv {
         options: &GpuOptions,
     ) -> Result<Self, BuildError> {
         batch::check_count(config)?;
-        check_layouts(tasks, config.num_envs)?;
+        check_layouts(tasks.len(), config.num_envs)?;
         let tables = Tables::of_layouts(model, tasks, None, &Plan::specialised)?;
         let spec = batch::spec(model, tasks, &tables, config);
         Self::judged_by(&Script, gpu, tables, spec, (config, options))
@@ -126,7 +126,7 @@ impl GpuEnv {
     pub fn sibling(&self, config: &EnvConfig) -> Result<Self, BuildError> {
         let &EnvConfig { num_envs, seed, exploring, .. } = config;
         batch::check_count(config)?;
-        self.spec.check_layouts(num_envs)?;
+        check_layouts(self.spec.layouts(), num_envs)?;
         self.tables.rules.as_ref().map_or(Ok(()), |rules| rules.check_config(config))?;
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
         let counts = self.counts();
@@ -257,7 +257,7 @@ impl VectorEnv for GpuEnv {
     }
 
     fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {
-        check_layouts(tasks, self.spec.num_envs).map_err(EnvError::other_task)?;
+        check_layouts(tasks.len(), self.spec.num_envs).map_err(EnvError::other_task)?;
         let mut tables = (*self.tables).clone();
         tables.set_tasks(tasks).map_err(EnvError::other_task)?;
         for shard in &self.shards {
