@@ -6,6 +6,7 @@ use myo::env::{BuildError, EnvConfig};
 use myo::gpu::{AdapterChoice, AdapterKind, GpuError, adapters};
 use myo::model::Model;
 use myo::tasks::Task;
+use myo::train::PpoConfig;
 use myo::{Device, Envs, auto_envs};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -47,12 +48,35 @@ impl BackendChoice {
         (model, layouts): (&Model, &[Task]),
         config: &EnvConfig,
     ) -> PyResult<Envs> {
+        self.build_by(py, pool, config.num_envs, |backend, notice| backend.build(model, layouts, config, notice))
+    }
+
+    /// The same to train in with these settings and this seed.
+    pub fn build_for_training(
+        &self,
+        py: Python<'_>,
+        pool: &ThreadPool,
+        (model, layouts): (&Model, &[Task]),
+        training: (&PpoConfig, u64),
+    ) -> PyResult<Envs> {
+        self.build_by(py, pool, training.0.num_envs, |backend, notice| {
+            backend.build_for_training(model, layouts, training, notice)
+        })
+    }
+
+    fn build_by(
+        &self,
+        py: Python<'_>,
+        pool: &ThreadPool,
+        num_envs: usize,
+        build: impl FnOnce(&myo::Backend, &mut dyn FnMut(&dyn Error)) -> Result<Envs, BuildError> + Send,
+    ) -> PyResult<Envs> {
         let mut notices = Vec::new();
         let built = error::compute(py, || {
             pool.install(|| {
                 let mut notice =
                     |refusal: &dyn Error| notices.push(format!("{refusal}; the processor is taken instead"));
-                Ok::<_, PyErr>(self.in_this_process(config.num_envs)?.build(model, layouts, config, &mut notice))
+                Ok::<_, PyErr>(build(self.in_this_process(num_envs)?, &mut notice))
             })
         })?;
         notices.iter().try_for_each(|notice| error::warn(py, notice))?;

@@ -148,8 +148,7 @@ impl Setup {
     /// Builds environments and opens the training in them.
     fn open(self, py: Python<'_>, claim: Option<RunClaim>, again: Option<&Checkpoint>) -> PyResult<Session> {
         let Self { layouts, model, own_model, config, seed, goal, choice, pool, from, other } = self;
-        let envs = config.envs(seed);
-        let env = choice.build(py, &pool, (&model, &layouts), &envs)?;
+        let env = choice.build_for_training(py, &pool, (&model, &layouts), (&config, seed))?;
         let Some((task, others)) = layouts.split_first() else {
             return Err(PyValueError::new_err("there is no layout"));
         };

@@ -150,6 +150,18 @@ pub fn ruled<C: Real>(
     Ok((tables, spec))
 }
 
+impl EnvSpec {
+    /// Sizes and names of environments for layouts, tasks of one structure, which need not be there.
+    ///
+    /// # Errors
+    /// There are no such environments on any backend.
+    pub fn of_layouts(model: &Model, tasks: &[Task], config: &EnvConfig) -> Result<Self, BuildError> {
+        check_count(config)?;
+        check_layouts(tasks, config.num_envs)?;
+        Ok(spec(model, tasks, &Tables::<f64>::with_layouts(model, tasks)?, config))
+    }
+}
+
 /// Sizes and names.
 pub fn spec<C: Real>(model: &Model, tasks: &[Task], tables: &Tables<C>, config: &EnvConfig) -> EnvSpec {
     let dofs: Vec<String> = tables.plan.dofs.iter().map(|dof| dof.name.clone()).collect();

@@ -9,6 +9,7 @@ use crate::cache;
 use crate::error::GpuError;
 use crate::groups::Groups;
 use crate::health::{Fault, Health, guarded};
+use crate::shelf::Shelf;
 use crate::transfer::Staging;
 
 /// An open device. Clones are handles on the same one.
@@ -19,6 +20,7 @@ use crate::transfer::Staging;
 pub struct Gpu {
     open: &'static Open,
     cache: Option<Arc<Path>>,
+    shelf: Arc<Shelf>,
     pub(crate) groups: Option<Groups>,
 }
 
@@ -57,12 +59,17 @@ impl Gpu {
         let adapters: Vec<_> = candidates.iter().map(|candidate| &candidate.adapter).collect();
         let number = choice.choose(&adapters)?;
         let open = find_or_open(number, candidates.swap_remove(number))?;
-        Ok(Self { open, cache: folder.map(Arc::from), groups: None })
+        Ok(Self { open, cache: folder.map(Arc::from), shelf: Arc::default(), groups: None })
     }
 
     /// The same device with other groups.
     pub(crate) fn with_groups(&self, groups: Option<Groups>) -> Self {
-        Self { open: self.open, cache: self.cache.clone(), groups }
+        Self { groups, ..self.clone() }
+    }
+
+    /// The same device with a shelf of its own, for what lies on this one: it would keep itself alive.
+    pub(crate) fn with_own_shelf(&self) -> Self {
+        Self { shelf: Arc::default(), ..self.clone() }
     }
 
     /// The adapter that was opened.
@@ -83,6 +90,11 @@ impl Gpu {
         self.guarded(|| self.device().poll(wgpu::PollType::Wait { submission_index, timeout: None }))
             .and_then(|waited| waited.map(|_| ()).map_err(|e| Fault::Refused(e.to_string())))
             .map_err(|fault| fault.during("waiting"))
+    }
+
+    /// Refuses to go on once the device is lost.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        self.open.health.check()
     }
 
     /// Runs calls of wgpu and returns their errors.
@@ -112,6 +124,10 @@ impl Gpu {
 
     pub(crate) fn cache_folder(&self) -> Option<&Path> {
         self.cache.as_deref()
+    }
+
+    pub(crate) fn shelf(&self) -> &Shelf {
+        &self.shelf
     }
 
     /// The buffer that reading goes through; whoever reads holds the lock.
@@ -172,10 +188,14 @@ fn open(candidate: Candidate) -> Result<Open, GpuError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Access, Source};
+    use crate::{Access, Recipe, Source};
 
     const SHADER: &str = "@group(0) @binding(0) var<storage, read_write> x: array<f32>;
-        @compute @workgroup_size(1) fn main() { x[0] = 1.0; }";
+        @compute @workgroup_size(1) fn main(@builtin(workgroup_id) group: vec3<u32>) { x[group.x] = 1.0; }";
+
+    fn recipe() -> Recipe {
+        Recipe::new("k", SHADER, [Access::ReadWrite])
+    }
 
     /// What every call says.
     fn calls(gpu: &Gpu) -> Vec<Result<(), GpuError>> {
@@ -184,6 +204,7 @@ mod tests {
             gpu.wait(),
             gpu.buffer::<f32>("x", 1).map(drop),
             compile().map(drop),
+            gpu.kernel(&recipe()).map(drop),
             gpu.batch().submit(),
             gpu.batch().submit_and_read(&mut []),
         ]
@@ -196,7 +217,8 @@ mod tests {
             println!("skipped: MYO_NO_GPU=1, and there is no adapter");
             return None;
         };
-        Some(Gpu { open: Box::leak(Box::new(open(candidate).unwrap())), cache: None, groups: None })
+        let open = Box::leak(Box::new(open(candidate).unwrap()));
+        Some(Gpu { open, cache: None, shelf: Arc::default(), groups: None })
     }
 
     fn kernel(gpu: &Gpu) -> crate::Kernel {
@@ -239,6 +261,19 @@ mod tests {
         let third = Gpu::open_with_cache(&AdapterChoice::Any, None).unwrap();
         assert!(!std::ptr::eq(first.open, third.open));
         assert!(calls(&third).iter().all(Result::is_ok));
+    }
+
+    #[test]
+    fn a_recipe_makes_one_kernel_which_goes_with_the_last_handle() {
+        let Some(gpu) = alone() else { return };
+        let shelf = Arc::downgrade(&gpu.shelf);
+        let (clone, kernel) = (gpu.clone(), gpu.kernel(&recipe()).unwrap());
+        let in_groups = gpu.in_groups(2).unwrap().kernel(&recipe()).unwrap();
+        assert!(in_groups.0.in_groups && !kernel.0.in_groups && gpu.recipes() == 2);
+        drop(gpu);
+        assert!(Arc::ptr_eq(&kernel.0, &clone.kernel(&recipe()).unwrap().0));
+        drop(clone);
+        assert_eq!((shelf.strong_count(), Arc::strong_count(&kernel.0)), (0, 1));
     }
 
     #[test]

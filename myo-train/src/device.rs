@@ -92,8 +92,12 @@ fn check_memory(spec: &EnvSpec, config: &PpoConfig) -> Result<(), TrainError> {
 
 /// Refuses settings out of range and environments that do not fit them.
 pub fn check_env(env: &dyn VectorEnv, config: &PpoConfig) -> Result<(), TrainError> {
+    check_spec(env.spec(), config)
+}
+
+/// The same of environments that need not be there.
+pub fn check_spec(spec: &EnvSpec, config: &PpoConfig) -> Result<(), TrainError> {
     config.validate()?;
-    let spec = env.spec();
     let mismatch = |what, got: String, expected: String| Err(TrainError::Mismatch { what, got, expected });
     if spec.num_envs != config.num_envs {
         return mismatch("the number of environments", spec.num_envs.to_string(), config.num_envs.to_string());

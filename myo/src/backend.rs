@@ -7,7 +7,7 @@ use myo_env::{BuildError, CpuEnv, EnvConfig, EnvSpec, GpuEnv, Rules, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu, GpuError};
 use myo_model::Model;
 use myo_tasks::Task;
-use myo_train::gpu::DeviceEvaluator;
+use myo_train::gpu::{DeviceEvaluator, compile_ahead};
 use myo_train::session::{Examiner, Goal};
 use myo_train::{Checkpoint, Member, PpoConfig, Session, TrainError, Trainer};
 
@@ -134,6 +134,21 @@ impl Backend {
         self.build_at(device, notice, |device| Envs::with_layouts(device, model, layouts, config))
     }
 
+    /// The same to [train in](Envs::for_training) with these settings and this seed.
+    ///
+    /// # Errors
+    /// As for [`build`](Self::build).
+    pub fn build_for_training(
+        &self,
+        model: &Model,
+        layouts: &[Task],
+        (config, seed): (&PpoConfig, u64),
+        notice: &mut dyn FnMut(&dyn Error),
+    ) -> Result<Envs, BuildError> {
+        let device = self.device(config.num_envs, notice)?;
+        self.build_at(device, notice, |device| Envs::for_training(device, model, layouts, (config, seed)))
+    }
+
     fn build_at<T>(
         &self,
         device: Device,
@@ -211,6 +226,25 @@ impl Envs {
         })
     }
 
+    /// The same to train in with these settings and this seed. On a card, the kernels of the training are compiled beside those of
+    /// the environments, which take longer: a training that begins there later finds them.
+    ///
+    /// # Errors
+    /// As for [`with_layouts`](Self::with_layouts).
+    pub fn for_training(
+        device: &Device,
+        model: &Model,
+        layouts: &[Task],
+        (config, seed): (&PpoConfig, u64),
+    ) -> Result<Self, BuildError> {
+        rayon::in_place_scope(|scope| {
+            if let Device::Gpu(gpu) = device {
+                scope.spawn(|_| prepare_training(gpu, model, layouts, config));
+            }
+            Self::with_layouts(device, model, layouts, &config.envs(seed))
+        })
+    }
+
     /// What they are computed on.
     pub fn device(&self) -> Device {
         match self {
@@ -257,15 +291,11 @@ impl Envs {
     /// # Errors
     /// No memory left, or the card is lost.
     pub fn for_looks(&self, seed: u64) -> Result<Self, BuildError> {
-        let config = |num_envs: usize, spec: &EnvSpec| EnvConfig {
-            num_envs: num_envs.max(spec.layouts()),
-            seed,
-            ..EnvConfig::default()
-        };
+        let config = |num_envs| EnvConfig { num_envs, seed, ..EnvConfig::default() };
         let [host, card] = LOOK_ENVS;
         Ok(match self {
-            Self::Cpu(env) => Self::Cpu(Box::new(env.sibling(&config(host, env.spec()))?)),
-            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(&config(card, env.spec()))?)),
+            Self::Cpu(env) => Self::Cpu(Box::new(env.sibling(&config(look_envs(host, env.spec())))?)),
+            Self::Gpu(env) => Self::Gpu(Box::new(env.sibling(&config(look_envs(card, env.spec())))?)),
         })
     }
 
@@ -372,6 +402,18 @@ impl Envs {
             Self::Cpu(env) => Examiner::on_host(env, trainer.seed()),
             Self::Gpu(env) => Examiner::on_card(DeviceEvaluator::new(*env, &trainer.policy())?, trainer.seed()),
         })
+    }
+}
+
+/// Environments to look at a policy in, of `usual` ones: every layout needs one.
+fn look_envs(usual: usize, spec: &EnvSpec) -> usize {
+    usual.max(spec.layouts())
+}
+
+/// Compiles the kernels of a training and of looks at it. What is wrong with its environments is told by those who make them.
+fn prepare_training(gpu: &Gpu, model: &Model, layouts: &[Task], config: &PpoConfig) {
+    if let Ok(spec) = EnvSpec::of_layouts(model, layouts, &config.envs(0)) {
+        compile_ahead(gpu, &spec, config, look_envs(LOOK_ENVS[1], &spec));
     }
 }
 

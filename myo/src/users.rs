@@ -76,7 +76,7 @@ pub fn train_at_once(
 ) -> Result<Vec<Result<Outcome, SessionError>>, UsersError> {
     let Some(first) = users.first() else { return Ok(vec![]) };
     let device = device.for_several(users.len())?.ok_or(UsersError::Processor)?;
-    let env = Envs::new(&device, model, first.task, &config.envs(first.seed))?;
+    let env = Envs::for_training(&device, model, std::slice::from_ref(first.task), (config, first.seed))?;
     let looks = env.for_looks(first.seed)?;
     let sessions = env.sessions_of(looks, users, config, goal)?;
     let (tell, told) = mpsc::channel();

@@ -101,6 +101,18 @@ fn without_a_driver_it_is_said_what_to_install_and_the_processor_serves() {
     assert_eq!((&result["backend"], &result["device"]), (&"cpu".into(), &Value::Null));
 }
 
+/// The card is opened while the task is read.
+#[test]
+fn a_bad_task_is_told_whether_there_is_a_card_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("my.yaml"), "version: 2\nnam: x\n").unwrap();
+    for without_drivers in [false, true] {
+        let refused = run(folder.path(), &["train", "my.yaml", "--backend", "gpu"], without_drivers);
+        assert_refused(&refused, "my.yaml:2:1: unknown key `nam`");
+        assert_eq!(stderr(&refused).lines().count(), 1, "{}", stderr(&refused));
+    }
+}
+
 #[test]
 fn names_that_fit_no_adapter_are_refused() {
     let Some(listed) = devices() else { return };

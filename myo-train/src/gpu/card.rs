@@ -8,7 +8,7 @@ use myo_gpu::{Buffer, Commands, Gpu, GpuError, Read};
 
 use super::buffers::ALL_FINITE;
 use super::together::{Together, Work};
-use super::{DeviceLearner, DeviceRollout, LearnMemory, RolloutBuffers, Settings};
+use super::{DeviceLearner, DeviceRollout, LearnMemory, RolloutBuffers, Settings, ahead};
 use crate::learn::{LearnStats, Optimizer};
 use crate::metrics::EpisodeSums;
 use crate::normalizer::{Moments, Normalizer};
@@ -88,6 +88,7 @@ impl Card {
     /// Memory and kernels for an environment, a training for every group of its device; the networks have no weights yet.
     /// `log_std` is the place of the logarithms of the standard deviations among the parameters.
     pub fn all(env: GpuEnv, config: &PpoConfig, log_std: std::ops::Range<usize>) -> Result<Vec<Self>, TrainError> {
+        ahead::compile(ahead::training(env.gpu(), env.spec(), config), env.gpu());
         let rollout = DeviceRollout::new(env, config)?;
         let (gpu, sizes) = (rollout.gpu(), rollout.sizes());
         let learner = DeviceLearner::new(gpu, sizes, config, rollout.parameters(), rollout.buffers())?;

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use myo_gpu::{Access, Batch, Bindings, Buffer, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, Batch, Bindings, Buffer, Gpu, GpuError, Kernel, Recipe};
 
 use super::tile::{Tile, Weights};
 
@@ -40,10 +40,14 @@ impl<'a> Finish<'a> {
 
 /// A [`Finish`] as far as the kernel depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Kind {
+pub enum Kind {
+    /// See [`Finish::Silu`].
     Silu,
+    /// See [`Finish::Linear`].
     Linear,
+    /// See [`Finish::Sample`].
     Sample,
+    /// See [`Finish::Act`].
     Act,
 }
 
@@ -157,8 +161,7 @@ impl DenseKernels {
         }
         x.check(layer.inputs, columns)?;
         y.check(layer.outputs, columns)?;
-        // Whatever the tile, the bits are the same: it may depend on how many groups there are.
-        let tile = self.forced.unwrap_or_else(|| tile_for(layer.outputs, columns * self.gpu.groups()));
+        let tile = self.tile(layer.outputs, columns);
         let kernel = self.kernel(tile, finish.kind())?;
         let shape = self.gpu.buffer("shape", 16)?;
         self.gpu.write(&shape, 0, &words(layer, x, y, columns, sampling))?;
@@ -169,11 +172,21 @@ impl DenseKernels {
         Ok(Dispatch { kernel, bindings, threads })
     }
 
+    /// What the kernel of a layer with so many outputs is compiled from.
+    pub fn recipe(&self, outputs: usize, columns: usize, kind: Kind) -> Recipe {
+        recipe(self.tile(outputs, columns), kind)
+    }
+
+    /// Whatever the tile, the bits are the same: it may depend on how many groups there are.
+    fn tile(&self, outputs: usize, columns: usize) -> Tile {
+        self.forced.unwrap_or_else(|| tile_for(outputs, columns * self.gpu.groups()))
+    }
+
     fn kernel(&mut self, tile: Tile, kind: Kind) -> Result<Kernel, GpuError> {
         if let Some(kernel) = self.compiled.get(&(tile, kind)) {
             return Ok(kernel.clone());
         }
-        let kernel = compile(&self.gpu, tile, kind)?;
+        let kernel = self.gpu.kernel(&recipe(tile, kind))?;
         self.compiled.insert((tile, kind), kernel.clone());
         Ok(kernel)
     }
@@ -227,7 +240,7 @@ fn text(tile: Tile, kind: Kind) -> String {
     [include_str!("dense.wgsl"), finish, &tile.over_inputs(Weights::AsStored)].concat()
 }
 
-fn compile(gpu: &Gpu, tile: Tile, kind: Kind) -> Result<Kernel, GpuError> {
+fn recipe(tile: Tile, kind: Kind) -> Recipe {
     use Access::{Read, ReadWrite, Uniform};
     let access: &[Access] = match kind {
         Kind::Silu | Kind::Linear => &[Read, Read, ReadWrite, Uniform],
@@ -236,7 +249,7 @@ fn compile(gpu: &Gpu, tile: Tile, kind: Kind) -> Result<Kernel, GpuError> {
     let label = format!("layer {kind:?} {}x{} {:?}", tile.outputs, tile.columns, tile.per_thread).to_lowercase();
     // SAFETY: `DenseKernels::layer` checks that every buffer holds what the shape says, and what lies beyond the shape is
     // left out. Shared memory is written before it is read, and the loops end after `inputs` steps at most.
-    unsafe { gpu.compile_trusted(&label, Source::Wgsl(&text(tile, kind)), "main", access) }
+    unsafe { Recipe::new(label, text(tile, kind), access).trusted() }
 }
 
 /// The kernels of a tile.

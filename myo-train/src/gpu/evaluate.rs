@@ -5,16 +5,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use myo_env::gpu::Shard;
 use myo_env::gpu::record::RESULT_ROWS;
 use myo_env::{GpuEnv, VectorEnv};
-use myo_gpu::{Batch, Buffer, Gpu, GpuError};
+use myo_gpu::{Batch, Buffer, Gpu, GpuError, Recipe};
 use myo_tasks::Task;
 
-use super::dense::{Columns, DenseKernels, Dispatch, GROUP, Sampling};
-use super::kernels::{Kernels, OBSERVE_WORKGROUP};
-use super::network::{Activations, NetworkBuffers, Pass};
+use super::ahead;
+use super::dense::{Columns, DenseKernels, Dispatch, GROUP, Kind, Sampling};
+use super::kernels::{self, OBSERVE_WORKGROUP, prepare};
+use super::network::{Activations, NetworkBuffers, Pass, chunk};
 use super::rollout::check_shards;
 use super::together::{Together, Work};
 use crate::evaluate::{Evaluation, Tally, check};
-use crate::{Policy, TrainError, Trainer};
+use crate::{Mlp, Policy, TrainError, Trainer};
 
 /// Control steps between two looks at what ended.
 const STEPS: usize = 16;
@@ -131,6 +132,7 @@ impl DeviceEvaluator {
             return Err(mismatch(together.len(), env.gpu().groups()));
         }
         let (gpu, spec, layout) = (env.gpu().clone(), env.spec().clone(), Layout::of(policy));
+        ahead::compile(recipes(&gpu, &layout.networks.policy, spec.num_envs), &gpu);
         let between = Between::new(&gpu, spec.num_envs, spec.observation_size(), spec.action_size())?;
         let parameters = gpu.buffer("parameters", layout.networks.len())?;
         let scaling = gpu.buffer("scaling", 2 * spec.observation_size())?;
@@ -256,6 +258,13 @@ impl DeviceEvaluator {
     }
 }
 
+/// What the kernels of an evaluation in so many environments are compiled from.
+pub(super) fn recipes(gpu: &Gpu, policy: &Mlp, envs: usize) -> Vec<Recipe> {
+    let padded = envs.next_multiple_of(GROUP);
+    let pass = Pass::recipes(&DenseKernels::new(gpu, None), policy, padded, chunk(&[policy], padded), Kind::Act);
+    [vec![kernels::observe()], pass].concat()
+}
+
 /// Counts the episodes that ended in some steps.
 fn count(tally: &mut Tally, envs: usize, width: usize, results: &[f32]) {
     for result in results.chunks_exact((RESULT_ROWS + width) * envs) {
@@ -276,7 +285,7 @@ fn observe(
     scaling: &Buffer<f32>,
     limit: f32,
 ) -> Result<Dispatch, GpuError> {
-    let (kernels, features) = (Kernels::new(gpu)?, scaling.len() / 2);
+    let (kernel, features) = (gpu.kernel(&kernels::observe())?, scaling.len() / 2);
     let chunks = shard.num_envs.div_ceil(OBSERVE_WORKGROUP);
     // No step came before, as far as last observations are concerned.
     let shape = [shard.num_envs, features, between.padded, 0, 0, 0, 0, chunks].map(|x| x as u32);
@@ -290,7 +299,7 @@ fn observe(
         between.moments.binding(),
         between.wrong.binding(),
     ];
-    kernels.prepare(&kernels.observe, &buffers, &shape, features * chunks * OBSERVE_WORKGROUP)
+    prepare(gpu, &kernel, &buffers, &shape, features * chunks * OBSERVE_WORKGROUP)
 }
 
 /// From normalised observations to the environment's actions.

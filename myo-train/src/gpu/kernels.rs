@@ -1,6 +1,6 @@
 //! The small kernels around the networks: noise, observations, outcomes, sums.
 
-use myo_gpu::{Access, Buffer, BufferRef, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, Buffer, BufferRef, Gpu, GpuError, Kernel, Recipe};
 
 use super::dense::Dispatch;
 use super::noise;
@@ -23,22 +23,13 @@ pub struct Kernels {
 }
 
 impl Kernels {
-    /// Compiles them.
+    /// Compiles them, unless they are there.
     ///
     /// # Errors
     /// The card refuses one, or is lost.
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        use Access::{Read, ReadWrite, Uniform};
-        let compile = |label, text, access: &[Access]| gpu.compile(label, Source::Wgsl(text), "main", access);
-        let observe = [Read, Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        let outcome = [Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        Ok(Self {
-            gpu: gpu.clone(),
-            noise: compile("noise", &noise::text(), &[Read, Read, ReadWrite, ReadWrite, Uniform])?,
-            observe: compile("observe", include_str!("observe.wgsl"), &observe)?,
-            outcome: compile("outcome", include_str!("outcome.wgsl"), &outcome)?,
-            sums: compile_sums(gpu)?,
-        })
+        let [noise, observe, outcome, sums] = recipes().each_ref().map(|recipe| gpu.kernel(recipe));
+        Ok(Self { gpu: gpu.clone(), noise: noise?, observe: observe?, outcome: outcome?, sums: sums? })
     }
 
     /// Prepares one of them; see [`prepare`].
@@ -56,13 +47,29 @@ impl Kernels {
     }
 }
 
-/// Compiles the sums of rows.
-///
-/// # Errors
-/// The card refuses them, or is lost.
-pub fn compile_sums(gpu: &Gpu) -> Result<Kernel, GpuError> {
+/// What they are compiled from: noise, observations, outcomes, sums.
+pub fn recipes() -> [Recipe; 4] {
     use Access::{Read, ReadWrite, Uniform};
-    gpu.compile("sums", Source::Wgsl(SUMS), "main", &[Read, ReadWrite, Uniform])
+    let outcome = [Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
+    [
+        Recipe::new("noise", noise::text(), [Read, Read, ReadWrite, ReadWrite, Uniform]),
+        observe(),
+        Recipe::new("outcome", include_str!("outcome.wgsl"), outcome),
+        sums(),
+    ]
+}
+
+/// Keeps observations, normalised.
+pub fn observe() -> Recipe {
+    use Access::{Read, ReadWrite, Uniform};
+    let access = [Read, Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
+    Recipe::new("observe", include_str!("observe.wgsl"), access)
+}
+
+/// Sums of rows.
+pub fn sums() -> Recipe {
+    use Access::{Read, ReadWrite, Uniform};
+    Recipe::new("sums", SUMS, [Read, ReadWrite, Uniform])
 }
 
 pub(super) const SUMS: &str = concat!(include_str!("sums.wgsl"), include_str!("workgroup_sum.wgsl"));

@@ -5,6 +5,7 @@
 //! `row * stride + k`. A step's columns begin at multiples of four; where the number of environments is none, the columns
 //! between are idle.
 
+mod ahead;
 mod buffers;
 mod card;
 mod dense;
@@ -29,6 +30,7 @@ mod units;
 #[cfg(test)]
 mod wgsl;
 
+pub use ahead::compile_ahead;
 pub use buffers::{ALL_FINITE, RolloutBuffers};
 pub(crate) use card::{Card, CardUpdate};
 pub use evaluate::DeviceEvaluator;

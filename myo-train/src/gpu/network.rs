@@ -1,8 +1,8 @@
 //! Whole networks on the card: one dispatch per layer and chunk of columns.
 
-use myo_gpu::{Batch, Buffer, Gpu, GpuError};
+use myo_gpu::{Batch, Buffer, Gpu, GpuError, Recipe};
 
-use super::dense::{Columns, DenseKernels, DenseLayer, Dispatch, Finish, GROUP, Sampling};
+use super::dense::{Columns, DenseKernels, DenseLayer, Dispatch, Finish, GROUP, Kind, Sampling};
 use crate::Mlp;
 
 /// Most columns that go through a network at a time: enough to fill any card, few enough that the activations between
@@ -22,17 +22,30 @@ pub(crate) struct Activations {
 impl Activations {
     /// For at most `columns` columns at a time of networks with these widths.
     pub fn new(gpu: &Gpu, networks: &[&Mlp], columns: usize) -> Result<Self, GpuError> {
-        let outputs = networks.iter().flat_map(|net| net.layers()).map(|[_, outputs, ..]| outputs);
-        let widest = outputs.max().unwrap_or(1);
-        let most = (CHUNK_NUMBERS / widest / GROUP * GROUP).clamp(GROUP, CHUNK);
-        let chunk = columns.next_multiple_of(GROUP).min(most);
-        let buffer = |label| gpu.buffer(label, widest * chunk);
+        let chunk = chunk(networks, columns);
+        let buffer = |label| gpu.buffer(label, widest(networks) * chunk);
         Ok(Self { buffers: [buffer("activations 0")?, buffer("activations 1")?], chunk })
     }
 
     fn columns(&self, layer: usize) -> Columns<'_> {
         Columns { buffer: &self.buffers[layer % 2], stride: self.chunk, first: 0 }
     }
+}
+
+fn widest(networks: &[&Mlp]) -> usize {
+    let outputs = networks.iter().flat_map(|net| net.layers()).map(|[_, outputs, ..]| outputs);
+    outputs.max().unwrap_or(1)
+}
+
+/// Columns that go through networks at a time, of so many.
+pub(crate) fn chunk(networks: &[&Mlp], columns: usize) -> usize {
+    let most = (CHUNK_NUMBERS / widest(networks) / GROUP * GROUP).clamp(GROUP, CHUNK);
+    columns.next_multiple_of(GROUP).min(most)
+}
+
+/// First column and number of columns of every chunk.
+fn chunks(columns: usize, chunk: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..columns).step_by(chunk).map(move |start| (start, chunk.min(columns - start)))
 }
 
 /// A pass of some columns through a network, prepared once and run again and again.
@@ -64,14 +77,22 @@ impl Pass {
         sampling: Option<Sampling<'_>>,
     ) -> Result<Self, GpuError> {
         let mut dispatches = Vec::new();
-        for start in (0..columns).step_by(buffers.activations.chunk) {
-            let columns = buffers.activations.chunk.min(columns - start);
+        for (start, columns) in chunks(columns, buffers.activations.chunk) {
             let shifted = |c: Columns<'_>| c.first + start;
             let (x, y) = (Columns { first: shifted(x), ..x }, Columns { first: shifted(y), ..y });
             let sampling = sampling.map(|s| Sampling { first_env: s.first_env + start, ..s });
             add_layers(kernels, buffers, x, y, columns, sampling, &mut dispatches)?;
         }
         Ok(Self(dispatches))
+    }
+
+    /// What the kernels of a pass are compiled from, of so many columns in chunks, whose last layer is of this kind.
+    pub fn recipes(kernels: &DenseKernels, network: &Mlp, columns: usize, chunk: usize, last: Kind) -> Vec<Recipe> {
+        let hidden = network.layers().count() - 1;
+        let layers = || network.layers().zip((0..hidden).map(|_| Kind::Silu).chain([last]));
+        let recipes =
+            |(_, columns)| layers().map(move |([_, outputs, ..], kind)| kernels.recipe(outputs, columns, kind));
+        chunks(columns, chunk).flat_map(recipes).collect()
     }
 
     /// Adds it to a batch.

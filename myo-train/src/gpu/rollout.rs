@@ -1,12 +1,12 @@
 //! Roll-outs on the card.
 
 use myo_env::{GpuEnv, VectorEnv};
-use myo_gpu::{Batch, Buffer, Gpu, GpuError};
+use myo_gpu::{Batch, Buffer, Gpu, GpuError, Recipe};
 
 use super::buffers::{ALL_FINITE, RolloutBuffers};
-use super::dense::{Columns, DenseKernels, Dispatch, Sampling};
-use super::kernels::{Kernels, OBSERVE_WORKGROUP};
-use super::network::{Activations, NetworkBuffers, Pass};
+use super::dense::{Columns, DenseKernels, Dispatch, Kind, Sampling};
+use super::kernels::{self, Kernels, OBSERVE_WORKGROUP};
+use super::network::{Activations, NetworkBuffers, Pass, chunk};
 use super::sizes::Sizes;
 use super::tile::Tile;
 use crate::device::check_env;
@@ -220,6 +220,16 @@ impl DeviceRollout {
     fn step_env(&self, batch: &mut Batch) {
         self.env.shards().iter().for_each(|shard| shard.step(batch));
     }
+}
+
+/// What the kernels of roll-outs are compiled from.
+pub(super) fn recipes(gpu: &Gpu, sizes: &Sizes, networks: &Networks) -> Vec<Recipe> {
+    let Networks { policy, value } = networks;
+    let (dense, columns) = (DenseKernels::new(gpu, None), sizes.columns());
+    let chunk = chunk(&[policy, value], columns);
+    let acting = Pass::recipes(&dense, policy, sizes.padded, chunk, Kind::Sample);
+    let judging = Pass::recipes(&dense, value, columns, chunk, Kind::Linear);
+    [&kernels::recipes()[..], &acting, &judging].concat()
 }
 
 /// Refuses environments in several sets of buffers.

@@ -5,6 +5,7 @@ use myo::env::{BuildError, EnvConfig};
 use myo::gpu::{AdapterChoice, GpuError};
 use myo::model::Model;
 use myo::tasks::Task;
+use myo::train::PpoConfig;
 use myo::{Backend, Device, Envs};
 
 use super::failure::{Failure, Result, complain};
@@ -61,22 +62,36 @@ pub fn device(backend: &Backend, num_envs: usize) -> Result<Device> {
 
 /// Environments for layouts on this backend; tells the user why a graphics card is not used.
 pub fn build(backend: &Backend, model: &Model, layouts: &[Task], config: &EnvConfig) -> Result<Envs> {
-    backend.build(model, layouts, config, &mut warn).map_err(|error| match error {
-        BuildError::Gpu(error) => refusal(&error),
-        other => other.into(),
-    })
+    backend.build(model, layouts, config, &mut warn).map_err(unbuilt)
 }
 
-/// As [`build`], with as many environments for each of several trainings at once; none on the processor.
+/// As [`build`], to train in with these settings and this seed.
+pub fn build_for_training(
+    backend: &Backend,
+    model: &Model,
+    layouts: &[Task],
+    training: (&PpoConfig, u64),
+) -> Result<Envs> {
+    backend.build_for_training(model, layouts, training, &mut warn).map_err(unbuilt)
+}
+
+/// As [`build_for_training`], with as many environments for each of several trainings at once; none on the processor.
 pub fn build_several(
     backend: &Backend,
     model: &Model,
     layouts: &[Task],
-    config: &EnvConfig,
+    config: &PpoConfig,
     trainings: usize,
 ) -> Result<Option<Envs>> {
     let Some(device) = device(backend, config.num_envs)?.for_several(trainings)? else { return Ok(None) };
-    Ok(Some(Envs::with_layouts(&device, model, layouts, config)?))
+    Ok(Some(Envs::for_training(&device, model, layouts, (config, 0))?))
+}
+
+fn unbuilt(error: BuildError) -> Failure {
+    match error {
+        BuildError::Gpu(error) => refusal(&error),
+        other => other.into(),
+    }
 }
 
 fn warn(error: &dyn std::error::Error) {

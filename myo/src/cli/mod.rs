@@ -20,6 +20,7 @@ mod task;
 mod train;
 
 use std::process::ExitCode;
+use std::thread::Scope;
 
 use clap::{Parser, Subcommand};
 use myo::scalar::Level;
@@ -75,20 +76,21 @@ enum Command {
 /// Runs the command of this process.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    match run(cli) {
+    // A driver may crash where the process ends while it opens a card: that is waited for, after all has been told.
+    std::thread::scope(|beside| match run(cli, beside) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
-    }
+    })
 }
 
-fn run(cli: Cli) -> Result<()> {
+fn run<'scope>(cli: Cli, beside: &'scope Scope<'scope, '_>) -> Result<()> {
     Level::detect()?;
     if let Some(threads) = cli.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;
     }
     match cli.command {
-        Command::Train(args) => train::run(&args),
+        Command::Train(args) => train::run(&args, beside),
         Command::Eval(args) => eval::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Task(command) => task::run(command),

@@ -89,12 +89,12 @@ impl Scenario {
 
     /// Environments of the task for several trainings at once; none where they would run one after the other.
     pub fn env_for_several(&self, backend: &Backend, config: &PpoConfig, trainings: usize) -> Result<Option<Envs>> {
-        backend::build_several(backend, &self.model, &self.layouts, &config.envs(0), trainings)
+        backend::build_several(backend, &self.model, &self.layouts, config, trainings)
     }
 
     /// Environments of the task to train in, on the backend that is asked for.
     pub fn training_env(&self, backend: &Backend, config: &PpoConfig, seed: u64) -> Result<Envs> {
-        backend::build(backend, &self.model, &self.layouts, &config.envs(seed))
+        backend::build_for_training(backend, &self.model, &self.layouts, (config, seed))
     }
 
     /// Environments of the task on the backend that is asked for.

@@ -11,6 +11,7 @@ mod layout;
 mod memory;
 mod outer;
 mod products;
+mod recipes;
 mod schedule;
 mod small;
 #[cfg(test)]
@@ -22,6 +23,7 @@ use super::Tile;
 pub use half::MatrixTile;
 pub use layout::{Layout, Precision};
 pub use memory::LearnMemory;
+pub use recipes::recipes;
 pub use update::{DeviceLearner, Settings, Tiles};
 
 /// Kernels, of all kinds and of several sizes.

@@ -1,6 +1,6 @@
 //! The gradients of the weights of both networks: products over samples.
 
-use myo_gpu::{Access, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, Gpu, GpuError, Recipe};
 
 use super::layers::{LayerRows, layers};
 use super::layout::{Layout, METRICS, Precision};
@@ -76,7 +76,7 @@ impl<'a> Outer<'a> {
         let (jobs, splits) = (self.jobs(), self.splits());
         let table = table(self.gpu, "jobs", &jobs)?;
         let tiles = jobs.last().map_or(0, |job| job[0] as usize);
-        let kernel = self.compile()?;
+        let kernel = self.gpu.kernel(&self.recipe())?;
         let [activation, gradient] = [memory.activation.binding(), memory.gradient.binding()];
         let buffers = [activation, gradient, table.binding(), memory.partial.binding()];
         let threads = tiles * splits.count * self.tile.threads() as usize;
@@ -119,13 +119,14 @@ impl<'a> Outer<'a> {
             .collect()
     }
 
-    fn compile(&self) -> Result<Kernel, GpuError> {
+    /// What the kernel is compiled from.
+    pub fn recipe(&self) -> Recipe {
         use Access::{Read, ReadWrite, Uniform};
         let label = format!("weight gradients {}x{}", self.tile.outputs, self.tile.columns);
         let access = [Read, Read, Read, ReadWrite, Uniform];
         // SAFETY: the jobs are made from the layout that the buffers were made for, in this file; what lies beyond a job is
         // left out. Shared memory is written before it is read. Loops end after the jobs or the samples.
-        unsafe { self.gpu.compile_trusted(&label, Source::Wgsl(&text(self.tile)), "main", &access) }
+        unsafe { Recipe::new(label, text(self.tile), access).trusted() }
     }
 }
 

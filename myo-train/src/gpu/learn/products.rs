@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use myo_gpu::{Access, Buffer, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, Buffer, Gpu, GpuError, Kernel, Recipe};
 
 use super::layers::{LayerRows, layers};
 use super::layout::{Layout, Precision};
@@ -26,6 +26,13 @@ pub struct Products<'a> {
     compiled: HashMap<(bool, Tile), Kernel>,
 }
 
+/// Layers that are passed at once, with one tile.
+#[derive(Debug)]
+struct Level {
+    layers: Vec<LayerRows>,
+    tile: Tile,
+}
+
 impl<'a> Products<'a> {
     /// For these networks. `forced` takes one tile for all layers, for measurements.
     pub fn new(gpu: &'a Gpu, sizes: &'a Sizes, layout: &'a Layout, networks: &Networks, forced: Option<Tile>) -> Self {
@@ -38,39 +45,60 @@ impl<'a> Products<'a> {
         [0, 1].map(|net| self.layers[net][self.layers[net].len() - 1].z_row)
     }
 
+    /// The layers of both networks that can be passed at once, from the first on.
+    fn forward_levels(&self) -> Vec<Level> {
+        let depth = self.layers.iter().map(Vec::len).max().unwrap_or(0);
+        let level = |level: usize| {
+            let layers: Vec<_> = self.layers.iter().filter_map(|layers| layers.get(level)).copied().collect();
+            Level { tile: self.tile(layers.iter().map(|layer| layer.outputs)), layers }
+        };
+        (0..depth).map(level).collect()
+    }
+
+    /// The same on the way back, from the last to the second.
+    fn backward_levels(&self) -> Vec<Level> {
+        let depth = self.layers.iter().map(|layers| layers.len() - 1).max().unwrap_or(0);
+        let level = |level: usize| {
+            let layers: Vec<_> = (self.layers.iter())
+                .filter(|layers| level + 1 < layers.len())
+                .map(|layers| layers[layers.len() - 1 - level])
+                .collect();
+            Level { tile: self.tile(layers.iter().map(|layer| layer.inputs)), layers }
+        };
+        (0..depth).map(level).collect()
+    }
+
+    /// What the kernels are compiled from.
+    pub fn recipes(&self) -> Vec<Recipe> {
+        let forward = self.forward_levels().into_iter().map(|level| recipe(true, level.tile));
+        forward.chain(self.backward_levels().into_iter().map(|level| recipe(false, level.tile))).collect()
+    }
+
     /// From the gathered observations to the outputs of both networks.
     pub fn forward(&mut self, parameters: &Buffer<f32>, memory: &LearnMemory) -> Result<Vec<Dispatch>, GpuError> {
-        let depth = self.layers.iter().map(Vec::len).max().unwrap_or(0);
-        let mut level = |level: usize| {
-            let layers: Vec<_> = self.layers.iter().filter_map(|layers| layers.get(level)).copied().collect();
-            let tile = self.tile(layers.iter().map(|layer| layer.outputs));
-            let job = |layer: &LayerRows| {
-                let LayerRows { inputs, outputs, weight, bias, x_row, z_row, hidden, .. } = *layer;
-                [inputs, outputs, weight, bias, x_row, z_row, hidden.into()]
-            };
-            let buffers = [&memory.gradient, &memory.activation];
-            self.product(true, tile, layers.iter().map(job), parameters, &buffers)
+        let job = |layer: &LayerRows| {
+            let LayerRows { inputs, outputs, weight, bias, x_row, z_row, hidden, .. } = *layer;
+            [inputs, outputs, weight, bias, x_row, z_row, hidden.into()]
         };
-        (0..depth).map(&mut level).collect()
+        let buffers = [&memory.gradient, &memory.activation];
+        let levels = self.forward_levels().into_iter();
+        levels
+            .map(|Level { layers, tile }| self.product(true, tile, layers.iter().map(job), parameters, &buffers))
+            .collect()
     }
 
     /// From the gradients with respect to the outputs to those with respect to what went into every hidden layer.
     pub fn backward(&mut self, parameters: &Buffer<f32>, memory: &LearnMemory) -> Result<Vec<Dispatch>, GpuError> {
         let observations = self.sizes.observations;
-        let depth = self.layers.iter().map(|layers| layers.len() - 1).max().unwrap_or(0);
-        let mut level = |level: usize| {
-            let layers: Vec<_> = (self.layers.iter())
-                .filter(|layers| level + 1 < layers.len())
-                .map(|layers| layers[layers.len() - 1 - level])
-                .collect();
-            let tile = self.tile(layers.iter().map(|layer| layer.inputs));
-            let job = |layer: &LayerRows| {
-                let to = layer.x_row - observations;
-                [layer.outputs, layer.inputs, layer.weight, 0, layer.z_row, to, 1]
-            };
-            self.product(false, tile, layers.iter().map(job), parameters, &[&memory.gradient])
+        let job = |layer: &LayerRows| {
+            let to = layer.x_row - observations;
+            [layer.outputs, layer.inputs, layer.weight, 0, layer.z_row, to, 1]
         };
-        (0..depth).map(&mut level).collect()
+        let buffers = [&memory.gradient];
+        let levels = self.backward_levels().into_iter();
+        levels
+            .map(|Level { layers, tile }| self.product(false, tile, layers.iter().map(job), parameters, &buffers))
+            .collect()
     }
 
     fn tile(&self, outputs: impl Iterator<Item = usize>) -> Tile {
@@ -106,7 +134,7 @@ impl<'a> Products<'a> {
         if let Some(kernel) = self.compiled.get(&(forward, tile)) {
             return Ok(kernel.clone());
         }
-        let kernel = if forward { compile_forward(self.gpu, tile)? } else { compile_backward(self.gpu, tile)? };
+        let kernel = self.gpu.kernel(&recipe(forward, tile))?;
         self.compiled.insert((forward, tile), kernel.clone());
         Ok(kernel)
     }
@@ -128,21 +156,16 @@ fn backward_text(tile: Tile) -> String {
     [FILES, &tile.over_inputs(Weights::Transposed)].concat()
 }
 
-fn compile_forward(gpu: &Gpu, tile: Tile) -> Result<Kernel, GpuError> {
+fn recipe(forward: bool, tile: Tile) -> Recipe {
     use Access::{Read, ReadWrite, Uniform};
-    compile(gpu, "forward", tile, &forward_text(tile), &[Read, Read, ReadWrite, ReadWrite, Uniform])
-}
-
-fn compile_backward(gpu: &Gpu, tile: Tile) -> Result<Kernel, GpuError> {
-    use Access::{Read, ReadWrite, Uniform};
-    compile(gpu, "backward", tile, &backward_text(tile), &[Read, Read, ReadWrite, Uniform])
-}
-
-fn compile(gpu: &Gpu, what: &str, tile: Tile, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {
+    let (what, text, access) = match forward {
+        true => ("forward", forward_text(tile), vec![Read, Read, ReadWrite, ReadWrite, Uniform]),
+        false => ("backward", backward_text(tile), vec![Read, Read, ReadWrite, Uniform]),
+    };
     let label = format!("{what} {}x{}", tile.outputs, tile.columns);
     // SAFETY: the jobs are made from the layout that the buffers were made for, in this file; what lies beyond a job is
     // left out. Shared memory is written before it is read. Loops end after the jobs or the inputs.
-    unsafe { gpu.compile_trusted(&label, Source::Wgsl(text), "main", access) }
+    unsafe { Recipe::new(label, text, access).trusted() }
 }
 
 /// Both kernels.

@@ -1,12 +1,12 @@
 //! The kernels of an update around the matrix products.
 
-use myo_gpu::{Access, GpuError, Kernel, Source};
+use myo_gpu::{Access, GpuError, Recipe};
 
 use super::context::Context;
 use super::layout::{METRICS, Precision, SCALARS};
 use crate::gpu::Sizes;
 use crate::gpu::dense::Dispatch;
-use crate::gpu::kernels::{compile_sums, prepare};
+use crate::gpu::kernels::{prepare, sums};
 
 use Access::{Read, ReadWrite, Uniform};
 
@@ -21,19 +21,49 @@ const ADAM: &str = concat!(include_str!("adam.wgsl"), include_str!("../workgroup
 #[cfg(test)]
 pub const TEXTS: [&str; 6] = [SCALE, GATHER_F32, GATHER_F16, LOSS, REDUCE, ADAM];
 
-impl Context<'_> {
-    fn compile(&self, label: &str, text: &str, access: &[Access]) -> Result<Kernel, GpuError> {
-        self.gpu.compile(label, Source::Wgsl(text), "main", access)
-    }
+/// What all of them are compiled from, the loss among them where nothing else makes it.
+pub fn recipes(precision: Precision) -> Vec<Recipe> {
+    let loss = (precision == Precision::Single).then(loss);
+    let all = [advantages(), sums(), scale(), gather(precision), reduce(), adam()];
+    all.into_iter().chain(loss).collect()
+}
 
+fn advantages() -> Recipe {
+    Recipe::new("advantages", include_str!("estimate.wgsl"), [Read, Read, Read, ReadWrite, ReadWrite, Uniform])
+}
+
+fn scale() -> Recipe {
+    Recipe::new("advantage scale", SCALE, [Read, Read, ReadWrite, Uniform])
+}
+
+fn gather(precision: Precision) -> Recipe {
+    let text = match precision {
+        Precision::Single => GATHER_F32,
+        Precision::Half => GATHER_F16,
+    };
+    Recipe::new("gather", text, [Read, Read, Read, Read, Read, Read, ReadWrite, ReadWrite, Uniform])
+}
+
+fn loss() -> Recipe {
+    Recipe::new("loss", LOSS, [Read, Read, Read, ReadWrite, Uniform])
+}
+
+fn reduce() -> Recipe {
+    Recipe::new("reduce", REDUCE, [Read, ReadWrite, ReadWrite, Uniform])
+}
+
+fn adam() -> Recipe {
+    Recipe::new("adam", ADAM, [Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform])
+}
+
+impl Context<'_> {
     /// Advantages and targets, their sums, and their scale in every minibatch.
     pub fn estimates(&self) -> Result<Vec<Dispatch>, GpuError> {
         Ok(vec![self.estimate()?, self.estimate_sums()?, self.scale()?])
     }
 
     fn estimate(&self) -> Result<Dispatch, GpuError> {
-        let access = [Read, Read, Read, ReadWrite, ReadWrite, Uniform];
-        let kernel = self.compile("advantages", include_str!("estimate.wgsl"), &access)?;
+        let kernel = self.gpu.kernel(&advantages())?;
         let Sizes { envs, padded, steps, between_cuts, control_dt, noise_free, .. } = *self.sizes;
         // As on the processor, the decay is the product of two rounded numbers.
         let (gamma, lambda) = (self.config.gamma(control_dt) as f32, self.config.gae_lambda as f32);
@@ -52,14 +82,14 @@ impl Context<'_> {
     }
 
     fn estimate_sums(&self) -> Result<Dispatch, GpuError> {
-        let kernel = compile_sums(self.gpu)?;
+        let kernel = self.gpu.kernel(&sums())?;
         let shape = [4, self.sizes.envs as u32, self.sizes.envs as u32, 0, 0, 1];
         let buffers = [self.memory.estimate_parts.binding(), self.memory.estimate_sums.binding()];
         prepare(self.gpu, &kernel, &buffers, &shape, 4 * kernel.workgroup_size() as usize)
     }
 
     fn scale(&self) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("advantage scale", SCALE, &[Read, Read, ReadWrite, Uniform])?;
+        let kernel = self.gpu.kernel(&scale())?;
         let (sizes, layout) = (self.sizes, self.layout);
         let shape = [
             sizes.envs,
@@ -78,12 +108,7 @@ impl Context<'_> {
 
     /// The samples of every chunk of every gradient step.
     pub fn gather(&self) -> Result<Vec<Vec<Dispatch>>, GpuError> {
-        let access = [Read, Read, Read, Read, Read, Read, ReadWrite, ReadWrite, Uniform];
-        let text = match self.layout.precision {
-            Precision::Single => GATHER_F32,
-            Precision::Half => GATHER_F16,
-        };
-        let kernel = self.compile("gather", text, &access)?;
+        let kernel = self.gpu.kernel(&gather(self.layout.precision))?;
         let (record, memory) = (self.record, self.memory);
         let buffers = [
             memory.order.binding(),
@@ -125,7 +150,7 @@ impl Context<'_> {
 
     /// Gradients with respect to the outputs of both networks, whose first rows are given.
     pub fn loss(&self, [mean_row, value_row]: [usize; 2]) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("loss", LOSS, &[Read, Read, Read, ReadWrite, Uniform])?;
+        let kernel = self.gpu.kernel(&loss())?;
         let (sizes, layout) = (self.sizes, self.layout);
         let log_std = self.networks.log_std_range().start;
         let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
@@ -139,7 +164,7 @@ impl Context<'_> {
 
     /// The sum of `slots` partial gradients.
     pub fn reduce(&self, slots: usize) -> Result<Dispatch, GpuError> {
-        let kernel = self.compile("reduce", REDUCE, &[Read, ReadWrite, ReadWrite, Uniform])?;
+        let kernel = self.gpu.kernel(&reduce())?;
         let parameters = self.networks.len();
         let length = parameters + METRICS;
         let log_std = self.networks.log_std_range();
@@ -153,8 +178,7 @@ impl Context<'_> {
 
     /// The Adam step of every gradient step.
     pub fn adam(&self) -> Result<Vec<Dispatch>, GpuError> {
-        let access = [Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        let kernel = self.compile("adam", ADAM, &access)?;
+        let kernel = self.gpu.kernel(&adam())?;
         let (memory, config, log_std) = (self.memory, self.config, self.networks.log_std_range());
         let buffers = [
             memory.total.binding(),

@@ -91,9 +91,7 @@ impl DeviceLearner {
         record: &RolloutBuffers,
         tiles: Tiles,
     ) -> Result<Self, GpuError> {
-        let adapter = gpu.adapter();
-        let max_bytes = adapter.max_buffer_bytes.min(adapter.max_binding_bytes);
-        Self::with_limit(gpu, sizes, config, parameters, record, (max_bytes, tiles))
+        Self::with_limit(gpu, sizes, config, parameters, record, (max_bytes(gpu), tiles))
     }
 
     /// As [`DeviceLearner::new`], with activations of at most `max_bytes` at a time.
@@ -232,8 +230,14 @@ impl DeviceLearner {
     }
 }
 
+/// Greatest buffer that a kernel of this card can use whole.
+pub(super) fn max_bytes(gpu: &Gpu) -> u64 {
+    let adapter = gpu.adapter();
+    adapter.max_buffer_bytes.min(adapter.max_binding_bytes)
+}
+
 /// 16 bits where the card has matrix units and the networks are narrow enough for the kernel that uses them.
-fn precision(gpu: &Gpu, config: &PpoConfig, networks: &Networks) -> Precision {
+pub(super) fn precision(gpu: &Gpu, config: &PpoConfig, networks: &Networks) -> Precision {
     let adapter = gpu.adapter();
     let units = config.matrix_units && adapter.cooperative_matrix && half::fits(networks, adapter);
     if units { Precision::Half } else { Precision::Single }

@@ -65,7 +65,8 @@ impl<'a> Ready<'a> {
         goal: Goal,
     ) -> Result<Vec<Self>> {
         let Some(&(first, seed)) = users.first() else { return Ok(vec![]) };
-        let env = Envs::new(device, &first.model, &first.task, &config.envs(seed))?;
+        let task = std::slice::from_ref(&first.task);
+        let env = Envs::for_training(device, &first.model, task, (config, seed))?;
         let looks = env.for_looks(seed)?;
         let wanted: Vec<User<'_>> = users.iter().map(|&(scenario, seed)| User { task: &scenario.task, seed }).collect();
         let sessions = env.sessions_of(looks, &wanted, config, goal)?.into_iter();

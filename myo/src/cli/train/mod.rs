@@ -1,5 +1,6 @@
 //! `myo train`: learns a task, leaves a run folder.
 
+mod ahead;
 mod both;
 mod drive;
 mod progress;
@@ -9,6 +10,7 @@ mod several;
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::thread::Scope;
 use std::time::Duration;
 
 use clap::Args;
@@ -177,8 +179,9 @@ pub fn train_users(
     start_or_resume(&args, interrupt)
 }
 
-/// Runs `myo train`.
-pub fn run(args: &Train) -> Result<()> {
+/// Runs `myo train`, with threads `beside` that may last longer than it takes to tell what is wrong.
+pub fn run<'scope>(args: &Train, beside: &'scope Scope<'scope, '_>) -> Result<()> {
+    ahead::open_card(args, beside);
     start_or_resume(args, &Interrupt::listen()?)
 }
 

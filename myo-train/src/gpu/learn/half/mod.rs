@@ -5,7 +5,7 @@ mod passes;
 mod shape;
 mod weights;
 
-use myo_gpu::GpuError;
+use myo_gpu::{GpuError, Recipe};
 
 use super::Tiles;
 use super::context::Context;
@@ -19,6 +19,12 @@ pub use weights::{MatrixTile, TILE_MAX};
 /// Partial gradients of a chunk.
 pub fn parts(layout: &super::Layout, networks: &crate::networks::Networks, tiles: Tiles) -> usize {
     Weights::new(layout, networks, tiles.matrix_weights).parts()
+}
+
+/// What the kernels are compiled from.
+pub fn recipes(layout: &super::Layout, networks: &crate::networks::Networks, tiles: Tiles) -> Vec<Recipe> {
+    let weights = Weights::new(layout, networks, tiles.matrix_weights).recipe();
+    passes::recipes(layout, networks, tiles.columns).into_iter().chain([weights]).collect()
 }
 
 /// From gathered samples to gradients with respect to what goes into every layer, and the gradients of all parameters, one

@@ -1,10 +1,10 @@
 //! Both networks and the loss in one kernel, with the products on the matrix units of the card.
 
-use myo_gpu::{Access, GpuError, Kernel, Source};
+use myo_gpu::{Access, GpuError, Recipe};
 
 use super::super::context::Context;
 use super::super::layers::{LayerRows, layers};
-use super::super::layout::Precision;
+use super::super::layout::{Layout, Precision};
 use super::memory::HalfMemory;
 use super::shape::{Shape, columns_for, matrices};
 use crate::gpu::dense::Dispatch;
@@ -25,6 +25,30 @@ fn groups(inputs: usize, outputs: usize) -> usize {
     matrices(inputs) * matrices(outputs) * (UNIT * UNIT / 4) as usize
 }
 
+/// What the kernels of the passes are compiled from; `columns` are those of a workgroup rather than the best number.
+pub fn recipes(layout: &Layout, networks: &Networks, columns: Option<u32>) -> [Recipe; 2] {
+    [pack(), pass(shape(layout, networks, columns))]
+}
+
+fn shape(layout: &Layout, networks: &Networks, columns: Option<u32>) -> Shape {
+    Shape::new(networks, columns.unwrap_or_else(|| columns_for(networks, layout.chunk)))
+}
+
+fn pack() -> Recipe {
+    use Access::{Read, ReadWrite, Uniform};
+    Recipe::new("pack", PACK, [Read, Read, ReadWrite, Uniform])
+}
+
+fn pass(shape: Shape) -> Recipe {
+    use Access::{Read, ReadWrite, Uniform};
+    let access = [Read, Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
+    let label = format!("passes of {} columns", shape.columns);
+    // SAFETY: layers lie as the layout says that the buffers were made for, and workgroups take all its columns and no
+    // more. Shared memory is written before it is read: as many rows as the layer has, in matrices of 16, of which the
+    // shape has enough. Loops end after the layers and their matrices.
+    unsafe { Recipe::new(label, shape.text(), access).trusted() }
+}
+
 /// The kernels of the passes.
 pub struct Passes<'a> {
     /// What they work on.
@@ -43,9 +67,8 @@ impl Passes<'_> {
 
     /// Packs the weights, layer by layer.
     fn pack(&self) -> Result<Dispatch, GpuError> {
-        use Access::{Read, ReadWrite, Uniform};
         let Context { gpu, parameters, .. } = self.context;
-        let kernel = gpu.compile("pack", Source::Wgsl(PACK), "main", &[Read, Read, ReadWrite, Uniform])?;
+        let kernel = gpu.kernel(&pack())?;
         let mut end = 0;
         let mut jobs = Vec::<[u32; 8]>::new();
         for LayerRows { inputs, outputs, weight, .. } in self.layers().into_iter().flatten() {
@@ -63,8 +86,8 @@ impl Passes<'_> {
     /// Takes all columns through both networks and back.
     fn pass(&self) -> Result<Dispatch, GpuError> {
         let Context { gpu, layout, networks, parameters, memory, .. } = self.context;
-        let shape = Shape::new(networks, self.columns.unwrap_or_else(|| columns_for(networks, layout.chunk)));
-        let kernel = self.compile(shape)?;
+        let shape = shape(layout, networks, self.columns);
+        let kernel = gpu.kernel(&pass(shape))?;
         let blocks = layout.chunk.div_ceil(shape.columns as usize);
         let table = table(gpu, "layers", &self.places())?;
         let buffers = [
@@ -89,16 +112,6 @@ impl Passes<'_> {
         let places = [layout.chunk / 4, blocks, policy, value, rows, gradient_rows, sizes.actions, log_std];
         let numbers = [config.clip as f32, config.value_coefficient as f32, layout.gradient_scale()];
         places.map(|x| x as u32).into_iter().chain(numbers.map(f32::to_bits)).collect()
-    }
-
-    fn compile(&self, shape: Shape) -> Result<Kernel, GpuError> {
-        use Access::{Read, ReadWrite, Uniform};
-        let access = [Read, Read, Read, Read, ReadWrite, ReadWrite, ReadWrite, ReadWrite, Uniform];
-        let label = format!("passes of {} columns", shape.columns);
-        // SAFETY: layers lie as the layout says that the buffers were made for, and workgroups take all its columns and no
-        // more. Shared memory is written before it is read: as many rows as the layer has, in matrices of 16, of which the
-        // shape has enough. Loops end after the layers and their matrices.
-        unsafe { self.context.gpu.compile_trusted(&label, Source::Wgsl(&shape.text()), "main", &access) }
     }
 
     fn layers(&self) -> [Vec<LayerRows>; 2] {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use myo_gpu::{Access, Gpu, GpuError, Kernel, Source};
+use myo_gpu::{Access, GpuError, Recipe};
 
 use super::super::context::Context;
 use super::super::layers::{LayerRows, layers};
@@ -165,7 +165,7 @@ impl<'a> Weights<'a> {
         let Context { gpu, sizes, memory, .. } = *context;
         let (jobs, [splits, each]) = (self.jobs(sizes), self.split());
         let table = table(gpu, "jobs", &jobs)?;
-        let kernel = self.compile(gpu)?;
+        let kernel = gpu.kernel(&self.recipe())?;
         let sources = [memory.activation.binding(), memory.gradient.binding(), half.summand.binding()];
         let buffers: Vec<_> = sources.into_iter().chain([table.binding(), memory.partial.binding()]).collect();
         let tiles = jobs.last().map_or(0, |job| job[0] as usize);
@@ -197,7 +197,8 @@ impl<'a> Weights<'a> {
         jobs
     }
 
-    fn compile(&self, gpu: &Gpu) -> Result<Kernel, GpuError> {
+    /// What the kernel is compiled from.
+    pub fn recipe(&self) -> Recipe {
         use Access::{Read, ReadWrite, Uniform};
         let MatrixTile { rows, columns } = self.tile;
         let label = format!("weight gradients {}x{}", rows[0], columns[0]);
@@ -205,7 +206,7 @@ impl<'a> Weights<'a> {
         // SAFETY: the jobs are made from the layout that the buffers were made for, in this file; after the last rows there
         // are as many as a tile may read beyond its job, and what lies there is left out. Shared memory is written before it
         // is read. Loops end after the jobs, the blocks or the samples.
-        unsafe { gpu.compile_trusted(&label, Source::Wgsl(&self.tile.text()), "main", &access) }
+        unsafe { Recipe::new(label, self.tile.text(), access).trusted() }
     }
 }
 
