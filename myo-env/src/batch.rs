@@ -157,7 +157,7 @@ impl EnvSpec {
     /// There are no such environments on any backend.
     pub fn of_layouts(model: &Model, tasks: &[Task], config: &EnvConfig) -> Result<Self, BuildError> {
         check_count(config)?;
-        check_layouts(tasks, config.num_envs)?;
+        check_layouts(tasks.len(), config.num_envs)?;
         Ok(spec(model, tasks, &Tables::<f64>::with_layouts(model, tasks)?, config))
     }
 }
