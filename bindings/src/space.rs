@@ -73,7 +73,9 @@ impl Regions {
             }
             "next_target_vector" => [0.0, 0.0],
             "activation" => [-1.0, 1.0],
-            "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" => [0.0, 1.0],
+            "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" | "target_kind" => [0.0, 1.0],
+            // Unit vectors, and what is no longer.
+            "target_normal" | "nearest_obstacle" => [-1.0, 1.0],
             "drag" if entry == "held" => [0.0, 1.0],
             _ => UNBOUNDED,
         }

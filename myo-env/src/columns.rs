@@ -21,11 +21,8 @@ pub(crate) const SOLVER_ROUNDS: Column = Column::new(
     "",
     "Rounds of the constraint solver per physics step, mean; 1 without limits and contact.",
 );
-pub(crate) const SOLVER_UNSOLVED: Column = Column::new(
-    "solver_unsolved",
-    "",
-    "Physics steps that the solver gave up on: their forces are not to be trusted.",
-);
+pub(crate) const SOLVER_UNSOLVED: Column =
+    Column::new("solver_unsolved", "", "Physics steps that the solver gave up on: their forces are not to be trusted.");
 
 impl Column {
     /// A column.

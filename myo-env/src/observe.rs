@@ -10,8 +10,10 @@ use myo_scalar::{Carried, Real, Scalar, Visitor};
 use myo_tasks::Observation;
 use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, centre_ahead, difference, inside};
 
-/// Obstacles farther away than this (m) are not observed.
-const FAR: f64 = 1.0;
+/// What is farther away than this (m) is observed as if it were so far.
+const NEAR: f64 = 1.0;
+/// Farther than any obstacle (m).
+const FAR: f64 = 1e3;
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +65,7 @@ pub enum ObservationPart {
 }
 
 impl ObservationPart {
-    /// Whether it is about body and time, and not about a script.
+    /// Whether it is about body, boxes and time, and not about a script.
     pub(crate) const fn is_of_body(self) -> bool {
         use ObservationPart as Part;
         matches!(
@@ -74,6 +76,7 @@ impl ObservationPart {
                 | Part::FingertipPosition
                 | Part::Activation
                 | Part::TimeLeft
+                | Part::NearestObstacle
         )
     }
 }
@@ -214,14 +217,15 @@ pub fn observe<S: Scalar>(
             ObservationPart::Drag => drag(goal, state, out),
             ObservationPart::Steer => steer(goal, state, sensed, out),
             ObservationPart::NearestObstacle => {
-                out.extend_from_slice(&to_nearest_obstacle(world, goal, state, sensed.body.fingertip));
+                let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
+                out.extend_from_slice(&to_nearest_obstacle(world, current, state, sensed.body.fingertip));
             }
             &of_body => observe_body(of_body, world, env, &sensed.body.fingertip, out),
         }
     }
 }
 
-/// Appends a part that is about body and time; nothing where it is about a script.
+/// Appends a part that is about body, boxes and time; nothing where it is about a script.
 #[inline(always)]
 pub fn observe_body<S: Scalar>(
     part: ObservationPart,
@@ -237,6 +241,9 @@ pub fn observe_body<S: Scalar>(
         ObservationPart::FingertipPosition => out.extend_from_slice(fingertip),
         ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
         ObservationPart::TimeLeft => out.push(S::lit(1.0) - env.task.step * world.parameters.task.time_limit.recip()),
+        ObservationPart::NearestObstacle => {
+            out.extend_from_slice(&to_nearest_obstacle(world, S::lit(-1.0), &env.task, *fingertip));
+        }
         _ => {}
     }
 }
@@ -305,19 +312,19 @@ fn normal<S: Scalar>(goal: &Goal<S>) -> Point<S> {
     button.shape.axes[2].map(|x| x.only(goal.is_press & goal.lit()))
 }
 
-/// From the fingertip to the nearest place of the surface of any box but the current one (m), no farther than [`FAR`].
+/// From the fingertip to the nearest place of the surface of any box but the one of this number (m); shortened to [`NEAR`], and as
+/// long downwards where there is none.
 #[inline(always)]
 fn to_nearest_obstacle<S: Scalar>(
     world: &World<'_, S>,
-    goal: &Goal<S>,
+    current: S,
     state: &TaskState<S>,
     [x, y, z]: Point<S>,
 ) -> Point<S> {
     let offsets: Vec<Vec3<S>> = state.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z)).collect();
     let boxes = Boxes { obstacles: &world.obstacles, offsets: &offsets };
     let (o, fingertip) = (S::zero(), Vec3::new(x, y, z));
-    let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
-    let mut nearest = Nearest { distance: S::lit(FAR), way: Vec3::new(o, o, o) };
+    let mut nearest = Nearest { distance: S::lit(FAR), way: Vec3::new(o, o, S::lit(-NEAR)) };
     S::for_each_row(boxes.count(), &mut nearest, |nearest, row| {
         let which = Which::Row(row);
         let (away, _) = boxes.seen_from(fingertip, which);
@@ -327,7 +334,10 @@ fn to_nearest_obstacle<S: Scalar>(
         nearest.distance = S::select(is_nearer, distance, nearest.distance);
         nearest.way = Vec3::select(is_nearer, normal.scale(-distance), nearest.way);
     });
-    nearest.way.array()
+    // Inside of a box, too, the way is as long as the distance.
+    let longer = nearest.distance.max(S::lit(NEAR)).recip() * S::lit(NEAR);
+    let is_none = S::lit(0.5 * FAR).lt(nearest.distance);
+    nearest.way.scale(S::select(is_none, S::lit(1.0), longer)).array()
 }
 
 /// The nearest obstacle so far.

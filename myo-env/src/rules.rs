@@ -14,7 +14,8 @@ use std::fmt::Debug;
 /// processor ([`CpuEnv`](crate::CpuEnv)), and recorded into the kernel of a graphics card (`GpuEnv`); each has `with_rules`.
 ///
 /// Of the [`Task`](myo_tasks::Task) that comes with it count body, scene, time limit, control step, reset, noise and those parts of
-/// the observation that are about body and time. Boxes of the scene stand in the way, spheres are drawn in every episode. Its
+/// the observation that are about body and time. Boxes of the scene stand in the way, spheres and places that are ranges are drawn in every episode (where boxes are
+/// is observed with `nearest_obstacle`). Its
 /// script and its weights of the reward do not count; it may have none ([`Task::without_script`](myo_tasks::Task::without_script)).
 ///
 /// ```

@@ -53,6 +53,8 @@ fn what_is_drawn_there_is_felt_and_seen_as_if_it_stood_there() {
             for ((x, y), name) in row(a).into_iter().zip(row(b)).zip(&alone.spec().observation_names) {
                 assert!((x - y).abs() < 1e-4, "environment {number}, {name}: {x} for {y}");
             }
+            let length: f32 = row(a)[nearest..].iter().map(|x| x * x).sum();
+            assert!(length <= 1.0 + 1e-6, "{length}");
             // What is touched is two millimetres away, the skin of the fingertip.
             touched += usize::from(row(a)[nearest..].iter().all(|x| x.abs() < 2e-3));
             compared += 1;

@@ -58,15 +58,18 @@ mod tests {
         let mut overlapping = 0;
         for k in 0..60 {
             let turn = 0.1 * f64::from(k);
-            let (a, b) = (block([0.0; 3], 0.0), block([0.1 * turn.cos(), 0.12 * turn.sin(), 0.1], turn));
+            let (a, b) = (block([0.0; 3], 0.0), block([0.13 * turn.cos(), 0.12 * turn.sin(), 0.05], turn));
             let shares = (0..=20).flat_map(|u| (0..=20).map(move |v| [u, v].map(|k| f64::from(k) / 20.0 - 0.5)));
             let moved = shares.map(|[u, v]| OrientedBox { centre: b.centre + ways[0] * u + ways[1] * v, ..b });
             let nearest = moved.map(|moved| a.gap(&moved)).fold(f64::INFINITY, f64::min);
             let least = a.least_gap(&b, &ways);
+            assert!(nearest >= 0.0 || least < 0.0, "{k}: places that overlap were missed, {least} {nearest}");
             // Places tried lie up to 6 mm from the nearest of all.
-            assert!(least <= nearest + 1e-12 && nearest < least + 0.012, "{k}: {least} {nearest}");
+            assert!(least > -0.012 || nearest < 0.0, "{k}: there is no such overlap, {least} {nearest}");
+            // Between corners both tell less than the distance, each by its own axes.
+            assert!((least - nearest).abs() < 0.02, "{k}: {least} {nearest}");
             overlapping += u32::from(least < 0.0);
         }
-        assert!((10..50).contains(&overlapping), "{overlapping}");
+        assert!((10..50).contains(&overlapping), "{overlapping} of 60");
     }
 }

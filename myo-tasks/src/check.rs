@@ -1,9 +1,10 @@
 //! Whether a task can be done at all, found before any training starts.
 
 use garde::Validate;
+use nalgebra::Vector3;
 
 use crate::description::{Task, rounded_steps};
-use crate::flat::{Block, FlatTask, Object, Shape, Shift, Sphere, Step};
+use crate::flat::{Block, FlatTask, Object, Pointer, Shape, Shift, Sphere, Step};
 use crate::geometry::{distance, farthest, farthest_at_worst, spread};
 use crate::motion::Path;
 use crate::range::Range;
@@ -26,8 +27,14 @@ const SAMPLES: u32 = 2048;
 /// Positions tried against the model's reach, which may be slow to tell.
 const REACH_SAMPLES: u32 = 504;
 
+/// Places tried of a button whose place is drawn, its corners aside; at each, all of its face.
+const DRAWN_SAMPLES: u32 = 24;
+
 /// Looks at smaller and smaller parts of a range before none counts as reached.
 const CLOSER_LOOKS: u32 = 8;
+
+/// How far (m) beyond where it moves nothing the fingertip must get that moves a cursor.
+const RATE_REACH: f64 = 0.02;
 
 /// What the check of a task asks the model.
 pub trait Reach {
@@ -38,6 +45,12 @@ pub trait Reach {
     /// How far (m) a point is from the nearest one in reach; 0 when it is in reach.
     fn distance_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
         distance(point_rel_shoulder, self.nearest_in_reach(point_rel_shoulder))
+    }
+
+    /// How far (m) a point is from the nearest one that the fingertip reaches, whatever points. As what points, the default, where nothing
+    /// else is known.
+    fn fingertip_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+        self.distance_out_of_reach(point_rel_shoulder)
     }
 
     /// Whether muscles can hold the fingertip still in some pose that was tried, in a sphere of this radius (m). `true`, the
@@ -78,6 +91,7 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
     };
     report.errors.extend(reach.physics_dt_s().and_then(|dt| task.check_control_step(dt).err()));
     times(task, &flat, &mut report);
+    rest_of_cursor(&flat, reach, &mut report);
     distances(&flat, &mut report);
     overlaps(&flat, &mut report);
     reachability(&flat, reach, &mut report);
@@ -167,7 +181,7 @@ fn distances(flat: &FlatTask, report: &mut Report) {
 }
 
 /// Where two objects may lie as seen from each other: what moves as one keeps its distance.
-fn places_apart(a: &Object, b: &Object) -> [Region; 2] {
+pub fn places_apart(a: &Object, b: &Object) -> [Region; 2] {
     if a.shift == b.shift { [a.region(), b.region()] } else { [a.places(), b.places()] }
 }
 
@@ -227,6 +241,31 @@ fn reachability(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
     }
 }
 
+/// Where the fingertip rests that moves a cursor, and where it moves it from, must be in reach.
+fn rest_of_cursor(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
+    let &Pointer::RateCursor { at, rotation, still_m, .. } = &flat.pointer else { return };
+    let off = |axis: usize, by: f64| (Vector3::from(at) + rotation.matrix().column(axis) * by).into();
+    let beyond = still_m + RATE_REACH;
+    let places: [[f64; 3]; 5] = [at, off(0, beyond), off(0, -beyond), off(1, beyond), off(1, -beyond)];
+    let missed = places.map(|place| (reach.fingertip_out_of_reach(place), place));
+    let Some((beyond_m, [x, y, z])) =
+        missed.into_iter().filter(|(by, _)| *by > 0.0).reduce(|a, b| if b.0 > a.0 { b } else { a })
+    else {
+        return;
+    };
+    let problem = format!(
+        "asks for the fingertip at ({x:.2}, {y:.2}, {z:.2}) m, which is out of reach of the model by {:.1} cm; take a place from which \
+         it gets {:.0} cm either way, forward and across",
+        100.0 * beyond_m,
+        100.0 * beyond
+    );
+    report.errors.push(TaskError::Value {
+        path: "technique.at".into(),
+        subject: "the rest of the cursor".into(),
+        problem,
+    });
+}
+
 /// What came of trying places of a target.
 struct Unreached {
     tried: Vec<Tried>,
@@ -269,22 +308,26 @@ impl Unreached {
 
 fn look(object: &Object, reach: &dyn Reach) -> Unreached {
     match &object.shape {
-        Shape::Sphere(sphere) => look_at_sphere(&Sphere { region: object.places(), ..sphere.clone() }, reach),
-        Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
-            look_at_face(block, object.shift, reach)
-        }
+        Shape::Sphere(sphere) => look_at_sphere(sphere, object.shift, reach),
+        Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => match object.shift {
+            None => look_at_face(block, reach),
+            Some(shift) => look_at_faces(block, shift, reach),
+        },
     }
 }
 
 /// A sphere counts as reached when the fingertip gets inside it: its centre may be out of reach by less than the radius.
-fn look_at_sphere(sphere: &Sphere, reach: &dyn Reach) -> Unreached {
+fn look_at_sphere(sphere: &Sphere, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
     // Evenly spread points never lie on the corners, where a target is farthest out or just within reach.
     let corners = Region::corner_shares().map(|share| (share, sphere.radius.max));
     let inside = (0..REACH_SAMPLES).map(|k| {
         let [a, b, c, r] = spread(k);
         ([a, b, c], sphere.radius.at(r))
     });
-    let offsets = sphere.path.as_ref().map_or_else(|| vec![[0.0; 3]], Path::samples);
+    let path = sphere.path.as_ref().map_or_else(|| vec![[0.0; 3]], Path::samples);
+    let shifts = shift.map_or_else(|| vec![[0.0; 3]], |shift| Region::corner_shares().map(|at| shift.at(at)).to_vec());
+    let off = |shift: &[f64; 3], way: &[f64; 3]| [0, 1, 2].map(|k| shift[k] + way[k]);
+    let offsets: Vec<[f64; 3]> = shifts.iter().flat_map(|shift| path.iter().map(|way| off(shift, way))).collect();
     // Every corner with every place of the path, every place within with one of them.
     let at_corners = offsets.iter().flat_map(|offset| corners.map(|(share, radius)| (share, *offset, radius)));
     let within = inside.zip(offsets.iter().cycle()).map(|((share, radius), offset)| (share, *offset, radius));
@@ -301,17 +344,32 @@ fn look_at_sphere(sphere: &Sphere, reach: &dyn Reach) -> Unreached {
     Unreached { tried: tried.collect() }
 }
 
-/// A button counts as reached when the fingertip gets to some point of its face, wherever an episode draws it.
-fn look_at_face(block: &Block, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
-    const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
-    let face = GRID.iter().flat_map(|across| GRID.map(|up| block.face_point(*across, up)));
-    let offsets = shift.map_or_else(|| vec![[0.0; 3]], |shift| Region::corner_shares().map(|at| shift.at(at)).to_vec());
-    let points = face.flat_map(|point| offsets.iter().map(move |offset| [0, 1, 2].map(|k| point[k] + offset[k])));
-    let tried = points.map(|point| {
+/// A button counts as reached when the fingertip gets to some point of its face.
+fn look_at_face(block: &Block, reach: &dyn Reach) -> Unreached {
+    let tried = face_points(block).map(|point| {
         let beyond_m = reach.distance_out_of_reach(point);
         Tried { point, beyond_m, is_reached: beyond_m <= 0.0 }
     });
     Unreached { tried: tried.collect() }
+}
+
+/// Of a button whose place is drawn, each place counts: whether some point of its face is reached there.
+fn look_at_faces(block: &Block, shift: Shift, reach: &dyn Reach) -> Unreached {
+    let inside = (0..DRAWN_SAMPLES).map(spread);
+    let tried = Region::corner_shares().into_iter().chain(inside).map(|shares| {
+        let offset = shift.at(shares);
+        let moved = Block { centre: [0, 1, 2].map(|k| block.centre[k] + offset[k]), ..block.clone() };
+        let beyond_m =
+            face_points(&moved).map(|point| reach.distance_out_of_reach(point)).fold(f64::INFINITY, f64::min);
+        Tried { point: moved.face_point(0.0, 0.0), beyond_m, is_reached: beyond_m <= 0.0 }
+    });
+    Unreached { tried: tried.collect() }
+}
+
+/// Points spread over a face, its edges included.
+fn face_points(block: &Block) -> impl Iterator<Item = [f64; 3]> {
+    const GRID: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    GRID.into_iter().flat_map(|across| GRID.map(|up| block.face_point(across, up)))
 }
 
 /// What brings all of a target into reach.
@@ -332,7 +390,7 @@ fn narrowed(sphere: &Sphere, found: &Unreached, reach: &dyn Reach) -> Option<Reg
     let mut places: Vec<_> = found.tried.iter().map(place).collect();
     for _ in 0..CLOSER_LOOKS {
         let part = reached_part(&sphere.region, &places)?;
-        let closer = look_at_sphere(&Sphere { region: part, ..sphere.clone() }, reach);
+        let closer = look_at_sphere(&Sphere { region: part, ..sphere.clone() }, None, reach);
         if closer.missed().next().is_none() {
             return Some(part);
         }

@@ -276,8 +276,8 @@ pub struct Observation {
     /// From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and whether it is within the
     /// way: 1 or 0; in tasks with ways. Default true.
     pub steer: bool,
-    /// From the fingertip to the nearest place of the surface of any box but the current target, in m, at most 1; in tasks with boxes.
-    /// Default false.
+    /// From the fingertip to the nearest place of the surface of any box but the current target, in m, shortened to 1 where it is farther, and
+    /// 1 downwards where there is none; in tasks with boxes. Default false.
     pub nearest_obstacle: bool,
 }
 

@@ -333,6 +333,14 @@ impl Object {
         }
     }
 
+    /// The corners of all places where an episode may draw its centre.
+    pub fn corners(&self) -> Vec<[f64; 3]> {
+        let corners = self.region().corners();
+        let Some(shift) = self.shift else { return corners.to_vec() };
+        let offsets = Region::corner_shares().map(|at| shift.at(at));
+        offsets.iter().flat_map(|by| corners.map(|corner| [0, 1, 2].map(|k| corner[k] + by[k]))).collect()
+    }
+
     /// Where its centre, or that of its handle, may ever be: its places, and all ways about them.
     pub fn extent(&self) -> Region {
         widened(self.places(), |axis| match &self.shape {

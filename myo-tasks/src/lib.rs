@@ -58,7 +58,7 @@ mod target;
 mod technique;
 mod weakness;
 
-pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check};
+pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check, places_apart};
 pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Stimulus, Task, rounded_steps};
 pub use expand::{OBJECTS_MAX, STEPS_MAX};
 pub use flat::{Action, Block, Cue, FlatTask, Object, Order, Pointer, Shape, Shift, Sphere, Step};

@@ -36,8 +36,8 @@ pub enum Pitch {
 pub struct Name(pub String);
 
 /// Where a centre may lie; in a file `[x, y, z]`, or `x`, `y` and `z`, each a number or `[min, max]`.
-#[derive(Clone, Copy, Debug, PartialEq, Validate)]
-pub struct Place(#[garde(dive)] pub Region);
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place(pub Region);
 
 impl Pitch {
     /// Across, down.
@@ -58,6 +58,20 @@ impl From<[f64; 3]> for Place {
 impl Default for Place {
     fn default() -> Self {
         Self(Region::point([0.0; 3]))
+    }
+}
+
+/// By hand, so that paths are those of a list, as which places are written.
+impl Validate for Place {
+    type Context = ();
+
+    fn validate_into(&self, (): &(), mut parent: &mut dyn FnMut() -> garde::Path, report: &mut garde::Report) {
+        for (axis, range) in [self.0.x, self.0.y, self.0.z].iter().enumerate() {
+            if let Err(problem) = COORDINATE.range_rule()(range, &()) {
+                let mut path = garde::util::nested_path!(parent, axis);
+                report.append(path(), problem);
+            }
+        }
     }
 }
 

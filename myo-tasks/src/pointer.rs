@@ -72,7 +72,7 @@ impl Builder {
         let beside = wanted.filter_map(|index| {
             let object = &self.flat.objects[index];
             let sphere = object.sphere()?;
-            let off = object.places().corners().into_iter().map(above).fold(0.0, |a: f64, b| a.max(b.abs()));
+            let off = object.corners().into_iter().map(above).fold(0.0, |a: f64, b| a.max(b.abs()));
             (off >= sphere.radius.min).then_some((object, off))
         });
         let Some((object, off)) = { beside }.next() else { return };

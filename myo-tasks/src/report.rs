@@ -33,6 +33,8 @@ pub struct Element {
     pub last: usize,
     /// What it is: `sphere`, `button` or `obstacle`.
     pub kind: &'static str,
+    /// Whether it may lie in a range of places, as spheres may; else its face is what may be reached in part.
+    pub is_drawn: bool,
     /// What people call it.
     pub label: String,
     /// Path in the file of what describes it.
@@ -51,7 +53,8 @@ impl Element {
             }
             (false, false) => format!("{} to {}", object.name, flat.objects[last].name),
         };
-        Self { first, last, kind: object.kind(), label, path: object.path.clone() }
+        let is_drawn = object.sphere().is_some() || object.shift.is_some();
+        Self { first, last, kind: object.kind(), is_drawn, label, path: object.path.clone() }
     }
 
     /// Steps in a row that ask the same of equal objects.
@@ -258,7 +261,7 @@ pub enum TaskWarning {
     PartlyOutOfReach {
         /// The target.
         target: Element,
-        /// Share of positions and sizes, or of a button's face, that cannot be reached.
+        /// Share of positions and sizes, or of the face of a button that stands still, that cannot be reached.
         fraction: f64,
         /// A box around all positions that cannot be reached, in m relative to the shoulder centre.
         missed: Region,
@@ -364,7 +367,7 @@ fn advice(element: &Element, remedy: &Remedy) -> String {
 }
 
 fn part_of(element: &Element) -> &'static str {
-    if element.is_button() { "the face of " } else { "the range of " }
+    if element.is_drawn { "the range of " } else { "the face of " }
 }
 
 /// Where the places lie that cannot be reached, unless they are one.

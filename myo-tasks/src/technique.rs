@@ -128,7 +128,7 @@ pub struct RateCursor {
     #[schemars(transform = COORDINATE.schema())]
     pub at: [f64; 3],
 
-    /// How fast the cursor moves, in m/s for each metre that the fingertip is off its rest. From 0.01 to 100.
+    /// How fast the cursor moves, in m/s for each metre that the fingertip is farther off its rest than `still`. From 0.01 to 100.
     #[garde(custom(RATE.rule()))]
     #[schemars(transform = RATE.schema())]
     pub gain: f64,

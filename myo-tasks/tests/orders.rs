@@ -3,7 +3,7 @@
 mod common;
 
 use common::run::{Deed, OFF, Run, SUBSTEPS, refusal, task, text};
-use myo_tasks::logic::Goal;
+use myo_tasks::logic::{Goal, remember};
 use myo_tasks::{Order, Stimulus};
 
 /// Four keys in a row, 5 cm apart from left to right, and one to take back.
@@ -208,11 +208,32 @@ fn what_an_order_cannot_hold_is_refused() {
     corrected("bakc", "`bakc` is no object of the scene; did you mean `back`?");
 }
 
+/// What is remembered is one object: of another there is something to see.
+#[test]
+fn a_correction_is_seen_although_the_movement_had_begun() {
+    let text = text(KEYS, "  - press: [1, 2]") + "stimulus: before_movement\ncorrection: back\n";
+    let mut run = Run::new(&myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap());
+    let mut known = |errors: f64, pointer: [f64; 3], begins: bool| {
+        run.state.errors = Some(errors);
+        remember(&run.goal(), pointer, begins, &mut run.state).unwrap()
+    };
+    let (near, away) = ([0.4, 0.0, 0.0], [0.4, 0.05, 0.0]);
+    assert!(known(0.0, near, true).is_seen());
+    assert!(!known(0.0, away, false).is_seen());
+    let back = known(1.0, away, false);
+    assert!(back.is_seen());
+    assert_near(back.centre, on(4).0);
+    assert!(!known(1.0, near, false).is_seen());
+    let first = known(0.0, near, false);
+    assert!(first.is_seen());
+    assert_near(first.centre, on(0).0);
+}
+
 #[test]
 fn what_is_shown_is_said_in_a_word() {
     let text = text(KEYS, "  - press: [1, 2]") + "stimulus: current\n";
     let task = myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap();
     assert_eq!(task.flat().unwrap().stimulus, Stimulus::Current);
     let message = refusal(&text.replace("current", "nothing"));
-    assert_eq!(message, "t.yaml:8:11: unknown value `nothing`; valid are `all`, `current`");
+    assert_eq!(message, "t.yaml:8:11: unknown value `nothing`; valid are `all`, `current`, `before_movement`");
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::run::{Run, refusal, task, text};
-use myo_tasks::FlatTask;
+use myo_tasks::{FlatTask, Reach, Task, check};
 
 /// A panel on the wall, somewhere to the left or right and nearer or farther, with two keys and a spot on it, and a lamp that stands
 /// still.
@@ -113,6 +113,69 @@ fn a_range_in_a_range_and_a_display_that_moves_are_refused() {
     assert!(
         refused.ends_with("`c` is not moved with `panel.a` when places are drawn; put both into one group"),
         "{refused}"
+    );
+}
+
+/// Reaches 60 cm forward.
+struct Near;
+
+impl Reach for Near {
+    fn nearest_in_reach(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        [x.min(0.6), y, z]
+    }
+}
+
+#[test]
+fn a_button_that_is_drawn_counts_where_none_of_its_face_is_reached() {
+    let key = |at: &str| format!("  key: {{kind: button, at: {at}, size: [0.03, 0.03, 0.01], tilt_deg: 90}}");
+    let said = |at: &str| {
+        let report = check(&task(&key(at), "  - press: key"), &Near);
+        assert!(report.errors.is_empty(), "{report:?}");
+        report.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(said("[[0.4, 0.5], 0, 0]"), [""; 0]);
+    // Eight corners and 24 places within, of which about half are out of reach.
+    let found = &said("[[0.4, 0.8], 0, 0]")[..];
+    let [warning] = found else { panic!("{found:?}") };
+    assert!(warning.starts_with("46.9 % of the range of key is out of reach of the model, "), "{warning}");
+    assert!(
+        warning.contains("most at (0.80, 0.00, 0.00) m, its face by 19.5 cm; move the range 19.7 cm to "),
+        "{warning}"
+    );
+}
+
+#[test]
+fn what_moves_along_a_slanted_display_stays_on_it() {
+    let scene = "  display: {kind: obstacle, at: [1, 0, 0], tilt_deg: 60, size: [1, 1, 0.02]}\n  tray:\n    kind: group\n    at: [1, 0, 0]\n    tilt_deg: 60\n    objects:\n      moving:\n        kind: group\n        at: [[-0.1, 0.1], 0, 0.01]\n        objects:\n          spot: {kind: sphere, radius: 0.02}";
+    let text = format!(
+        "{}technique: {{kind: ray, from: hand, onto: display}}\n",
+        text(scene, "  - dwell: {in: spot, for_s: 0.1}")
+    );
+    assert_eq!(refusal(&text), "");
+    let off = text.replace("[[-0.1, 0.1], 0, 0.01]", "[[-0.1, 0.1], 0, 0.05]");
+    assert!(
+        refusal(&off).contains("`tray.moving.spot` is up to 4.0 cm off the face of `display`"),
+        "{}",
+        refusal(&off)
+    );
+}
+
+#[test]
+fn the_rest_of_a_rate_cursor_must_be_in_reach_on_all_sides() {
+    let wall = "  wall: {kind: obstacle, at: [0.5, 0, 0], tilt_deg: 90, size: [0.4, 0.4, 0.02]}\n  spot: {kind: sphere, at: [0.49, 0.1, 0.1], radius: 0.05}";
+    let with = |at: &str| {
+        let text = format!(
+            "{}technique: {{kind: rate_cursor, onto: wall, at: {at}, gain: 3}}\n",
+            text(wall, "  - dwell: {in: spot, for_s: 0.1}")
+        );
+        let report = check(&Task::from_yaml(&text, "t.yaml").unwrap(), &Near);
+        report.errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(with("[0.3, 0, -0.2]"), "");
+    assert_eq!(
+        with("[0.58, 0, -0.2]"),
+        "the rest of the cursor asks for the fingertip at (0.61, 0.00, -0.20) m, which is out of reach of the model by 1.0 cm; take a \
+         place from which it gets 3 cm either way, forward and across"
     );
 }
 

@@ -1,7 +1,8 @@
 //! Why a training that leads nowhere may do so: only what was tested is claimed.
 
 use myo_tasks::{
-    Element, FlatTask, Object, Pointer, Reach, Report, Shape, Slider, Step, Task, TaskError, TaskWarning, check, spread,
+    Element, FlatTask, Object, Pointer, Reach, Report, Shape, Slider, Step, Task, TaskError, TaskWarning, check,
+    places_apart, spread,
 };
 use myo_train::session::{Bottleneck, EpisodeMeans};
 
@@ -26,10 +27,10 @@ enum Finding {
 }
 
 /// The greatest share of episodes that can succeed, as far as the check of a task can tell: those in which no sphere lies
-/// out of reach. Buttons do not count: one that is partly out of reach can still be pressed elsewhere.
+/// out of reach, nor any button whose place is drawn. Others do not count: one that is partly out of reach can still be pressed elsewhere.
 pub fn most_success(report: &Report) -> f64 {
     let reached = report.warnings.iter().filter_map(|warning| match warning {
-        TaskWarning::PartlyOutOfReach { target, fraction, .. } if target.kind == "sphere" => {
+        TaskWarning::PartlyOutOfReach { target, fraction, .. } if target.is_drawn => {
             Some((1.0 - fraction).powi((target.last - target.first + 1) as i32))
         }
         _ => None,
@@ -84,9 +85,9 @@ fn reach(report: &Report, object: usize) -> Finding {
         _ => None,
     });
     let warning = report.warnings.iter().find_map(|warning| match warning {
-        // A button can be pressed elsewhere.
+        // A button that stands still can be pressed elsewhere.
         TaskWarning::PartlyOutOfReach { target: element, fraction, .. }
-            if concerns(element, object) && element.kind == "sphere" =>
+            if concerns(element, object) && element.is_drawn =>
         {
             Some(Finding::Wrong(*fraction, warning.to_string()))
         }
@@ -148,7 +149,8 @@ fn way(flat: &FlatTask) -> f64 {
         let least = rule.map_or(0.0, |(_, least)| least);
         let ways = (0..WAYS).filter_map(|k| {
             let [from_x, from_y, from_z, to_x, to_y, to_z] = spread(k);
-            let way = distance(a.region().at([from_x, from_y, from_z]), b.region().at([to_x, to_y, to_z]));
+            let [start, end] = places_apart(a, b);
+            let way = distance(start.at([from_x, from_y, from_z]), end.at([to_x, to_y, to_z]));
             (way >= least).then(|| (way - size(a) - size(b)).max(0.0))
         });
         let (count, sum) = ways.fold((0_u32, 0.0), |(count, sum), way| (count + 1, sum + way));

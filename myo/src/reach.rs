@@ -15,6 +15,8 @@ use crate::advice::Body;
 #[derive(Clone, Debug)]
 pub struct ModelReach {
     space: Arc<ReachableSpace>,
+    /// Of the fingertip, where what points comes everywhere in time.
+    hand: Option<ReachableSpace>,
     /// Made when it is first asked for.
     strength: OnceLock<Strength>,
     physics_dt_s: f64,
@@ -46,6 +48,7 @@ impl ModelReach {
             plan = plan.with_arm(model)?;
         }
         let (plan, is_fingertip) = (plan.specialised(), pointer.is_fingertip());
+        let hand = pointer.is_rate_cursor().then(|| ReachableSpace::new(&plan));
         let space = if is_fingertip {
             ReachableSpace::new(&plan)
         } else {
@@ -55,7 +58,7 @@ impl ModelReach {
             };
             ReachableSpace::of_pointer(&plan, Arc::new(place))
         };
-        Ok(Self { space: Arc::new(space), strength: OnceLock::new(), physics_dt_s: plan.timestep, is_fingertip })
+        Ok(Self { space: Arc::new(space), hand, strength: OnceLock::new(), physics_dt_s: plan.timestep, is_fingertip })
     }
 
     fn strength(&self) -> &Strength {
@@ -67,6 +70,11 @@ impl Reach for ModelReach {
     fn nearest_in_reach(&self, point_rel_shoulder: [f64; 3]) -> [f64; 3] {
         let nearest = self.space.nearest(point_rel_shoulder);
         if nearest.distance_m == 0.0 { point_rel_shoulder } else { nearest.point }
+    }
+
+    fn fingertip_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
+        let space = self.hand.as_ref().unwrap_or(&self.space);
+        space.nearest(point_rel_shoulder).distance_m
     }
 
     fn can_hold(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {

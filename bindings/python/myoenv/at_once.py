@@ -6,7 +6,8 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from myoenv._native import Model, Task, task_batches, train_at_once
+from myoenv._native import DeviceError, Model, Task, task_batches, train_at_once
+from myoenv.training import as_json
 
 
 class User(NamedTuple):
@@ -22,7 +23,8 @@ def train_users(
 ) -> Iterator[tuple[int, dict[str, Any] | RuntimeError]]:
     """For each user, by its number, how it went or what went wrong; batch after batch.
 
-    A batch is of one body and of layouts of one structure.
+    A batch is of one body and of layouts of one structure. Of one that went back to a good state, or that leads nowhere,
+    nothing is said.
     """
     bodies: dict[str, list[int]] = {}
     for k, user in enumerate(users):
@@ -35,7 +37,7 @@ def train_users(
                 [users[k].task for k in members],
                 body,
                 [users[k].seed for k in members],
-                config=json.dumps(settings),
+                config=as_json(dict(settings)),
                 device=device,
                 until=until,
                 steps=steps,
@@ -43,4 +45,11 @@ def train_users(
             if raised is not None:
                 raise raised
             for k, (outcome, error) in zip(members, outcomes, strict=True):
-                yield k, RuntimeError(error) if outcome is None else json.loads(outcome)
+                yield k, _told(outcome, error)
+
+
+def _told(outcome: str | None, error: str) -> dict[str, Any] | RuntimeError:
+    if outcome is None:
+        return RuntimeError(error)
+    told: dict[str, Any] = json.loads(outcome)
+    return DeviceError("the GPU was lost") if told["stopped_by"] == "device_lost" else told

@@ -46,7 +46,7 @@ def compare(
         out: Folder for the runs of users that are trained, two folders with one run per seed; by default none are kept.
         training: Arguments of `myoenv.train`, such as `until`, `settings`, `backend` or `progress`. With
             `backend="gpu"` all users are trained at once where the layouts differ in numbers alone and neither
-            `out`, `callback`, `threads` nor `progress` is given.
+            `out`, `callback`, `threads` nor `progress` is given; what single trainings warn of is not heard then.
 
     Needs pandas: `pip install myoenv[compare]`.
     """
@@ -105,8 +105,10 @@ def _groups_at_once(
     if num_envs is not None:
         changes["num_envs"] = as_num_envs(num_envs)
     outcomes: dict[int, dict[str, Any]] = {}
-    goal, limit = as_until(until), as_count("steps", steps)
+    goal, limit = as_until(until), STEPS if steps is None else as_count("steps", steps)
     for k, outcome in train_users(users, settings=changes, device=as_device(device), until=goal, steps=limit):
+        if isinstance(outcome, _native.DeviceError):
+            raise outcome
         if isinstance(outcome, RuntimeError):
             raise _native.TrainingError(str(outcome))
         if outcome["evaluation"] is None:
@@ -125,7 +127,7 @@ def _groups_at_once(
 
 def _group(layout: TaskLike | Runs, side: str, seeds: int, place: Path | None, training: dict[str, Any]) -> str:
     """The users of a layout as JSON, trained here unless they are runs."""
-    if not _is_task(layout):
+    if isinstance(layout, Sequence) and not isinstance(layout, str):
         paths = [as_path(side, path) for path in layout]
         return _native.trained_users(Path(paths[0]).parent.name if len(paths) > 1 else Path(paths[0]).name, paths)
     users, heard = [], _Hearer()

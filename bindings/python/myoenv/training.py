@@ -121,7 +121,7 @@ def train(
     native = _native.Session(
         tasks,
         body,
-        config=_json(changes),
+        config=as_json(changes),
         seed=1 if seed is None else as_seed(seed),
         backend=given_backend or "auto",
         device=given_device,
@@ -161,7 +161,8 @@ def _refuse_if_over(session: _native.Session, run: str) -> None:
     raise ValueError(f"{run} has {done} control steps, and its limit is {limit}; raise it with steps=...")
 
 
-def _json(settings: dict[str, Any]) -> str:
+def as_json(settings: dict[str, Any]) -> str:
+    """Settings as JSON, numbers of NumPy included."""
     try:
         return json.dumps(settings, default=lambda value: value.tolist(), allow_nan=False)
     except (TypeError, ValueError, AttributeError) as error:

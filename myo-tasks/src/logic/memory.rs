@@ -1,6 +1,6 @@
 //! Objects that are seen until a movement begins, and remembered from then on.
 
-use super::{Goal, Point, TaskState, difference, norm, select_point};
+use super::{Goal, Point, TaskState, difference, is_same, norm, select_point};
 use myo_scalar::{Mask, Scalar};
 
 /// How far (m) the pointer goes before its movement has begun.
@@ -17,6 +17,8 @@ pub struct Seen<S> {
     pub from: Point<S>,
     /// One where the movement has begun.
     pub moved: S,
+    /// What it is: the number of the step, or a number below zero where a wrong press is to be corrected.
+    pub what: S,
 }
 
 impl<S: Scalar> Seen<S> {
@@ -24,20 +26,20 @@ impl<S: Scalar> Seen<S> {
     #[inline(always)]
     pub(super) fn new() -> Self {
         let o = S::zero();
-        Self { centre: [o; 3], size: o, from: [o; 3], moved: o }
+        Self { centre: [o; 3], size: o, from: [o; 3], moved: o, what: o }
     }
 
     /// Every number, in a fixed order.
     #[inline(always)]
-    pub(super) fn numbers(&mut self) -> [&mut S; 8] {
-        let Self { centre: [x, y, z], size, from: [a, b, c], moved } = self;
-        [x, y, z, size, a, b, c, moved]
+    pub(super) fn numbers(&mut self) -> [&mut S; 9] {
+        let Self { centre: [x, y, z], size, from: [a, b, c], moved, what } = self;
+        [x, y, z, size, a, b, c, moved, what]
     }
 }
 
 /// Looks at the object of the current step while its movement has not begun, and returns the goal as it is known: as it is remembered,
-/// once it has; none where it is seen all the time. `begins`: where the step is a new one. What is waited for is seen until it lights
-/// up.
+/// once it has; none where it is seen all the time. `begins`: where an episode or a step does. It is another object, too, where a wrong
+/// press is to be corrected and where the user takes the steps in any order. What is waited for is seen until it lights up.
 #[inline(always)]
 pub fn remember<S: Scalar>(
     goal: &Goal<S>,
@@ -45,8 +47,11 @@ pub fn remember<S: Scalar>(
     begins: S::Mask,
     state: &mut TaskState<S>,
 ) -> Option<Goal<S>> {
+    let step = state.step_ahead(0);
     let seen = state.seen.as_mut()?;
-    let is_still = begins | !goal.lit();
+    let what = goal.corrects.map_or(step, |corrects| S::select(corrects, S::lit(-1.0), step));
+    let is_still = begins | !goal.lit() | !is_same(what, seen.what);
+    seen.what = what;
     seen.from = select_point(is_still, pointer, seen.from);
     let is_away = S::lit(ONSET).lt(norm(difference(pointer, seen.from)));
     let has_moved = (is_away | S::lit(0.5).lt(seen.moved)) & !is_still;

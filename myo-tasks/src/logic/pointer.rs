@@ -202,6 +202,15 @@ impl<S: Scalar> Pointer<S> {
         }
     }
 
+    /// How far (m) the body is from having it at the goal: of what moves by itself, from its rest.
+    #[inline(always)]
+    pub fn gap(&self, body: &Landmarks<S>, goal: Point<S>) -> S {
+        match self {
+            Self::RateCursor { at, .. } => norm(difference(body.fingertip, *at)),
+            _ => norm(difference(self.place(body, goal), goal)),
+        }
+    }
+
     /// Where it may be in time, with the body here: what moves by itself comes to whatever is on its face.
     #[inline(always)]
     pub fn place_in_time(&self, body: &Landmarks<S>, goal: Point<S>) -> Point<S> {
