@@ -236,7 +236,16 @@ fn reachability(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
         } else {
             let missed = found.missed_region();
-            report.warnings.push(TaskWarning::PartlyOutOfReach { target, fraction, missed, worst, beyond_m, remedy });
+            let is_drawn = object.sphere().is_some() || object.shift.is_some();
+            report.warnings.push(TaskWarning::PartlyOutOfReach {
+                target,
+                is_drawn,
+                fraction,
+                missed,
+                worst,
+                beyond_m,
+                remedy,
+            });
         }
     }
 }

@@ -33,8 +33,6 @@ pub struct Element {
     pub last: usize,
     /// What it is: `sphere`, `button` or `obstacle`.
     pub kind: &'static str,
-    /// Whether it may lie in a range of places, as spheres may; else its face is what may be reached in part.
-    pub is_drawn: bool,
     /// What people call it.
     pub label: String,
     /// Path in the file of what describes it.
@@ -53,8 +51,7 @@ impl Element {
             }
             (false, false) => format!("{} to {}", object.name, flat.objects[last].name),
         };
-        let is_drawn = object.sphere().is_some() || object.shift.is_some();
-        Self { first, last, kind: object.kind(), is_drawn, label, path: object.path.clone() }
+        Self { first, last, kind: object.kind(), label, path: object.path.clone() }
     }
 
     /// Steps in a row that ask the same of equal objects.
@@ -255,12 +252,14 @@ pub enum TaskWarning {
     /// Part of a target's range cannot be reached.
     #[error(
         "{:.1} % of {}{target} is out of reach of the model, {}most at ({:.2}, {:.2}, {:.2}) m, {} by {:.1} cm; {}",
-        100.0 * fraction, part_of(target), within(missed), worst[0], worst[1], worst[2], hull(target), 100.0 * beyond_m,
+        100.0 * fraction, part_of(*is_drawn), within(missed), worst[0], worst[1], worst[2], hull(target), 100.0 * beyond_m,
         advice(target, remedy)
     )]
     PartlyOutOfReach {
         /// The target.
         target: Element,
+        /// Whether it may lie in a range of places, as spheres may; else it is its face that is reached in part.
+        is_drawn: bool,
         /// Share of positions and sizes, or of the face of a button that stands still, that cannot be reached.
         fraction: f64,
         /// A box around all positions that cannot be reached, in m relative to the shoulder centre.
@@ -366,8 +365,8 @@ fn advice(element: &Element, remedy: &Remedy) -> String {
     remedy.advice(if element.is_button() { "it" } else { "its centre" })
 }
 
-fn part_of(element: &Element) -> &'static str {
-    if element.is_drawn { "the range of " } else { "the face of " }
+fn part_of(is_drawn: bool) -> &'static str {
+    if is_drawn { "the range of " } else { "the face of " }
 }
 
 /// Where the places lie that cannot be reached, unless they are one.

@@ -30,7 +30,7 @@ enum Finding {
 /// out of reach, nor any button whose place is drawn. Others do not count: one that is partly out of reach can still be pressed elsewhere.
 pub fn most_success(report: &Report) -> f64 {
     let reached = report.warnings.iter().filter_map(|warning| match warning {
-        TaskWarning::PartlyOutOfReach { target, fraction, .. } if target.is_drawn => {
+        TaskWarning::PartlyOutOfReach { target, fraction, is_drawn: true, .. } => {
             Some((1.0 - fraction).powi((target.last - target.first + 1) as i32))
         }
         _ => None,
@@ -86,8 +86,8 @@ fn reach(report: &Report, object: usize) -> Finding {
     });
     let warning = report.warnings.iter().find_map(|warning| match warning {
         // A button that stands still can be pressed elsewhere.
-        TaskWarning::PartlyOutOfReach { target: element, fraction, .. }
-            if concerns(element, object) && element.is_drawn =>
+        TaskWarning::PartlyOutOfReach { target: element, fraction, is_drawn: true, .. }
+            if concerns(element, object) =>
         {
             Some(Finding::Wrong(*fraction, warning.to_string()))
         }
