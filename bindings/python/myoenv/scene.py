@@ -682,7 +682,8 @@ class RateCursor(Technique):
     Args:
         onto: Name of the object on whose face it moves.
         at: Where the fingertip rests, `(x, y, z)` in m. Each from -2 to 2 m.
-        gain: How fast the cursor moves, in m/s for each metre that the fingertip is off its rest. From 0.01 to 100.
+        gain: How fast the cursor moves, in m/s for each metre that the fingertip is farther off its rest than `still`.
+            From 0.01 to 100.
         still: How far off its rest, in m, the fingertip moves nothing. Default 0.01. From 0 to 4 m.
         tilt_deg: How the plane of the hand is tilted, in degrees, as of a cursor. Default 0. From 0 to 180 deg.
         turn_deg: The plane of the hand turned about the vertical, in degrees, as of a cursor. Default 0. From -180 to
@@ -774,7 +775,8 @@ class Observation(Described):
         steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
             whether it is within the way: 1 or 0; in tasks with ways. Default True.
         nearest_obstacle: From the fingertip to the nearest place of the surface of any box but the current target, in
-            m, at most 1; in tasks with boxes. Default False.
+            m, shortened to 1 where it is farther, and 1 downwards where there is none; in tasks with boxes. Default
+            False.
     """
 
     joint_position: bool | None = None
