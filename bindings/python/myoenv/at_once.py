@@ -23,8 +23,8 @@ def train_users(
 ) -> Iterator[tuple[int, dict[str, Any] | RuntimeError]]:
     """For each user, by its number, how it went or what went wrong; batch after batch.
 
-    A batch is of one body and of layouts of one structure. Of one that went back to a good state, or that leads nowhere,
-    nothing is said.
+    A batch is of one body and of layouts of one structure. Nothing is said of a training that went back to a good state
+    or leads nowhere.
     """
     bodies: dict[str, list[int]] = {}
     for k, user in enumerate(users):
