@@ -1,5 +1,6 @@
 //! The observation: which parts it has, what they are called, and their values.
 
+use crate::control::offsets;
 use crate::parameters::World;
 use crate::state::EnvState;
 use myo_dynamics::spatial::Vec3;
@@ -321,7 +322,7 @@ fn to_nearest_obstacle<S: Scalar>(
     state: &TaskState<S>,
     [x, y, z]: Point<S>,
 ) -> Point<S> {
-    let offsets: Vec<Vec3<S>> = state.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z)).collect();
+    let offsets: Vec<Vec3<S>> = offsets(state).collect();
     let boxes = Boxes { obstacles: &world.obstacles, offsets: &offsets };
     let (o, fingertip) = (S::zero(), Vec3::new(x, y, z));
     let mut nearest = Nearest { distance: S::lit(FAR), way: Vec3::new(o, o, S::lit(-NEAR)) };

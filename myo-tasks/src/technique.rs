@@ -159,7 +159,7 @@ impl Technique {
     }
 
     /// The word for it, with its article.
-    pub(crate) const fn name(&self) -> &'static str {
+    pub const fn name(&self) -> &'static str {
         match self {
             Self::Fingertip => "the fingertip",
             Self::Ray(_) => "a ray",

@@ -106,7 +106,6 @@ fn asks_for(task: &Task, part: ObservationPart) -> bool {
 /// A technique without its numbers, for people.
 fn words(technique: &Technique) -> String {
     match technique {
-        Technique::Fingertip => "the fingertip".into(),
         Technique::Ray(ray) => {
             let from = match ray.from {
                 RayFrom::Forearm => "forearm",
@@ -115,8 +114,6 @@ fn words(technique: &Technique) -> String {
             let onto = if ray.onto.is_some() { "onto a display" } else { "through space" };
             format!("a ray from the {from} {onto}")
         }
-        Technique::GoGo(_) => "a Go-Go hand".into(),
-        Technique::Cursor(_) => "a cursor".into(),
-        Technique::RateCursor(_) => "a rate cursor".into(),
+        other => other.name().into(),
     }
 }

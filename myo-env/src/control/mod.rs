@@ -14,7 +14,7 @@ pub use judge::{Judge, Script};
 pub use own::Own;
 #[cfg(feature = "gpu")]
 pub use simulate::simulate;
-pub use simulate::{Following, Unwatched};
+pub use simulate::{Following, Unwatched, offsets};
 pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
 use crate::parameters::World;

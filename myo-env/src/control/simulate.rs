@@ -6,7 +6,7 @@ use crate::state::EnvState;
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
-use myo_tasks::logic::{self, Goal, Landmarks, Stay, Steering};
+use myo_tasks::logic::{self, Goal, Landmarks, Stay, Steering, TaskState};
 
 /// Looks at every physics step of a control step.
 pub trait Watch<S: Scalar> {
@@ -29,13 +29,19 @@ pub fn simulate<S: Scalar>(
     physics.clearance = Clearance::unknown();
     physics.nearby.forget();
     physics.offsets.clear();
-    physics.offsets.extend(env.task.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z)));
+    physics.offsets.extend(offsets(&env.task));
     let mut carried = Substep { world, env, physics, watch };
     S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, watch, .. }| {
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
         watch.look(world, physics);
     });
     env.qacc.copy_from_slice(&ws.physics.qacc);
+}
+
+/// How far boxes are off their places (m), by the numbers of their draws.
+#[inline(always)]
+pub fn offsets<S: Scalar>(task: &TaskState<S>) -> impl Iterator<Item = Vec3<S>> {
+    task.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z))
 }
 
 /// Follows what the pointer does with the current object, so that a short tap between two control steps counts.
