@@ -135,6 +135,7 @@ def test_examples_in_the_documentation_are_right():
         "Press(1, 3, 3, 5)": {"press": [1, 3, 3, 5]},
         "PressAndRelease(1, 3, 3, 5)": {"press_and_release": [1, 3, 3, 5]},
         'Drag("volume", to=70, within=2)': {"drag": {"slider": "volume", "to": 70, "within": 2}},
+        'Swing("lever", to_deg=30, within_deg=3)': {"swing": {"stick": "lever", "to_deg": 30, "within_deg": 3}},
         'Follow("ball", for_s=3)': {"follow": {"target": "ball", "for_s": 3}},
         'Steer(("a", "b", "c"), width=0.03)': {"steer": {"through": ["a", "b", "c"], "width": 0.03}},
         'React("lamps", after_s=(0.5, 1.5))': {"react": {"among": "lamps", "after_s": [0.5, 1.5]}},

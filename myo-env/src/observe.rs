@@ -57,7 +57,7 @@ pub enum ObservationPart {
     Touch,
     /// One where the current step counts already, where some must be waited for.
     Cue,
-    /// One while the current handle is held, and the way that it must go (m), where there are sliders.
+    /// One while the current handle or knob is held, and the way that it must go (m), where there are sliders or sticks.
     Drag,
     /// From the pointer to the farthest place of the current way that was come to (m), and one within the way, where there are ways.
     Steer,
@@ -117,7 +117,7 @@ impl ObservationPart {
             Self::PointerPosition => Some("where the technique is not the fingertip"),
             Self::TargetVelocity => Some("where something moves"),
             Self::Cue => Some("where a step must be waited for"),
-            Self::Drag => Some("where there is a slider to drag"),
+            Self::Drag => Some("where there is a slider to drag or a stick to swing"),
             Self::Steer => Some("where there is a way to steer along"),
             Self::NearestObstacle => Some("where there are boxes"),
             _ => None,
@@ -127,7 +127,7 @@ impl ObservationPart {
 
 /// The parts that a task asks for and has, in order.
 pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart> {
-    let Kinds { motion, cue, drag, steer, .. } = task.kinds;
+    let Kinds { motion, cue, drag, swing, steer, .. } = task.kinds;
     let all = [
         (o.joint_position, ObservationPart::JointPosition),
         (o.joint_velocity, ObservationPart::JointVelocity),
@@ -148,7 +148,7 @@ pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart>
         (o.inside, ObservationPart::Inside),
         (o.touch, ObservationPart::Touch),
         (o.cue && cue, ObservationPart::Cue),
-        (o.drag && drag, ObservationPart::Drag),
+        (o.drag && (drag || swing), ObservationPart::Drag),
         (o.steer && steer, ObservationPart::Steer),
         (o.nearest_obstacle && !task.boxes.is_empty(), ObservationPart::NearestObstacle),
     ];
@@ -290,12 +290,20 @@ fn velocity<S: Scalar>(world: &World<'_, S>, goal: &Goal<S>) -> [S; 3] {
     goal.moves.map_or([S::zero(); 3], |moves| moves.map(|x| (x * S::lit(per_second)).only(is_sphere)))
 }
 
-/// Appends whether the current handle is held, and the way that it must go (m); zeros where the step is no drag.
+/// Appends whether the current handle or knob is held, and the way that it must go (m); zeros where the step asks for none.
 #[inline(always)]
 fn drag<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, out: &mut Vec<S>) {
-    let Some(drag) = goal.drag() else { return out.extend([S::zero(); 4]) };
-    out.push(state.down.only(drag.is_drag));
-    out.extend_from_slice(&drag.way_left(drag.value));
+    let mut sum = [S::zero(); 4];
+    if let Some(drag) = goal.drag() {
+        let [x, y, z] = drag.way_left(drag.value);
+        sum = [state.down.only(drag.is_drag), x, y, z];
+    }
+    if let (Some(swing), Some(sticks)) = (&goal.swing, &state.sticks) {
+        let [x, y, z] = swing.way_left();
+        let terms = [sticks.held.only(swing.is_swing), x, y, z];
+        sum = [0, 1, 2, 3].map(|k| sum[k] + terms[k]);
+    }
+    out.extend_from_slice(&sum);
 }
 
 /// Appends the vector to where the current way was left off (m), and whether the pointer is within it; zeros where the step is no way.

@@ -7,7 +7,7 @@ use myo_dynamics::spatial::{Frame, Rotation, Vec3};
 use myo_dynamics::{CouplingMode, Plan, Workspace, step};
 use myo_model::{Model, model::WORLD};
 use myo_tasks::logic::{self, CompiledTask, Goal, Landmarks, Point, TaskState};
-use myo_tasks::{Block, Direction, FlatTask, Object, Pointer, RayFrom, Shape, Slider, Task};
+use myo_tasks::{Block, Direction, FlatTask, Object, Pointer, RayFrom, Shape, Slider, Stick, Task};
 
 /// Bodies lighter than this (kg) only carry joints.
 const LEAST_MASS: f64 = 0.05;
@@ -74,13 +74,15 @@ pub struct MusclePose {
 /// An object at one moment.
 #[derive(Clone, Debug)]
 pub struct ObjectPose {
-    /// Its centre and own axes; those of a box are x up its upright face, y across it to the left, z out of it.
+    /// Its centre and own axes, of a stick those of its knob; those of a box are x up its upright face, y across it to the left, z out of it.
     pub frame: Frame<f64>,
-    /// Half its size along each own axis (m); for a sphere three times the radius.
+    /// Half its size along each own axis (m); for a sphere or a knob three times the radius.
     pub half_size: [f64; 3],
     /// The handle of a slider that the task drags: centre and axes, half sizes (m).
     pub handle: Option<(Frame<f64>, [f64; 3])>,
-    /// The value that it stands at, in the slider's range.
+    /// The hinge of a stick (m).
+    pub hinge: Option<[f64; 3]>,
+    /// The value that a slider stands at, in its range, or the angle of a stick (degrees).
     pub value: Option<f64>,
     /// Its part in the task.
     pub role: Role,
@@ -117,8 +119,8 @@ impl Skeleton {
     }
 
     fn on(flat: FlatTask, model: &Model, task: &Task) -> Result<Self, BuildError> {
-        let is_sphere = |index: usize| flat.objects[index].sphere().is_some();
-        let number = |index: usize| (0..index).filter(|&other| is_sphere(other) == is_sphere(index)).count();
+        let is_round = |index: usize| flat.objects[index].is_round();
+        let number = |index: usize| (0..index).filter(|&other| is_round(other) == is_round(index)).count();
         let task = CompiledTask::of(task, &flat);
         let plan = Plan::exact(model, CouplingMode::Reduced)?;
         Ok(Self {
@@ -208,6 +210,11 @@ impl Skeleton {
                 usize::from(task.steering.is_some()),
                 usize::from(fresh.steering.is_some()),
             ),
+            (
+                "task.sticks of the snapshot",
+                task.sticks.as_ref().map_or(0, |sticks| sticks.angles.len()),
+                fresh.sticks.as_ref().map_or(0, |sticks| sticks.angles.len()),
+            ),
             ("task.shifts of the snapshot", task.shifts.len(), fresh.shifts.len()),
             ("task.seen of the snapshot", usize::from(task.seen.is_some()), usize::from(fresh.seen.is_some())),
             ("task.cursor of the snapshot", usize::from(task.cursor.is_some()), usize::from(fresh.cursor.is_some())),
@@ -259,22 +266,37 @@ impl Skeleton {
                 let (centre, radius, _) = logic::sphere(&self.task, task, self.numbers[index] as f64);
                 (frame(centre, Rotation::identity()), [radius; 3])
             }
+            Shape::Stick(stick) => {
+                let (hinge, arm) = (moved(stick.hinge), stick.arm(self.angle(index, stick, task)));
+                let knob = [0, 1, 2].map(|k| hinge[k] + arm[k]);
+                (frame(knob, Rotation::identity()), [stick.knob; 3])
+            }
             Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => boxed(block),
         };
-        let slider = match shape {
+        let (mut handle, mut hinge, mut value) = (None, None, None);
+        match shape {
             Shape::Slider(slider) => {
-                self.share(index, task).map(|share| (handle(slider, share, moved), slider.value(share)))
+                let share = self.share(index, task);
+                (handle, value) = share.map(|share| (way_handle(slider, share, moved), slider.value(share))).unzip();
             }
-            _ => None,
-        };
-        let (handle, value) = slider.unzip();
-        ObjectPose { frame, half_size, handle, value, role: self.role(index, ahead, current) }
+            Shape::Stick(stick) => {
+                hinge = Some(moved(stick.hinge));
+                value = Some(self.angle(index, stick, task).to_degrees());
+            }
+            _ => {}
+        }
+        ObjectPose { frame, half_size, handle, hinge, value, role: self.role(index, ahead, current) }
     }
 
     /// Where the handle of a slider stands, as a share of its way.
     fn share(&self, index: usize, task: &TaskState<f64>) -> Option<f64> {
         let slider = self.task.handles.iter().position(|handle| handle.number as usize == index)?;
         task.values.get(slider).copied()
+    }
+
+    /// The angle of a stick (rad); how it is described where none is ever swung.
+    fn angle(&self, index: usize, stick: &Stick, task: &TaskState<f64>) -> f64 {
+        task.sticks.as_ref().map_or(stick.start.min, |sticks| sticks.angles[self.numbers[index]])
     }
 
     /// The object that a step asks for; none before one of several lights up.
@@ -301,7 +323,7 @@ impl Skeleton {
 }
 
 /// Frame and half sizes (m) of a handle at a share of its way.
-fn handle(slider: &Slider, share: f64, moved: impl Fn(Point<f64>) -> Point<f64>) -> (Frame<f64>, [f64; 3]) {
+fn way_handle(slider: &Slider, share: f64, moved: impl Fn(Point<f64>) -> Point<f64>) -> (Frame<f64>, [f64; 3]) {
     let [mut height, mut width, depth] = slider.block.half_extents();
     match slider.rises {
         Direction::Right => width = 0.5 * slider.handle,

@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{actions, arm, assert_follows, column, drifting, entry, following, gpu, rollout, short, sphere, steered};
+use common::{
+    actions, arm, assert_follows, column, drifting, entry, following, gpu, rollout, short, sphere, steered, swung,
+};
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
 };
@@ -353,7 +355,7 @@ conformance!(
 /// step returns.
 #[test]
 fn lanes_follow_the_reference() {
-    let made = [following(), drifting(), steered()];
+    let made = [following(), drifting(), steered(), swung()];
     let tasks = ["pointing", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain(made);
     for task in tasks {
         let name = &task.name;

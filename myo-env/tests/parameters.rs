@@ -4,7 +4,7 @@ mod common;
 
 use common::{
     arm, changed, drifting, drifting_with, dwell_for, entry, following, following_with, gpu, rollout, short, shuffled,
-    sphere, steered, steered_with, without_gpu,
+    sphere, steered, steered_with, swung, swung_with, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, record};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
@@ -128,6 +128,11 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         [("at: [2, 0, 0]", "at: [1.5, 0, 0]"), ("at: [1.99, 0, 0]", "at: [1.49, 0, 0]"), ("for_s: 0.25", "for_s: 0.1")];
     let drifted = [("[-0.2, 0.2], [-0.3, 0.1]]", "0.1, [-0.3, 0.2]]"), ("[0.4, 0.6]", "[0.5, 0.9]")];
     let aimed = [("gain: 3", "gain: 2, still: 0.03"), ("at: [0.3, 0, -0.2]", "at: [0.35, 0.1, -0.2]")];
+    let bent = [
+        ("angle_deg: [-60, 20]", "angle_deg: 30"),
+        ("length: 0.25, knob: 0.24, swings: up", "length: 0.2, knob: 0.15, range_deg: [-90, 30]"),
+        ("to_deg: -10, within_deg: 60", "to_deg: 20, within_deg: 5"),
+    ];
     let mut wider = shuffled();
     sphere(&mut wider, "wide").radius = Range::fixed(0.4);
     for (before, task) in [
@@ -138,6 +143,7 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         (shuffled(), wider),
         (drifting(), drifting_with(&drifted)),
         (steered(), steered_with(&aimed)),
+        (swung(), swung_with(&bent)),
     ] {
         let model = arm(&task);
         let lanes = |task| CpuEnv::new(&model, task, &config(21)).unwrap();
@@ -173,6 +179,14 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         refused(&steered(), &watched)
             .ends_with("it does not hide its objects once a movement has begun, and the other did")
     );
+    let left = swung_with(&[
+        (
+            "- random_order: [{press: plate}, {swing: {stick: switch, to_deg: -10, within_deg: 60}}]",
+            "- press: [plate, plate]",
+        ),
+        ("- swing: {stick: desk.lever, to_deg: 10, within_deg: 50}", "- dwell: {in: desk.ball, for_s: 0.1}"),
+    ]);
+    assert!(refused(&left, &swung()).ends_with("it asks to swing a stick, and the other did not"));
     let mut fixed = shuffled();
     let Instruction::RandomOrder(steps) = fixed.script.remove(0) else { panic!("an order") };
     fixed.script.splice(0..0, steps);

@@ -4,7 +4,7 @@ mod common;
 
 use common::{
     actions, arm, assert_follows, assert_same_summary, column, drifting, dwell_for, entry, following, gpu, rollout,
-    short, shuffled, sphere, steered, without_gpu,
+    short, shuffled, sphere, steered, swung, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, PhysicsBench};
 use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv};
@@ -48,7 +48,7 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
     if without_gpu() {
         return;
     }
-    let made = [following(), shuffled(), drifting(), steered()];
+    let made = [following(), shuffled(), drifting(), steered(), swung()];
     for task in ["pointing", "public-display", "slider", "wall-ray"].map(short).into_iter().chain(made) {
         let name = &task.name;
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, exploring: 9, ..Default::default() });

@@ -12,6 +12,7 @@ use crate::remedy::{Remedy, least_move, reached_part, shrink_and_move};
 use crate::report::{Element, Report, TaskError, TaskWarning, subject};
 use crate::rules::parts_rule;
 use crate::slider::Slider;
+use crate::stick::Stick;
 use crate::target::Region;
 use crate::weakness::weakness;
 
@@ -230,7 +231,8 @@ fn reachability(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
         }
         let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
         let remedy = Box::new(remedy(object, &found, reach));
-        if object.sphere().is_some_and(|sphere| sphere.path.is_some()) {
+        let goes = object.sphere().is_some_and(|sphere| sphere.path.is_some()) || object.kind() == "stick";
+        if goes {
             report.errors.push(TaskError::PathOutOfReach { target, worst, beyond_m, remedy });
         } else if fraction == 1.0 {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
@@ -318,6 +320,7 @@ impl Unreached {
 fn look(object: &Object, reach: &dyn Reach) -> Unreached {
     match &object.shape {
         Shape::Sphere(sphere) => look_at_sphere(sphere, object.shift, reach),
+        Shape::Stick(stick) => look_at_knob(stick, object.shift, reach),
         Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => match object.shift {
             None => look_at_face(block, reach),
             Some(shift) => look_at_faces(block, shift, reach),
@@ -349,6 +352,17 @@ fn look_at_sphere(sphere: &Sphere, shift: Option<Shift>, reach: &dyn Reach) -> U
             last = (point, reach.distance_out_of_reach(point));
         }
         Tried { point, beyond_m: last.1 - sphere.radius.min, is_reached: last.1 < radius }
+    });
+    Unreached { tried: tried.collect() }
+}
+
+/// A stick counts as reached when the fingertip gets into its knob wherever it swings.
+fn look_at_knob(stick: &Stick, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
+    let shifts = shift.map_or_else(|| vec![[0.0; 3]], |shift| Region::corner_shares().map(|at| shift.at(at)).to_vec());
+    let places = shifts.iter().flat_map(|by| stick.arc().map(|arm| [0, 1, 2].map(|k| stick.hinge[k] + by[k] + arm[k])));
+    let tried = places.map(|point| {
+        let beyond_m = reach.distance_out_of_reach(point) - stick.knob;
+        Tried { point, beyond_m, is_reached: beyond_m < 0.0 }
     });
     Unreached { tried: tried.collect() }
 }

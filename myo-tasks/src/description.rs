@@ -247,7 +247,7 @@ pub struct Observation {
     pub activation: bool,
     /// Centre of the current target, in m from the shoulder centre. Default true.
     pub target_position: bool,
-    /// Radius of the current sphere, or half the width of the current button or way, in m. Default true.
+    /// Radius of the current sphere or knob, or half the width of the current button or way, in m. Default true.
     pub target_size: bool,
     /// From the fingertip, or the pointer, to the centre of the current target, in m. Default true.
     pub target_vector: bool,
@@ -271,7 +271,8 @@ pub struct Observation {
     pub touch: bool,
     /// Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks with waits. Default true.
     pub cue: bool,
-    /// Whether the handle of the current slider is held, 1 or 0, and the way it must go, in m; in tasks with sliders. Default true.
+    /// Whether the handle of the current slider, or the knob of the current stick, is held, 1 or 0, and the way it must go, in m; in tasks with
+    /// sliders or sticks. Default true.
     pub drag: bool,
     /// From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and whether it is within the
     /// way: 1 or 0; in tasks with ways. Default true.

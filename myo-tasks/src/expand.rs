@@ -128,12 +128,8 @@ impl Builder {
                 let block = Block::in_frame(frame, button.size, button.min_force_n);
                 self.push(name, path, frame, Shape::Button(block));
             }
-            Item::Slider(slider) => match slider.placed(frame) {
-                Ok(slider) => self.push(name, path, frame, Shape::Slider(slider)),
-                Err((field, problem)) => {
-                    self.refuse(&format!("{path}.{field}"), &format!("the {field} of `{name}`"), problem);
-                }
-            },
+            Item::Slider(slider) => self.push_if(slider.placed(frame).map(Shape::Slider), name, path, frame),
+            Item::Stick(stick) => self.push_if(stick.placed(frame).map(Shape::Stick), name, path, frame),
             Item::Obstacle(obstacle) => {
                 let block = Block::in_frame(frame, obstacle.size, f64::INFINITY);
                 self.push(name, path, frame, Shape::Obstacle(block));
@@ -157,6 +153,16 @@ impl Builder {
         }
         let (name, path) = (name.to_owned(), path.to_owned());
         self.flat.objects.push(Object { name, path, shape, shift: frame.shift });
+    }
+
+    /// Adds an object whose fields go together; else says which one does not, and why.
+    fn push_if(&mut self, shape: Result<Shape, (&'static str, String)>, name: &str, path: &str, frame: Frame) {
+        match shape {
+            Ok(shape) => self.push(name, path, frame, shape),
+            Err((field, problem)) => {
+                self.refuse(&format!("{path}.{field}"), &format!("the {field} of `{name}`"), problem);
+            }
+        }
     }
 
     fn spheres(&mut self, item: &SphereItem, name: &str, path: &str, frame: Frame) {

@@ -10,6 +10,7 @@ use crate::range::Range;
 use crate::report::InvalidTask;
 use crate::scene::Frame;
 use crate::slider::Slider;
+use crate::stick::Stick;
 use crate::target::{Region, Target};
 use crate::technique::RayFrom;
 
@@ -119,6 +120,8 @@ pub enum Shape {
     Button(Block),
     /// A handle on a way.
     Slider(Slider),
+    /// A knob at the end of a stick on a hinge.
+    Stick(Stick),
     /// A box that only stands in the way.
     Obstacle(Block),
 }
@@ -176,6 +179,13 @@ pub enum Action {
         /// Where it must be let go, as a share of the way.
         to: f64,
         /// How far off that it may be, as a share of the way.
+        within: f64,
+    },
+    /// To take hold of a stick's knob, swing it and leave it.
+    Swing {
+        /// At which angle it must be left (rad).
+        to: f64,
+        /// How far off that it may be (rad).
         within: f64,
     },
     /// To go straight to a sphere from another without leaving a way.
@@ -238,6 +248,7 @@ impl FlatTask {
         match (*action, shape) {
             _ if self.object(step).is_target() => name,
             (Action::Drag { to, .. }, Shape::Slider(slider)) => format!("drag {name} to {}", rounded(slider.value(to))),
+            (Action::Swing { to, .. }, _) => format!("swing {name} to {} degrees", rounded(to.to_degrees())),
             (action, _) => action.with(&name),
         }
     }
@@ -279,6 +290,7 @@ impl Action {
             Self::Dwell(_) => format!("dwell in {name}"),
             Self::Follow(_) => format!("follow {name}"),
             Self::Drag { .. } => format!("drag {name}"),
+            Self::Swing { .. } => format!("swing {name}"),
             Self::Steer { .. } => format!("steer to {name}"),
             Self::Press => format!("press {name}"),
             Self::PressAndRelease => format!("press and release {name}"),
@@ -302,8 +314,8 @@ impl Step {
     pub const fn dwell_s(&self) -> Option<f64> {
         match self.action {
             Action::Dwell(seconds) | Action::Follow(seconds) => Some(seconds),
-            // The end of a way is a sphere, where nobody needs to stay.
-            Action::Steer { .. } => Some(0.0),
+            // The end of a way is a sphere, and so is a knob, where nobody needs to stay.
+            Action::Steer { .. } | Action::Swing { .. } => Some(0.0),
             Action::Press | Action::PressAndRelease | Action::Drag { .. } => None,
         }
     }
@@ -315,13 +327,14 @@ impl Step {
 }
 
 impl Object {
-    /// Where its centre may lie, but for its [shift](Self::shift); a single point for a box.
+    /// Where its centre may lie, but for its [shift](Self::shift); a single point for a box, and of a stick its hinge.
     pub fn region(&self) -> Region {
         match &self.shape {
             Shape::Sphere(sphere) => sphere.region,
             Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
                 Region::point(block.centre)
             }
+            Shape::Stick(stick) => Region::point(stick.hinge),
         }
     }
 
@@ -341,11 +354,12 @@ impl Object {
         offsets.iter().flat_map(|by| corners.map(|corner| [0, 1, 2].map(|k| corner[k] + by[k]))).collect()
     }
 
-    /// Where its centre, or that of its handle, may ever be: its places, and all ways about them.
+    /// Where its centre, or that of its handle or knob, may ever be: its places, and all ways about them.
     pub fn extent(&self) -> Region {
         widened(self.places(), |axis| match &self.shape {
             Shape::Sphere(Sphere { path: Some(path), .. }) => path.farthest(axis),
             Shape::Slider(slider) => 0.5 * slider.length * slider.along()[axis].abs(),
+            Shape::Stick(stick) => stick.upright[axis].hypot(stick.aside[axis]),
             _ => 0.0,
         })
     }
@@ -360,12 +374,13 @@ impl Object {
         a.oriented().least_gap(&b.oriented(), &ways)
     }
 
-    /// The word for what it is: `sphere`, `button`, `slider` or `obstacle`.
+    /// The word for what it is: `sphere`, `button`, `slider`, `stick` or `obstacle`.
     pub const fn kind(&self) -> &'static str {
         match self.shape {
             Shape::Sphere(_) => "sphere",
             Shape::Button(_) => "button",
             Shape::Slider(_) => "slider",
+            Shape::Stick(_) => "stick",
             Shape::Obstacle(_) => "obstacle",
         }
     }
@@ -374,15 +389,20 @@ impl Object {
     pub const fn sphere(&self) -> Option<&Sphere> {
         match &self.shape {
             Shape::Sphere(sphere) => Some(sphere),
-            Shape::Button(_) | Shape::Obstacle(_) | Shape::Slider(_) => None,
+            Shape::Button(_) | Shape::Obstacle(_) | Shape::Slider(_) | Shape::Stick(_) => None,
         }
+    }
+
+    /// Whether it is no box: a sphere, or a stick, of whose knob the place is where the hinge is.
+    pub const fn is_round(&self) -> bool {
+        matches!(self.shape, Shape::Sphere(_) | Shape::Stick(_))
     }
 
     /// The box that it is, as far as it can be touched.
     pub const fn block(&self) -> Option<&Block> {
         match &self.shape {
             Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => Some(block),
-            Shape::Sphere(_) => None,
+            Shape::Sphere(_) | Shape::Stick(_) => None,
         }
     }
 

@@ -71,9 +71,15 @@ impl Builder {
         let wanted = self.flat.steps.iter().flat_map(|step| step.objects());
         let beside = wanted.filter_map(|index| {
             let object = &self.flat.objects[index];
-            let sphere = object.sphere()?;
-            let off = object.corners().into_iter().map(above).fold(0.0, |a: f64, b| a.max(b.abs()));
-            (off >= sphere.radius.min).then_some((object, off))
+            let (radius, arc) = match &object.shape {
+                Shape::Sphere(sphere) => (sphere.radius.min, vec![[0.0; 3]]),
+                Shape::Stick(stick) => (stick.knob, stick.arc().collect()),
+                _ => return None,
+            };
+            let corners = object.corners();
+            let places = corners.iter().flat_map(|corner| arc.iter().map(|by| [0, 1, 2].map(|k| corner[k] + by[k])));
+            let off = places.map(above).fold(0.0, |a: f64, b| a.max(b.abs()));
+            (off >= radius).then_some((object, off))
         });
         let Some((object, off)) = { beside }.next() else { return };
         let problem = format!(

@@ -40,6 +40,18 @@ impl Quantity {
         }
     }
 
+    /// The garde rule of both ends of a range that has a width.
+    pub(crate) fn ends_rule(self) -> impl Fn(&[f64; 2], &()) -> garde::Result {
+        move |&[least, most], ()| {
+            self.check(least)?;
+            self.check(most)?;
+            if least < most {
+                return Ok(());
+            }
+            Err(garde::Error::new(format!("goes from {least} to {most}; the smaller value must come first")))
+        }
+    }
+
     pub(crate) fn check(self, value: f64) -> garde::Result {
         // NaN compares false with everything and so ends in the error.
         if value >= self.min && value <= self.max {

@@ -12,6 +12,7 @@ use crate::notation::{Name, Pitch, Place};
 use crate::quantity::Quantity;
 use crate::range::Range;
 use crate::slider::SliderItem;
+use crate::stick::StickItem;
 use crate::target::{DISTANCE, FORCE, LENGTH, Region, TILT, TURN, on_one_line};
 
 const SCALE: Quantity = Quantity::between(0.01, 100.0, "");
@@ -34,6 +35,8 @@ pub enum Item {
     Button(ButtonItem),
     /// A handle that is dragged along a way.
     Slider(SliderItem),
+    /// A stick on a hinge, whose knob is swung.
+    Stick(StickItem),
     /// A box that only stands in the way: a table, the edge of a display.
     Obstacle(ObstacleItem),
     /// Objects that are moved, turned and scaled as one.
@@ -444,6 +447,7 @@ impl Item {
             Self::Sphere(_) => (Place::default(), 0.0, 0.0, 1.0),
             Self::Button(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
             Self::Slider(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
+            Self::Stick(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
             Self::Obstacle(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
             Self::Group(item) => (item.at, item.tilt_deg, item.turn_deg, item.scale),
             Self::Grid(item) => (item.at, item.tilt_deg, item.turn_deg, 1.0),
@@ -490,6 +494,7 @@ impl Validate for Item {
             Self::Sphere(item) => item.validate_into(ctx, parent, report),
             Self::Button(item) => item.validate_into(ctx, parent, report),
             Self::Slider(item) => item.validate_into(ctx, parent, report),
+            Self::Stick(item) => item.validate_into(ctx, parent, report),
             Self::Obstacle(item) => item.validate_into(ctx, parent, report),
             Self::Group(item) => item.validate_into(ctx, parent, report),
             Self::Grid(item) => item.validate_into(ctx, parent, report),

@@ -23,6 +23,8 @@ pub enum Instruction {
     PressAndRelease(Names),
     /// Drag the handle of a slider to a value and let go of it there: `drag: {slider: volume, to: 70, within: 2}`.
     Drag(Drag),
+    /// Swing a stick to an angle and leave its knob there: `swing: {stick: lever, to_deg: 30, within_deg: 3}`.
+    Swing(Swing),
     /// Stay with moving spheres for a time: `follow: {target: ball, for_s: 3}`.
     Follow(Follow),
     /// Go from sphere to sphere without leaving a way of some width, as through a menu or a tunnel: `steer: {through: [a, b, c],
@@ -65,6 +67,18 @@ pub struct Drag {
     pub to: f64,
     /// How far off the value may be when the handle is let go, in the same unit.
     pub within: f64,
+}
+
+/// A stick to be swung.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Swing {
+    /// Name of the stick whose knob is swung.
+    pub stick: Name,
+    /// The angle at which to leave the knob, in degrees, in the range of the stick.
+    pub to_deg: f64,
+    /// How far off the angle may be when the knob is left, in degrees.
+    pub within_deg: f64,
 }
 
 /// Moving spheres to stay with.

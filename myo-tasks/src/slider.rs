@@ -53,7 +53,7 @@ pub struct SliderItem {
 
     /// Values at both ends of the way, the smaller one first. Default `[0, 1]`.
     #[serde(default = "whole", serialize_with = "two_on_one_line")]
-    #[garde(custom(ends))]
+    #[garde(custom(VALUE.ends_rule()))]
     #[schemars(with = "[f64; 2]")]
     pub range: [f64; 2],
 
@@ -166,16 +166,6 @@ impl Slider {
         let (along, from_middle) = (self.along(), (share - 0.5) * self.length);
         [0, 1, 2].map(|k| self.block.centre[k] + along[k] * from_middle)
     }
-}
-
-fn ends(range: &[f64; 2], (): &()) -> garde::Result {
-    let [least, most] = *range;
-    VALUE.check(least)?;
-    VALUE.check(most)?;
-    if least < most {
-        return Ok(());
-    }
-    Err(garde::Error::new(format!("goes from {least} to {most}; the smaller value must come first")))
 }
 
 fn fingerwide() -> f64 {

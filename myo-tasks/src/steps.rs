@@ -7,7 +7,7 @@ use crate::flat::{Action, Cue, Object, Order, Shape, Step};
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::range::Range;
-use crate::script::{Drag, Dwell, Follow, Instruction, React, Repeat, Steer, Typing};
+use crate::script::{Drag, Dwell, Follow, Instruction, React, Repeat, Steer, Swing, Typing};
 use crate::spoken::spoken;
 use crate::target::DWELL;
 use crate::technique::Technique;
@@ -60,6 +60,7 @@ impl Builder {
                     self.press(&names.0, Action::PressAndRelease, &format!("{path}.press_and_release"));
                 }
                 Instruction::Drag(drag) => self.drag(drag, &format!("{path}.drag")),
+                Instruction::Swing(swing) => self.swing(swing, &format!("{path}.swing")),
                 Instruction::Follow(follow) => self.follow(follow, &format!("{path}.follow")),
                 Instruction::Steer(steer) => self.steer(steer, &format!("{path}.steer")),
                 Instruction::React(react) => self.react(react, &format!("{path}.react")),
@@ -142,6 +143,26 @@ impl Builder {
             }
             let action = Action::Drag { to: slider.share(to), within: within / (most - least) };
             self.step(object, action, path);
+        }
+    }
+
+    fn swing(&mut self, swing: &Swing, path: &str) {
+        for object in self.find(&swing.stick.0, &format!("{path}.stick")) {
+            let Shape::Stick(stick) = &self.flat.objects[object].shape else {
+                let path = format!("{path}.stick");
+                return self.refuse_object(&path, object, |kind| format!("is {kind}; only sticks can be swung"));
+            };
+            let ([least, most], (to, within)) =
+                ([stick.range.min, stick.range.max].map(in_degrees), (swing.to_deg, swing.within_deg));
+            if !(least..=most).contains(&to) {
+                let problem = format!("is {to}; the stick swings from {least} to {most} degrees");
+                return self.refuse_value(&format!("{path}.to_deg"), problem);
+            }
+            if !(within > 0.0 && within < most - least) {
+                let problem = format!("is {within}; it must be more than 0, and less than {}", most - least);
+                return self.refuse_value(&format!("{path}.within_deg"), problem);
+            }
+            self.step(object, Action::Swing { to: to.to_radians(), within: within.to_radians() }, path);
         }
     }
 
@@ -228,7 +249,7 @@ impl Builder {
             (Shape::Sphere(_), None) => {
                 return self.refuse(path, "the reaction", "needs `for_s`, how long to stay in the sphere".into());
             }
-            (Shape::Slider(_) | Shape::Obstacle(_), _) => {
+            (Shape::Slider(_) | Shape::Stick(_) | Shape::Obstacle(_), _) => {
                 return self.refuse_object(&path_among, first, |kind| {
                     format!("is {kind}; only buttons and spheres can light up")
                 });
@@ -382,7 +403,7 @@ impl Builder {
         };
         let Some(step) = self.flat.steps[first..].iter().find(|step| !is_free(step)) else { return };
         let (at, subject) = (step.path.clone(), spoken(path));
-        let problem = "has a step that is waited for, dragged or followed, which nothing but its order tells from others; take \
+        let problem = "has a step that is waited for, dragged, swung or followed, which nothing but its order tells from others; take \
                        `dwell`, `press` and `press_and_release` alone, or `random_order`";
         self.refuse(&at, &subject, problem.into());
     }
@@ -443,4 +464,9 @@ impl Builder {
         self.refuse(path, &format!("`{name}`"), problem);
         vec![]
     }
+}
+
+/// Degrees without what binary fractions leave at the end.
+fn in_degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e9).round() / 1e9
 }

@@ -12,6 +12,7 @@ use serde::{Deserialize, Deserializer};
 use crate::motion::{CircularMotion, LinearMotion, Motion, RandomMotion, Waves};
 use crate::scene::{Arc, ButtonItem, Circle, Grid, Group, Item, Keyboard, ObstacleItem, SphereItem};
 use crate::slider::SliderItem;
+use crate::stick::StickItem;
 use crate::target::{Pointing, Pressing, Target};
 use crate::technique::{Cursor, GoGo, RateCursor, Ray, Technique};
 
@@ -70,7 +71,7 @@ macro_rules! tagged {
 tagged!(Target, "a target", TargetInAnyOrder, TargetVisitor: "pointing" => Pointing(Pointing), "pressing" => Pressing(Pressing));
 tagged!(Item, "an object", ItemInAnyOrder, ItemVisitor:
     "sphere" => Sphere(SphereItem), "button" => Button(ButtonItem), "slider" => Slider(SliderItem),
-    "obstacle" => Obstacle(ObstacleItem),
+    "stick" => Stick(StickItem), "obstacle" => Obstacle(ObstacleItem),
     "group" => Group(Group), "grid" => Grid(Grid), "arc" => Arc(Arc), "circle" => Circle(Circle), "keyboard" => Keyboard(Keyboard));
 tagged!(Motion, "a motion", MotionInAnyOrder, MotionVisitor:
     "circle" => Circle(CircularMotion), "line" => Line(LinearMotion), "waves" => Waves(Waves), "random" => Random(RandomMotion));

@@ -4,8 +4,8 @@ mod common;
 
 use common::version_1;
 use myo_tasks::logic::{
-    CompiledTask, Contact, Goal, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance, distance_to_goal,
-    inside, remaining_path, reward,
+    CompiledTask, Contact, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance,
+    distance_to_goal, inside, remaining_path, reward,
 };
 use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task};
 
@@ -54,6 +54,7 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
         wrong_presses: 0.0,
         value: 0.0,
         steering: Steering::new(),
+        hold: Hold { angle: 0.0, held: 0.0 },
         passed: 0.0,
         cursor: [0.0; 2],
     };

@@ -163,6 +163,7 @@ fn way(flat: &FlatTask) -> f64 {
 fn size(object: &Object) -> f64 {
     match &object.shape {
         Shape::Sphere(sphere) => sphere.radius.max,
+        Shape::Stick(stick) => stick.length() + stick.knob,
         Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
             0.5 * distance(block.size, [0.0; 3])
         }

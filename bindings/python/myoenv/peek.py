@@ -20,7 +20,8 @@ class Peek:
         muscle_names: Names of the muscles, `nmuscle`.
         body_names: Names of the bodies, `nbody`, the world first.
         object_names: Names of what stands there, `nobject`.
-        object_kinds: `"sphere"`, `"button"`, `"slider"` or `"obstacle"` for each of them.
+        object_kinds: `"sphere"`, `"button"`, `"slider"`, `"stick"` or
+            `"obstacle"` for each of them.
         qpos: Positions of the independent joints (rad or m), `(n, ndof)`.
         qvel: Their rates (1/s), `(n, ndof)`.
         act: Muscle activations in [0, 1], `(n, nmuscle)`.
@@ -33,10 +34,10 @@ class Peek:
         object_rotations: Their axes, `(n, nobject, 3, 3)`; those of a box are x up its upright face, y across it to the
             left, z out of it.
         object_half_sizes: Half their sizes along their own axes (m), `(n, nobject, 3)`; three times the radius of a
-            sphere.
+            sphere or a knob.
         object_done: Whether steps of the task asked for the object, and all of them are done, `(n, nobject)`.
-        object_values: Where the handles of sliders stand, in the values of the slider, `(n, nobject)`; NaN for what is
-            no slider, or is not dragged.
+        object_values: Where the handles of sliders stand, in the values of the slider, and the angles of sticks
+            (degrees), `(n, nobject)`; NaN for what is neither, and for sliders that are not dragged.
         current_object: Index of the object that the current step asks for, `(n,)`; -1 once all steps are done, and
             before one of several lights up.
         steps_done: How many steps of the task are done, `(n,)`.

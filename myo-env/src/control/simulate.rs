@@ -6,7 +6,7 @@ use crate::state::EnvState;
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
-use myo_tasks::logic::{self, Goal, Landmarks, Stay, Steering, TaskState};
+use myo_tasks::logic::{self, Goal, Hold, Landmarks, Stay, Steering, TaskState};
 
 /// Looks at every physics step of a control step.
 pub trait Watch<S: Scalar> {
@@ -62,18 +62,35 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
     #[inline(always)]
     fn visit(&mut self, world: &World<'_, S>, visitor: &mut impl Visitor<S>) {
         let kinds = world.parameters.task.kinds;
-        let Stay { held, touch, pressed, let_go, down, old, wrong, wrong_presses, value, steering, passed, cursor } =
-            &mut self.stay;
+        let Stay {
+            held,
+            touch,
+            pressed,
+            let_go,
+            down,
+            old,
+            wrong,
+            wrong_presses,
+            value,
+            steering,
+            hold,
+            passed,
+            cursor,
+        } = &mut self.stay;
         visitor.number(held);
         if kinds.press {
             visitor.number(touch);
         }
-        if kinds.press || kinds.steer {
+        if kinds.press || kinds.steer || kinds.swing {
             visitor.number(pressed);
         }
         if kinds.steer {
             let Steering { along, within, exits } = steering;
             visitor.numbers([along, within, exits]);
+        }
+        if kinds.swing {
+            let Hold { angle, held } = hold;
+            visitor.numbers([angle, held]);
         }
         if kinds.release {
             visitor.numbers([let_go, down, old, wrong, wrong_presses]);

@@ -101,6 +101,23 @@ pub fn steered_with(changes: &[(&str, &str)]) -> Task {
     changed("steered", text, changes)
 }
 
+/// Sticks with knobs so large that chance swings them, one of which is drawn with its group; a sphere and a plate beside them.
+pub fn swung() -> Task {
+    swung_with(&[])
+}
+
+/// The same with other numbers.
+pub fn swung_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nname: swung\nscene:\n  desk:\n    kind: group\n    at: [[0.2, 0.4], -0.1, [-0.6, -0.5]]\n    objects:\n      \
+                lever: {kind: stick, length: 0.3, knob: 0.2, range_deg: [-60, 50], angle_deg: [-60, 20], tilt_deg: 20}\n      \
+                ball: {kind: sphere, at: [0, 0.1, 0.2], radius: 0.3, moves: {kind: line, by: [0, 0.2, 0], period_s: 1}}\n  \
+                switch: {kind: stick, at: [0.2, 0, -0.2], length: 0.25, knob: 0.24, swings: up, tilt_deg: 90}\n  \
+                plate: {kind: button, at: [0.25, 0, -0.1], size: [1.2, 0.9, 0.02], min_force_n: 0.05}\nscript:\n  \
+                - wait: [0, 0.1]\n  - swing: {stick: desk.lever, to_deg: 10, within_deg: 50}\n  - dwell: {in: desk.ball, for_s: 0.05}\n  \
+                - random_order: [{press: plate}, {swing: {stick: switch, to_deg: -10, within_deg: 60}}]\ntime_limit_s: 0.8\n";
+    changed("swung", text, changes)
+}
+
 /// A sphere of a task's scene, to be changed.
 pub fn sphere<'a>(task: &'a mut Task, name: &str) -> &'a mut SphereItem {
     match task.scene.0.get_mut(name) {

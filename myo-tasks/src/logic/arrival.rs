@@ -3,7 +3,7 @@
 //! Whether a dwell is over is judged at the ends of control steps. When the fingertip got there, and whether it pressed and
 //! let go, is followed in between, so that movement times are as fine as the physics and know nothing of the control step.
 
-use super::{CompiledTask, Goal, GoalButton, Point, Steering, TaskState, difference, is_same};
+use super::{CompiledTask, Goal, GoalButton, Hold, Point, Steering, TaskState, difference, is_same};
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
 /// Contact of the fingertip with a box in a physics step.
@@ -20,12 +20,12 @@ pub struct Contact<S: Scalar> {
 /// What the fingertip did with the current object, up to a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stay<S> {
-    /// Physics steps inside the sphere or in contact with the button, without a break.
+    /// Physics steps inside the sphere or in contact with the button, or with the knob held, without a break.
     pub held: S,
     /// Greatest force on the button within the control step (N).
     pub touch: S,
-    /// Physics steps from the onset of the contact that first pressed the button, or from the arrival at the end of a way, within
-    /// the control step, until now; zero without one.
+    /// Physics steps from the onset of the contact that first pressed the button, or from the arrival at the end of a way or of a swing,
+    /// within the control step, until now; zero without one.
     pub pressed: S,
     /// One where the button was pressed, and let go within the control step.
     pub let_go: S,
@@ -41,6 +41,8 @@ pub struct Stay<S> {
     pub value: S,
     /// How far the current way has been gone.
     pub steering: Steering<S>,
+    /// How the current stick stands.
+    pub hold: Hold<S>,
     /// Physics steps of the control step that have passed.
     pub passed: S,
     /// See [`TaskState::cursor`]; zeros where there is none.
@@ -66,6 +68,7 @@ impl<S: Scalar> Stay<S> {
             wrong_presses: o,
             value,
             steering,
+            hold: Hold::new(state, goal.swing.as_ref()),
             passed: o,
             cursor: state.cursor.unwrap_or([o; 2]),
         }
@@ -100,9 +103,14 @@ impl<S: Scalar> Stay<S> {
                 arrives = arrives & is_lit;
             }
         }
+        if let Some(swing) = &goal.swing {
+            let [is_held, is_left] = self.hold.follow(swing, pointer, goal.lit());
+            on = is_held | (on & !swing.is_swing);
+            arrives = arrives | is_left;
+        }
         let Some(button) = &goal.button else {
             self.held = (self.held + one).only(on);
-            if goal.steer.is_some() {
+            if goal.steer.is_some() || goal.swing.is_some() {
                 self.press(S::indicator(arrives));
             }
             return;

@@ -1,10 +1,11 @@
 //! The task in numbers.
 
-use super::{DragStep, Handle, Pointer, Shifts, SteerStep, StepCue, Waves};
+use super::{DragStep, Handle, Pointer, Shifts, SteerStep, StepCue, Swing, SwingStep, Waves};
 use crate::flat::{Action, Block, FlatTask, Object, Order, Shape, Step};
 use crate::{InvalidTask, Reward, Stimulus, Task};
 use myo_model::StaticBox;
 use myo_scalar::Real;
+use std::borrow::Cow;
 
 /// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
 /// shoulder centre, times in control steps, forces N.
@@ -25,6 +26,10 @@ pub struct CompiledTask<T> {
     pub shifts: Shifts<T>,
     /// How each sphere moves; none where all stand still.
     pub waves: Vec<Waves<T>>,
+    /// How each sphere swings about a hinge; none where there are no sticks to be swung.
+    pub swings: Vec<Swing<T>>,
+    /// Of each step, how it wants a stick; none where there are none to be swung.
+    pub swing_steps: Vec<SwingStep<T>>,
     /// Handles of sliders, in the order of the scene.
     pub handles: Vec<Handle<T>>,
     /// Of each step, where it wants a handle; none where there are no sliders to be dragged.
@@ -63,6 +68,8 @@ pub struct Kinds {
     pub follow: bool,
     /// Some step drags a handle.
     pub drag: bool,
+    /// Some step swings a stick.
+    pub swing: bool,
     /// Some step must be waited for.
     pub cue: bool,
     /// Some sphere moves.
@@ -169,6 +176,8 @@ impl<C: Real> CompiledTask<C> {
         Self {
             shifts: Shifts::new(flat),
             waves: if kinds.motion { waves(flat, task.control_dt_s) } else { vec![] },
+            swings: if kinds.swing { round(flat).map(Swing::new).collect() } else { vec![] },
+            swing_steps: if kinds.swing { flat.steps.iter().map(SwingStep::new).collect() } else { vec![] },
             handles: if kinds.drag { handles(flat) } else { vec![] },
             drags: if kinds.drag { drags(flat) } else { vec![] },
             cues: if kinds.cue { cues(flat, task.control_dt_s) } else { vec![] },
@@ -199,6 +208,8 @@ impl<T> CompiledTask<T> {
             kinds: self.kinds,
             shifts: self.shifts.map(f),
             waves: self.waves.iter().map(|waves| waves.map(f)).collect(),
+            swings: self.swings.iter().map(|swing| swing.map(f)).collect(),
+            swing_steps: self.swing_steps.iter().map(|step| step.map(f)).collect(),
             handles: self.handles.iter().map(|handle| handle.map(f)).collect(),
             drags: self.drags.iter().map(|drag| drag.map(f)).collect(),
             cues: self.cues.iter().map(|cue| cue.map(f)).collect(),
@@ -228,6 +239,7 @@ impl Kinds {
             release: asks_for_release || presses > 0 && (cue || presses.max(boxes) > 1),
             follow: any(|step| matches!(step.action, Action::Follow(_))),
             drag,
+            swing: any(|step| matches!(step.action, Action::Swing { .. })),
             cue,
             motion: flat.objects.iter().filter_map(Object::sphere).any(|sphere| sphere.path.is_some()),
             steer: any(|step| matches!(step.action, Action::Steer { .. })),
@@ -244,7 +256,7 @@ impl Numbers {
     fn of(flat: &FlatTask) -> Self {
         let (mut spheres, mut boxes) = (0.., 0..);
         let number = |object: &Object| match object.shape {
-            Shape::Sphere(_) => Which::Sphere(spheres.next().expect("there is no end")),
+            Shape::Sphere(_) | Shape::Stick(_) => Which::Sphere(spheres.next().expect("there is no end")),
             Shape::Button(_) | Shape::Obstacle(_) | Shape::Slider(_) => {
                 Which::Box(boxes.next().expect("there is no end"))
             }
@@ -259,8 +271,13 @@ impl Numbers {
 }
 
 fn waves<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<Waves<C>> {
-    let spheres = flat.objects.iter().filter_map(Object::sphere);
-    spheres.map(|sphere| Waves::new(sphere.path.as_ref(), control_dt_s)).collect()
+    let path = |object: &Object| Waves::new(object.sphere().and_then(|sphere| sphere.path.as_ref()), control_dt_s);
+    round(flat).map(path).collect()
+}
+
+/// Spheres, and sticks, whose knobs are spheres.
+fn round(flat: &FlatTask) -> impl Iterator<Item = &Object> {
+    flat.objects.iter().filter(|object| object.is_round())
 }
 
 fn handles<C: Real>(flat: &FlatTask) -> Vec<Handle<C>> {
@@ -298,7 +315,11 @@ fn steers<C: Real>(flat: &FlatTask, numbers: &Numbers) -> Vec<SteerStep<C>> {
 
 fn sphere<C: Real>(object: &Object, number: usize, numbers: &Numbers) -> Option<DrawnSphere<C>> {
     let c = C::from_f64;
-    let sphere = object.sphere()?;
+    let sphere = match &object.shape {
+        Shape::Sphere(sphere) => Cow::Borrowed(sphere),
+        Shape::Stick(stick) => Cow::Owned(stick.ball()),
+        _ => return None,
+    };
     let axes = [sphere.region.x, sphere.region.y, sphere.region.z];
     Some(DrawnSphere {
         lo: axes.map(|range| c(range.min)),

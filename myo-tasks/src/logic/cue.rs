@@ -50,6 +50,7 @@ impl<C: Real> StepCue<C> {
         let mean = |of: &dyn Fn(usize) -> f64| step.objects().map(of).sum::<f64>() / step.objects().count() as f64;
         let size = |object: usize| match &flat.objects[object].shape {
             Shape::Sphere(sphere) => sphere.radius.centre(),
+            Shape::Stick(stick) => stick.knob,
             Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => 0.5 * block.size[0],
         };
         Self {

@@ -1,14 +1,17 @@
 //! What the current step of the task is about, gathered from the tables once.
 
 use super::waves::moved;
-use super::{CompiledTask, GoalDrag, GoalSteer, Point, TaskState, TaskStep, TouchBox, cue, order, select_point, slide};
+use super::{
+    CompiledTask, GoalDrag, GoalSteer, GoalSwing, Point, TaskState, TaskStep, TouchBox, cue, order, select_point,
+    slide, swing,
+};
 use myo_model::StaticBox;
 use myo_scalar::{Mask, Scalar};
 
 /// A step of the task and its object.
 #[derive(Clone, Debug)]
 pub struct Goal<S: Scalar> {
-    /// Centre of the sphere, box or handle at the beginning of the control step (m).
+    /// Centre of the sphere, box, handle or knob at the beginning of the control step (m).
     pub centre: Point<S>,
     /// How far the centre moves within the control step (m); none where all stands still.
     pub moves: Option<Point<S>>,
@@ -26,6 +29,8 @@ pub struct Goal<S: Scalar> {
     pub remembered: Option<S::Mask>,
     /// The way to go, in tasks with ways.
     pub steer: Option<GoalSteer<S>>,
+    /// The stick to swing, in tasks with sticks.
+    pub swing: Option<GoalSwing<S>>,
     /// Where a wrong press is to be corrected; none where none must be.
     pub corrects: Option<S::Mask>,
     /// The button to press, where there are presses; meaningless where this is none.
@@ -103,6 +108,11 @@ pub fn begins_at<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -> Poi
 #[inline(always)]
 pub fn sphere<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, number: S) -> (Point<S>, S, Option<Point<S>>) {
     let (mut centre, radius) = state.sphere(number);
+    if task.kinds.swing {
+        for (x, off) in centre.iter_mut().zip(swing::swung(task, state, number)) {
+            *x += off;
+        }
+    }
     if !task.kinds.motion {
         return (centre, radius, None);
     }
@@ -171,6 +181,7 @@ impl<S: Scalar> Goal<S> {
             is_press,
             is_lit,
             steer: None,
+            swing: None,
             corrects,
             button: None,
             remembered: None,
@@ -182,6 +193,9 @@ impl<S: Scalar> Goal<S> {
             let steer = GoalSteer::of(task, state, number, goal.centre, goal.size);
             goal.size = S::select(steer.is_steer, steer.half_width, goal.size);
             goal.steer = Some(steer);
+        }
+        if task.kinds.swing {
+            goal.swing = Some(GoalSwing::of(task, state, number, object));
         }
         if task.kinds.press {
             goal.press(task, state, object, releases);

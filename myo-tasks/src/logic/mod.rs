@@ -16,6 +16,7 @@ mod sample;
 mod shift;
 mod slide;
 mod steer;
+mod swing;
 mod waves;
 
 pub use arrival::{Contact, Stay};
@@ -31,6 +32,7 @@ pub use sample::{MAX_DRAWS, draw_objects};
 pub use shift::Shifts;
 pub use slide::{DragStep, GoalDrag, Handle};
 pub use steer::{GoalSteer, SteerStep, Steering};
+pub use swing::{GoalSwing, Hold, Sticks, Swing, SwingStep};
 pub use waves::{Wave, Waves};
 
 use myo_scalar::Scalar;
@@ -62,6 +64,8 @@ pub struct TaskState<S> {
     pub errors: Option<S>,
     /// How far the current way has been gone; none where no step has one.
     pub steering: Option<Steering<S>>,
+    /// How sticks stand; none where there are none to swing.
+    pub sticks: Option<Sticks<S>>,
     /// What is remembered of the current object; none where it is seen all the time.
     pub seen: Option<Seen<S>>,
     /// Where a cursor that moves by itself stands, see [`Landmarks::cursor`]; none where there is none.
@@ -101,6 +105,7 @@ impl<S: Scalar> TaskState<S> {
             order: if task.orders.is_empty() { vec![] } else { (0..steps).map(|step| S::lit(step as f64)).collect() },
             cue: (task.kinds.cue || !task.orders.is_empty()).then(|| CueState::new(steps)),
             steering: task.kinds.steer.then(Steering::new),
+            sticks: task.kinds.swing.then(|| Sticks::new(spheres)),
             errors: task.correction.is_some().then(S::zero),
             seen: task.kinds.memory.then(Seen::new),
             cursor: task.pointer.is_rate_cursor().then_some([o; 2]),
@@ -122,8 +127,8 @@ impl<S: Scalar> TaskState<S> {
         let marks = [&mut self.held, &mut self.down, &mut self.wrong];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
-        let cursor = self.cursor.iter_mut().flatten();
-        for counter in counters.chain(&mut self.errors).chain(steering).chain(cursor) {
+        let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
+        for counter in counters.chain(&mut self.errors).chain(steering).chain(pointed) {
             *counter = S::select(mask, S::zero(), *counter);
         }
         let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
@@ -173,6 +178,7 @@ impl<S: Scalar> TaskState<S> {
             order,
             cue,
             steering,
+            sticks,
             errors,
             seen,
             cursor,
@@ -196,7 +202,8 @@ impl<S: Scalar> TaskState<S> {
         let counters = [phase, dwell, held, down, old, step, wrong];
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
         let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors);
-        objects.chain(values).chain(script).chain(steering).chain(pointed)
+        let sticks = sticks.iter_mut().flat_map(Sticks::numbers);
+        objects.chain(values).chain(sticks).chain(script).chain(steering).chain(pointed)
     }
 
     /// Place and radius of the sphere of this number.

@@ -61,11 +61,12 @@ pub fn advance<S: Scalar>(
         reached = (goal.is_press & pressed) | (!goal.is_press & reached);
         done = (goal.is_press & is_over) | (!goal.is_press & done);
     }
-    if let Some(steer) = &goal.steer {
+    for is_way in [goal.steer.as_ref().map(|steer| steer.is_steer), goal.swing.as_ref().map(|swing| swing.is_swing)] {
+        let Some(is_way) = is_way else { continue };
         let arrived = S::zero().lt(sensed.stay.pressed);
-        longer = longer.only(!steer.is_steer);
-        reached = (steer.is_steer & arrived) | (!steer.is_steer & reached);
-        done = (steer.is_steer & arrived) | (!steer.is_steer & done);
+        longer = longer.only(!is_way);
+        reached = (is_way & arrived) | (!is_way & reached);
+        done = (is_way & arrived) | (!is_way & done);
     }
     state.step += one;
     let reached_at = sensed.now - sensed.stay.since_arrival();
@@ -101,6 +102,9 @@ pub fn advance<S: Scalar>(
         for kept in steering.kept() {
             *kept = kept.only(!done);
         }
+    }
+    if let (Some(sticks), Some(swing)) = (&mut state.sticks, &goal.swing) {
+        sticks.update(swing, &sensed.stay.hold, done);
     }
     if let Some(cursor) = &mut state.cursor {
         *cursor = sensed.stay.cursor;

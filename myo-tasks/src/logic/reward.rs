@@ -1,6 +1,6 @@
 //! The reward of a control step.
 
-use super::{CompiledTask, Goal, Progress, Sensed, TaskState, centre_ahead, difference, norm};
+use super::{CompiledTask, Goal, Hold, Progress, Sensed, TaskState, centre_ahead, difference, norm};
 use myo_model::StaticBox;
 use myo_scalar::Scalar;
 
@@ -43,8 +43,8 @@ impl<S: Scalar> RewardTerms<S> {
     }
 }
 
-/// Distance (m) from the pointer to what counts of the current object at the end of a control step, and of a handle or a way how far it
-/// must still go; zero before the step counts.
+/// Distance (m) from the pointer to what counts of the current object at the end of a control step, and of a handle, a stick or a way how
+/// far it must still go; zero before the step counts.
 #[inline(always)]
 pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, goal: &Goal<S>) -> S {
     let to_centre = norm(difference(sensed.pointer, goal.centre_after(S::lit(1.0))));
@@ -58,6 +58,11 @@ pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, g
             let is_held = drag.is_drag & S::lit(0.5).lt(sensed.stay.down);
             distance = S::select(is_held, S::zero(), distance) + drag.left(sensed.stay.value).abs();
         }
+    }
+    if let Some(swing) = &goal.swing {
+        let Hold { angle, held } = sensed.stay.hold;
+        let to_knob = swing.distance(sensed.pointer, angle, inside_is_zero).only(held.lt(S::lit(0.5)));
+        distance = S::select(swing.is_swing, to_knob + swing.left(angle), distance);
     }
     if let Some(steer) = &goal.steer {
         distance = S::select(steer.is_steer, steer.left(sensed.pointer, &sensed.stay.steering), distance);

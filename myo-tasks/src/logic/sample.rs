@@ -3,6 +3,7 @@
 use super::order::draw_order;
 use super::shift::{draw_shifts, drawn};
 use super::slide::draw_values;
+use super::swing::draw_angles;
 use super::waves::draw_phases;
 use super::{CompiledTask, DrawnSphere, Point, TARGET_STREAM, TaskState, Which, difference, norm, select_point};
 use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
@@ -11,7 +12,7 @@ use myo_scalar::{Carried, Counter, Scalar, Visitor, Word, philox, unit};
 /// hardly be met is warned about before training.
 pub const MAX_DRAWS: u32 = 64;
 
-/// Draws where groups, boxes and spheres are, where paths begin, where handles stand and in which order steps come, where the
+/// Draws where groups, boxes and spheres are, where paths begin, where handles and sticks stand and in which order steps come, where the
 /// mask is true. `counter` names the episode; its step and stream are set here.
 #[inline(always)]
 pub fn draw_objects<S: Scalar>(
@@ -24,6 +25,7 @@ pub fn draw_objects<S: Scalar>(
     draw_spheres(task, mask, counter, state);
     draw_phases(task, mask, counter, state);
     draw_values(task, mask, counter, state);
+    draw_angles(task, mask, counter, state);
     draw_order(task, mask, counter, state);
 }
 

@@ -27,8 +27,7 @@ impl<C: Real> Shifts<C> {
             return Self { spans: vec![], spheres: vec![], boxes: vec![], steps: vec![] };
         }
         let number = |object: &Object| C::from_f64(object.shift.map_or(shifts.len(), |shift| shift.number) as f64);
-        let (spheres, boxes): (Vec<&Object>, Vec<&Object>) =
-            flat.objects.iter().partition(|object| object.sphere().is_some());
+        let (spheres, boxes): (Vec<&Object>, Vec<&Object>) = flat.objects.iter().partition(|object| object.is_round());
         Self {
             spans: shifts.iter().map(|shift| shift.spans.map(|span| span.map(C::from_f64))).collect(),
             spheres: spheres.into_iter().map(number).collect(),

@@ -128,6 +128,14 @@ impl Painter {
         let object = &pose.objects[index];
         match &self.skeleton.task().objects[index].shape {
             Form::Sphere(_) => page.sphere(object.frame.position.array(), object.half_size[0], tone, strength),
+            Form::Stick(_) => {
+                let knob = object.frame.position.array();
+                if let Some(hinge) = object.hinge {
+                    page.line(&[hinge, knob], 0.5 * object.half_size[0], shade(tone, 0.7 * strength));
+                    page.disc(hinge, 0.4 * object.half_size[0], shade(tone, strength));
+                }
+                page.sphere(knob, object.half_size[0], tone, strength);
+            }
             Form::Button(_) | Form::Obstacle(_) => page.block(&object.frame, object.half_size, tone, strength),
             Form::Slider(_) => {
                 page.block(&object.frame, object.half_size, tone, 0.4 * strength);
