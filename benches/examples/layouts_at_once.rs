@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use myo::gpu::{AdapterChoice, Gpu};
 use myo::model::{Model, builtin};
-use myo::tasks::{Item, Task, preset, spread};
+use myo::tasks::{Item, Range, Task, preset, spread};
 use myo::train::PpoConfig;
 use myo::train::session::{Goal, Outcome, SessionError, Until};
 use myo::{Device, User, batches, train_at_once};
@@ -56,7 +56,7 @@ fn layout(number: u32) -> Task {
         let (half_y, half_z) = (0.05 + 0.1 * apart_y, 0.05 + 0.1 * apart_z);
         button.at = [0.42, -0.05 + 0.1 * across - right * half_y, -0.24 + 0.2 * down + up * half_z].into();
         let size = 0.03 + 0.03 * size;
-        button.size = [size, size, 0.02];
+        button.size = [size, size, 0.02].map(Range::fixed);
     }
     task
 }

@@ -49,7 +49,10 @@ impl Regions {
         let size = hull(wanted().map(|object| match &object.shape {
             Shape::Sphere(sphere) => [sphere.radius.min, sphere.radius.max],
             Shape::Stick(stick) => [stick.knob; 2],
-            Shape::Button(block) | Shape::Obstacle(block) => [0.5 * block.size[0]; 2],
+            Shape::Button(block) | Shape::Obstacle(block) => {
+                let (half, by) = (0.5 * block.size[0], object.growth.map_or(0.0, |growth| growth.farthest(1)));
+                [half - by, half + by]
+            }
             Shape::Slider(slider) => {
                 hull([slider.block.size[0], slider.handle].map(|size| [0.5 * size; 2]).into_iter())
             }

@@ -228,7 +228,8 @@ class Writer:
         if kind == "array":
             if schema["items"].get("type") == "number":
                 return {2: "Pair", 3: "Triple"}[schema["maxItems"]]
-            return f"Sequence[{self.type_of(schema['items'])}]"
+            several = f"Sequence[{self.type_of(schema['items'])}]"
+            return f"{several} | Array" if several == "Sequence[NumberOrRange]" else several
         return {"number": "float", "integer": "int", "string": "str", "boolean": "bool"}[kind]
 
     # Classes

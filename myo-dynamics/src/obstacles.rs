@@ -34,6 +34,9 @@ pub struct Obstacles<C, T = C> {
     /// Per box, which of the [offsets](crate::Workspace::offsets) moves it; where none does, a number that there is not. Empty where
     /// all stand still.
     pub moved_by: Vec<T>,
+    /// Per box, which of them is added to half its sizes, along its own axes; the ball around it holds it however large. Empty where all
+    /// sizes are fixed.
+    pub grown_by: Vec<T>,
     /// Sum of the margins (m).
     pub margin: C,
     /// Sliding friction.
@@ -57,24 +60,28 @@ impl<C: Real> Obstacles<C> {
     }
 
     /// How many of the boxes the fingertip of a plan can touch at once, at most, where offset `k` is up to one half, either way, of each
-    /// of the ways (m) of number `k`.
+    /// of the ways (m) of number `k`, and boxes are as large as they may become.
     pub fn most_at_once_moved(&self, plan: &Plan<C>, ways: &[[[f64; 3]; 3]]) -> usize {
         let Some(sphere) = &plan.contact_sphere else { return 1 };
-        let moved_by = |k: usize| self.moved_by.get(k).map_or(ways.len(), |number| number.to_f64() as usize);
+        let ways: Vec<[Vector3<f64>; 3]> = ways.iter().map(|ways| ways.map(Vector3::from)).collect();
+        let number = |of: &[C], k: usize| of.get(k).map_or(ways.len(), |number| number.to_f64() as usize);
         let boxes: Vec<MovedBox> = (0..self.boxes.len())
             .map(|k| {
-                let place = self.boxes[k].map(&mut |&x: &C| x.to_f64()).oriented();
-                MovedBox { place, moved_by: moved_by(k) }
+                let mut place = self.boxes[k].map(&mut |&x: &C| x.to_f64()).oriented();
+                for way in ways.get(number(&self.grown_by, k)).into_iter().flatten() {
+                    place.half_size += 0.5 * way.abs();
+                }
+                MovedBox { place, moved_by: number(&self.moved_by, k) }
             })
             .collect();
-        let ways: Vec<[Vector3<f64>; 3]> = ways.iter().map(|ways| ways.map(Vector3::from)).collect();
         most_at_once(&boxes, &ways, sphere.radius.to_f64() + self.margin.to_f64())
     }
 
     /// The same in every lane.
     pub fn splat<S: Scalar<Const = C>>(&self) -> Obstacles<C, S> {
         let boxes = self.boxes.iter().map(|each| each.map(&mut |&x| S::splat(x))).collect();
-        self.with(boxes, self.moved_by.iter().map(|&number| S::splat(number)).collect())
+        let splat = |numbers: &[C]| numbers.iter().map(|&number| S::splat(number)).collect();
+        self.with(boxes, splat(&self.moved_by), splat(&self.grown_by))
     }
 }
 
@@ -85,9 +92,9 @@ impl<C: Real, T> Obstacles<C, T> {
     }
 
     /// Other boxes of the same surface.
-    pub fn with<U>(&self, boxes: Vec<StaticBox<U>>, moved_by: Vec<U>) -> Obstacles<C, U> {
+    pub fn with<U>(&self, boxes: Vec<StaticBox<U>>, moved_by: Vec<U>, grown_by: Vec<U>) -> Obstacles<C, U> {
         let &Self { margin, friction, impedance, diagonal, .. } = self;
-        Obstacles { boxes, moved_by, margin, friction, impedance, diagonal }
+        Obstacles { boxes, moved_by, grown_by, margin, friction, impedance, diagonal }
     }
 
     /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
@@ -108,6 +115,7 @@ impl<C: Real, T> Obstacles<C, T> {
         Self {
             boxes,
             moved_by: vec![],
+            grown_by: vec![],
             margin: c(sphere.map_or(0.0, |s| s.margin) + surface.margin),
             friction: c(friction),
             impedance: Impedance::new(&softness, plan.timestep.to_f64()),

@@ -279,7 +279,8 @@ pub struct Workspace<S: Scalar> {
     /// Where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
     /// [unknown](Clearance::unknown).
     pub clearance: Clearance<S>,
-    /// How far boxes are off their places (m), by the numbers in [`Obstacles::moved_by`](crate::Obstacles::moved_by); empty where none is.
+    /// How far boxes are off their places and their half sizes (m), by the numbers in [`Obstacles::moved_by`](crate::Obstacles::moved_by)
+    /// and [`Obstacles::grown_by`](crate::Obstacles::grown_by); empty where none is.
     /// Set by whoever moves them.
     pub offsets: Vec<Vec3<S>>,
     /// The nearest boxes, where there are many.

@@ -3,7 +3,7 @@
 use crate::tables::Tables;
 use myo_dynamics::{Obstacles, Plan};
 use myo_scalar::{Real, Scalar};
-use myo_tasks::logic::CompiledTask;
+use myo_tasks::logic::{CompiledTask, Shifts};
 use myo_tasks::{FlatTask, Pose, Reset, Task};
 
 /// Least and greatest position of a joint (rad), where it has limits.
@@ -99,7 +99,7 @@ impl Parameters<()> {
             ("steps", ours.steps.len(), theirs.steps.len()),
             ("spheres", ours.spheres.len(), theirs.spheres.len()),
             ("boxes", ours.boxes.len(), theirs.boxes.len()),
-            ("places that are drawn", ours.shifts.spans.len(), theirs.shifts.spans.len()),
+            ("places and sizes that are drawn", ours.shifts.spans.len(), theirs.shifts.spans.len()),
         ] {
             if new != old {
                 return Some(format!("it has {new} {word} instead of {old}"));
@@ -185,7 +185,8 @@ impl<T: Copy> Parameters<T> {
     /// What the fingertip can press, of this surface.
     #[inline(always)]
     pub fn obstacles<C: Real>(&self, surface: &Obstacles<C>) -> Obstacles<C, T> {
-        surface.with(self.task.boxes.iter().map(|each| each.shape).collect(), self.task.shifts.boxes.clone())
+        let Shifts { boxes, sizes, .. } = &self.task.shifts;
+        surface.with(self.task.boxes.iter().map(|each| each.shape).collect(), boxes.clone(), sizes.clone())
     }
 }
 

@@ -257,10 +257,14 @@ impl Skeleton {
     }
 
     fn object(&self, index: usize, task: &TaskState<f64>, ahead: &[usize], current: Option<usize>) -> ObjectPose {
-        let Object { shape, shift, .. } = &self.flat.objects[index];
+        let Object { shape, shift, growth, .. } = &self.flat.objects[index];
         let shift = shift.map_or([0.0; 3], |shift| task.shifts[shift.number]);
         let moved = |place: Point<f64>| [0, 1, 2].map(|k| place[k] + shift[k]);
-        let boxed = |block: &Block| (frame(moved(block.centre), axes(block)), block.half_extents());
+        let growth = growth.map_or([0.0; 3], |growth| task.shifts[growth.number]);
+        let boxed = |block: &Block| {
+            let half_size = block.half_extents();
+            (frame(moved(block.centre), axes(block)), [0, 1, 2].map(|k| half_size[k] + growth[k]))
+        };
         let (frame, half_size) = match shape {
             Shape::Sphere(_) => {
                 let (centre, radius, _) = logic::sphere(&self.task, task, self.numbers[index] as f64);

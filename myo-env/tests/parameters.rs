@@ -31,7 +31,7 @@ fn other(task: &Task) -> Task {
             Item::Button(button) => {
                 button.at.0 = button.at.0.moved([0.0, 0.0, 0.03]);
                 button.tilt_deg += 10.0;
-                button.size[0] *= 0.7;
+                button.size[0] = Range::fixed(0.7 * button.size[0].centre());
                 button.min_force_n *= 1.5;
             }
             other => panic!("{other:?} stays as it is"),
@@ -126,7 +126,11 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     let waited = [("after_s: [0.5, 1.5]", "after_s: [0.1, 0.2]"), ("pitch: 0.06", "pitch: 0.07")];
     let pointed =
         [("at: [2, 0, 0]", "at: [1.5, 0, 0]"), ("at: [1.99, 0, 0]", "at: [1.49, 0, 0]"), ("for_s: 0.25", "for_s: 0.1")];
-    let drifted = [("[-0.2, 0.2], [-0.3, 0.1]]", "0.1, [-0.3, 0.2]]"), ("[0.4, 0.6]", "[0.5, 0.9]")];
+    let drifted = [
+        ("[-0.2, 0.2], [-0.3, 0.1]]", "0.1, [-0.3, 0.2]]"),
+        ("[0.4, 0.6]", "[0.5, 0.9]"),
+        ("[0.02, 0.1]]", "[0.05, 0.06]]"),
+    ];
     let aimed = [("gain: 3", "gain: 2, still: 0.03"), ("at: [0.3, 0, -0.2]", "at: [0.35, 0.1, -0.2]")];
     let bent = [
         ("angle_deg: [-60, 20]", "angle_deg: 30"),
@@ -173,7 +177,7 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     kept.correction = None;
     assert!(refused(&plain, &kept).ends_with("it has no wrong press corrected, and the other did"));
     let still = drifting_with(&[("at: [0.3, 0, [0.4, 0.6]]", "at: [0.3, 0, 0.5]")]);
-    assert!(refused(&drifting(), &still).ends_with("it has 1 places that are drawn instead of 2"));
+    assert!(refused(&drifting(), &still).ends_with("it has 2 places and sizes that are drawn instead of 3"));
     let watched = steered_with(&[("stimulus: before_movement", "stimulus: current")]);
     assert!(
         refused(&steered(), &watched)

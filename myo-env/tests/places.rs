@@ -36,11 +36,15 @@ fn what_is_drawn_there_is_felt_and_seen_as_if_it_stood_there() {
     let (mut touched, mut compared) = (0, 0);
     for (number, moment) in moments.iter().enumerate() {
         let mut fixed = task.clone();
-        let [desk, shelf] = [0, 1].map(|draw| moment.task.shifts[draw]);
+        let [desk, shelf] = [0, 2].map(|draw| moment.task.shifts[draw]);
         let Item::Group(group) = &mut fixed.scene.0["desk"] else { panic!("a group") };
         placed(&mut group.at.0, desk);
         let Item::Obstacle(obstacle) = &mut fixed.scene.0["shelf"] else { panic!("an obstacle") };
         placed(&mut obstacle.at.0, shelf);
+        let Item::Group(group) = &mut fixed.scene.0["desk"] else { panic!("a group") };
+        let Item::Button(other) = &mut group.objects.0["other"] else { panic!("a button") };
+        let [height, width, depth] = moment.task.shifts[1];
+        other.size = [0, 1, 2].map(|k| Range::fixed(other.size[k].centre() + 2.0 * [width, height, depth][k]));
         let mut alone = env(&fixed);
         alone.reset(None, None, &mut vec![0.0; 16 * nobs]).unwrap();
         for (a, b) in wanted.iter().zip(&rollout(&mut alone, steps)) {
@@ -74,7 +78,11 @@ fn every_episode_draws_them_anew_and_the_skeleton_shows_them() {
         let now = moment(&env, 0);
         let [x, y, z] = now.task.shifts[0];
         seen.insert(x.to_bits());
-        let plate = skeleton.pose(&now).unwrap().objects[0].frame.position;
+        let pose = skeleton.pose(&now).unwrap();
+        let ([height, width, depth], half) = (now.task.shifts[1], pose.objects[1].half_size);
+        let sizes = [0.35 + height, 0.2125 + width, 0.03 + depth];
+        assert!(half.iter().zip(sizes).all(|(a, b)| (a - b).abs() < 1e-9), "{half:?} for {sizes:?}");
+        let plate = pose.objects[0].frame.position;
         let (sin, cos) = 20_f64.to_radians().sin_cos();
         let place = [0.25 - 0.3 * sin + x, 0.3 * cos + y, -0.1 + z];
         assert!(plate.array().iter().zip(place).all(|(a, b)| (a - b).abs() < 1e-9), "{plate:?} for {place:?}");

@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 
 use crate::description::{FORMAT_VERSION, Task};
 use crate::notation::{Name, Place};
+use crate::range::Range;
 use crate::scene::{ButtonItem, Item, Scene, SphereItem};
 use crate::script::{Dwell, Instruction, Names};
 use crate::target::{Pointing, Pressing, Target};
@@ -55,9 +56,13 @@ fn item(target: &Target) -> Item {
                 min_distance_from_previous: *min_distance_from_previous,
             })
         }
-        &Target::Pressing(Pressing { position: at, size, tilt_deg, min_force_n }) => {
-            Item::Button(ButtonItem { at: at.into(), size, tilt_deg, turn_deg: 0.0, min_force_n })
-        }
+        &Target::Pressing(Pressing { position: at, size, tilt_deg, min_force_n }) => Item::Button(ButtonItem {
+            at: at.into(),
+            size: size.map(Range::fixed),
+            tilt_deg,
+            turn_deg: 0.0,
+            min_force_n,
+        }),
     }
 }
 

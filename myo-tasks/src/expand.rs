@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use crate::description::Task;
-use crate::flat::{Block, Cue, FlatTask, Object, Shape, Sphere, of_targets};
+use crate::flat::{Block, Cue, FlatTask, Object, Shape, Shift, Sphere, of_targets};
 use crate::motion::Motion;
 use crate::notation::{Name, Place};
 use crate::range::Range;
@@ -16,7 +16,7 @@ use crate::target::Region;
 pub const OBJECTS_MAX: usize = 256;
 /// Most steps of a script.
 pub const STEPS_MAX: usize = 256;
-/// Most groups and boxes whose place is drawn: each is told from every other in one line of code.
+/// Most places and sizes of groups and boxes that are drawn: each is told from every other in one line of code.
 const SHIFTS_MAX: usize = 16;
 /// Groups within groups.
 const DEPTH_MAX: usize = 16;
@@ -67,7 +67,7 @@ pub(crate) struct Builder {
     pub(crate) cue: Option<Cue>,
     /// Whether the steps that come change places with each other.
     pub(crate) is_ordered: bool,
-    /// Groups and boxes whose place is drawn.
+    /// Places of groups and boxes, and sizes of boxes, that are drawn.
     shifts: usize,
     pub(crate) errors: Vec<TaskError>,
 }
@@ -107,17 +107,38 @@ impl Builder {
         if region.is_point() {
             return Some(frame);
         }
-        let problem = if around.shift.is_some() {
-            "is a range of places in a group whose place is drawn already; give single numbers".into()
-        } else if self.shifts == SHIFTS_MAX {
-            format!("is the {}th range of places of groups and boxes; at most {SHIFTS_MAX} are drawn", SHIFTS_MAX + 1)
-        } else {
-            frame.shift = Some(around.shifted(region, self.shifts));
-            self.shifts += 1;
-            return Some(frame);
-        };
-        self.refuse(&format!("{path}.at"), &format!("the place of `{name}`"), problem);
-        None
+        let (path, subject) = (format!("{path}.at"), format!("the place of `{name}`"));
+        if around.shift.is_some() {
+            let problem = "is a range of places in a group whose place is drawn already; give single numbers";
+            self.refuse(&path, &subject, problem.into());
+            return None;
+        }
+        frame.shift = Some(around.shifted(region, self.draw(&path, &subject)?));
+        Some(frame)
+    }
+
+    /// What is drawn of sizes; none where they are fixed.
+    fn growth(&mut self, size: [Range; 3], name: &str, path: &str, field: &str, frame: Frame) -> Option<Shift> {
+        let [width, height, depth] = size.map(|range| 0.5 * frame.scale * range.width());
+        if width + height + depth == 0.0 {
+            return None;
+        }
+        let number = self.draw(&format!("{path}.{field}"), &format!("the {field} of `{name}`"))?;
+        Some(Shift { number, spans: [[height, 0.0, 0.0], [0.0, width, 0.0], [0.0, 0.0, depth]] })
+    }
+
+    /// Number of one more draw; none, and an error, where there are too many.
+    fn draw(&mut self, path: &str, subject: &str) -> Option<usize> {
+        if self.shifts == SHIFTS_MAX {
+            let problem = format!(
+                "is the {}th range of places of groups and boxes and of sizes of boxes; at most {SHIFTS_MAX} are drawn",
+                SHIFTS_MAX + 1
+            );
+            self.refuse(path, subject, problem);
+            return None;
+        }
+        self.shifts += 1;
+        Some(self.shifts - 1)
     }
 
     /// Adds an item that stands in the middle of a frame.
@@ -125,14 +146,16 @@ impl Builder {
         match item {
             Item::Sphere(sphere) => self.spheres(sphere, name, path, frame),
             Item::Button(button) => {
-                let block = Block::in_frame(frame, button.size, button.min_force_n);
-                self.push(name, path, frame, Shape::Button(block));
+                let block = Block::in_frame(frame, button.size.map(Range::centre), button.min_force_n);
+                let growth = self.growth(button.size, name, path, "size", frame);
+                self.push_sized(name, path, frame, Shape::Button(block), growth);
             }
             Item::Slider(slider) => self.push_if(slider.placed(frame).map(Shape::Slider), name, path, frame),
             Item::Stick(stick) => self.push_if(stick.placed(frame).map(Shape::Stick), name, path, frame),
             Item::Obstacle(obstacle) => {
-                let block = Block::in_frame(frame, obstacle.size, f64::INFINITY);
-                self.push(name, path, frame, Shape::Obstacle(block));
+                let block = Block::in_frame(frame, obstacle.size.map(Range::centre), f64::INFINITY);
+                let growth = self.growth(obstacle.size, name, path, "size", frame);
+                self.push_sized(name, path, frame, Shape::Obstacle(block), growth);
             }
             Item::Group(group) => self.group(group, name, path, frame, depth),
             Item::Grid(grid) => self.grid(grid, name, path, frame, depth),
@@ -143,6 +166,11 @@ impl Builder {
     }
 
     fn push(&mut self, name: &str, path: &str, frame: Frame, shape: Shape) {
+        self.push_sized(name, path, frame, shape, None);
+    }
+
+    /// Adds an object whose sizes may be drawn.
+    fn push_sized(&mut self, name: &str, path: &str, frame: Frame, shape: Shape, growth: Option<Shift>) {
         if self.flat.objects.len() == OBJECTS_MAX {
             // Said once: what comes after is too much as well.
             if !self.errors.iter().any(|error| error.path() == "scene") {
@@ -152,7 +180,7 @@ impl Builder {
             return;
         }
         let (name, path) = (name.to_owned(), path.to_owned());
-        self.flat.objects.push(Object { name, path, shape, shift: frame.shift });
+        self.flat.objects.push(Object { name, path, shape, shift: frame.shift, growth });
     }
 
     /// Adds an object whose fields go together; else says which one does not, and why.
@@ -185,16 +213,16 @@ impl Builder {
             let shape = Shape::Sphere(Sphere { region, radius, apart, path: moves.clone() });
             match item.copies {
                 None => self.push(name, path, frame, shape),
-                Some(_) => self.child(&copy.to_string(), name, path, frame, shape),
+                Some(_) => self.child(&copy.to_string(), name, path, frame, shape, None),
             }
         }
     }
 
     /// Adds one object of several that have a name together.
-    fn child(&mut self, own: &str, group: &str, path: &str, frame: Frame, shape: Shape) {
+    fn child(&mut self, own: &str, group: &str, path: &str, frame: Frame, shape: Shape, growth: Option<Shift>) {
         let name = join(group, own);
         let first = self.flat.objects.len();
-        self.push(&name, path, frame, shape);
+        self.push_sized(&name, path, frame, shape, growth);
         let objects: Vec<usize> = (first..self.flat.objects.len()).collect();
         if self.named.insert(name.clone(), objects).is_some() {
             self.refuse(path, &format!("the name `{name}`"), "stands for two objects; names must differ".into());
@@ -292,8 +320,17 @@ impl Builder {
     fn keyboard(&mut self, keyboard: &Keyboard, name: &str, path: &str, frame: Frame) {
         self.keyboards.push(name.to_owned());
         let rows = keyboard.layout.rows();
+        let own = keyboard.key.centre();
+        // All keys are drawn as one, as wide as high.
+        let side = 0.5 * frame.scale * keyboard.key.width();
+        let growth = if side == 0.0 {
+            None
+        } else {
+            let draw = self.draw(&format!("{path}.key"), &format!("the key of `{name}`"));
+            draw.map(|number| Shift { number, spans: [[side, side, 0.0], [0.0; 3], [0.0; 3]] })
+        };
         let key = |place: [f64; 3], width: f64| {
-            let size = [width, keyboard.key, keyboard.depth];
+            let size = [width, own, keyboard.depth];
             Shape::Button(Block::in_frame(frame.child(place, 0.0, 0.0, 1.0), size, keyboard.min_force_n))
         };
         // The space bar is one more row.
@@ -301,12 +338,12 @@ impl Builder {
         let left = |column: f64| keyboard.pitch * (0.5 * (keyboard.layout.columns() - 1.0) - column);
         for (row, (letters, indent)) in rows.into_iter().enumerate() {
             for (column, letter) in letters.chars().enumerate() {
-                let shape = key([up(row), left(indent + column as f64), 0.0], keyboard.key);
-                self.child(&letter.to_string(), name, path, frame, shape);
+                let shape = key([up(row), left(indent + column as f64), 0.0], own);
+                self.child(&letter.to_string(), name, path, frame, shape, growth);
             }
         }
-        let space = key([up(rows.len()), 0.0, 0.0], 4.0 * keyboard.pitch + keyboard.key);
-        self.child("space", name, path, frame, space);
+        let space = key([up(rows.len()), 0.0, 0.0], 4.0 * keyboard.pitch + own);
+        self.child("space", name, path, frame, space, growth);
     }
 }
 

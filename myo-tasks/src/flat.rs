@@ -99,15 +99,17 @@ pub struct Object {
     pub shape: Shape,
     /// How far each episode draws it off its place; none where it stands still.
     pub shift: Option<Shift>,
+    /// How much more than the middle of its range each episode draws of half its sizes, along its own axes; none where they are fixed.
+    pub growth: Option<Shift>,
 }
 
-/// How far something is off its place in an episode: so much as is drawn of each of three ways, from minus one half of it to one half.
-/// What has the same number is moved as one.
+/// What an episode draws of a place or of sizes: so much of each of three ways, from minus one half of it to one half. What has the same
+/// number is drawn as one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shift {
     /// Which of the draws of an episode it is.
     pub number: usize,
-    /// The ways (m), in world axes.
+    /// The ways (m): of a place in world axes.
     pub spans: [[f64; 3]; 3],
 }
 
@@ -146,7 +148,7 @@ pub struct Block {
     pub centre: [f64; 3],
     /// From its own axes to the world's.
     pub rotation: Rotation3<f64>,
-    /// Full width, height and depth (m): along y, x and z of its own.
+    /// Full width, height and depth (m): along y, x and z of its own; the middle of what is drawn.
     pub size: [f64; 3],
     /// Force that counts as pressed (N); infinite for an obstacle.
     pub min_force_n: f64,
@@ -266,10 +268,10 @@ impl FlatTask {
         &self.objects[self.steps[step].object]
     }
 
-    /// What is drawn of places of groups and boxes, in the order of their numbers.
+    /// What is drawn of places of groups and boxes and of sizes of boxes, in the order of their numbers.
     pub fn shifts(&self) -> Vec<Shift> {
         let mut shifts: Vec<Shift> = vec![];
-        for shift in self.objects.iter().filter_map(|object| object.shift) {
+        for shift in self.objects.iter().flat_map(|object| [object.shift, object.growth]).flatten() {
             if shift.number == shifts.len() {
                 shifts.push(shift);
             }
@@ -364,14 +366,19 @@ impl Object {
         })
     }
 
-    /// The least gap (m) to another, wherever an episode draws them; negative where they may overlap, infinite where one is no box.
+    /// The least gap (m) to another, wherever and however large an episode draws them; negative where they may overlap, infinite where one is no box.
     pub fn least_gap(&self, other: &Self) -> f64 {
-        let [Some(a), Some(b)] = [self, other].map(Self::block) else { return f64::INFINITY };
+        let [Some(a), Some(b)] = [self, other].map(Self::largest) else { return f64::INFINITY };
         let shifts = [self.shift, other.shift];
         // What is moved as one keeps its distance.
         let apart = shifts.into_iter().flatten().filter(|_| shifts[0] != shifts[1]);
         let ways: Vec<_> = apart.flat_map(|shift| shift.spans.map(Vector3::from)).collect();
         a.oriented().least_gap(&b.oriented(), &ways)
+    }
+
+    /// Whether each episode draws where it stands with others, or its sizes as a box.
+    pub const fn is_drawn(&self) -> bool {
+        self.shift.is_some() || self.growth.is_some()
     }
 
     /// The word for what it is: `sphere`, `button`, `slider`, `stick` or `obstacle`.
@@ -398,12 +405,20 @@ impl Object {
         matches!(self.shape, Shape::Sphere(_) | Shape::Stick(_))
     }
 
-    /// The box that it is, as far as it can be touched.
+    /// The box that it is, as far as it can be touched; with the middle of sizes that are drawn.
     pub const fn block(&self) -> Option<&Block> {
         match &self.shape {
             Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => Some(block),
             Shape::Sphere(_) | Shape::Stick(_) => None,
         }
+    }
+
+    /// The same as large as an episode may draw it.
+    pub fn largest(&self) -> Option<Block> {
+        let (block, growth) = (self.block()?, self.growth);
+        let [height, width, depth] = [0, 1, 2].map(|axis| growth.map_or(0.0, |growth| 2.0 * growth.farthest(axis)));
+        let [w, h, d] = block.size;
+        Some(Block { size: [w + width, h + height, d + depth], ..block.clone() })
     }
 
     /// Whether it comes from a task of version 1, where objects and steps are one.
@@ -483,7 +498,13 @@ pub(crate) fn of_targets(targets: &[Target]) -> FlatTask {
                 }
                 Target::Pressing(button) => (Shape::Button(button.block()), Action::Press),
             };
-            flat.objects.push(Object { name: target.label(object), path: path.clone(), shape, shift: None });
+            flat.objects.push(Object {
+                name: target.label(object),
+                path: path.clone(),
+                shape,
+                shift: None,
+                growth: None,
+            });
             flat.steps.push(Step { object, among: vec![], action, cue: None, path });
         }
     }

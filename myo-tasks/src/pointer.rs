@@ -40,8 +40,8 @@ impl Builder {
         let objects = self.find(name, path);
         match objects[..] {
             [] => None,
-            [object] if self.flat.objects[object].shift.is_some() => {
-                let problem = "has a range of places; a pointer needs a face that stands still".into();
+            [object] if self.flat.objects[object].is_drawn() => {
+                let problem = "has a range of places or sizes; a pointer needs a face that stays as it is".into();
                 self.refuse_object(path, object, |_| problem);
                 None
             }

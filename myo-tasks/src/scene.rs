@@ -94,11 +94,11 @@ pub struct ButtonItem {
     pub at: Place,
 
     /// Full sizes `[width, height, depth]` in m: of the upright face, width is the horizontal and height the vertical
-    /// extent; depth is how thick the button is. Each from 0.001 to 2.
+    /// extent; depth is how thick the button is. Each a number or `[min, max]`, drawn anew for every episode, from 0.001 to 2.
     #[serde(serialize_with = "on_one_line")]
-    #[garde(inner(custom(LENGTH.rule())))]
+    #[garde(inner(custom(LENGTH.range_rule())))]
     #[schemars(transform = LENGTH.schema())]
-    pub size: [f64; 3],
+    pub size: [Range; 3],
 
     /// Where the face looks, in degrees: 0 up, like a key on a table; 90 towards the user, like a wall. Default 0.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -128,11 +128,11 @@ pub struct ObstacleItem {
     #[garde(dive)]
     pub at: Place,
 
-    /// Full sizes `[width, height, depth]` in m, as of a button.
+    /// Full sizes `[width, height, depth]` in m, each a number or `[min, max]`, as of a button.
     #[serde(serialize_with = "on_one_line")]
-    #[garde(inner(custom(LENGTH.rule())))]
+    #[garde(inner(custom(LENGTH.range_rule())))]
     #[schemars(transform = LENGTH.schema())]
-    pub size: [f64; 3],
+    pub size: [Range; 3],
 
     /// Where its face looks, as of a button. Default 0.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -346,10 +346,11 @@ pub struct Keyboard {
     #[schemars(transform = LENGTH.schema())]
     pub pitch: f64,
 
-    /// Width and height of a key, in m; the space bar is five keys wide.
-    #[garde(custom(LENGTH.rule()))]
+    /// Width and height of a key, in m, a number or `[min, max]`, drawn for all keys anew for every episode; the space bar is four
+    /// pitches and a key wide.
+    #[garde(custom(LENGTH.range_rule()))]
     #[schemars(transform = LENGTH.schema())]
-    pub key: f64,
+    pub key: Range,
 
     /// How thick keys are, in m. Default 0.005.
     #[serde(default = "key_depth")]

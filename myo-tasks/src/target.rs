@@ -216,6 +216,6 @@ fn repeat_rule(repeat: &u32, (): &()) -> garde::Result {
     }
 }
 
-pub(crate) fn on_one_line<S: Serializer>(values: &[f64; 3], serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn on_one_line<T: Serialize, S: Serializer>(values: &[T; 3], serializer: S) -> Result<S::Ok, S::Error> {
     FlowSeq(values).serialize(serializer)
 }

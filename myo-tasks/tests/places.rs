@@ -100,20 +100,77 @@ fn a_range_in_a_range_and_a_display_that_moves_are_refused() {
     let grid = "  g: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 17, pitch: 0.03, of: {kind: button, at: [0, 0, [0, 0.1]], size: [0.01, 0.01, 0.01]}}";
     assert_eq!(
         refusal(&text(grid, "  - press: 1")),
-        "t.yaml:4:94: the place of `g.17` is the 17th range of places of groups and boxes; at most 16 are drawn"
+        "t.yaml:4:94: the place of `g.17` is the 17th range of places of groups and boxes and of sizes of boxes; at most 16 are drawn"
     );
     let wall = "  wall: {kind: obstacle, at: [2, [0, 0.1], 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  spot: {kind: sphere, at: [1.99, 0.2, 0.3], radius: 0.1}";
     let onto = format!(
         "{}technique: {{kind: ray, from: hand, onto: wall}}\n",
         text(wall, "  - dwell: {in: spot, for_s: 0.1}")
     );
-    assert_eq!(refusal(&onto), "t.yaml:8:42: `wall` has a range of places; a pointer needs a face that stands still");
+    assert_eq!(
+        refusal(&onto),
+        "t.yaml:8:42: `wall` has a range of places or sizes; a pointer needs a face that stays as it is"
+    );
     let lamps = format!("{PANEL}\n  c: {{kind: button, at: [0.4, 0.5, 0], size: [0.03, 0.03, 0.01]}}");
     let refused = refusal(&text(&lamps, "  - react: {among: [a, c], after_s: 1}"));
     assert!(
         refused.ends_with("`c` is not moved with `panel.a` when places are drawn; put both into one group"),
         "{refused}"
     );
+}
+
+#[test]
+fn sizes_of_buttons_are_drawn_axis_by_axis_and_keys_as_one() {
+    let scene = "  phone: {kind: keyboard, at: [0.3, 0, -0.3], pitch: 0.01, key: [0.005, 0.009]}\n  wide:\n    kind: group\n    scale: 2\n    objects:\n      ok: {kind: button, at: [0.2, 0.1, 0], size: [[0.02, 0.04], [0.01, 0.03], 0.01]}";
+    let task = task(scene, "  - press: [phone.q, phone.space, ok]");
+    let flat = task.flat().unwrap();
+    let (q, ok) = (&flat.objects[0], flat.objects.last().unwrap());
+    assert_near(q.block().unwrap().size, [0.007, 0.007, 0.005]);
+    assert_near(q.largest().unwrap().size, [0.009, 0.009, 0.005]);
+    assert_near(ok.largest().unwrap().size, [0.08, 0.06, 0.02]);
+    assert_eq!(flat.objects.iter().filter(|object| object.growth == q.growth).count(), 27);
+    let (mut keys, mut widths, mut heights) = (vec![], vec![], vec![]);
+    for episode in 1..300 {
+        let mut run = Run::episode(&task, episode);
+        let half_sizes = [0.0, 1.0, 2.0].map(|step| {
+            run.state.phase = step;
+            run.goal().button.unwrap().shape.half_size
+        });
+        let [[q_high, q_wide, q_deep], [bar_high, bar_wide, _], [high, wide, deep]] = half_sizes;
+        assert_near([q_high, q_deep, deep], [q_wide, 0.0025, 0.01]);
+        // The bar is four pitches and a key wide.
+        assert_near([bar_high, bar_wide - 0.02, 0.0], [q_high, q_wide, 0.0]);
+        keys.push(2.0 * q_wide);
+        widths.push(2.0 * wide);
+        heights.push(2.0 * high);
+    }
+    for (sizes, least, most) in [(&keys, 0.005, 0.009), (&widths, 0.04, 0.08), (&heights, 0.02, 0.06)] {
+        let (lo, hi) = sizes.iter().fold((1.0_f64, 0.0_f64), |(lo, hi), &size| (lo.min(size), hi.max(size)));
+        let slack = 0.02 * (most - least);
+        assert!(least <= lo && lo < least + slack && most - slack < hi && hi <= most, "{lo} to {hi}");
+    }
+    let same = widths.iter().zip(&heights).filter(|(w, h)| ((*w - 0.04) - (*h - 0.02)).abs() < 1e-3).count();
+    assert!(same < 40, "each axis is drawn for itself: {same}");
+}
+
+#[test]
+fn boxes_may_not_meet_as_large_as_they_become_and_wrong_sizes_are_refused() {
+    let said = |size: &str| {
+        let scene = format!(
+            "  a: {{kind: button, at: [0.4, 0, 0], size: {size}}}\n  b: {{kind: obstacle, at: [0.4, 0.05, 0], size: [0.03, 0.03, 0.01]}}"
+        );
+        refusal(&text(&scene, "  - press: a"))
+    };
+    assert_eq!(said("[[0.01, 0.07], 0.03, 0.01]"), "");
+    assert!(
+        said("[[0.01, 0.09], 0.03, 0.01]").contains("a and b overlap by 10.0 mm"),
+        "{}",
+        said("[[0.01, 0.09], 0.03, 0.01]")
+    );
+    assert!(said("[[0.01, 0.07], 0, 0.01]").contains("is 0 m; it must be from 0.001 to 2 m"));
+    assert!(said("[[0.07, 0.01], 0.03, 0.01]").contains("goes from 0.07 m to 0.01 m; the smaller end must come first"));
+    let keys = "  phone: {kind: keyboard, at: [0.3, 0, -0.3], pitch: 0.01, key: [0.005, 0.011]}";
+    assert!(refusal(&text(keys, "  - type: hi")).contains("overlap by 1.0 mm"));
 }
 
 /// Reaches 60 cm forward.

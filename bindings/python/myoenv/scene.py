@@ -76,6 +76,8 @@ __all__ = [
     "Sphere",
     "Steer",
     "Step",
+    "Stick",
+    "Swing",
     "Technique",
     "Type",
     "Wait",
@@ -216,7 +218,8 @@ class Button(Object):
 
     Args:
         size: Full sizes `(width, height, depth)` in m: of the upright face, width is the horizontal and height the
-            vertical extent; depth is how thick the button is. Each from 0.001 to 2.
+            vertical extent; depth is how thick the button is. Each a number or `(min, max)`, drawn anew for every
+            episode, from 0.001 to 2.
         at: Centre of the box, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from
             -2 to 2 m.
         tilt_deg: Where the face looks, in degrees: 0 up, like a key on a table; 90 towards the user, like a wall.
@@ -227,7 +230,7 @@ class Button(Object):
     """
 
     kind: ClassVar[str] = "button"
-    size: Triple
+    size: Sequence[NumberOrRange] | Array
     at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
@@ -273,11 +276,44 @@ class Slider(Object):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
+class Stick(Object):
+    """A stick on a hinge, whose knob is swung.
+
+    Args:
+        length: From the hinge to the middle of the knob, in m. From 0.001 to 2 m.
+        at: Where its hinge is, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from
+            -2 to 2 m.
+        knob: Radius of the knob, in m; less than the length. Default 0.02. From 0.001 to 2 m.
+        swings: Which way its angle rises. Default `right`. `right`: Across the face, to the user's right. `up`: Up the
+            face.
+        range_deg: How far it swings, in degrees, the smaller angle first: at 0 it stands straight out of what it stands
+            on. Default `(-45, 45)`.
+        angle_deg: How it stands when an episode begins, in degrees: a number, or `(min, max)`, drawn anew for every
+            episode. Without it: at the smaller end. From -180 to 180 deg.
+        tilt_deg: Where what it stands on looks, in degrees: 0 up, like a table; 90 towards the user, like a wall.
+            Default 0. From 0 to 180 deg.
+        turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
+            deg.
+    """
+
+    kind: ClassVar[str] = "stick"
+    length: float
+    at: Place | None = None
+    knob: float | None = None
+    swings: Literal["right", "up"] | None = None
+    range_deg: Pair | None = None
+    angle_deg: NumberOrRange | None = None
+    tilt_deg: float | None = None
+    turn_deg: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Obstacle(Object):
     """A box that only stands in the way: a table, the edge of a display.
 
     Args:
-        size: Full sizes `(width, height, depth)` in m, as of a button. Each from 0.001 to 2 m.
+        size: Full sizes `(width, height, depth)` in m, each a number or `(min, max)`, as of a button. Each from 0.001
+            to 2 m.
         at: Centre of the box, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from
             -2 to 2 m.
         tilt_deg: Where its face looks, as of a button. Default 0. From 0 to 180 deg.
@@ -285,7 +321,7 @@ class Obstacle(Object):
     """
 
     kind: ClassVar[str] = "obstacle"
-    size: Triple
+    size: Sequence[NumberOrRange] | Array
     at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
@@ -407,7 +443,8 @@ class Keyboard(Object):
 
     Args:
         pitch: Distance from the middle of one key to that of the next, in m. From 0.001 to 2 m.
-        key: Width and height of a key, in m; the space bar is five keys wide. From 0.001 to 2 m.
+        key: Width and height of a key, in m, a number or `(min, max)`, drawn for all keys anew for every episode; the
+            space bar is four pitches and a key wide. From 0.001 to 2 m.
         at: Its middle, `(x, y, z)` in m, each a number or `(min, max)`; drawn anew for every episode. Each from -2 to 2
             m.
         tilt_deg: How it is tilted, in degrees: 0 lies like a table, 90 stands like a wall before the user. From 0 to
@@ -421,7 +458,7 @@ class Keyboard(Object):
 
     kind: ClassVar[str] = "keyboard"
     pitch: float
-    key: float
+    key: NumberOrRange
     at: Place | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
@@ -485,6 +522,23 @@ class Drag(Step):
     _: KW_ONLY
     to: float
     within: float
+
+
+@dataclass(frozen=True, repr=False)
+class Swing(Step):
+    """Swing a stick to an angle and leave its knob there: `Swing("lever", to_deg=30, within_deg=3)`.
+
+    Args:
+        stick: Name of the stick whose knob is swung.
+        to_deg: The angle at which to leave the knob, in degrees, in the range of the stick.
+        within_deg: How far off the angle may be when the knob is left, in degrees.
+    """
+
+    action: ClassVar[str] = "swing"
+    stick: Name
+    _: KW_ONLY
+    to_deg: float
+    within_deg: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -755,7 +809,8 @@ class Observation(Described):
             fingertip itself. Default True.
         activation: Activation of each muscle, 0 to 1 mapped to -1 to 1. Default True.
         target_position: Centre of the current target, in m from the shoulder centre. Default True.
-        target_size: Radius of the current sphere, or half the width of the current button or way, in m. Default True.
+        target_size: Radius of the current sphere or knob, or half the width of the current button or way, in m. Default
+            True.
         target_vector: From the fingertip, or the pointer, to the centre of the current target, in m. Default True.
         target_normal: Where the face of the current button or slider looks, a unit vector; 0 for spheres, and before it
             lights up. Default False.
@@ -770,8 +825,8 @@ class Observation(Described):
         touch: Force on the current button, as a share of what it needs, at most 1. Default True.
         cue: Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks
             with waits. Default True.
-        drag: Whether the handle of the current slider is held, 1 or 0, and the way it must go, in m; in tasks with
-            sliders. Default True.
+        drag: Whether the handle of the current slider, or the knob of the current stick, is held, 1 or 0, and the way
+            it must go, in m; in tasks with sliders or sticks. Default True.
         steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
             whether it is within the way: 1 or 0; in tasks with ways. Default True.
         nearest_obstacle: From the fingertip to the nearest place of the surface of any box but the current target, in

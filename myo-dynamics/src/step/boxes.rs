@@ -1,10 +1,10 @@
-//! Boxes as the fingertip finds them: gone through in a row or asked for by number, each where it stands now.
+//! Boxes as the fingertip finds them: gone through in a row or asked for by number, each where it stands and as large as it is now.
 
 use crate::obstacles::Obstacles;
 use crate::spatial::Vec3;
 use myo_scalar::{Row, Scalar};
 
-/// All boxes, and how far those are off their places that are moved.
+/// All boxes, and how far those are off their places that are moved, and how much larger or smaller those that are drawn so.
 pub struct Boxes<'a, S: Scalar> {
     /// The boxes.
     pub obstacles: &'a Obstacles<S::Const, S>,
@@ -60,7 +60,13 @@ impl<S: Scalar> Boxes<'_, S> {
     pub fn sides(&self, which: Which<S>) -> ([[S; 3]; 3], [S; 3]) {
         let boxes = &self.obstacles.boxes;
         let [a, b, c, e, f, g, i, j, k, h, w, d] = which.entries(boxes.len(), |k| boxes[k].sides());
-        ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d])
+        let (axes, half_size) = ([[a, b, c], [e, f, g], [i, j, k]], [h, w, d]);
+        let grown_by = &self.obstacles.grown_by;
+        if self.offsets.is_empty() || grown_by.is_empty() {
+            return (axes, half_size);
+        }
+        let [offset] = which.entries(grown_by.len(), |k| [grown_by[k]]);
+        (axes, (Vec3::new(h, w, d) + self.offset(offset)).array())
     }
 
     /// The offset of this number; none where there is no such one.

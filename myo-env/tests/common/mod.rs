@@ -76,7 +76,7 @@ pub fn drifting() -> Task {
 pub fn drifting_with(changes: &[(&str, &str)]) -> Task {
     let text = "version: 2\nname: drifting\nscene:\n  desk:\n    kind: group\n    at: [[0.15, 0.35], [-0.2, 0.2], [-0.3, 0.1]]\n    \
                 turn_deg: 20\n    objects:\n      plate: {kind: button, at: [0, 0.3, 0], size: [0.55, 0.9, 0.02], min_force_n: 0.05}\n      \
-                other: {kind: button, at: [0, -0.3, 0], size: [0.55, 0.9, 0.02], min_force_n: 0.05}\n      \
+                other: {kind: button, at: [0, -0.3, 0], size: [[0.3, 0.55], [0.5, 0.9], [0.02, 0.1]], min_force_n: 0.05}\n      \
                 spot: {kind: sphere, at: [0, 0, 0.2], radius: [0.25, 0.35]}\n  \
                 shelf: {kind: obstacle, at: [0.3, 0, [0.4, 0.6]], size: [1, 0.5, 0.02]}\n\
                 observation: {target_normal: true, target_kind: true, nearest_obstacle: true}\nscript:\n  \

@@ -138,7 +138,7 @@ pub enum Which {
 /// A box that can be touched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TouchBox<T> {
-    /// Where it is, and how large; axes of a button: up the face, across it, out of it.
+    /// Where it is, and how large, with the middle of sizes that are drawn and a ball around the largest; axes of a button: up the face, across it, out of it.
     pub shape: StaticBox<T>,
     /// Force that counts as pressed.
     pub min_force: T,
@@ -188,7 +188,7 @@ impl<C: Real> CompiledTask<C> {
             correction: flat.correction.map(|object| numbers.number(object)),
             pointer: Pointer::new(flat, task.control_dt_s),
             spheres: flat.objects.iter().enumerate().filter_map(sphere).collect(),
-            boxes: flat.objects.iter().filter_map(|object| object.block().map(TouchBox::new)).collect(),
+            boxes: flat.objects.iter().filter_map(TouchBox::new).collect(),
             steps: flat.steps.iter().map(step).collect(),
             kinds,
             time_limit: C::from_f64(f64::from(task.time_limit_steps())),
@@ -348,13 +348,16 @@ impl<T> DrawnSphere<T> {
 }
 
 impl<C: Real> TouchBox<C> {
-    fn new(block: &Block) -> Self {
+    /// Of an object that is a box.
+    fn new(object: &Object) -> Option<Self> {
+        let (block, largest) = (object.block()?, object.largest()?);
         let column = |k: usize| [0, 1, 2].map(|row| block.rotation[(row, k)]);
-        let shape = StaticBox::new(block.centre, [0, 1, 2].map(column), block.half_extents());
-        Self {
+        let shape = |block: &Block| StaticBox::new(block.centre, [0, 1, 2].map(column), block.half_extents());
+        let shape = StaticBox { radius: shape(&largest).radius, ..shape(block) };
+        Some(Self {
             shape: shape.map(&mut |&x| C::from_f64(x)),
             min_force: C::from_f64(block.min_force_n.min(f64::from(f32::MAX))),
-        }
+        })
     }
 }
 

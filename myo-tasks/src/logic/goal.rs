@@ -216,6 +216,7 @@ impl<S: Scalar> Goal<S> {
         let row = S::gather(task.boxes.len(), |k| task.boxes[k].row(), object);
         let TouchBox { mut shape, min_force } = TouchBox::from_row(row);
         shape.centre = task.shifts.move_box(state, object, shape.centre);
+        shape.half_size = task.shifts.grow_box(state, object, shape.half_size);
         let drag = if task.kinds.drag { Some(GoalDrag::of(task, state, &mut shape)) } else { None };
         self.centre = select_point(is_press, shape.centre, self.centre);
         self.size = S::select(is_press, shape.half_size[1], self.size);

@@ -1,13 +1,14 @@
-//! Groups and boxes that stand elsewhere in every episode: how far each is off its place.
+//! Groups and boxes that stand elsewhere, or are of other sizes, in every episode: how far each is off its place, and how much larger
+//! than the middle of its range.
 
 use super::{Point, TaskState};
-use crate::flat::{FlatTask, Object};
+use crate::flat::{FlatTask, Object, Shift};
 use myo_scalar::{Counter, Real, Scalar, Word, philox, unit};
 
 /// Random streams of shifts; that of draw `i` is this and `i`.
 const SHIFT_STREAM: u32 = 0x500;
 
-/// What is drawn of places; all empty where everything stands still, and only spheres are drawn each for itself.
+/// What is drawn of places and sizes; all empty where everything stands still, and only spheres are drawn each for itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shifts<T> {
     /// Per draw: three ways (m), of each of which from minus one half to one half is drawn.
@@ -16,7 +17,9 @@ pub struct Shifts<T> {
     pub spheres: Vec<T>,
     /// The same per box.
     pub boxes: Vec<T>,
-    /// The same of each step's object.
+    /// The same of half its sizes; empty where none are drawn.
+    pub sizes: Vec<T>,
+    /// As of places, of each step's object.
     pub steps: Vec<T>,
 }
 
@@ -24,13 +27,19 @@ impl<C: Real> Shifts<C> {
     pub(super) fn new(flat: &FlatTask) -> Self {
         let shifts = flat.shifts();
         if shifts.is_empty() {
-            return Self { spans: vec![], spheres: vec![], boxes: vec![], steps: vec![] };
+            return Self { spans: vec![], spheres: vec![], boxes: vec![], sizes: vec![], steps: vec![] };
         }
-        let number = |object: &Object| C::from_f64(object.shift.map_or(shifts.len(), |shift| shift.number) as f64);
+        let of = |shift: Option<Shift>| C::from_f64(shift.map_or(shifts.len(), |shift| shift.number) as f64);
+        let number = |object: &Object| of(object.shift);
         let (spheres, boxes): (Vec<&Object>, Vec<&Object>) = flat.objects.iter().partition(|object| object.is_round());
         Self {
             spans: shifts.iter().map(|shift| shift.spans.map(|span| span.map(C::from_f64))).collect(),
             spheres: spheres.into_iter().map(number).collect(),
+            sizes: if flat.objects.iter().any(|object| object.growth.is_some()) {
+                boxes.iter().map(|object| of(object.growth)).collect()
+            } else {
+                vec![]
+            },
             boxes: boxes.into_iter().map(number).collect(),
             steps: flat.steps.iter().map(|step| number(&flat.objects[step.object])).collect(),
         }
@@ -44,6 +53,7 @@ impl<T> Shifts<T> {
             spans: self.spans.iter().map(|spans| spans.each_ref().map(|span| span.each_ref().map(&mut *f))).collect(),
             spheres: self.spheres.iter().map(&mut *f).collect(),
             boxes: self.boxes.iter().map(&mut *f).collect(),
+            sizes: self.sizes.iter().map(&mut *f).collect(),
             steps: self.steps.iter().map(&mut *f).collect(),
         }
     }
@@ -56,6 +66,12 @@ impl<S: Scalar> Shifts<S> {
         moved(&self.boxes, state, number, place)
     }
 
+    /// Half the sizes (m) of the box of this number, the middles of whose ranges these are.
+    #[inline(always)]
+    pub(super) fn grow_box(&self, state: &TaskState<S>, number: S, half_size: Point<S>) -> Point<S> {
+        moved(&self.sizes, state, number, half_size)
+    }
+
     /// Where what the step of this number asks for stands (m) whose place is here.
     #[inline(always)]
     pub(super) fn move_step(&self, state: &TaskState<S>, number: S, place: Point<S>) -> Point<S> {
@@ -63,7 +79,7 @@ impl<S: Scalar> Shifts<S> {
     }
 }
 
-/// A place (m) moved by the draw of what has this number.
+/// A place, or half sizes (m), and what is drawn of it for what has this number.
 #[inline(always)]
 fn moved<S: Scalar>(draws: &[S], state: &TaskState<S>, number: S, place: Point<S>) -> Point<S> {
     if draws.is_empty() {
