@@ -140,7 +140,7 @@ pub struct Nearby<S> {
 
 impl<S: Scalar> Nearby<S> {
     /// Boxes that are listed beyond those that can be touched at once.
-    const SPARE: usize = 4;
+    const SPARE: usize = 2;
 
     /// Nothing is known.
     fn unknown(contacts: usize) -> Self {

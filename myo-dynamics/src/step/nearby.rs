@@ -4,15 +4,13 @@
 //! After L. Verlet 1967 (doi 10.1103/PhysRev.159.98), who lists the neighbours of molecules.
 
 use super::boxes::{Boxes, Which};
-use super::contact::{ROUNDING, surface};
+use super::contact::ROUNDING;
 use crate::spatial::Vec3;
 use crate::workspace::Nearby;
-use myo_scalar::{Carried, Row, Scalar, Stage, Visitor};
+use myo_scalar::{Carried, Scalar, Stage, Visitor};
 
 /// With more boxes than this the nearest are listed.
 const MANY: usize = 32;
-/// Boxes whose ball is farther than this beyond reach (m) need no closer look to be put in order.
-const SKIN: f64 = 0.05;
 /// Farther than anything in reach (m).
 const FAR: f64 = 1e3;
 
@@ -43,34 +41,13 @@ impl<S: Scalar> Stage<S> for List<'_, S> {
         let far = S::lit(FAR);
         let mut order = Order { distances: vec![far; count], numbers: vec![S::zero(); count], rest: far };
         S::for_each_row(boxes.count(), &mut order, |order, row| {
+            // Of the ball around a box: the least that it can be. A closer look, or passing over what changes nothing, is slower on cards.
             let (away, radius) = boxes.seen_from(centre, Which::Row(row));
-            // What the ball around a box says is the least that it can be. To pass over what changes nothing is slower on cards.
-            let mut distance = away.dot(away).sqrt() - radius - reach;
-            let near = distance.lt(S::lit(SKIN));
-            S::when(near, &mut Closer(&mut distance), |Closer(distance)| {
-                **distance = S::select(near, exact(boxes, row, away) - reach, **distance);
-            });
-            order.insert(distance, S::row_number(row));
+            order.insert(away.dot(away).sqrt() - radius - reach, S::row_number(row));
         });
         nearby.boxes.copy_from_slice(&order.numbers);
         nearby.from = centre;
         nearby.free = (order.rest - S::lit(ROUNDING)).max(S::zero());
-    }
-}
-
-/// Distance (m) from the surface of a box.
-#[inline(always)]
-fn exact<S: Scalar>(boxes: Boxes<'_, S>, row: Row<S::Word>, away: Vec3<S>) -> S {
-    let (axes, half_size) = boxes.sides(Which::Row(row));
-    surface(axes, half_size, away).0
-}
-
-/// A distance that a closer look changes.
-struct Closer<'a, S>(&'a mut S);
-
-impl<S: Scalar> Carried<S> for Closer<'_, S> {
-    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        visitor.number(self.0);
     }
 }
 
@@ -83,15 +60,21 @@ struct Order<S> {
 }
 
 impl<S: Scalar> Order<S> {
-    /// Puts a box where it belongs; what is pushed out at the end is the rest.
+    /// Puts a box where it belongs; what is pushed out at the end is the rest. No place waits for the one before it, which cards
+    /// are slow at.
     #[inline(always)]
-    fn insert(&mut self, mut distance: S, mut number: S) {
-        for (at, name) in self.distances.iter_mut().zip(&mut self.numbers) {
-            let closer = distance.lt(*at);
-            (*at, distance) = (S::select(closer, distance, *at), S::select(closer, *at, distance));
-            (*name, number) = (S::select(closer, number, *name), S::select(closer, *name, number));
+    fn insert(&mut self, distance: S, number: S) {
+        let Self { distances, numbers, rest } = self;
+        let is_closer: Vec<S::Mask> = distances.iter().map(|&other| distance.lt(other)).collect();
+        let last = distances.len() - 1;
+        *rest = rest.min(S::select(is_closer[last], distances[last], distance));
+        // From the end, so that what moves on is still there.
+        for k in (0..=last).rev() {
+            for (values, new) in [(&mut *distances, distance), (&mut *numbers, number)] {
+                let here = S::select(is_closer[k], new, values[k]);
+                values[k] = if k == 0 { here } else { S::select(is_closer[k - 1], values[k - 1], here) };
+            }
         }
-        self.rest = self.rest.min(distance);
     }
 }
 
@@ -139,8 +122,7 @@ mod tests {
             let distance = |row: usize| {
                 let [x, y, z] = obstacles.boxes[row].centre;
                 let away = centre - Vec3::new(x, y, z);
-                let ball = away.dot(away).sqrt() - obstacles.boxes[row].radius - reach;
-                if ball < SKIN { exact::<f64>(boxes, Row::Known(row), away) - reach } else { ball }
+                away.dot(away).sqrt() - obstacles.boxes[row].radius - reach
             };
             let mut all: Vec<(f64, f64)> = (0..200).map(|row| (distance(row), row as f64)).collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0));
