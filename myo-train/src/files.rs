@@ -24,7 +24,8 @@ pub struct IoError {
 }
 
 impl IoError {
-    pub(crate) fn new(action: &'static str, path: &Path, source: io::Error) -> Self {
+    /// A file operation that failed: `action` is what was tried, as in "cannot read".
+    pub fn new(action: &'static str, path: &Path, source: io::Error) -> Self {
         Self { action, path: path.to_owned(), source }
     }
 }

@@ -56,6 +56,7 @@ pub mod picture;
 pub mod progress;
 mod reach;
 mod run_description;
+mod runs;
 mod users;
 
 pub use advice::{Body, likely_cause, most_success};
@@ -66,6 +67,7 @@ pub use layouts::{LayoutsError, layout_names, one_structure};
 pub use progress::ProgressLine;
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
+pub use runs::{FoundRun, RunState, RunSummary, find_runs, summary};
 pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};
 
 /// The example on the repository's front page compiles and runs.

@@ -26,7 +26,7 @@ def compare(
     first: TaskLike | Runs,
     second: TaskLike | Runs,
     *,
-    seeds: int = 5,
+    seeds: int = 10,
     out: str | PathLike[str] | None = None,
     **training: Any,
 ) -> pandas.DataFrame:

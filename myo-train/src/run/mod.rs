@@ -13,9 +13,10 @@
 mod metrics_file;
 mod writer;
 
-use std::fs;
+use std::fs::{self, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -30,6 +31,9 @@ const FORMAT: u32 = 1;
 
 /// The file that describes a run.
 const CONFIG: &str = "config.json";
+
+/// The file that is locked while someone trains.
+const LOCK: &str = "lock";
 
 /// What `config.json` holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -166,7 +170,7 @@ impl RunFolder {
         let text = match fs::read(&file) {
             Err(source) if source.kind() == ErrorKind::NotFound => {
                 let path = path.to_owned();
-                let is_unfinished = path.join("lock").exists();
+                let is_unfinished = path.join(LOCK).exists();
                 return Err(if is_unfinished { RunError::Unfinished { path } } else { RunError::NotARun { path } });
             }
             text => text.map_err(|source| IoError::new("read", &file, source))?,
@@ -193,6 +197,32 @@ impl RunFolder {
     /// The folder cannot be read.
     pub fn checkpoints(&self) -> Result<Vec<PathBuf>, IoError> {
         Ok(self.numbered_checkpoints()?.into_iter().map(|(_, path)| path).collect())
+    }
+
+    /// Control steps of all environments up to the newest checkpoint, damaged or not; 0 before the first.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn env_steps(&self) -> Result<u64, IoError> {
+        Ok(self.numbered_checkpoints()?.first().map_or(0, |(steps, _)| *steps))
+    }
+
+    /// Whether a process trains here now.
+    pub fn is_training(&self) -> bool {
+        // Shared, so that those who look do not see each other. Where nothing can be locked nobody knows.
+        let lock = fs::File::open(self.path.join(LOCK));
+        lock.is_ok_and(|lock| matches!(lock.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    }
+
+    /// When something of it was last written: a row of metrics, a checkpoint, the evaluation, the description.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn changed(&self) -> Result<SystemTime, IoError> {
+        let files = [CONFIG, "metrics.csv", "evaluation.json", "checkpoints"].map(|name| self.path.join(name));
+        let time = |path: &PathBuf| fs::metadata(path).and_then(|file| file.modified());
+        let newest = files.iter().filter_map(|path| time(path).ok()).max();
+        newest.map_or_else(|| time(&files[0]).map_err(|source| IoError::new("read", &files[0], source)), Ok)
     }
 
     /// Control steps and file of every checkpoint that the run wrote, newest first.

@@ -3,17 +3,23 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use myo_env::EnvSpec;
 
 use super::metrics_file::MetricsFile;
-use super::{CONFIG, FORMAT, RunConfig, RunError, RunFolder};
+use super::{CONFIG, FORMAT, LOCK, RunConfig, RunError, RunFolder};
 use crate::files::{IoError, remove_if_there, sync_folder, write_json};
 use crate::tensorboard::EventFile;
 use crate::{Checkpoint, CheckpointError, PpoConfig, UpdateMetrics};
 
 /// Checkpoints kept; more than one, so that a damaged one does not end the run.
 const CHECKPOINTS_KEPT: usize = 3;
+
+/// How often a lock is tried again that is taken, and after what time.
+const LOOKS: u32 = 10;
+const MOMENT: Duration = Duration::from_millis(10);
 
 /// A run in which no other process can train: what is read of it now still holds when training goes on.
 #[derive(Debug)]
@@ -190,7 +196,7 @@ fn make_folder(path: &Path) -> Result<(), RunError> {
 
 /// Whether a folder holds nothing, or what is there before a run's description is.
 fn is_vacant(path: &Path) -> bool {
-    let is_remnant = |name: &std::ffi::OsStr| name == "lock" || name == "config.json.part";
+    let is_remnant = |name: &std::ffi::OsStr| name == LOCK || name == "config.json.part";
     fs::read_dir(path)
         .is_ok_and(|mut entries| entries.all(|entry| entry.is_ok_and(|entry| is_remnant(&entry.file_name()))))
 }
@@ -201,10 +207,17 @@ fn exists(path: &Path) -> RunError {
 
 /// Takes the lock of a run; the system gives it back when the process ends, however it ends.
 fn lock(run: &Path) -> Result<File, RunError> {
-    let path = run.join("lock");
+    let path = run.join(LOCK);
     let error = |source| IoError::new("lock", &path, source);
     let file = OpenOptions::new().create(true).append(true).open(&path).map_err(error)?;
-    match file.try_lock() {
+    let mut taken = file.try_lock();
+    for _ in 0..LOOKS {
+        // Who only asks whether somebody trains holds it for a moment.
+        let Err(TryLockError::WouldBlock) = taken else { break };
+        thread::sleep(MOMENT);
+        taken = file.try_lock();
+    }
+    match taken {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(RunError::Busy { path: run.to_owned() }),
         // A file system without locks must not forbid training.

@@ -22,8 +22,8 @@ pub struct Compare {
     /// The other one
     second: String,
 
-    /// Users to train on each task
-    #[arg(long, value_name = "N", default_value = "5", value_parser = super::parse::positive)]
+    /// Users to train on each task: ten tell apart what five see five times in six
+    #[arg(long, value_name = "N", default_value = "10", value_parser = super::parse::positive)]
     seeds: usize,
 
     /// Folder to make for them [default: runs/<n>, named after both tasks]
@@ -40,8 +40,8 @@ pub struct Compare {
 
 const HELP: &str = "\
 Examples:
-  myo compare grid.yaml row.yaml                    five users of each, trained until they have finished learning
-  myo compare ar public-display --seeds 8 --json
+  myo compare grid.yaml row.yaml                    ten users of each, trained until they have finished learning
+  myo compare ar public-display --seeds 5 --json
   myo compare runs/grid-1 runs/row-1                users that are trained already
 
 Every user is a training of its own, with its own seed, and is evaluated in 1,000 fresh episodes. On a graphics card the users of both

@@ -14,6 +14,7 @@ mod output;
 mod parse;
 mod report;
 mod run_folder;
+mod runs;
 mod scenario;
 mod shell;
 mod task;
@@ -43,6 +44,7 @@ const FIRST_STEPS: &str = "\
 Examples:
   myo train pointing                 train on a task that comes with the program
   myo eval runs/pointing-1           see how well it does
+  myo runs                           all that was trained here
   myo task show ar > my.yaml         start a task of your own
   myo train my.yaml
 
@@ -56,6 +58,8 @@ enum Command {
     Eval(eval::Eval),
     /// Compare two layouts: train users on each and tell what differs
     Compare(compare::Compare),
+    /// Runs: what was trained, and how well it does
+    Runs(runs::Runs),
     /// Tasks: list, show, check
     #[command(subcommand)]
     Task(task::Command),
@@ -93,6 +97,7 @@ fn run<'scope>(cli: Cli, beside: &'scope Scope<'scope, '_>) -> Result<()> {
         Command::Train(args) => train::run(&args, beside),
         Command::Eval(args) => eval::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Runs(args) => runs::run(&args),
         Command::Task(command) => task::run(command),
         Command::Model(command) => model::run(command),
         Command::Devices(args) => devices::run(&args),

@@ -8,6 +8,7 @@ mod help;
 mod model;
 mod output;
 mod resume;
+mod runs;
 mod seeds;
 mod shell;
 mod task;
