@@ -69,7 +69,7 @@ def versions() -> dict:
     changed = said("git", "status", "--porcelain", "--untracked-files=no")
     return {
         # A copy without its history is told what it is.
-        "commit": said("git", "describe", "--always", "--tags", "--abbrev=12") or os.environ.get("MYO_COMMIT"),
+        "commit": os.environ.get("MYO_COMMIT") or said("git", "describe", "--always", "--tags", "--abbrev=12"),
         "changed": changed is not None,
         "compiler": said("rustc", "--version"),
         "python": platform.python_version(),

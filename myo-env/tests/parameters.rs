@@ -197,6 +197,16 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     assert!(refused(&plain, &fixed).ends_with("other steps of it change places with each other"));
 }
 
+#[test]
+fn the_layout_with_the_least_time_says_how_soon_an_environment_is_cut_again() {
+    let layouts = [0.5, 0.25, 0.4].map(|time_limit_s| Task { time_limit_s, ..short("pointing") });
+    let mut env = CpuEnv::with_layouts(&arm(&layouts[0]), &layouts, &EnvConfig { exploring: 0, ..config(6) }).unwrap();
+    assert_eq!(env.spec().steps_between_cuts(), 5);
+    let cut =
+        rollout(&mut env, 10).iter().map(|out| out.truncated.iter().filter(|cut| **cut).count()).collect::<Vec<_>>();
+    assert_eq!(cut, [0, 0, 0, 0, 2, 0, 0, 2, 0, 4], "two environments of each");
+}
+
 /// Three layouts of a task whose objects are drawn, moved, pointed at and waited for.
 fn layouts() -> [Task; 3] {
     let wider = following_with(&[("gain: 4", "gain: 3"), ("by: [0, 0.2, 0.2]", "by: [0, 0.1, 0.3]")]);

@@ -16,7 +16,7 @@ use crate::target::Region;
 pub const OBJECTS_MAX: usize = 256;
 /// Most steps of a script.
 pub const STEPS_MAX: usize = 256;
-/// Most places and sizes of groups and boxes that are drawn: each is told from every other in one line of code.
+/// Most places and sizes of groups and boxes, and places of spheres along slanted axes, that are drawn: each is told from every other in one line of code.
 const SHIFTS_MAX: usize = 16;
 /// Groups within groups.
 const DEPTH_MAX: usize = 16;
@@ -131,7 +131,7 @@ impl Builder {
     fn draw(&mut self, path: &str, subject: &str) -> Option<usize> {
         if self.shifts == SHIFTS_MAX {
             let problem = format!(
-                "is the {}th range of places of groups and boxes and of sizes of boxes; at most {SHIFTS_MAX} are drawn",
+                "is the {}th range of places of groups, of boxes and of spheres in tilted groups, and of sizes of boxes; at most {SHIFTS_MAX} are drawn",
                 SHIFTS_MAX + 1
             );
             self.refuse(path, subject, problem);
@@ -194,11 +194,16 @@ impl Builder {
     }
 
     fn spheres(&mut self, item: &SphereItem, name: &str, path: &str, frame: Frame) {
-        let Some(region) = moved(item.at.0, frame) else {
-            let problem = "is a range of places in a group that is tilted or turned; give single numbers, or put the sphere \
-                           outside of the group";
+        let straight = moved(item.at.0, frame);
+        if straight.is_none() && (frame.shift.is_some() || item.min_distance_from_previous != Some(0.0)) {
+            let problem = if frame.shift.is_some() {
+                "is a range of places in a group that is tilted or turned and whose place is drawn; give single numbers"
+            } else {
+                "is a range of places in a group that is tilted or turned, in which no distance from the one before can be kept; \
+                 write `min_distance_from_previous: 0`, or give single numbers"
+            };
             return self.refuse(&format!("{path}.at"), &format!("the place of `{name}`"), problem.into());
-        };
+        }
         let path_of = |motion: &Motion| motion.path(frame.rotation, frame.scale);
         let moves = item.moves.as_ref().and_then(path_of);
         if item.moves.is_some() && moves.is_none() {
@@ -210,6 +215,13 @@ impl Builder {
         for copy in 1..=item.copies.unwrap_or(1) {
             let is_solid = |object: &Object| !matches!(object.shape, Shape::Obstacle(_));
             let apart = self.flat.objects.iter().rposition(is_solid).map(|previous| (previous, least));
+            let (region, frame) = match straight {
+                Some(region) => (region, frame),
+                None => match self.draw(&format!("{path}.at"), &format!("the place of `{name}`")) {
+                    Some(number) => slanted(item.at.0, frame, number),
+                    None => return,
+                },
+            };
             let shape = Shape::Sphere(Sphere { region, radius, apart, path: moves.clone() });
             match item.copies {
                 None => self.push(name, path, frame, shape),
@@ -345,6 +357,12 @@ impl Builder {
         let space = key([up(rows.len()), 0.0, 0.0], 4.0 * keyboard.pitch + own);
         self.child("space", name, path, frame, space, growth);
     }
+}
+
+/// A region of a turned frame in the world: the middle of it, and the frame that is drawn about it.
+fn slanted(region: Region, frame: Frame, number: usize) -> (Region, Frame) {
+    let middle = frame.point([region.x, region.y, region.z].map(Range::centre));
+    (Region::point(middle.into()), Frame { shift: Some(frame.shifted(region, number)), ..frame })
 }
 
 /// A region of a frame in the world; none where a range of it would be turned.

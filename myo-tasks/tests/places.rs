@@ -100,7 +100,7 @@ fn a_range_in_a_range_and_a_display_that_moves_are_refused() {
     let grid = "  g: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 17, pitch: 0.03, of: {kind: button, at: [0, 0, [0, 0.1]], size: [0.01, 0.01, 0.01]}}";
     assert_eq!(
         refusal(&text(grid, "  - press: 1")),
-        "t.yaml:4:94: the place of `g.17` is the 17th range of places of groups and boxes and of sizes of boxes; at most 16 are drawn"
+        "t.yaml:4:94: the place of `g.17` is the 17th range of places of groups, of boxes and of spheres in tilted groups, and of sizes of boxes; at most 16 are drawn"
     );
     let wall = "  wall: {kind: obstacle, at: [2, [0, 0.1], 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  spot: {kind: sphere, at: [1.99, 0.2, 0.3], radius: 0.1}";
     let onto = format!(
@@ -117,6 +117,44 @@ fn a_range_in_a_range_and_a_display_that_moves_are_refused() {
         refused.ends_with("`c` is not moved with `panel.a` when places are drawn; put both into one group"),
         "{refused}"
     );
+}
+
+#[test]
+fn spheres_are_drawn_along_the_axes_of_the_group_that_they_are_in() {
+    let wall = |more: &str| {
+        format!(
+            "  wall:\n    kind: group\n    at: [0.5, 0, 0]\n    tilt_deg: 60\n    turn_deg: 20\n    objects:\n      spots: {{kind: sphere, at: [[-0.1, 0.1], [-0.2, 0.2], 0.01], radius: 0.02, copies: 2{more}}}"
+        )
+    };
+    let script = "  - dwell: {in: wall.spots, for_s: 0.1}";
+    let refused = refusal(&text(&wall(""), script));
+    assert!(
+        refused.contains("no distance from the one before can be kept; write `min_distance_from_previous: 0`"),
+        "{refused}"
+    );
+    let task = task(&wall(", min_distance_from_previous: 0"), script);
+    let flat = task.flat().unwrap();
+    let [up, left] = [[60_f64, 20.0], [0.0, 20.0]].map(|[tilt, turn]: [f64; 2]| {
+        let ((s, c), (sin, cos)) = (tilt.to_radians().sin_cos(), turn.to_radians().sin_cos());
+        if tilt > 0.0 { [c * cos, c * sin, s] } else { [-sin, cos, 0.0] }
+    });
+    let (mut most, mut apart) = ([0.0_f64; 2], 0);
+    for episode in 1..200 {
+        let run = Run::episode(&task, episode);
+        let off = |k: usize| {
+            let (at, middle) = (run.state.position[k], flat.objects[k].region().at([0.5; 3]));
+            let by = [0, 1, 2].map(|axis| at[axis] - middle[axis]);
+            let along = [up, left].map(|way| (0..3).map(|axis| by[axis] * way[axis]).sum::<f64>());
+            // Nothing is left out of the face.
+            assert_near([0, 1, 2].map(|axis| along[0] * up[axis] + along[1] * left[axis]), by);
+            along
+        };
+        let [first, second] = [off(0), off(1)];
+        apart += usize::from((first[0] - second[0]).abs() > 0.02);
+        most = [0, 1].map(|k| most[k].max(first[k].abs()));
+    }
+    assert!(most[0] <= 0.1 && most[0] > 0.095 && most[1] <= 0.2 && most[1] > 0.19, "{most:?}");
+    assert!(apart > 100, "each copy is drawn for itself: {apart}");
 }
 
 #[test]

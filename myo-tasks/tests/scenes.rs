@@ -289,8 +289,8 @@ fn what_a_scene_cannot_hold_is_refused() {
     refused(
         "  b: {kind: group, tilt_deg: 30, objects: {s: {kind: sphere, at: [0, [0, 0.1], 0], radius: 0.1}}}",
         press,
-        "t.yaml:4:66: the place of `b.s` is a range of places in a group that is tilted or turned; give single numbers, or put \
-         the sphere outside of the group",
+        "t.yaml:4:66: the place of `b.s` is a range of places in a group that is tilted or turned, in which no distance from the one before \
+         can be kept; write `min_distance_from_previous: 0`, or give single numbers",
     );
     let even = format!("  b: {{kind: circle, count: 8, diameter: 0.2, of: {button}}}");
     refused(
