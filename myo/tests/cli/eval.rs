@@ -86,7 +86,7 @@ fn a_user_is_not_tried_where_it_cannot_act_and_all_that_differs_is_named() {
     // Parts that are there only in some tasks.
     let uitb = |preset: &str| stdout(&here(&["task", "show", preset])) + "model: mobl-arms-uitb\n";
     for (preset, part, only_where) in [
-        ("slider", "drag", "where there is a slider to drag"),
+        ("slider", "drag", "where there is a slider to drag or a stick to swing"),
         ("choice", "cue", "where a step must be waited for"),
         ("wall-ray", "pointer_position", "where the technique is not the fingertip"),
     ] {
