@@ -3,7 +3,7 @@
 use myo::model::Model;
 use myo::model::description::JointKind;
 use myo::model::model::WORLD;
-use myo::tasks::{Pointer, Shape, Task};
+use myo::tasks::{Action, Pointer, Shape, Task};
 use nalgebra::{UnitQuaternion, Vector3};
 
 type Interval = [f64; 2];
@@ -38,7 +38,8 @@ impl Regions {
     fn new(model: &Model, task: &Task) -> Self {
         // A task that cannot be run has no environments either.
         let flat = task.flat().unwrap_or_default();
-        let wanted = || flat.steps.iter().flat_map(|step| step.objects()).map(|object| &flat.objects[object]);
+        let asked_for = || flat.steps.iter().flat_map(|step| step.objects()).chain(flat.correction);
+        let wanted = || asked_for().map(|object| &flat.objects[object]);
         let region = |axis: usize| {
             hull(wanted().map(|object| {
                 let region = object.extent();
@@ -57,6 +58,11 @@ impl Regions {
                 hull([slider.block.size[0], slider.handle].map(|size| [0.5 * size; 2]).into_iter())
             }
         }));
+        let ways = flat.steps.iter().filter_map(|step| match step.action {
+            Action::Steer { width, .. } => Some([0.5 * width; 2]),
+            _ => None,
+        });
+        let size = hull(ways.chain([size]));
         let targets = flat.steps.len();
         let fingertip = reach(model);
         let pointer = if flat.pointer == Pointer::Fingertip { fingertip } else { [UNBOUNDED; 3] };

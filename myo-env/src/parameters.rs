@@ -118,6 +118,12 @@ impl Parameters<()> {
             (new.follow, old.follow, "asks to follow something", "asks to follow nothing"),
             (new.drag, old.drag, "asks to drag a slider", "asks to drag nothing"),
             (new.swing, old.swing, "asks to swing a stick", "asks to swing nothing"),
+            (
+                !ours.shifts.sizes.is_empty(),
+                !theirs.shifts.sizes.is_empty(),
+                "draws sizes of boxes",
+                "draws no size of a box",
+            ),
             (new.cue, old.cue, "has steps that must be waited for", "has no step that must be waited for"),
             (new.motion, old.motion, "has spheres that move", "has no sphere that moves"),
             (new.steer, old.steer, "has ways to steer along", "has no way to steer along"),

@@ -4,7 +4,7 @@ use garde::Validate;
 use nalgebra::Vector3;
 
 use crate::description::{Task, rounded_steps};
-use crate::flat::{Block, FlatTask, Object, Pointer, Shape, Shift, Sphere, Step};
+use crate::flat::{Action, Block, FlatTask, Object, Pointer, Shape, Shift, Sphere, Step};
 use crate::geometry::{distance, farthest, farthest_at_worst, spread};
 use crate::motion::Path;
 use crate::range::Range;
@@ -225,20 +225,21 @@ fn overlaps(flat: &FlatTask, report: &mut Report) {
 /// What the script asks for against the model's reach.
 fn reachability(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
     for (target, object) in runs(flat) {
-        let found = look(object, reach);
+        let found = look(flat, target.first, object, reach);
         if found.missed().next().is_none() {
             continue;
         }
         let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
         let remedy = Box::new(remedy(object, &found, reach));
-        let goes = object.sphere().is_some_and(|sphere| sphere.path.is_some()) || object.kind() == "stick";
-        if goes {
+        let is_stick = matches!(object.shape, Shape::Stick(_));
+        let goes = object.sphere().is_some_and(|sphere| sphere.path.is_some());
+        if goes || is_stick && !(object.is_drawn() && fraction < 1.0) {
             report.errors.push(TaskError::PathOutOfReach { target, worst, beyond_m, remedy });
         } else if fraction == 1.0 {
             report.errors.push(TaskError::OutOfReach { target, worst, beyond_m, remedy });
         } else {
             let missed = found.missed_region();
-            let is_drawn = object.sphere().is_some() || object.shift.is_some();
+            let is_drawn = object.sphere().is_some() || object.is_drawn();
             report.warnings.push(TaskWarning::PartlyOutOfReach {
                 target,
                 is_drawn,
@@ -317,15 +318,24 @@ impl Unreached {
     }
 }
 
-fn look(object: &Object, reach: &dyn Reach) -> Unreached {
+fn look(flat: &FlatTask, index: usize, object: &Object, reach: &dyn Reach) -> Unreached {
     match &object.shape {
         Shape::Sphere(sphere) => look_at_sphere(sphere, object.shift, reach),
-        Shape::Stick(stick) => look_at_knob(stick, object.shift, reach),
+        Shape::Stick(stick) => look_at_knob(stick, swept(flat, index, stick), object.shift, reach),
         Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => match object.shift {
-            None => look_at_face(block, reach),
-            Some(shift) => look_at_faces(block, shift, reach),
+            None if object.growth.is_none() => look_at_face(block, reach),
+            shift => look_at_faces(object, shift, reach),
         },
     }
+}
+
+/// Angles (rad) that the knob goes through from where it stands at first to where steps want it.
+fn swept(flat: &FlatTask, index: usize, stick: &Stick) -> Range {
+    let wanted = flat.steps_of(index).filter_map(|step| match step.action {
+        Action::Swing { to, .. } => Some(to),
+        _ => None,
+    });
+    wanted.fold(stick.start, |Range { min, max }, to| Range::new(min.min(to), max.max(to)))
 }
 
 /// A sphere counts as reached when the fingertip gets inside it: its centre may be out of reach by less than the radius.
@@ -356,10 +366,11 @@ fn look_at_sphere(sphere: &Sphere, shift: Option<Shift>, reach: &dyn Reach) -> U
     Unreached { tried: tried.collect() }
 }
 
-/// A stick counts as reached when the fingertip gets into its knob wherever it swings.
-fn look_at_knob(stick: &Stick, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
+/// A stick counts as reached when the fingertip gets into its knob at all these angles (rad).
+fn look_at_knob(stick: &Stick, angles: Range, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
     let shifts = shift.map_or_else(|| vec![[0.0; 3]], |shift| Region::corner_shares().map(|at| shift.at(at)).to_vec());
-    let places = shifts.iter().flat_map(|by| stick.arc().map(|arm| [0, 1, 2].map(|k| stick.hinge[k] + by[k] + arm[k])));
+    let places =
+        shifts.iter().flat_map(|by| stick.arc(angles).map(|arm| [0, 1, 2].map(|k| stick.hinge[k] + by[k] + arm[k])));
     let tried = places.map(|point| {
         let beyond_m = reach.distance_out_of_reach(point) - stick.knob;
         Tried { point, beyond_m, is_reached: beyond_m < 0.0 }
@@ -376,16 +387,27 @@ fn look_at_face(block: &Block, reach: &dyn Reach) -> Unreached {
     Unreached { tried: tried.collect() }
 }
 
-/// Of a button whose place is drawn, each place counts: whether some point of its face is reached there.
-fn look_at_faces(block: &Block, shift: Shift, reach: &dyn Reach) -> Unreached {
-    let inside = (0..DRAWN_SAMPLES).map(spread);
-    let tried = Region::corner_shares().into_iter().chain(inside).map(|shares| {
-        let offset = shift.at(shares);
-        let moved = Block { centre: [0, 1, 2].map(|k| block.centre[k] + offset[k]), ..block.clone() };
-        let beyond_m =
-            face_points(&moved).map(|point| reach.distance_out_of_reach(point)).fold(f64::INFINITY, f64::min);
-        Tried { point: moved.face_point(0.0, 0.0), beyond_m, is_reached: beyond_m <= 0.0 }
-    });
+/// Of a button whose place or size is drawn, each counts: whether some point of its face is reached there, as small and as large as it may
+/// be.
+fn look_at_faces(object: &Object, shift: Option<Shift>, reach: &dyn Reach) -> Unreached {
+    let sizes: Vec<Block> = match object.growth {
+        None => object.block().cloned().into_iter().collect(),
+        Some(_) => [object.smallest(), object.largest()].into_iter().flatten().collect(),
+    };
+    let places: Vec<[f64; 3]> = match shift {
+        None => vec![[0.0; 3]],
+        Some(shift) => {
+            let inside = (0..DRAWN_SAMPLES).map(spread);
+            Region::corner_shares().into_iter().chain(inside).map(|shares| shift.at(shares)).collect()
+        }
+    };
+    let tried =
+        sizes.iter().flat_map(|block| places.iter().map(move |offset| (block, offset))).map(|(block, offset)| {
+            let moved = Block { centre: [0, 1, 2].map(|k| block.centre[k] + offset[k]), ..block.clone() };
+            let beyond_m =
+                face_points(&moved).map(|point| reach.distance_out_of_reach(point)).fold(f64::INFINITY, f64::min);
+            Tried { point: moved.face_point(0.0, 0.0), beyond_m, is_reached: beyond_m <= 0.0 }
+        });
     Unreached { tried: tried.collect() }
 }
 

@@ -415,8 +415,19 @@ impl Object {
 
     /// The same as large as an episode may draw it.
     pub fn largest(&self) -> Option<Block> {
+        self.grown(1.0)
+    }
+
+    /// The same as small as an episode may draw it.
+    pub fn smallest(&self) -> Option<Block> {
+        self.grown(-1.0)
+    }
+
+    /// The same, larger by so much of what may be drawn: from -1, the smallest, to 1.
+    fn grown(&self, by: f64) -> Option<Block> {
         let (block, growth) = (self.block()?, self.growth);
-        let [height, width, depth] = [0, 1, 2].map(|axis| growth.map_or(0.0, |growth| 2.0 * growth.farthest(axis)));
+        let [height, width, depth] =
+            [0, 1, 2].map(|axis| growth.map_or(0.0, |growth| 2.0 * by * growth.farthest(axis)));
         let [w, h, d] = block.size;
         Some(Block { size: [w + width, h + height, d + depth], ..block.clone() })
     }

@@ -73,7 +73,7 @@ impl Builder {
             let object = &self.flat.objects[index];
             let (radius, arc) = match &object.shape {
                 Shape::Sphere(sphere) => (sphere.radius.min, vec![[0.0; 3]]),
-                Shape::Stick(stick) => (stick.knob, stick.arc().collect()),
+                Shape::Stick(stick) => (stick.knob, stick.arc(stick.range).collect()),
                 _ => return None,
             };
             let corners = object.corners();

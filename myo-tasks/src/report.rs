@@ -362,7 +362,11 @@ fn hull(element: &Element) -> &'static str {
 }
 
 fn advice(element: &Element, remedy: &Remedy) -> String {
-    remedy.advice(if element.is_button() { "it" } else { "its centre" })
+    remedy.advice(match element.kind {
+        "button" => "it",
+        "stick" => "its hinge",
+        _ => "its centre",
+    })
 }
 
 fn part_of(is_drawn: bool) -> &'static str {

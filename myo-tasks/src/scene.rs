@@ -77,7 +77,7 @@ pub struct SphereItem {
     pub moves: Option<Motion>,
 
     /// Least distance in m between this centre and that of the object before it in the scene, obstacles aside; positions are
-    /// redrawn until it holds. Without it: twice the greatest radius. 0 switches the rule off.
+    /// redrawn until it holds; that of a stick is its hinge. Without it: twice the greatest radius. 0 switches the rule off.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[garde(inner(custom(DISTANCE.rule())))]
     #[schemars(transform = DISTANCE.schema())]

@@ -130,10 +130,10 @@ impl Stick {
         [0, 1, 2].map(|k| self.upright[k] * cos + self.aside[k] * sin)
     }
 
-    /// Places that the knob goes through, from one end to the other, as seen from the hinge (m).
-    pub(crate) fn arc(&self) -> impl Iterator<Item = [f64; 3]> + Clone + '_ {
+    /// Places that the knob goes through between two angles (rad), as seen from the hinge (m).
+    pub(crate) fn arc(&self, angles: Range) -> impl Iterator<Item = [f64; 3]> + Clone + '_ {
         const PLACES: u32 = 24;
-        (0..=PLACES).map(|k| self.arm(self.range.at(f64::from(k) / f64::from(PLACES))))
+        (0..=PLACES).map(move |k| self.arm(angles.at(f64::from(k) / f64::from(PLACES))))
     }
 
     /// A sphere as large as the knob in the place of the hinge.

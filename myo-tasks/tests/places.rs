@@ -211,6 +211,19 @@ fn boxes_may_not_meet_as_large_as_they_become_and_wrong_sizes_are_refused() {
     assert!(refusal(&text(keys, "  - type: hi")).contains("overlap by 1.0 mm"));
 }
 
+#[test]
+fn a_button_must_be_in_reach_as_small_as_it_becomes() {
+    let key = |size: &str| format!("  key: {{kind: button, at: [0.7, 0, 0], size: {size}}}");
+    let said = |size: &str| check(&task(&key(size), "  - press: key"), &Near);
+    // 10 cm out of reach, half a height of up to 20 cm before it.
+    let report = said("[0.03, [0.1, 0.4], 0.01]");
+    assert!(report.errors.is_empty());
+    let [warning] = &report.warnings[..] else { panic!("{report:?}") };
+    assert!(warning.to_string().starts_with("50.0 % of the range of key is out of reach"), "{warning}");
+    assert!(said("[0.03, [0.22, 0.4], 0.01]").warnings.is_empty());
+    assert_eq!(said("[0.03, [0.1, 0.15], 0.01]").errors.len(), 1);
+}
+
 /// Reaches 60 cm forward.
 struct Near;
 

@@ -48,7 +48,8 @@ fn a_knob_follows_the_pointer_from_where_it_was_taken_to_where_it_is_left() {
     assert!(run.run(10, swung_to(28.0)));
     // Left after 174 physics steps, at the angle of the one before.
     assert!((angle(&run) - (28.0 - 1.0 / 3.0)).abs() < 1e-2, "{}", angle(&run));
-    assert_eq!((run.state.reached_at[0], run.state.done_at[0]), (174.0, 7.0));
+    // The pointer was in the knob from the beginning.
+    assert_eq!((run.state.reached_at[0], run.state.done_at[0]), (0.0, 7.0));
     assert_eq!(run.state.sticks.as_ref().unwrap().held, 0.0);
 }
 
@@ -73,6 +74,7 @@ fn who_leaves_it_too_early_finds_it_where_it_was_left() {
         _ => OFF,
     };
     assert!(run.run(10, back));
+    assert_eq!(run.state.reached_at[0], begin as f64, "where it was taken for the last time");
     assert!((26.0..=34.0).contains(&angle(&run)), "{}", angle(&run));
 }
 
@@ -133,6 +135,15 @@ fn angles_and_places_of_sticks_are_drawn() {
 }
 
 #[test]
+fn a_knob_nearly_as_wide_as_its_stick_is_long_stays_with_a_pointer_at_rest() {
+    let wide = LEVER.replace("knob: 0.02, angle_deg: -30", "knob: 0.095, range_deg: [-180, 180], angle_deg: 0");
+    let mut run = Run::new(&task(&wide, SWING));
+    assert!(!run.run(4, |_, _| at(52.0)));
+    assert!((angle(&run) - 52.0).abs() < 1e-6, "{}", angle(&run));
+    assert_eq!(run.state.sticks.as_ref().unwrap().held, 1.0);
+}
+
+#[test]
 fn sticks_stand_beside_spheres_and_buttons_in_any_order() {
     let scene = format!(
         "  ball: {{kind: sphere, at: [0.4, 0.2, 0], radius: 0.03}}\n{LEVER}\n  key: {{kind: button, at: [0.4, 0.3, 0], size: [0.03, 0.03, 0.01]}}"
@@ -182,6 +193,10 @@ fn what_cannot_be_swung_is_refused() {
     refused(&turned, SWING, "goes from 20 to -20; the smaller value must come first");
 }
 
+fn drawn_lever() -> myo_tasks::Task {
+    task(&LEVER.replace("[0.4, 0, -0.2]", "[0.4, 0, [-0.25, -0.1]]"), SWING)
+}
+
 /// Reaches what lies higher than this (m).
 struct Above(f64);
 
@@ -196,15 +211,20 @@ fn a_knob_that_leaves_the_reach_is_told_with_a_place_for_its_hinge() {
     let task = task(LEVER, SWING);
     assert!(check(&task, &Anywhere).is_ok());
     assert!(check(&task, &Above(-0.14)).is_ok(), "the knob is 2 cm wide");
-    let report = check(&task, &Above(-0.1));
+    let report = check(&task, &Above(-0.09));
     let [error @ TaskError::PathOutOfReach { worst, beyond_m, remedy, .. }] = &report.errors[..] else {
         panic!("{report:?}")
     };
-    let low = -0.2 + 0.1 * 45_f64.to_radians().cos();
-    assert!((worst[2] - low).abs() < 1e-9 && (beyond_m - (-0.1 - low - 0.02)).abs() < 1e-9, "{error}");
+    // Farther than 30 degrees nobody asks it to go.
+    let low = -0.2 + 0.1 * 30_f64.to_radians().cos();
+    assert!((worst[2] - low).abs() < 1e-9 && (beyond_m - (-0.09 - low - 0.02)).abs() < 1e-9, "{error}");
     assert_eq!(error.path(), "scene.lever.at");
     let moved = remedy.moved.as_ref().unwrap();
-    assert!((0.03..0.04).contains(&moved.by[2]), "{moved:?}");
+    assert!((0.02..0.04).contains(&moved.by[2]), "{moved:?}");
+    assert!(error.to_string().contains("move its hinge "), "{error}");
+    // Drawn places are warned of, where some are in reach.
+    let drawn = check(&drawn_lever(), &Above(-0.09));
+    assert!(drawn.errors.is_empty() && drawn.warnings.len() == 1, "{drawn:?}");
 }
 
 fn assert_near(a: [f64; 3], b: [f64; 3]) {

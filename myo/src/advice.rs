@@ -1,8 +1,8 @@
 //! Why a training that leads nowhere may do so: only what was tested is claimed.
 
 use myo_tasks::{
-    Element, FlatTask, Object, Pointer, Reach, Report, Shape, Slider, Step, Task, TaskError, TaskWarning, check,
-    places_apart, spread,
+    Element, FlatTask, Object, Pointer, Reach, Report, Shape, Step, Task, TaskError, TaskWarning, check, places_apart,
+    spread,
 };
 use myo_train::session::{Bottleneck, EpisodeMeans};
 
@@ -164,8 +164,8 @@ fn size(object: &Object) -> f64 {
     match &object.shape {
         Shape::Sphere(sphere) => sphere.radius.max,
         Shape::Stick(stick) => stick.length() + stick.knob,
-        Shape::Button(block) | Shape::Obstacle(block) | Shape::Slider(Slider { block, .. }) => {
-            0.5 * distance(block.size, [0.0; 3])
+        Shape::Button(_) | Shape::Obstacle(_) | Shape::Slider(_) => {
+            object.largest().map_or(0.0, |block| 0.5 * distance(block.size, [0.0; 3]))
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The runs in a folder, for those who look for one.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -66,11 +67,15 @@ impl RunState {
     }
 }
 
-/// All runs in a folder and the folders in it, by their paths; those of several users lie a folder deeper, those of comparisons two.
+/// All runs in a folder and the folders in it, by their paths, or the run that the folder is; those of several users lie a folder deeper,
+/// those of comparisons two.
 ///
 /// # Errors
 /// The folder cannot be read. What cannot be read within it is left out.
 pub fn find_runs(folder: &Path) -> Result<Vec<FoundRun>, IoError> {
+    if let Some(summary) = known(folder) {
+        return Ok(vec![FoundRun { path: folder.to_owned(), summary }]);
+    }
     let mut found = Vec::new();
     look_in(folder, DEPTH, &mut found)?;
     found.sort_by(|a, b| a.path.cmp(&b.path));
@@ -80,17 +85,23 @@ pub fn find_runs(folder: &Path) -> Result<Vec<FoundRun>, IoError> {
 fn look_in(folder: &Path, depth: usize, found: &mut Vec<FoundRun>) -> Result<(), IoError> {
     let entries = fs::read_dir(folder).map_err(|source| IoError::new("read", folder, source))?;
     for path in entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.is_dir()) {
-        match summary(&path) {
-            // A folder that somebody else made, or one of several runs.
-            Err(RunError::NotARun { .. }) if depth > 1 => {
-                // What cannot be read is somebody else's.
-                let _ = look_in(&path, depth - 1, found);
-            }
-            Err(RunError::NotARun { .. }) => {}
-            summary => found.push(FoundRun { path, summary }),
+        match known(&path) {
+            Some(summary) => found.push(FoundRun { path, summary }),
+            // A folder that somebody else made, or one of several runs. What cannot be read is somebody else's.
+            None if depth > 1 => drop(look_in(&path, depth - 1, found)),
+            None => {}
         }
     }
     Ok(())
+}
+
+/// The summary of a folder, or what is wrong with it; none where there is no run, or nobody may look.
+fn known(path: &Path) -> Option<Result<RunSummary, RunError>> {
+    match summary(path) {
+        Err(RunError::NotARun { .. }) => None,
+        Err(RunError::Io(error)) if error.source.kind() == ErrorKind::PermissionDenied => None,
+        summary => Some(summary),
+    }
 }
 
 /// What a run is about and how far it got.

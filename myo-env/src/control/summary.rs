@@ -44,8 +44,9 @@ pub const TARGET_COLUMNS: [Column; 3] = [
     Column::new(
         "movement_time",
         "s",
-        "From the start of the target to the last entry into the sphere, after which the dwell ran through, or to the onset of \
-         the contact that pressed the button: without dwell, in whole physics steps; 0 if the fingertip was there at the start, \
+        "From the start of the target to the last entry into the sphere, after which the dwell ran through, or into the knob that was \
+         left at the right angle, to the end of a way, or to the onset of the contact that pressed the button or took hold of the \
+         handle: without dwell, in whole physics steps; 0 if the fingertip was there at the start, \
          NaN if the target was not done.",
     ),
 ];

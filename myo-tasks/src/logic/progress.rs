@@ -35,8 +35,8 @@ pub struct Progress<S: Scalar> {
 /// when it is done. The dwell counter
 /// starts again whenever the fingertip leaves and with every new step of the task.
 ///
-/// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it or
-/// touches a button for the press that counts. Where that dwell begins is judged with it, at the end of a control step: what
+/// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it, touches a
+/// button or a handle for the press or the drag that counts, comes into the knob that it leaves at the right angle, or to the end of a way. Where that dwell begins is judged with it, at the end of a control step: what
 /// the fingertip does between two such ends while a dwell goes on, a slip out and back in, breaks neither.
 #[inline(always)]
 pub fn advance<S: Scalar>(
@@ -61,12 +61,19 @@ pub fn advance<S: Scalar>(
         reached = (goal.is_press & pressed) | (!goal.is_press & reached);
         done = (goal.is_press & is_over) | (!goal.is_press & done);
     }
-    for is_way in [goal.steer.as_ref().map(|steer| steer.is_steer), goal.swing.as_ref().map(|swing| swing.is_swing)] {
-        let Some(is_way) = is_way else { continue };
+    if let Some(steer) = &goal.steer {
         let arrived = S::zero().lt(sensed.stay.pressed);
-        longer = longer.only(!is_way);
-        reached = (is_way & arrived) | (!is_way & reached);
-        done = (is_way & arrived) | (!is_way & done);
+        longer = longer.only(!steer.is_steer);
+        reached = (steer.is_steer & arrived) | (!steer.is_steer & reached);
+        done = (steer.is_steer & arrived) | (!steer.is_steer & done);
+    }
+    if let Some(swing) = &goal.swing {
+        let (is_left, half) = (S::zero().lt(sensed.stay.pressed), S::lit(0.5));
+        // Where it is taken and left within one control step, it is left that counts.
+        let taken = half.lt(sensed.stay.held) | (is_left & state.held.lt(half));
+        longer = longer.only(!swing.is_swing);
+        reached = (swing.is_swing & taken) | (!swing.is_swing & reached);
+        done = (swing.is_swing & is_left) | (!swing.is_swing & done);
     }
     state.step += one;
     let reached_at = sensed.now - sensed.stay.since_arrival();

@@ -1,7 +1,7 @@
 //! Sticks on hinges: where a knob is, and where it must be left.
 //!
 //! A knob is held from where the pointer comes into it to where the pointer leaves it. In between it follows the pointer on its
-//! circle: no movement along the circle leaves it that is shorter than its radius in a physics step, only one across it does.
+//! circle: of small steps only those across the circle leave it, and those beyond the end of its swing.
 
 use super::{CompiledTask, Point, TaskState, difference, is_same, norm};
 use crate::flat::{Action, Object, Shape, Step};
@@ -269,9 +269,12 @@ impl<S: Scalar> Hold<S> {
         let is_held = goal.is_swing & counts & dot(off, off).lt(goal.radius * goal.radius);
         let was_held = goal.is_swing & S::lit(0.5).lt(self.held);
         let is_there = (goal.to - self.angle).abs().le(goal.within);
-        // The pointer is no farther off than the knob is wide, which is less than the stick is long: this is far from zero.
+        // The pointer is no farther off than the knob is wide, which is less than the stick is long: this is more than zero.
         let outwards = S::select(is_held, dot(seen, out), S::lit(1.0));
-        let turned = self.angle + dot(seen, along) * outwards.recip();
+        // Twice the tangent of half the angle between them: that angle nearly, and no more than a right one and a half.
+        let tangent = dot(seen, along) * outwards.recip();
+        let turn = (tangent + tangent) * (S::lit(1.0) + tangent.mul_add(tangent, S::lit(1.0)).sqrt()).recip();
+        let turned = self.angle + turn;
         let turned = turned.max(goal.swing.least).min(goal.swing.most);
         self.angle = S::select(is_held, turned, self.angle);
         self.held = S::indicator(is_held);

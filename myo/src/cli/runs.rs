@@ -40,7 +40,8 @@ Examples:
   myo compare runs/a runs/b    whether one of two is better
 
 A run is `training` while a process trains there, `stopped` before its end (go on with `myo train --resume`), and `evaluated` after it.
-Runs that cannot be read are listed with the reason. Users in one folder, as of `--seeds`, share a line, with means.
+Runs that cannot be read are listed with the reason. Users of one task in one folder, as of
+`--seeds`, share a line, with means.
 
 JSON: `runs`, a list of objects with `run` (the folder), and `damage`, why it cannot be read, or null; then `tasks` (names of its layouts),
 `seed`, `device` (`cpu`, or the name of the card), `env_steps`, `state`, `success`, `episode_length_s`, `effort` (null
@@ -106,7 +107,8 @@ fn listing(args: &Runs, found: &[FoundRun]) -> String {
             text += &format!("damaged: {}: {error}\n", run.path.display());
         }
     }
-    if let Some(Line { run, .. }) = lines.iter().find(|line| line.states == ["stopped"]) {
+    let goes_on = |line: &&Line| line.states == ["stopped"] && (line.users == 1 || line.run.join("plan.json").exists());
+    if let Some(Line { run, .. }) = lines.iter().find(goes_on) {
         text += &format!("\nstopped before its end; go on with: {}\n", command(&["train", "--resume", &argument(run)]));
     }
     text
@@ -127,13 +129,13 @@ struct Line {
 
 /// A line for each run, or for each folder of several.
 fn lines(args: &Runs, found: &[FoundRun]) -> Vec<Line> {
-    let mut groups: BTreeMap<&Path, Vec<&RunSummary>> = BTreeMap::new();
+    let mut groups: BTreeMap<(&Path, &[String]), Vec<&RunSummary>> = BTreeMap::new();
     for run in found {
         let Ok(summary) = &run.summary else { continue };
         let parent = run.path.parent().filter(|parent| !args.all && *parent != args.folder);
-        groups.entry(parent.unwrap_or(&run.path)).or_default().push(summary);
+        groups.entry((parent.unwrap_or(&run.path), &summary.layouts)).or_default().push(summary);
     }
-    groups.into_iter().filter_map(|(run, users)| Line::of(run, &users)).collect()
+    groups.into_iter().filter_map(|((run, _), users)| Line::of(run, &users)).collect()
 }
 
 impl Line {

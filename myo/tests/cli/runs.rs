@@ -43,6 +43,7 @@ fn runs_are_listed_and_damaged_ones_hide_no_others() {
     assert!(text.contains(" train --resume runs/alone\n"), "{text}");
     assert_eq!(stdout(&here(&["runs", "--all"])).matches("runs/both/seed-").count(), 2);
     assert_eq!(stdout(&here(&["runs", "runs/both"])).matches("runs/both/seed-").count(), 2);
+    assert!(stdout(&here(&["runs", "runs/alone"])).contains("  runs/alone "), "a run itself");
     assert_eq!(stdout(&here(&["runs", "--find", "BOTH", "--all"])).lines().count(), 3);
     assert_eq!(stdout(&here(&["runs", "--find", "nothing"])), "no run of nothing in runs\n");
 }
