@@ -200,8 +200,8 @@ class Sphere(Object):
             `ball.3`. From 1 to 256.
         moves: How it moves about its place. Without it: not at all.
         min_distance_from_previous: Least distance in m between this centre and that of the object before it in the
-            scene, obstacles aside; positions are redrawn until it holds. Without it: twice the greatest radius. 0
-            switches the rule off. From 0 to 4 m.
+            scene, obstacles aside; positions are redrawn until it holds; that of a stick is its hinge. Without it:
+            twice the greatest radius. 0 switches the rule off. From 0 to 4 m.
     """
 
     kind: ClassVar[str] = "sphere"
