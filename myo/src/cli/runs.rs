@@ -132,7 +132,8 @@ fn lines(args: &Runs, found: &[FoundRun]) -> Vec<Line> {
     let mut groups: BTreeMap<(&Path, &[String]), Vec<&RunSummary>> = BTreeMap::new();
     for run in found {
         let Ok(summary) = &run.summary else { continue };
-        let parent = run.path.parent().filter(|parent| !args.all && *parent != args.folder);
+        // A folder within the one that is looked into.
+        let parent = run.path.parent().filter(|parent| !args.all && *parent != args.folder && run.path != args.folder);
         groups.entry((parent.unwrap_or(&run.path), &summary.layouts)).or_default().push(summary);
     }
     groups.into_iter().filter_map(|((run, _), users)| Line::of(run, &users)).collect()
