@@ -95,6 +95,7 @@ def test_classes_have_the_fields_of_the_schema():
     same = (
         "Dwell",
         "Drag",
+        "Swing",
         "Follow",
         "Steer",
         "React",
