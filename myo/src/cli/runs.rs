@@ -177,7 +177,10 @@ impl Line {
             shown(self.episode_length_s, &|seconds| format!("{seconds:.2} s")),
             shown(self.effort, &|effort| format!("{effort:.4}")),
             self.states.join(", "),
-            self.changed.elapsed().map_or("now".into(), |since| format!("{} ago", duration(since.as_secs_f64()))),
+            match self.changed.elapsed() {
+                Ok(since) if since.as_secs() > 0 => format!("{} ago", duration(since.as_secs_f64())),
+                _ => "now".into(),
+            },
         ]
     }
 }
