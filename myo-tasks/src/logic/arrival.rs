@@ -180,20 +180,17 @@ impl<S: Scalar> Stay<S> {
         button: &GoalButton<S>,
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
+        // A closure for both loops would not be inlined.
         let old = self.old;
-        let others = contacts.map(|contact| {
-            let is_meant = is_meant(task, button, contact.number);
-            Contact { exists: contact.exists & !is_meant & !is_same(contact.number, old), ..contact }
-        });
         let mut touched = S::Mask::splat(false);
-        for contact in others.clone() {
-            touched = touched | contact.exists;
+        for contact in contacts.clone() {
+            touched = touched | is_other(task, button, old, &contact);
         }
         S::when(touched, &mut Wrong(self), |Wrong(stay)| {
             let mut pressed = S::Mask::splat(false);
-            for contact in others {
+            for contact in contacts {
                 let [min_force] = S::gather(task.boxes.len(), |k| [task.boxes[k].min_force], contact.number);
-                pressed = pressed | (contact.exists & min_force.le(contact.force));
+                pressed = pressed | (is_other(task, button, old, &contact) & min_force.le(contact.force));
             }
             let begins = pressed & stay.wrong.lt(S::lit(0.5));
             stay.wrong_presses += S::indicator(begins);
@@ -217,6 +214,12 @@ impl<S: Scalar> Carried<S> for Wrong<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         visitor.numbers([&mut self.0.wrong, &mut self.0.wrong_presses]);
     }
+}
+
+/// Where a contact is with a box that is neither to be pressed nor `old`, still down from the step before.
+#[inline(always)]
+fn is_other<S: Scalar>(task: &CompiledTask<S>, button: &GoalButton<S>, old: S, contact: &Contact<S>) -> S::Mask {
+    contact.exists & !is_meant(task, button, contact.number) & !is_same(contact.number, old)
 }
 
 /// Whether the box of this number may be pressed: it is the one to be pressed, one that may be pressed as well, or the one that

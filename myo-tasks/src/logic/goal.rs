@@ -78,19 +78,26 @@ pub(super) fn centre_of_step<S: Scalar>(
     step: S,
     drawn: Option<S>,
 ) -> Point<S> {
-    let (steps, boxes) = (&task.steps, &task.boxes);
+    let steps = &task.steps;
     let [object, is_press] = S::gather(steps.len(), |k| [steps[k].object, steps[k].is_press], step);
     let object = drawn.unwrap_or(object);
-    let button = |object| {
-        let place = S::gather(boxes.len(), |k| boxes[k].shape.centre, object);
-        let centre = task.shifts.move_box(state, object, place);
-        if task.kinds.drag { slide::handle_of_step(task, state, step, centre) } else { centre }
-    };
     match (task.kinds.dwell, task.kinds.press) {
-        (true, true) => select_point(S::lit(0.5).lt(is_press), button(object), sphere(task, state, object).0),
+        (true, true) => {
+            let (button, sphere) = (box_of_step(task, state, step, object), sphere(task, state, object).0);
+            select_point(S::lit(0.5).lt(is_press), button, sphere)
+        }
         (true, false) => sphere(task, state, object).0,
-        (false, _) => button(object),
+        (false, _) => box_of_step(task, state, step, object),
     }
+}
+
+/// Centre (m) of the box of this number, or of the handle on it that a step asks for.
+#[inline(always)]
+fn box_of_step<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, step: S, object: S) -> Point<S> {
+    let boxes = &task.boxes;
+    let place = S::gather(boxes.len(), |k| boxes[k].shape.centre, object);
+    let centre = task.shifts.move_box(state, object, place);
+    if task.kinds.drag { slide::handle_of_step(task, state, step, centre) } else { centre }
 }
 
 /// Where the current step is begun (m): at the beginning of a way, else at its object.
