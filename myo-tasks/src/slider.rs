@@ -111,6 +111,16 @@ pub struct Slider {
     pub start: Range,
 }
 
+impl Direction {
+    /// The unit vector along own axes: x up the face, y across it to the left.
+    pub(crate) fn own_axis(self) -> Vector3<f64> {
+        match self {
+            Self::Right => -Vector3::y(),
+            Self::Up => Vector3::x(),
+        }
+    }
+}
+
 impl SliderItem {
     /// Written out in the frame that it stands in the middle of.
     ///
@@ -142,11 +152,7 @@ impl SliderItem {
 impl Slider {
     /// Unit vector along the way, to where the value rises, in world axes.
     pub fn along(&self) -> [f64; 3] {
-        let own = match self.rises {
-            Direction::Right => -Vector3::y(),
-            Direction::Up => Vector3::x(),
-        };
-        (self.block.rotation * own).into()
+        (self.block.rotation * self.rises.own_axis()).into()
     }
 
     /// A value as a share of the way.

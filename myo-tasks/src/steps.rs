@@ -133,13 +133,9 @@ impl Builder {
                 return self.refuse_object(&path, object, |kind| format!("is {kind}; only sliders can be dragged"));
             };
             let ([least, most], (to, within)) = (slider.range, (drag.to, drag.within));
-            if !(least..=most).contains(&to) {
-                let problem = format!("is {to}; the values of the slider go from {least} to {most}");
-                return self.refuse_value(&format!("{path}.to"), problem);
-            }
-            if !(within > 0.0 && within < most - least) {
-                let problem = format!("is {within}; it must be more than 0, and less than {}", most - least);
-                return self.refuse_value(&format!("{path}.within"), problem);
+            let goes = format!("the values of the slider go from {least} to {most}");
+            if let Some((field, problem)) = bad_goal((to, within), [least, most], &goes) {
+                return self.refuse_value(&format!("{path}.{field}"), problem);
             }
             let action = Action::Drag { to: slider.share(to), within: within / (most - least) };
             self.step(object, action, path);
@@ -154,13 +150,9 @@ impl Builder {
             };
             let ([least, most], (to, within)) =
                 ([stick.range.min, stick.range.max].map(in_degrees), (swing.to_deg, swing.within_deg));
-            if !(least..=most).contains(&to) {
-                let problem = format!("is {to}; the stick swings from {least} to {most} degrees");
-                return self.refuse_value(&format!("{path}.to_deg"), problem);
-            }
-            if !(within > 0.0 && within < most - least) {
-                let problem = format!("is {within}; it must be more than 0, and less than {}", most - least);
-                return self.refuse_value(&format!("{path}.within_deg"), problem);
+            let goes = format!("the stick swings from {least} to {most} degrees");
+            if let Some((field, problem)) = bad_goal((to, within), [least, most], &goes) {
+                return self.refuse_value(&format!("{path}.{field}_deg"), problem);
             }
             self.step(object, Action::Swing { to: to.to_radians(), within: within.to_radians() }, path);
         }
@@ -464,6 +456,15 @@ impl Builder {
         self.refuse(path, &format!("`{name}`"), problem);
         vec![]
     }
+}
+
+/// What is wrong with where a handle or a knob is to be left, and how far off that it may be: the field, and the rest of the sentence.
+fn bad_goal((to, within): (f64, f64), [least, most]: [f64; 2], goes: &str) -> Option<(&'static str, String)> {
+    if !(least..=most).contains(&to) {
+        return Some(("to", format!("is {to}; {goes}")));
+    }
+    let is_right = within > 0.0 && within < most - least;
+    (!is_right).then(|| ("within", format!("is {within}; it must be more than 0, and less than {}", most - least)))
 }
 
 /// Degrees without what binary fractions leave at the end.

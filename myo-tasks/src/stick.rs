@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::flat::Sphere;
+use crate::logic::arm;
 use crate::notation::{Place, two_on_one_line};
 use crate::quantity::Quantity;
 use crate::range::Range;
@@ -101,16 +102,12 @@ impl StickItem {
             let Self { knob, length, .. } = self;
             return Err(("knob", format!("is {knob} m; it must be less than the `length`, {length} m")));
         }
-        let aside = match self.swings {
-            Direction::Right => -Vector3::y(),
-            Direction::Up => Vector3::x(),
-        };
         let arm = |way: Vector3<f64>| (frame.rotation * way * (frame.scale * self.length)).into();
         let radians = |range: Range| Range::new(range.min.to_radians(), range.max.to_radians());
         Ok(Stick {
             hinge: frame.origin.into(),
             upright: arm(Vector3::z()),
-            aside: arm(aside),
+            aside: arm(self.swings.own_axis()),
             knob: frame.scale * self.knob,
             range: radians(Range::new(least, most)),
             start: radians(angle),
@@ -126,8 +123,7 @@ impl Stick {
 
     /// From the hinge to the middle of the knob (m) at an angle (rad).
     pub fn arm(&self, angle: f64) -> [f64; 3] {
-        let (sin, cos) = angle.sin_cos();
-        [0, 1, 2].map(|k| self.upright[k] * cos + self.aside[k] * sin)
+        arm(self.upright, self.aside, angle)[0]
     }
 
     /// Places that the knob goes through between two angles (rad), as seen from the hinge (m).

@@ -67,7 +67,7 @@ pub use layouts::{LayoutsError, layout_names, one_structure};
 pub use progress::ProgressLine;
 pub use reach::ModelReach;
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
-pub use runs::{FoundRun, RunState, RunSummary, find_runs, summary};
+pub use runs::{FoundRun, RunState, RunSummary, find_runs, run_summary};
 pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};
 
 /// The example on the repository's front page compiles and runs.

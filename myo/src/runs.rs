@@ -97,7 +97,7 @@ fn look_in(folder: &Path, depth: usize, found: &mut Vec<FoundRun>) -> Result<(),
 
 /// The summary of a folder, or what is wrong with it; none where there is no run, or nobody may look.
 fn known(path: &Path) -> Option<Result<RunSummary, RunError>> {
-    match summary(path) {
+    match run_summary(path) {
         Err(RunError::NotARun { .. }) => None,
         Err(RunError::Io(error)) if error.source.kind() == ErrorKind::PermissionDenied => None,
         summary => Some(summary),
@@ -108,7 +108,7 @@ fn known(path: &Path) -> Option<Result<RunSummary, RunError>> {
 ///
 /// # Errors
 /// There is no run, or its description or evaluation cannot be read.
-pub fn summary(path: &Path) -> Result<RunSummary, RunError> {
+pub fn run_summary(path: &Path) -> Result<RunSummary, RunError> {
     let run = RunFolder::open(path)?;
     let description = RunDescription::of(&run)?;
     let evaluation = run.evaluation()?;

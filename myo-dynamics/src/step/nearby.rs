@@ -139,7 +139,7 @@ mod tests {
         (0..200).map(|k| StaticBox::new(button(k), axes, [0.01, 0.01, 0.005])).collect()
     }
 
-    /// The same before a panel and bars that are much larger than they are, with a drawn size.
+    /// The same before a panel and beside bars that are much larger than they are.
     fn furnished() -> Vec<StaticBox> {
         let axes = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
         let large = [

@@ -3,7 +3,7 @@
 //! Whether a dwell is over is judged at the ends of control steps. When the fingertip got there, and whether it pressed and
 //! let go, is followed in between, so that movement times are as fine as the physics and know nothing of the control step.
 
-use super::{CompiledTask, Goal, GoalButton, Hold, Point, Steering, TaskState, difference, is_same};
+use super::{CompiledTask, Goal, GoalButton, Hold, Point, Steering, TaskState, difference, dot, is_same};
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
 /// Contact of the fingertip with a box in a physics step.
@@ -87,8 +87,8 @@ impl<S: Scalar> Stay<S> {
         let one = S::lit(1.0);
         let mut on = S::Mask::splat(false);
         if task.kinds.dwell {
-            let [x, y, z] = difference(pointer, goal.centre_after(self.passed * S::lit(share)));
-            on = x.mul_add(x, y.mul_add(y, z * z)).lt(goal.size * goal.size) & !goal.is_press;
+            let off = difference(pointer, goal.centre_after(self.passed * S::lit(share)));
+            on = dot(off, off).lt(goal.size * goal.size) & !goal.is_press;
             if let Some(is_lit) = goal.is_lit {
                 on = on & is_lit;
             }

@@ -32,6 +32,7 @@ pub use sample::{MAX_DRAWS, draw_objects};
 pub use shift::Shifts;
 pub use slide::{DragStep, GoalDrag, Handle};
 pub use steer::{GoalSteer, SteerStep, Steering};
+pub(crate) use swing::arm;
 pub use swing::{GoalSwing, Hold, Sticks, Swing, SwingStep};
 pub use waves::{Wave, Waves};
 
@@ -50,7 +51,8 @@ pub struct TaskState<S> {
     pub position: Vec<Point<S>>,
     /// Radius of each sphere (m).
     pub size: Vec<S>,
-    /// How far off their places groups and boxes stand (m), per draw; empty where everything stands still.
+    /// Per draw, how far off their places groups and boxes stand, or half the sizes of boxes are off the middle of their ranges (m); empty
+    /// where nothing of that is drawn.
     pub shifts: Vec<Point<S>>,
     /// Where the waves of each sphere's path begin (turns); empty where nothing moves.
     pub phases: Vec<[S; 4]>,
@@ -236,8 +238,14 @@ pub(crate) fn is_same<S: Scalar>(a: S, b: S) -> S::Mask {
     (a - b).abs().lt(S::lit(0.5))
 }
 
+/// Scalar product.
+#[inline(always)]
+pub(crate) fn dot<S: Scalar>([a, b, c]: Point<S>, [x, y, z]: Point<S>) -> S {
+    a.mul_add(x, b.mul_add(y, c * z))
+}
+
 /// Length of a vector (m).
 #[inline(always)]
 pub fn norm<S: Scalar>(v: Point<S>) -> S {
-    v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2])).sqrt()
+    dot(v, v).sqrt()
 }

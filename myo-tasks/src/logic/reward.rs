@@ -1,6 +1,6 @@
 //! The reward of a control step.
 
-use super::{CompiledTask, Goal, Hold, Progress, Sensed, TaskState, centre_ahead, difference, norm};
+use super::{CompiledTask, Goal, Hold, Progress, Sensed, TaskState, centre_ahead, difference, dot, norm};
 use myo_model::StaticBox;
 use myo_scalar::Scalar;
 
@@ -76,8 +76,7 @@ fn distance_to_face<S: Scalar>(button: &StaticBox<S>, sensed: &Sensed<S>) -> S {
     let from_centre = difference(sensed.pointer, button.centre);
     let mut excess = [S::zero(); 3];
     for (k, e) in excess.iter_mut().enumerate() {
-        let axis = button.axes[k];
-        let along = from_centre[0].mul_add(axis[0], from_centre[1].mul_add(axis[1], from_centre[2] * axis[2]));
+        let along = dot(from_centre, button.axes[k]);
         let half = button.half_size[k];
         // Out of the face: from its plane. Along it: past its edge.
         *e = if k == 2 { along - half } else { (along.abs() - half).max(S::zero()) };

@@ -182,9 +182,7 @@ impl<S: Scalar> GoalDrag<S> {
     /// Where along the way a point is, as a share of it.
     #[inline(always)]
     pub(super) fn share(&self, point: Point<S>) -> S {
-        let [x, y, z] = super::difference(point, self.middle);
-        let along = x.mul_add(self.along[0], y.mul_add(self.along[1], z * self.along[2]));
-        along * self.length.recip() + S::lit(0.5)
+        super::dot(super::difference(point, self.middle), self.along) * self.length.recip() + S::lit(0.5)
     }
 
     /// How far (m) a handle that stands at `value` must go, to where the value rises.

@@ -3,7 +3,7 @@
 //! A way is straight, from the middle of one sphere into another, and round: it is left where the pointer is farther from the
 //! line than half the width. Who leaves it must come back to where it was left.
 
-use super::{CompiledTask, Point, TaskState, difference, norm};
+use super::{CompiledTask, Point, TaskState, difference, dot, norm};
 use crate::flat::{Action, Step};
 use myo_scalar::{Real, Scalar};
 
@@ -131,9 +131,9 @@ impl<S: Scalar> GoalSteer<S> {
 
     #[inline(always)]
     fn see(&self, pointer: Point<S>) -> Seen<S> {
-        let [x, y, z] = difference(pointer, self.from);
-        let [a, b, c] = self.direction;
-        let along = x.mul_add(a, y.mul_add(b, z * c));
+        let seen = difference(pointer, self.from);
+        let along = dot(seen, self.direction);
+        let ([x, y, z], [a, b, c]) = (seen, self.direction);
         let nearest = along.max(S::zero()).min(self.length);
         Seen { along, off: [x - a * nearest, y - b * nearest, z - c * nearest] }
     }

@@ -3,7 +3,7 @@
 //! A knob is held from where the pointer comes into it to where the pointer leaves it. In between it follows the pointer on its
 //! circle: of small steps only those across the circle leave it, and those beyond the end of its swing.
 
-use super::{CompiledTask, Point, TaskState, difference, is_same, norm};
+use super::{CompiledTask, Point, TaskState, difference, dot, is_same, norm};
 use crate::flat::{Action, Object, Shape, Step};
 use crate::stick::Stick;
 use myo_scalar::{Counter, Real, Scalar, Word, philox, unit};
@@ -68,8 +68,14 @@ pub struct GoalSwing<S: Scalar> {
     pub radius: S,
     /// Its hinge (m).
     pub hinge: Point<S>,
-    /// How it goes about the hinge.
-    pub swing: Swing<S>,
+    /// From the hinge to the middle of the knob at an angle of 0 (m).
+    pub upright: Point<S>,
+    /// The same at a right angle (m).
+    pub aside: Point<S>,
+    /// Least angle (rad),
+    pub least: S,
+    /// and greatest.
+    pub most: S,
     /// At which angle it must be left (rad).
     pub to: S,
     /// How far off that it may be (rad).
@@ -178,19 +184,21 @@ pub(super) fn swung<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, num
         [a, b, c, d, e, f, sticks.angles[k]]
     };
     let [a, b, c, d, e, f, angle] = S::gather(task.swings.len(), row, number);
+    arm([a, b, c], [d, e, f], angle)[0]
+}
+
+/// From the hinge to the middle of a knob at an angle (rad), and from there along its circle, as long (m); `upright` and `aside` are those
+/// of [`Swing`].
+#[inline(always)]
+pub(crate) fn arm<S: Scalar>(upright: Point<S>, aside: Point<S>, angle: S) -> [Point<S>; 2] {
     let (sin, cos) = angle.sin_cos();
-    combine([a, b, c], cos, [d, e, f], sin)
+    [combine(upright, cos, aside, sin), combine(aside, cos, upright, -sin)]
 }
 
 /// `a * x + b * y`.
 #[inline(always)]
 fn combine<S: Scalar>(a: Point<S>, x: S, b: Point<S>, y: S) -> Point<S> {
     [0, 1, 2].map(|k| a[k].mul_add(x, b[k] * y))
-}
-
-#[inline(always)]
-fn dot<S: Scalar>([a, b, c]: Point<S>, [x, y, z]: Point<S>) -> S {
-    a.mul_add(x, b.mul_add(y, c * z))
 }
 
 impl<S: Scalar> GoalSwing<S> {
@@ -208,20 +216,19 @@ impl<S: Scalar> GoalSwing<S> {
         }
         let angle = |k: usize| state.sticks.as_ref().map_or(S::zero(), |sticks| sticks.angles[k]);
         let row = |k: usize| {
-            let Swing { upright: [a, b, c], aside: [d, e, f], least, most, start, start_extent } = task.swings[k];
-            [a, b, c, d, e, f, least, most, start, start_extent, angle(k)]
+            let Swing { upright: [a, b, c], aside: [d, e, f], least, most, .. } = task.swings[k];
+            [a, b, c, d, e, f, least, most, angle(k)]
         };
-        let [a, b, c, d, e, f, least, most, start, start_extent, angle] = S::gather(task.swings.len(), row, knob);
-        let swing = Swing { upright: [a, b, c], aside: [d, e, f], least, most, start, start_extent };
+        let [a, b, c, d, e, f, least, most, angle] = S::gather(task.swings.len(), row, knob);
+        let (upright, aside) = ([a, b, c], [d, e, f]);
         let (hinge, radius) = state.sphere(knob);
-        Self { is_swing, knob, radius, hinge, swing, to, within, angle }
+        Self { is_swing, knob, radius, hinge, upright, aside, least, most, to, within, angle }
     }
 
-    /// From the hinge to the middle of the knob at an angle (rad), and from there along its circle, as long (m).
+    /// See [`arm`].
     #[inline(always)]
     fn arm(&self, angle: S) -> [Point<S>; 2] {
-        let ((sin, cos), Swing { upright, aside, .. }) = (angle.sin_cos(), self.swing);
-        [combine(upright, cos, aside, sin), combine(aside, cos, upright, -sin)]
+        arm(self.upright, self.aside, angle)
     }
 
     /// From the middle of the knob to a point (m).
@@ -230,7 +237,7 @@ impl<S: Scalar> GoalSwing<S> {
         difference(difference(point, self.hinge), self.arm(angle)[0])
     }
 
-    /// Distance (m) from a point to the knob: to its surface, or to its middle; zero where the step is about no stick.
+    /// Distance (m) from a point to the knob of a stick at this angle (rad): to its surface, zero within, or to its middle.
     #[inline(always)]
     pub(super) fn distance(&self, point: Point<S>, angle: S, to_surface: bool) -> S {
         let distance = norm(self.off(point, angle));
@@ -240,7 +247,7 @@ impl<S: Scalar> GoalSwing<S> {
     /// How far (m) the knob of a stick at this angle (rad) must still go on its circle.
     #[inline(always)]
     pub fn left(&self, angle: S) -> S {
-        ((self.to - angle).abs() * norm(self.swing.upright)).only(self.is_swing)
+        ((self.to - angle).abs() * norm(self.upright)).only(self.is_swing)
     }
 
     /// From where the knob is to where it must be left (m).
@@ -271,11 +278,11 @@ impl<S: Scalar> Hold<S> {
         let is_there = (goal.to - self.angle).abs().le(goal.within);
         // The pointer is no farther off than the knob is wide, which is less than the stick is long: this is more than zero.
         let outwards = S::select(is_held, dot(seen, out), S::lit(1.0));
-        // Twice the tangent of half the angle between them: that angle nearly, and no more than a right one and a half.
+        // Twice the tangent of half the angle between them: nearly that angle, and at most 2 rad.
         let tangent = dot(seen, along) * outwards.recip();
         let turn = (tangent + tangent) * (S::lit(1.0) + tangent.mul_add(tangent, S::lit(1.0)).sqrt()).recip();
         let turned = self.angle + turn;
-        let turned = turned.max(goal.swing.least).min(goal.swing.most);
+        let turned = turned.max(goal.least).min(goal.most);
         self.angle = S::select(is_held, turned, self.angle);
         self.held = S::indicator(is_held);
         [is_held, was_held & !is_held & is_there]

@@ -169,7 +169,7 @@ impl Line {
     fn row(&self) -> Vec<String> {
         let shown = |value: Option<f64>, show: &dyn Fn(f64) -> String| value.map_or("-".into(), show);
         vec![
-            self.run.display().to_string(),
+            name(&self.run.display().to_string()),
             self.task.clone(),
             self.users.to_string(),
             rounded(self.env_steps),

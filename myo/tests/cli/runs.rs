@@ -63,7 +63,7 @@ fn a_run_in_which_somebody_trains_is_told_and_looking_does_not_stop_it() {
     assert_eq!(states(), ["evaluated"]);
     // Somebody looks at it all the time.
     std::thread::scope(|scope| {
-        let looking = scope.spawn(|| (0..500).filter(|_| myo::summary(&folder.path().join("one")).is_ok()).count());
+        let looking = scope.spawn(|| (0..500).filter(|_| myo::run_summary(&folder.path().join("one")).is_ok()).count());
         for _ in 0..200 {
             drop(myo::train::RunClaim::take(&folder.path().join("one")).unwrap());
         }
