@@ -34,6 +34,7 @@ mod explain;
 mod flat;
 mod geometry;
 mod instruction;
+mod items;
 mod layout;
 mod load;
 mod load_error;
@@ -64,6 +65,7 @@ pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, S
 pub use expand::{OBJECTS_MAX, STEPS_MAX};
 pub use flat::{Action, Block, Cue, FlatTask, Object, Order, Pointer, Shape, Shift, Sphere, Step};
 pub use geometry::spread;
+pub use items::{Axes, PlacedItem};
 pub use layout::SourceLocation;
 pub use load::{SCHEMA_HINT, Source, load};
 pub use load_error::{BadValue, LoadError};

@@ -33,11 +33,9 @@
 //!
 //! Tasks that no task file says are written as [`env::Rules`]: `examples/own_task.rs` is one, from its first line to its training.
 //!
-//! What this crate adds is small: [`picture`], drawings of the simulated user; [`ModelReach`], which lets the checks of a
-//! task ask a model; [`Backend`], [`Device`] and [`Envs`], which choose between processor and graphics card and train there;
-//! [`RunDescription`], what a run folder says about its training; [`misfits`], whether a user can act on a layout that it was not trained
-//! on; [`ProgressLine`], how a training goes; and [`likely_cause`] and
-//! [`most_success`], why it leads nowhere or cannot reach its goal.
+//! Beside them stands all of `myo-lab`, what its front doors share: [`Backend`], [`Device`] and [`Envs`], which choose between processor and
+//! graphics card and train there; [`RunDescription`] and [`find_runs`]; [`ModelReach`], which lets the checks of a task ask a model; [`Comparison`]
+//! and [`misfits`]; [`likely_cause`] and [`most_success`]; [`mod@picture`].
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
@@ -47,28 +45,7 @@ pub use myo_scalar as scalar;
 pub use myo_tasks as tasks;
 pub use myo_train as train;
 
-mod advice;
-mod backend;
-mod compare;
-mod fit;
-mod layouts;
-pub mod picture;
-pub mod progress;
-mod reach;
-mod run_description;
-mod runs;
-mod users;
-
-pub use advice::{Body, likely_cause, most_success};
-pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs};
-pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
-pub use fit::{Misfit, Setting, misfits};
-pub use layouts::{LayoutsError, layout_names, one_structure};
-pub use progress::ProgressLine;
-pub use reach::ModelReach;
-pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
-pub use runs::{FoundRun, RunState, RunSummary, find_runs, run_summary};
-pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};
+pub use myo_lab::*;
 
 /// The example on the repository's front page compiles and runs.
 #[cfg(doctest)]

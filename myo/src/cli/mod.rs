@@ -17,6 +17,8 @@ mod run_folder;
 mod runs;
 mod scenario;
 mod shell;
+#[cfg(feature = "studio")]
+mod studio;
 mod task;
 mod train;
 
@@ -60,6 +62,9 @@ enum Command {
     Compare(compare::Compare),
     /// Runs: what was trained, and how well it does
     Runs(runs::Runs),
+    /// Set up, train, watch and compare in the browser
+    #[cfg(feature = "studio")]
+    Studio(studio::Studio),
     /// Tasks: list, show, check
     #[command(subcommand)]
     Task(task::Command),
@@ -98,6 +103,8 @@ fn run<'scope>(cli: Cli, beside: &'scope Scope<'scope, '_>) -> Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Runs(args) => runs::run(&args),
+        #[cfg(feature = "studio")]
+        Command::Studio(args) => studio::run(&args),
         Command::Task(command) => task::run(command),
         Command::Model(command) => model::run(command),
         Command::Devices(args) => devices::run(&args),

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use myo::dynamics::{CouplingMode, Plan};
 use myo::model::mjcf::{MjcfOptions, to_mjcf};
-use myo::model::{Model, ModelDescription, builtin, builtin_names};
+use myo::model::{Model, ModelDescription, builtin_names};
 use myo::train::write_whole;
+use myo::{ModelFileError, describe_model, own_model};
 
 use super::failure::{Failure, Mistake, Result, model_failure};
 use super::output::{print, print_file, print_json, row, table};
@@ -88,19 +89,19 @@ pub fn run(command: Command) -> Result<()> {
 
 /// A model that comes with the program, or that of a file.
 pub fn describe(name_or_file: &str) -> Result<ModelDescription> {
-    let path = Path::new(name_or_file);
-    let looks_like_path = path.components().count() > 1 || path.extension().is_some();
-    if builtin_names().contains(&name_or_file) || !(looks_like_path || path.exists()) {
-        return builtin(name_or_file).map_err(|error| model_failure(&error));
-    }
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::sentence(format!("cannot read {name_or_file}: {error}")))?;
-    ModelDescription::from_yaml(&text, name_or_file).map_err(|error| model_failure(&error))
+    describe_model(name_or_file).map_err(|error| file_failure(&error))
 }
 
 /// The description of a model that does not come with the program.
 pub fn own(name_or_file: &str) -> Result<Option<ModelDescription>> {
-    if builtin_names().contains(&name_or_file) { Ok(None) } else { describe(name_or_file).map(Some) }
+    own_model(name_or_file).map_err(|error| file_failure(&error))
+}
+
+fn file_failure(error: &ModelFileError) -> Failure {
+    match error {
+        ModelFileError::Model(error) => model_failure(error),
+        other @ ModelFileError::Read { .. } => Failure::sentence(other.to_string()),
+    }
 }
 
 /// The checked model of [`describe`].

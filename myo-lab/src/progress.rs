@@ -75,7 +75,7 @@ impl ProgressLine {
 
 /// How long a training still takes, from what the learning curve foretells, if it does, and the time until the limit of
 /// steps: a range with a cautious upper end, or that alone.
-fn time_left(foretold_s: Option<f64>, limit_s: f64) -> String {
+pub fn time_left(foretold_s: Option<f64>, limit_s: f64) -> String {
     let Some(foretold_s) = foretold_s.filter(|seconds| seconds / UNSURE < limit_s) else {
         // Without a rate nobody can tell.
         let limit = limit_s.is_finite().then(|| Time::at_least(limit_s));

@@ -1,0 +1,441 @@
+//! Trainings that were ordered: kept in a file, done first to last in a thread of their own, steered while they run.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use myo_lab::progress::time_left;
+use myo_lab::{Backend, Device, ModelReach, likely_cause};
+use myo_tasks::FlatTask;
+use myo_train::session::{End, Goal, News, Outcome, Progress, Until};
+use myo_train::{PpoConfig, write_whole};
+use serde::{Deserialize, Serialize};
+
+use super::bodies::Bodies;
+use super::hub::Hub;
+use super::look;
+use super::training::{Beginning, Training};
+use super::watch::Stage;
+use super::workspace::Workspace;
+use crate::protocol::{Bottleneck, Event, Job, JobOrder, JobProgress, JobState, Refusal, Step};
+
+/// Control steps after which a training stops unless asked otherwise, as of `myo train`.
+const STEPS: u64 = 200_000_000;
+/// Most users of one order.
+const MOST_USERS: u32 = 64;
+/// Pages hear of a training at most so often.
+const TELL_EVERY: Duration = Duration::from_millis(100);
+/// Share of a new rate in the one shown.
+const FRESH: f64 = 0.1;
+
+/// All trainings that were ordered.
+pub struct Jobs {
+    list: Mutex<List>,
+    /// Rung whenever somebody orders or tells something.
+    bell: Condvar,
+    workspace: Workspace,
+    bodies: Arc<Bodies>,
+    hub: Arc<Hub>,
+    stage: Arc<Stage>,
+    backend: Backend,
+}
+
+/// What is kept in the file, so that a studio that was killed goes on.
+#[derive(Default, Serialize, Deserialize)]
+struct List {
+    next: u32,
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Serialize, Deserialize)]
+struct Entry {
+    job: Job,
+    order: JobOrder,
+    /// What it was told last and has not done yet.
+    #[serde(skip)]
+    told: Option<Step>,
+}
+
+impl Jobs {
+    /// The trainings of a folder; those that a killed studio left under way wait to go on.
+    pub fn open(
+        workspace: Workspace,
+        bodies: Arc<Bodies>,
+        hub: Arc<Hub>,
+        stage: Arc<Stage>,
+        backend: Backend,
+    ) -> Result<Self, Refusal> {
+        let path = file(&workspace);
+        let mut list = match std::fs::read(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => List::default(),
+            Err(error) => return Err(Refusal::sentence(format!("cannot read {}: {error}", path.display()))),
+            Ok(text) => serde_json::from_slice(&text).map_err(|error| {
+                Refusal::sentence(format!("{} is damaged: {error}; move it away, and the list begins anew", path.display()))
+            })?,
+        };
+        for entry in &mut list.entries {
+            if matches!(entry.job.state, JobState::Preparing | JobState::Training | JobState::Evaluating) {
+                entry.job.state = JobState::Waiting;
+            }
+        }
+        Ok(Self { list: Mutex::new(list), bell: Condvar::new(), workspace, bodies, hub, stage, backend })
+    }
+
+    fn list(&self) -> MutexGuard<'_, List> {
+        self.list.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// All of them, first to last.
+    pub fn all(&self) -> Vec<Job> {
+        self.list().entries.iter().map(|entry| entry.job.clone()).collect()
+    }
+
+    /// Orders trainings; their numbers.
+    ///
+    /// # Errors
+    /// The order is not one that can be carried out.
+    pub fn order(&self, order: &JobOrder) -> Result<Vec<u32>, Refusal> {
+        order.until.parse::<Until>()?;
+        if order.users == 0 || order.users > MOST_USERS {
+            return Err(Refusal::sentence(format!("{} users are asked for; from 1 to {MOST_USERS} can be", order.users)));
+        }
+        let source = look::read(&order.text)?;
+        let report = source.check(&*self.bodies.reach(&source.task)?);
+        if !report.is_ok() {
+            let findings = look::of_report(&source, &report);
+            let message = report.errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+            return Err(Refusal { message, findings });
+        }
+        // The name becomes that of a folder.
+        self.workspace.task(&order.name)?;
+        if let Some(from) = &order.from {
+            self.workspace.run(from)?;
+        }
+        let mut list = self.list();
+        let ids = (0..u64::from(order.users)).map(|user| {
+            list.next += 1;
+            let (id, seed) = (list.next, order.seed.wrapping_add(user));
+            let job = Job {
+                id,
+                run: None,
+                title: order.name.clone(),
+                seed,
+                state: JobState::Waiting,
+                progress: None,
+                news: vec![],
+            };
+            list.entries.push(Entry { job, order: JobOrder { seed, users: 1, ..order.clone() }, told: None });
+            id
+        });
+        let ids = ids.collect();
+        self.changed(list)?;
+        Ok(ids)
+    }
+
+    /// Takes up a run again that was stopped, whoever trained there.
+    ///
+    /// # Errors
+    /// It trains already, or cannot be read.
+    pub fn go_on(&self, run: &str) -> Result<u32, Refusal> {
+        let folder = self.workspace.run(run)?;
+        let summary = myo_lab::run_summary(&folder)?;
+        if summary.state == myo_lab::RunState::Training {
+            return Err(Refusal::sentence(format!("{run} is being trained already")));
+        }
+        let mut list = self.list();
+        list.next += 1;
+        let id = list.next;
+        let title = summary.layouts.join(", ");
+        let job = Job {
+            id,
+            run: Some(run.to_owned()),
+            title: title.clone(),
+            seed: summary.seed,
+            state: JobState::Waiting,
+            progress: None,
+            news: vec![],
+        };
+        let order = JobOrder {
+            text: String::new(),
+            name: title,
+            seed: summary.seed,
+            users: 1,
+            until: "plateau".into(),
+            steps: None,
+            from: None,
+        };
+        list.entries.push(Entry { job, order, told: None });
+        self.changed(list)?;
+        Ok(id)
+    }
+
+    /// Tells a training what to do next.
+    ///
+    /// # Errors
+    /// There is no such training, or it cannot do that as it stands.
+    pub fn tell(&self, id: u32, step: Step) -> Result<(), Refusal> {
+        let mut list = self.list();
+        let none = || Refusal::sentence("this training is not in the list any more");
+        let index = list.entries.iter().position(|entry| entry.job.id == id).ok_or_else(none)?;
+        let entry = &mut list.entries[index];
+        let under_way = matches!(
+            entry.job.state,
+            JobState::Preparing | JobState::Training | JobState::Paused | JobState::Evaluating
+        );
+        match (step, under_way) {
+            (_, true) => entry.told = Some(step),
+            (Step::Dismiss, false) => drop(list.entries.remove(index)),
+            (Step::Resume, false) if !matches!(entry.job.state, JobState::Done { .. }) => {
+                entry.job.state = JobState::Waiting;
+            }
+            (Step::Stop | Step::Pause, false) if entry.job.state == JobState::Waiting => {
+                entry.job.state = JobState::Stopped;
+            }
+            (_, false) => return Err(Refusal::sentence("this training is not under way")),
+        }
+        self.changed(list)
+    }
+
+    /// Keeps the list and tells everybody.
+    fn changed(&self, list: MutexGuard<'_, List>) -> Result<(), Refusal> {
+        let text = serde_json::to_vec_pretty(&*list)?;
+        drop(list);
+        self.bell.notify_all();
+        self.tell_pages();
+        std::fs::create_dir_all(self.workspace.folder()).ok();
+        Ok(write_whole(&file(&self.workspace), &text)?)
+    }
+
+    fn tell_pages(&self) {
+        self.hub.tell(&Event::Jobs { jobs: self.all() });
+    }
+
+    /// Changes a training of the list, and tells everybody.
+    fn update(&self, id: u32, change: impl FnOnce(&mut Job)) {
+        if let Some(entry) = self.list().entries.iter_mut().find(|entry| entry.job.id == id) {
+            change(&mut entry.job);
+        }
+        self.tell_pages();
+    }
+
+    /// The same, and keeps it. A list that cannot be written is worth a word, not the training.
+    fn update_and_keep(&self, id: u32, change: impl FnOnce(&mut Job)) {
+        self.update(id, change);
+        if let Err(refusal) = self.changed(self.list()) {
+            self.update(id, |job| job.news.push(refusal.message));
+        }
+    }
+
+    /// What it was told and has not done yet.
+    fn told(&self, id: u32) -> Option<Step> {
+        self.list().entries.iter().find(|entry| entry.job.id == id)?.told
+    }
+
+    fn take_told(&self, id: u32) -> Option<Step> {
+        self.list().entries.iter_mut().find(|entry| entry.job.id == id)?.told.take()
+    }
+
+    /// Trains for ever, one after the other: the thread of the trainings.
+    pub fn work(&self) {
+        loop {
+            let entry = self.next();
+            let id = entry.job.id;
+            let state = match self.carry_out(&entry) {
+                Ok(state) => state,
+                Err(refusal) => JobState::Failed { message: refusal.message },
+            };
+            let dismissed = self.take_told(id) == Some(Step::Dismiss);
+            self.update_and_keep(id, |job| job.state = state);
+            if dismissed {
+                let _ = self.tell(id, Step::Dismiss);
+            }
+            self.hub.tell(&Event::Runs);
+        }
+    }
+
+    /// The next one that waits, once there is one.
+    fn next(&self) -> Entry {
+        let mut list = self.list();
+        loop {
+            if let Some(entry) = list.entries.iter_mut().find(|entry| entry.job.state == JobState::Waiting) {
+                (entry.job.state, entry.told) = (JobState::Preparing, None);
+                let entry = entry.clone();
+                drop(list);
+                self.tell_pages();
+                return entry;
+            }
+            list = self.bell.wait(list).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Trains one to its end.
+    fn carry_out(&self, entry: &Entry) -> Result<JobState, Refusal> {
+        let id = entry.job.id;
+        let training = self.prepare(entry)?;
+        let told = || self.told(id);
+        let stop = || !matches!(told(), Some(Step::Stop | Step::Dismiss));
+        let mut following = Following::new(&training);
+        let Training { mut session, task, model, .. } = training;
+        self.stage.enter(id, &model, &task, session.trainer().policy(), session.trainer().env_steps());
+        self.update_and_keep(id, |job| job.state = JobState::Training);
+        self.hub.tell(&Event::Runs);
+        loop {
+            self.wait_while_paused(id);
+            let progress = session.advance(&stop)?;
+            if self.stage.wants(id) {
+                self.stage.renew(id, session.trainer().policy(), session.trainer().env_steps());
+            }
+            for news in &progress.news {
+                let sentence = sentence(news, &task, &model)?;
+                self.update(id, |job| job.news.push(sentence));
+            }
+            if let Some(now) = following.after(&progress) {
+                self.update(id, |job| job.progress = Some(now));
+            }
+            if let Some(end) = progress.end.clone() {
+                self.stage.renew(id, session.trainer().policy(), session.trainer().env_steps());
+                let last = following.last(&progress);
+                self.update(id, |job| {
+                    job.progress = last.or(job.progress.take());
+                    if end != End::Interrupted {
+                        job.state = JobState::Evaluating;
+                    }
+                });
+                return Ok(state(&session.conclude(end, &stop)?));
+            }
+        }
+    }
+
+    /// Makes a training of an order, or takes its run up again.
+    fn prepare(&self, entry: &Entry) -> Result<Training, Refusal> {
+        let Entry { job, order, .. } = entry;
+        let mut notices = Vec::new();
+        let training = match &job.run {
+            Some(run) => Training::resume(&self.workspace.run(run)?, &mut |notice| notices.push(notice))?,
+            None => {
+                let task = look::read(&order.text)?.task;
+                let goal = Goal { until: order.until.parse()?, steps: order.steps.unwrap_or(STEPS) };
+                let from = order.from.as_deref().map(|run| self.workspace.run(run)).transpose()?;
+                let run = self.workspace.free_run(&order.name);
+                let folder = self.workspace.run(&run)?;
+                let (model, config, backend) = (self.bodies.model(&task.model)?, PpoConfig::default(), &self.backend);
+                let beginning =
+                    Beginning { task: &task, model: &model, backend, config, seed: order.seed, goal, from };
+                let training = Training::begin(beginning, &folder, &mut |notice| notices.push(notice))?;
+                self.update_and_keep(job.id, |job| job.run = Some(run));
+                training
+            }
+        };
+        self.update(job.id, |job| job.news.append(&mut notices));
+        Ok(training)
+    }
+
+    fn wait_while_paused(&self, id: u32) {
+        if self.told(id) != Some(Step::Pause) {
+            return;
+        }
+        self.update_and_keep(id, |job| job.state = JobState::Paused);
+        let mut list = self.list();
+        while list.entries.iter().any(|entry| entry.job.id == id && entry.told == Some(Step::Pause)) {
+            list = self.bell.wait(list).unwrap_or_else(PoisonError::into_inner);
+        }
+        drop(list);
+        self.update_and_keep(id, |job| job.state = JobState::Training);
+    }
+}
+
+fn file(workspace: &Workspace) -> PathBuf {
+    workspace.folder().join("studio.json")
+}
+
+/// How a training stands after its end.
+fn state(outcome: &Outcome) -> JobState {
+    match &outcome.end {
+        End::Interrupted => JobState::Stopped,
+        End::DeviceLost { reason } => JobState::Failed {
+            message: format!("the graphics card was lost: {reason}; resume it to go on from its newest checkpoint"),
+        },
+        end => JobState::Done {
+            by: end.name().into(),
+            success: outcome.evaluation.as_ref().and_then(|evaluation| evaluation.success),
+            episode_s: outcome.evaluation.as_ref().and_then(|evaluation| evaluation.episode_length_s),
+        },
+    }
+}
+
+/// News, for people: what was seen, then the likely cause.
+fn sentence(news: &News, task: &myo_tasks::Task, model: &myo_model::Model) -> Result<String, Refusal> {
+    Ok(match news {
+        News::WentBack { .. } => news.to_string(),
+        News::Flat { recent, .. } => format!("{news}\n{}", likely_cause(task, &ModelReach::for_task(model, task)?, recent)),
+    })
+}
+
+/// What is told of a training from one update to the next.
+struct Following {
+    limit: u64,
+    control_dt_s: f64,
+    steps: usize,
+    device: String,
+    environments: usize,
+    rate: Option<f64>,
+    told: Option<Instant>,
+}
+
+impl Following {
+    fn new(training: &Training) -> Self {
+        let (session, task) = (&training.session, &training.task);
+        Self {
+            limit: session.goal().steps,
+            control_dt_s: task.control_dt_s,
+            steps: task.flat().map_or(0, |flat: FlatTask| flat.steps.len()),
+            device: device(&training.device),
+            environments: session.trainer().spec().num_envs,
+            rate: None,
+            told: None,
+        }
+    }
+
+    /// What pages are told after an update, if it is time to.
+    fn after(&mut self, progress: &Progress) -> Option<JobProgress> {
+        let metrics = progress.metrics.as_ref()?;
+        let now = metrics.steps_per_s();
+        self.rate = Some(self.rate.map_or(now, |rate| rate + FRESH * (now - rate)));
+        if self.told.is_some_and(|told| told.elapsed() < TELL_EVERY) {
+            return None;
+        }
+        self.told = Some(Instant::now());
+        self.last(progress)
+    }
+
+    /// The same whenever it is.
+    fn last(&self, progress: &Progress) -> Option<JobProgress> {
+        let metrics = progress.metrics.as_ref()?;
+        let rate = self.rate?;
+        let mean = |name: &str| metrics.episodes.mean(name);
+        let seconds = |steps: u64| steps as f64 / rate;
+        Some(JobProgress {
+            env_steps: metrics.env_steps,
+            limit: self.limit,
+            wall_s: metrics.wall_s,
+            rate,
+            success: progress.success,
+            episode_s: mean("length").map(|steps| steps * self.control_dt_s),
+            effort: mean("effort"),
+            step_success: (1..=self.steps).filter_map(|k| mean(&format!("target_{k}_success"))).collect(),
+            left: time_left(
+                progress.steps_left.map(seconds),
+                seconds(self.limit.saturating_sub(metrics.env_steps)),
+            ),
+            bottleneck: progress
+                .bottleneck
+                .map(|bottleneck| Bottleneck { step: bottleneck.target, success: bottleneck.success }),
+            device: self.device.clone(),
+            environments: self.environments,
+        })
+    }
+}
+
+fn device(device: &Device) -> String {
+    device.card().map_or_else(|| format!("cpu ({} threads)", rayon::current_num_threads()), str::to_owned)
+}

@@ -1,0 +1,260 @@
+//! The engine: everything the page can ask for, computed here. It knows no sockets; whoever has one hands it [questions](crate::protocol).
+
+mod actor;
+mod bodies;
+mod hub;
+mod jobs;
+mod look;
+mod motion;
+mod presets;
+mod replay;
+mod runs;
+mod surface;
+mod training;
+mod watch;
+mod workspace;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use myo_env::Skeleton;
+use myo_lab::Backend;
+use myo_model::builtin_names;
+use serde_json::Value;
+
+use crate::protocol::{
+    Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, DiscardRun, DiscardTask, Event, Finding,
+    GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose, Question, Refusal, RenameRun, Replay, Reply,
+    RunDetail, RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
+};
+use bodies::Bodies;
+pub use hub::Hub;
+use jobs::Jobs;
+use watch::Stage;
+use workspace::{Kind, Workspace};
+
+/// Answers everything that a page asks, and trains in threads of its own.
+pub struct Engine {
+    workspace: Workspace,
+    bodies: Arc<Bodies>,
+    hub: Arc<Hub>,
+    stage: Arc<Stage>,
+    jobs: Arc<Jobs>,
+}
+
+impl Engine {
+    /// An engine that keeps tasks and runs in a folder; trainings that a killed one left there go on.
+    ///
+    /// # Errors
+    /// The list of its trainings is damaged.
+    pub fn open(folder: PathBuf, backend: Backend) -> Result<Self, Refusal> {
+        let workspace = Workspace::new(folder);
+        let (bodies, hub, stage) = (Arc::new(Bodies::default()), Arc::new(Hub::default()), Arc::new(Stage::default()));
+        let kept = (workspace.clone(), Arc::clone(&bodies), Arc::clone(&hub), Arc::clone(&stage));
+        let jobs = Arc::new(Jobs::open(kept.0, kept.1, kept.2, kept.3, backend)?);
+        let (worker, watcher, listeners) = (Arc::clone(&jobs), Arc::clone(&stage), Arc::clone(&hub));
+        std::thread::Builder::new().name("trainings".into()).spawn(move || worker.work())?;
+        std::thread::Builder::new().name("watch".into()).spawn(move || watcher.work(&listeners))?;
+        Ok(Self { workspace, bodies, hub, stage, jobs })
+    }
+
+    /// Who is told what happens by itself.
+    pub fn hub(&self) -> &Hub {
+        &self.hub
+    }
+
+    /// What a page must know when it comes.
+    pub fn state(&self) -> Event {
+        Event::Jobs { jobs: self.jobs.all() }
+    }
+
+    /// Answers a question, whatever it is: a fault in an answer is told, and costs nobody the engine.
+    pub fn answer(&self, question: Question) -> Message {
+        let Question { id, call, with } = question;
+        let answered = catch_unwind(AssertUnwindSafe(|| self.try_answer(&call, with)));
+        let answered = answered.unwrap_or_else(|_| {
+            Err(Refusal::sentence(format!("the engine failed on {call:?}; this is a fault of Myo, not yours")))
+        });
+        let answer = match answered {
+            Ok(Answered::Motion(header, numbers)) => {
+                return Message::Motion(MotionHeader { id: Some(id), ..header }, numbers);
+            }
+            Ok(Answered::Value(value)) => Answer::Ok(value),
+            Err(refusal) => Answer::Refused(refusal),
+        };
+        Message::Text(serde_json::to_string(&Reply { id, answer }).unwrap_or_default())
+    }
+
+    fn try_answer(&self, call: &str, with: Value) -> Result<Answered, Refusal> {
+        let motion = |(header, numbers)| Answered::Motion(header, numbers);
+        match call {
+            "replay" => {
+                let asked: Replay = serde_json::from_value(with)?;
+                replay::replay(&self.workspace.run(&asked.run)?, &asked).map(motion)
+            }
+            "pose" => {
+                let Pose { text } = serde_json::from_value(with)?;
+                let task = look::read(&text)?.task;
+                replay::moment(&*self.bodies.model(&task.model)?, &task).map(motion)
+            }
+            _ => ask(self, call, with).map(Answered::Value),
+        }
+    }
+}
+
+enum Answered {
+    Value(Value),
+    Motion(MotionHeader, Vec<f32>),
+}
+
+impl AnswersOne<Hello> for Engine {
+    fn answer_one(&self, _: Hello) -> Result<Welcome, Refusal> {
+        Ok(Welcome {
+            version: env!("CARGO_PKG_VERSION").into(),
+            folder: self.workspace.folder().display().to_string(),
+            threads: rayon::current_num_threads(),
+            presets: presets::cards().to_vec(),
+            models: builtin_names().iter().map(|&name| name.to_owned()).collect(),
+        })
+    }
+}
+
+impl AnswersOne<AskSchema> for Engine {
+    fn answer_one(&self, _: AskSchema) -> Result<Value, Refusal> {
+        Ok(serde_json::to_value(myo_tasks::task_schema())?)
+    }
+}
+
+impl AnswersOne<LookAt> for Engine {
+    fn answer_one(&self, LookAt { text }: LookAt) -> Result<Look, Refusal> {
+        Ok(look::look(&text))
+    }
+}
+
+impl AnswersOne<CheckTask> for Engine {
+    fn answer_one(&self, CheckTask { text }: CheckTask) -> Result<Vec<Finding>, Refusal> {
+        let source = match look::read(&text) {
+            Ok(source) => source,
+            Err(refusal) => return Ok(refusal.findings),
+        };
+        let reach = self.bodies.reach(&source.task)?;
+        Ok(look::of_report(&source, &source.check(&*reach)))
+    }
+}
+
+impl AnswersOne<AskReach> for Engine {
+    fn answer_one(&self, AskReach { text }: AskReach) -> Result<Surface, Refusal> {
+        Ok(surface::surface(&*self.bodies.reach(&look::read(&text)?.task)?))
+    }
+}
+
+impl AnswersOne<AskBody> for Engine {
+    fn answer_one(&self, AskBody { model }: AskBody) -> Result<BodyShape, Refusal> {
+        let task = myo_tasks::Task::without_script("body");
+        Ok(motion::shape(&Skeleton::without_script(&*self.bodies.model(&model)?, &task)?))
+    }
+}
+
+impl AnswersOne<ListTasks> for Engine {
+    fn answer_one(&self, _: ListTasks) -> Result<Vec<TaskFile>, Refusal> {
+        self.workspace.list_tasks()
+    }
+}
+
+impl AnswersOne<OpenTask> for Engine {
+    fn answer_one(&self, OpenTask { name }: OpenTask) -> Result<TaskText, Refusal> {
+        self.workspace.open_task(&name)
+    }
+}
+
+impl AnswersOne<SaveTask> for Engine {
+    fn answer_one(&self, SaveTask { name, text }: SaveTask) -> Result<TaskFile, Refusal> {
+        let file = self.workspace.save_task(&name, &text)?;
+        self.hub.tell(&Event::Tasks { name: Some(name) });
+        Ok(file)
+    }
+}
+
+impl AnswersOne<DiscardTask> for Engine {
+    fn answer_one(&self, DiscardTask { name }: DiscardTask) -> Result<(), Refusal> {
+        self.workspace.discard(Kind::Task, &name)?;
+        self.hub.tell(&Event::Tasks { name: None });
+        Ok(())
+    }
+}
+
+impl AnswersOne<Train> for Engine {
+    fn answer_one(&self, Train { order }: Train) -> Result<Vec<u32>, Refusal> {
+        self.jobs.order(&order)
+    }
+}
+
+impl AnswersOne<GoOn> for Engine {
+    fn answer_one(&self, GoOn { run }: GoOn) -> Result<u32, Refusal> {
+        self.jobs.go_on(&run)
+    }
+}
+
+impl AnswersOne<TellJob> for Engine {
+    fn answer_one(&self, TellJob { job, step }: TellJob) -> Result<(), Refusal> {
+        self.jobs.tell(job, step)
+    }
+}
+
+impl AnswersOne<Watch> for Engine {
+    fn answer_one(&self, Watch { job }: Watch) -> Result<(), Refusal> {
+        self.stage.watch(job);
+        Ok(())
+    }
+}
+
+impl AnswersOne<ListRuns> for Engine {
+    fn answer_one(&self, _: ListRuns) -> Result<Vec<RunEntry>, Refusal> {
+        runs::list(&self.workspace)
+    }
+}
+
+impl AnswersOne<AskRun> for Engine {
+    fn answer_one(&self, AskRun { name }: AskRun) -> Result<RunDetail, Refusal> {
+        runs::detail(&self.workspace, &name)
+    }
+}
+
+impl AnswersOne<NoteRun> for Engine {
+    fn answer_one(&self, NoteRun { name, note }: NoteRun) -> Result<(), Refusal> {
+        runs::write_note(&self.workspace, &name, &note)?;
+        self.hub.tell(&Event::Runs);
+        Ok(())
+    }
+}
+
+impl AnswersOne<RenameRun> for Engine {
+    fn answer_one(&self, RenameRun { name, to }: RenameRun) -> Result<(), Refusal> {
+        self.refuse_if_training(&name)?;
+        self.workspace.rename_run(&name, &to)?;
+        self.hub.tell(&Event::Runs);
+        Ok(())
+    }
+}
+
+impl AnswersOne<DiscardRun> for Engine {
+    fn answer_one(&self, DiscardRun { name }: DiscardRun) -> Result<(), Refusal> {
+        self.refuse_if_training(&name)?;
+        self.workspace.discard(Kind::Run, &name)?;
+        self.hub.tell(&Event::Runs);
+        Ok(())
+    }
+}
+
+impl Engine {
+    /// The folder of a run that somebody writes into stays where it is.
+    fn refuse_if_training(&self, name: &str) -> Result<(), Refusal> {
+        let folder = self.workspace.run(name)?;
+        match myo_train::RunFolder::open(&folder) {
+            Ok(run) if run.is_training() => Err(Refusal::sentence(format!("{name} is being trained; stop it first"))),
+            // A damaged run can be thrown away.
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! From moments of an environment to the numbers of a motion.
+
+use myo_dynamics::spatial::Rotation;
+use myo_env::{EnvError, Role, Skeleton, SkeletonPose, Snapshot};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+
+use crate::protocol::{BodyPart, BodyShape, MotionLayout, MuscleShape};
+
+/// What of the body of a skeleton stays the same.
+pub fn shape(skeleton: &Skeleton) -> BodyShape {
+    let model = skeleton.model();
+    let part = |body: &myo_model::model::Body| BodyPart {
+        name: body.name.clone(),
+        parent: body.parent,
+        mass_kg: body.mass,
+    };
+    let muscle = |muscle: &myo_model::model::Muscle| MuscleShape {
+        name: muscle.name.clone(),
+        points: muscle.path.len(),
+        on: muscle.path.iter().map(|&site| model.sites[site].body).collect(),
+        peak_force_n: muscle.parameters.gain.force,
+    };
+    BodyShape {
+        name: model.name.clone(),
+        parts: model.bodies.iter().map(part).collect(),
+        limb: skeleton.limb().to_vec(),
+        muscles: model.muscles.iter().map(muscle).collect(),
+        joints: skeleton.joint_names().map(str::to_owned).collect(),
+    }
+}
+
+/// How the numbers of a frame lie.
+pub fn layout(skeleton: &Skeleton) -> MotionLayout {
+    let model = skeleton.model();
+    MotionLayout {
+        parts: model.bodies.len(),
+        muscle_points: model.muscles.iter().map(|muscle| muscle.path.len()).collect(),
+        joints: skeleton.joint_names().count(),
+        objects: skeleton.task().objects.len(),
+    }
+}
+
+/// Adds the numbers of a frame; `time_s` is that since the episode began.
+///
+/// # Errors
+/// The moment is of another model or task.
+pub fn push_frame(
+    skeleton: &Skeleton,
+    moment: &Snapshot,
+    time_s: f64,
+    numbers: &mut Vec<f32>,
+) -> Result<(), EnvError> {
+    let pose = skeleton.pose(moment)?;
+    let mut push = |x: f64| numbers.push(x as f32);
+    push(time_s);
+    push(f64::from(moment.episode));
+    push(pose.step.map_or(-1.0, |step| step as f64));
+    pose.fingertip.into_iter().chain(pose.pointer).for_each(&mut push);
+    push(moment.touch);
+    for body in &pose.bodies {
+        body.position.array().into_iter().chain(quaternion(&body.rotation)).for_each(&mut push);
+    }
+    for muscle in &pose.muscles {
+        muscle.points.iter().flatten().copied().chain([muscle.activation]).for_each(&mut push);
+    }
+    moment.body.qpos.iter().copied().for_each(&mut push);
+    objects(&pose, push);
+    Ok(())
+}
+
+fn objects(pose: &SkeletonPose, mut push: impl FnMut(f64)) {
+    for object in &pose.objects {
+        object.frame.position.array().into_iter().for_each(&mut push);
+        quaternion(&object.frame.rotation).into_iter().for_each(&mut push);
+        object.half_size.into_iter().for_each(&mut push);
+        push(object.value.unwrap_or(f64::NAN));
+        push(match object.role {
+            Role::Current => 0.0,
+            Role::Later => 1.0,
+            Role::Done => 2.0,
+            Role::Bystander => 3.0,
+        });
+    }
+}
+
+/// `x y z w`.
+fn quaternion(axes: &Rotation<f64>) -> [f64; 4] {
+    let [x, y, z] = [axes.x, axes.y, axes.z].map(|axis| axis.array());
+    let matrix = Matrix3::from_columns(&[x.into(), y.into(), z.into()]);
+    let turned = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+    turned.coords.into()
+}

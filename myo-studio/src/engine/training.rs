@@ -1,0 +1,112 @@
+//! A training in a run folder: begun, or taken up where it was stopped.
+
+use std::path::{Path, PathBuf};
+
+use myo_lab::{Backend, Device, Envs, RunDescription, Start, WarmStart, own_model};
+use myo_model::Model;
+use myo_tasks::Task;
+use myo_train::session::{Goal, Session};
+use myo_train::{Checkpoint, PpoConfig, RunClaim, RunFolder, RunWriter};
+
+use crate::protocol::Refusal;
+
+/// A training that is ready to advance.
+pub struct Training {
+    /// The training.
+    pub session: Session,
+    /// What computes it.
+    pub device: Device,
+    /// What is trained.
+    pub task: Task,
+    /// The body that does it.
+    pub model: Model,
+}
+
+/// What a new training begins with.
+pub struct Beginning<'a> {
+    /// What is trained.
+    pub task: &'a Task,
+    /// The body that does it.
+    pub model: &'a Model,
+    /// Where it runs.
+    pub backend: &'a Backend,
+    /// Settings of the learner.
+    pub config: PpoConfig,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// When to stop.
+    pub goal: Goal,
+    /// The run whose user goes on learning, if any.
+    pub from: Option<PathBuf>,
+}
+
+impl Training {
+    /// Begins a training in a new folder. `notice` hears why a card that is there is not used.
+    ///
+    /// # Errors
+    /// The task cannot be simulated, the folder cannot be made, or the card is lost.
+    pub fn begin(beginning: Beginning<'_>, folder: &Path, notice: &mut dyn FnMut(String)) -> Result<Self, Refusal> {
+        let Beginning { task, model, backend, config, seed, goal, from } = beginning;
+        let heritage = from.as_deref().map(newest).transpose()?;
+        let config = match &heritage {
+            Some(checkpoint) => checkpoint.config().with_default_learning(),
+            None => config,
+        };
+        let start = Start::New { config: &config, seed, from: heritage.as_ref() };
+        let envs = build(backend, model, task, (&config, seed), notice)?;
+        let (device, looks) = (envs.device(), envs.for_looks(seed)?);
+        let session = envs.session(looks, start, goal)?;
+        let warm = from.zip(heritage.as_ref());
+        let warm = warm.map(|(run, checkpoint)| WarmStart { run, env_steps: checkpoint.env_steps() });
+        let description = RunDescription::new(task.clone(), own_model(&task.model)?, &device, goal, warm);
+        let trainer = session.trainer();
+        let run = serde_json::to_value(&description)?;
+        let writer = RunWriter::create(folder, run, trainer.config(), trainer.seed(), trainer.spec())?;
+        Ok(Self { session: session.recorded_in(writer)?, device, task: task.clone(), model: model.clone() })
+    }
+
+    /// Goes on with a run from its newest checkpoint; from its beginning where it was stopped before the first.
+    ///
+    /// # Errors
+    /// The run cannot be read, others train there, or the device that it began on is not there.
+    pub fn resume(folder: &Path, notice: &mut dyn FnMut(String)) -> Result<Self, Refusal> {
+        let claim = RunClaim::take(folder)?;
+        let run = claim.folder();
+        let description = RunDescription::of(run)?;
+        let (config, seed, goal) = (run.config().ppo.clone(), run.config().seed, description.goal());
+        let model = description.body()?;
+        let envs = build(&description.backend(), &model, &description.task, (&config, seed), notice)?;
+        let checkpoint = run.latest_checkpoint()?.checkpoint;
+        let heritage = match (&checkpoint, &description.from) {
+            (None, Some(from)) => {
+                let checkpoint = newest(&from.run)?;
+                from.check(&checkpoint)?;
+                Some(checkpoint)
+            }
+            _ => None,
+        };
+        let new = Start::New { config: &config, seed, from: heritage.as_ref() };
+        let (device, looks) = (envs.device(), envs.for_looks(seed)?);
+        let session = envs.session(looks, checkpoint.as_ref().map_or(new, Start::Resumed), goal)?;
+        let trainer = session.trainer();
+        let writer = claim.resume(trainer.env_steps(), trainer.spec())?;
+        Ok(Self { session: session.recorded_in(writer)?, device, task: description.task, model })
+    }
+}
+
+/// The newest checkpoint of a run.
+fn newest(folder: &Path) -> Result<Checkpoint, Refusal> {
+    let none = || Refusal::sentence(format!("{} has no checkpoint yet", folder.display()));
+    RunFolder::open(folder)?.latest_checkpoint()?.checkpoint.ok_or_else(none)
+}
+
+fn build(
+    backend: &Backend,
+    model: &Model,
+    task: &Task,
+    training: (&PpoConfig, u64),
+    notice: &mut dyn FnMut(String),
+) -> Result<Envs, Refusal> {
+    let mut hear = |error: &dyn std::error::Error| notice(format!("{error}; the processor is taken instead"));
+    Ok(backend.build_for_training(model, std::slice::from_ref(task), training, &mut hear)?)
+}

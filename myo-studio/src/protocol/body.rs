@@ -1,0 +1,76 @@
+//! The simulated user: what of it stays, and how it moves.
+
+use serde::{Deserialize, Serialize};
+
+/// What of a body stays the same whatever it does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct BodyShape {
+    /// Name of the model.
+    pub name: String,
+    /// Its bodies, the world first, parents before children.
+    pub parts: Vec<BodyPart>,
+    /// Indices of the parts from the upper arm down to the hand.
+    pub limb: Vec<usize>,
+    /// Its muscles.
+    pub muscles: Vec<MuscleShape>,
+    /// Names of the independent joints, in the order of [`MotionLayout::joints`].
+    pub joints: Vec<String>,
+}
+
+/// A rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct BodyPart {
+    /// Name.
+    pub name: String,
+    /// Index of the part that it hangs on; of the world, itself.
+    pub parent: usize,
+    /// Mass (kg).
+    pub mass_kg: f64,
+}
+
+/// A muscle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct MuscleShape {
+    /// Name.
+    pub name: String,
+    /// Number of points of its path, from origin to insertion.
+    pub points: usize,
+    /// Index of the part that each point is fixed to.
+    pub on: Vec<usize>,
+    /// Force of the muscle at full activation and its best length (N), where the model states it.
+    pub peak_force_n: Option<f64>,
+}
+
+/// What a [`Motion`](super::Message::Motion) is a motion of, and how its numbers lie.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct MotionLayout {
+    /// Parts of the body: of each its origin (m from the shoulder centre, world axes) and its orientation as a quaternion, `x y z w`.
+    pub parts: usize,
+    /// Points of each muscle: of each muscle its points (m), then its activation in [0, 1].
+    pub muscle_points: Vec<usize>,
+    /// Independent joints: of each its coordinate (rad).
+    pub joints: usize,
+    /// Objects of the task: of each its centre (m), its orientation `x y z w`, half its sizes along its own axes (m), its value (NaN without
+    /// one), its part in the task (0 current, 1 later, 2 done, 3 bystander).
+    pub objects: usize,
+}
+
+/// Numbers of a frame that are those of the moment: time (s) since the episode began, its number, the step that is to do (-1 once all
+/// are done), fingertip (m), pointer (m), force on what is touched (N).
+pub const MOMENT: usize = 10;
+/// Numbers of a part of the body.
+pub const PART: usize = 7;
+/// Numbers of an object.
+pub const OBJECT: usize = 12;
+
+impl MotionLayout {
+    /// Numbers of one frame: those of the moment, then of parts, muscles, joints and objects.
+    pub fn frame_size(&self) -> usize {
+        let muscles: usize = self.muscle_points.iter().map(|points| 3 * points + 1).sum();
+        MOMENT + PART * self.parts + muscles + self.joints + OBJECT * self.objects
+    }
+}
