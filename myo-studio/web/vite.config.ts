@@ -22,7 +22,7 @@ function compressed(): Plugin {
 
 export default defineConfig({
   plugins: [svelte(), compressed()],
-  build: { target: 'es2023', assetsInlineLimit: 0, reportCompressedSize: false },
+  build: { target: 'es2023', assetsInlineLimit: 0, reportCompressedSize: false, chunkSizeWarningLimit: 1000 },
   // `npm run dev` beside a studio that was started with --port 7117.
   server: { proxy: { '/engine': { target: 'ws://127.0.0.1:7117', ws: true } } },
 });

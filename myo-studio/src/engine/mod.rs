@@ -55,6 +55,8 @@ impl Engine {
         let jobs = Arc::new(Jobs::open(kept.0, kept.1, kept.2, kept.3, backend)?);
         let (worker, watcher, listeners) = (Arc::clone(&jobs), Arc::clone(&stage), Arc::clone(&hub));
         std::thread::Builder::new().name("trainings".into()).spawn(move || worker.work())?;
+        // Pages ask for the cards first: they are painted meanwhile.
+        std::thread::Builder::new().name("cards".into()).spawn(|| _ = presets::cards())?;
         std::thread::Builder::new().name("watch".into()).spawn(move || watcher.work(&listeners))?;
         Ok(Self { workspace, bodies, hub, stage, jobs })
     }

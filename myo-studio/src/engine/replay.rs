@@ -4,7 +4,7 @@ use std::path::Path;
 
 use myo_lab::RunDescription;
 use myo_model::Model;
-use myo_tasks::Task;
+use myo_tasks::{Pose, Task};
 use myo_train::{Checkpoint, RunFolder};
 
 use super::actor::Actor;
@@ -30,12 +30,15 @@ pub fn replay(folder: &Path, asked: &Replay) -> Result<(MotionHeader, Vec<f32>),
     Ok((header(&actor, checkpoint.env_steps()), numbers))
 }
 
-/// The first moment of a task as a motion of one frame.
+/// The user as it stands there at rest, with the objects of a task, as a motion of one frame.
 ///
 /// # Errors
 /// The task cannot be simulated.
 pub fn moment(model: &Model, task: &Task) -> Result<(MotionHeader, Vec<f32>), Refusal> {
-    let (actor, mut numbers) = (Actor::new(model, task, 1)?, Vec::new());
+    // How episodes begin is drawn at random: nobody stands like that before a layout.
+    let mut at_rest = task.clone();
+    at_rest.reset.pose = Pose::Zero;
+    let (actor, mut numbers) = (Actor::new(model, &at_rest, 1)?, Vec::new());
     actor.push_frame(&mut numbers)?;
     Ok((header(&actor, 0), numbers))
 }

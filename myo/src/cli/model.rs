@@ -1,6 +1,6 @@
 //! `myo model`: models of the body.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 use myo::dynamics::{CouplingMode, Plan};

@@ -1,0 +1,338 @@
+import { Refused, type Connection, type Engine, type Motion } from '../engine/engine';
+import type {
+  Finding,
+  ItemView,
+  Job,
+  JobOrder,
+  PresetCard,
+  RunEntry,
+  Step,
+  Surface,
+  TaskFile,
+  TaskView,
+  Welcome,
+} from '../engine/protocol';
+import { TaskDocument } from '../document/document.svelte';
+import { isWithin, path } from '../document/path';
+import type { Change } from '../view/manipulate';
+import { changeItem } from '../document/change';
+import type { Schema } from '../schema/schema';
+
+export type Page = { at: 'home' } | { at: 'setup' } | { at: 'runs' } | { at: 'run'; name: string } | { at: 'compare'; names: string[] };
+
+/** A file is written so long after the last change. */
+const SAVE_AFTER_MS = 400;
+
+const EMPTY = (name: string) => `version: 2
+name: ${name}
+description: ''
+scene: {}
+script: []
+time_limit_s: 5
+`;
+
+/** Everything that the page knows and shows. */
+export class Studio {
+  connection = $state<Connection>('connecting');
+  welcome = $state.raw<Welcome>();
+  schema = $state.raw<Schema>();
+  page = $state<Page>({ at: 'home' });
+  jobs = $state.raw<Job[]>([]);
+  runs = $state.raw<RunEntry[]>([]);
+  tasks = $state.raw<TaskFile[]>([]);
+  document = $state.raw<TaskDocument>();
+  /** What the text says; the last that could be read, so that one slip does not empty the scene. */
+  view = $state.raw<TaskView>();
+  /** What is wrong in the text as it stands, and what the body says to it. */
+  private plain = $state.raw<Finding[]>([]);
+  private checked = $state.raw<Finding[]>([]);
+  pose = $state.raw<Motion>();
+  surface = $state.raw<Surface>();
+  showsReach = $state(false);
+  selection = $state.raw<string[]>([]);
+  saved = $state<'saved' | 'saving' | 'unsaved'>('saved');
+  /** One sentence about what went wrong last. */
+  notice = $state<string>();
+  advanced = $state(false);
+  theme = $state<'light' | 'dark'>(preferred());
+  /** The training whose movement is shown. */
+  watched = $state<number>();
+  seesMotion: ((motion: Motion) => void) | undefined;
+
+  private saving: ReturnType<typeof setTimeout> | undefined;
+  private looking = false;
+  private checking = false;
+  private posed = '';
+
+  constructor(readonly engine: Engine) {
+    engine.onConnection((connection) => {
+      this.connection = connection;
+      if (connection === 'open') void this.arrive();
+    });
+    engine.onEvent((event) => {
+      if (event.event === 'jobs') this.hearJobs(event.jobs);
+      if (event.event === 'runs') void this.listRuns();
+      if (event.event === 'tasks') void this.hearTask(event.name);
+    });
+    engine.onMotion((motion) => this.seesMotion?.(motion));
+  }
+
+  get findings(): Finding[] {
+    return this.plain.length > 0 ? this.plain : this.checked;
+  }
+
+  get errors(): Finding[] {
+    return this.findings.filter((finding) => finding.severity === 'error');
+  }
+
+  /** What is selected, as long as it is there. */
+  get selected(): ItemView[] {
+    return this.selection.flatMap((path) => this.view?.items.find((item) => item.path === path) ?? []);
+  }
+
+  item(path: string): ItemView | undefined {
+    return this.view?.items.find((item) => item.path === path);
+  }
+
+  /** What an object is written as: the innermost item that it belongs to. */
+  itemOf(object: number): ItemView | undefined {
+    const { view } = this;
+    return view?.items.findLast((item) => item.objects.includes(object));
+  }
+
+  findingsAt(path: string): Finding[] {
+    return this.findings.filter((finding) => finding.path !== null && isWithin(finding.path, path));
+  }
+
+  private async arrive() {
+    await this.try(async () => {
+      const [welcome, schema] = await Promise.all([this.engine.ask('hello', {}), this.engine.ask('schema', {})]);
+      this.welcome = welcome;
+      this.schema = schema as Schema;
+      this.tasks = await this.engine.ask('tasks', {});
+      await this.listRuns();
+      if (this.watched !== undefined) await this.engine.ask('watch', { job: this.watched });
+    });
+  }
+
+  /** Does something, and says in one sentence why it could not be done. */
+  async try<T>(act: () => Promise<T>): Promise<T | undefined> {
+    try {
+      return await act();
+    } catch (error) {
+      if (!(error instanceof Refused)) throw error;
+      this.notice = error.message;
+      return undefined;
+    }
+  }
+
+  private hearJobs(jobs: Job[]) {
+    const isNew = (job: Job) => !this.jobs.some((other) => other.id === job.id);
+    const begun = jobs.filter((job) => isNew(job) && this.jobs.length > 0);
+    this.jobs = jobs;
+    const running = jobs.find((job) => ['training', 'preparing', 'paused', 'evaluating'].includes(job.state.is));
+    if (begun.length > 0 && running) this.watch(running.id);
+    else if (running && this.watched === undefined) this.watch(running.id);
+  }
+
+  watch(job: number | undefined) {
+    if (this.watched === job) return;
+    this.watched = job;
+    void this.try(() => this.engine.ask('watch', { job: job ?? null }));
+  }
+
+  async listRuns() {
+    this.runs = (await this.try(() => this.engine.ask('runs', {}))) ?? this.runs;
+  }
+
+  private async hearTask(name: string | null) {
+    this.tasks = (await this.try(() => this.engine.ask('tasks', {}))) ?? this.tasks;
+    const { document } = this;
+    // Another page has changed what is open here.
+    if (document && name === document.name && this.saved === 'saved') {
+      const opened = await this.try(() => this.engine.ask('open', { name }));
+      if (opened && opened.text !== document.text) document.replace(opened.text);
+    }
+  }
+
+  /** A name that no task has yet. */
+  freeName(base: string): string {
+    const taken = new Set(this.tasks.map((task) => task.name));
+    if (!taken.has(base)) return base;
+    for (let number = 2; ; number++) if (!taken.has(`${base}-${number}`)) return `${base}-${number}`;
+  }
+
+  begin(preset?: PresetCard) {
+    const name = this.freeName(preset?.name ?? 'my-task');
+    const text = preset ? preset.text.replace(/^name: .*$/m, `name: ${name}`) : EMPTY(name);
+    this.show(new TaskDocument(name, text));
+    this.touch();
+  }
+
+  async open(name: string) {
+    const opened = await this.try(() => this.engine.ask('open', { name }));
+    if (opened) this.show(new TaskDocument(opened.name, opened.text));
+  }
+
+  async import(file: File) {
+    const name = this.freeName(file.name.replace(/\.ya?ml$/i, '') || 'imported');
+    this.show(new TaskDocument(name, await file.text()));
+    this.touch();
+  }
+
+  private show(document: TaskDocument) {
+    this.document = document;
+    this.view = undefined;
+    this.selection = [];
+    this.posed = '';
+    this.page = { at: 'setup' };
+    void this.see();
+  }
+
+  /** The text was changed: it is looked at anew, and kept. */
+  touch() {
+    this.saved = 'unsaved';
+    clearTimeout(this.saving);
+    this.saving = setTimeout(() => void this.save(), SAVE_AFTER_MS);
+    void this.see();
+  }
+
+  async save() {
+    const { document } = this;
+    if (!document) return;
+    clearTimeout(this.saving);
+    this.saved = 'saving';
+    const { version, name, text } = document;
+    const done = await this.try(() => this.engine.ask('save', { name, text }));
+    this.saved = done && document.version === version ? 'saved' : 'unsaved';
+  }
+
+  /** Asks what the text says; of many changes in a row the last counts. */
+  async see() {
+    if (this.looking) return;
+    this.looking = true;
+    let seen: number | undefined;
+    while (this.document && seen !== this.document.version) {
+      const { document } = this;
+      seen = document.version;
+      const look = await this.try(() => this.engine.ask('look', { text: document.text }));
+      if (!look || document !== this.document) continue;
+      this.plain = look.findings;
+      if (look.view) this.view = look.view;
+    }
+    this.looking = false;
+    void this.check();
+    void this.stand();
+  }
+
+  /** Asks what the body says to it: that takes longer. */
+  private async check() {
+    if (this.checking) return;
+    this.checking = true;
+    let seen: number | undefined;
+    while (this.document && seen !== this.document.version) {
+      const { document } = this;
+      seen = document.version;
+      if (this.plain.some((finding) => finding.severity === 'error')) {
+        this.checked = [];
+        continue;
+      }
+      const found = await this.try(() => this.engine.ask('check', { text: document.text }));
+      if (found && document === this.document) this.checked = found;
+    }
+    this.checking = false;
+  }
+
+  /** The user at the beginning: asked anew where another body or another beginning is meant. */
+  private async stand() {
+    const { document, view } = this;
+    if (!document || !view) return;
+    const key = `${document.name} ${view.model} ${JSON.stringify(document.get('reset') ?? null)}`;
+    if (key === this.posed) return;
+    this.posed = key;
+    try {
+      this.pose = await this.engine.pose({ text: document.text });
+    } catch (error) {
+      // A task that is not right yet has no user; the one of before stays.
+      if (!(error instanceof Refused)) throw error;
+      this.posed = '';
+    }
+    if (!this.pose) this.pose = await this.try(() => this.engine.pose({ text: this.welcome?.presets[0]?.text ?? '' }));
+  }
+
+  async toggleReach() {
+    this.showsReach = !this.showsReach;
+    const { document } = this;
+    if (this.showsReach && document) {
+      this.surface = await this.try(() => this.engine.ask('reach', { text: document.text }));
+    }
+  }
+
+  select(paths: string[]) {
+    this.selection = paths;
+  }
+
+  pick(object: number | undefined, add: boolean) {
+    const item = object === undefined ? undefined : this.itemOf(object);
+    if (!item) {
+      if (!add) this.selection = [];
+    } else if (!add) this.selection = [item.path];
+    else if (this.selection.includes(item.path)) this.selection = this.selection.filter((path) => path !== item.path);
+    else this.selection = [...this.selection, item.path];
+  }
+
+  /** Carries a drag out in the text: with all that is selected, where what is dragged is among it. */
+  change(item: ItemView, change: Change) {
+    const { document } = this;
+    if (!document) return;
+    const all = change.by && this.selection.includes(item.path) ? this.selected : [item];
+    document.edit((tree) => all.forEach((one) => changeItem(tree, one, change)));
+    this.touch();
+  }
+
+  /** Edits the text by a function of the document. */
+  edit<T>(act: (document: TaskDocument) => T): T | undefined {
+    const { document } = this;
+    if (!document) return undefined;
+    const done = act(document);
+    this.touch();
+    return done;
+  }
+
+  set(at: (string | number)[], value: Parameters<TaskDocument['set']>[1] | undefined) {
+    this.edit((document) => (value === undefined ? document.unset(path(at)) : document.set(path(at), value)));
+  }
+
+  async train(order: Partial<JobOrder> = {}) {
+    const { document } = this;
+    if (!document) return;
+    await this.save();
+    const whole: JobOrder = {
+      text: document.text,
+      name: document.name,
+      seed: 1,
+      users: 1,
+      until: 'plateau',
+      steps: null,
+      from: null,
+      ...order,
+    };
+    const ids = await this.try(() => this.engine.ask('train', { order: whole }));
+    if (ids?.length) this.watch(ids[0]);
+  }
+
+  tell(job: number, step: Step) {
+    return this.try(() => this.engine.ask('tell', { job, step }));
+  }
+
+  setTheme(theme: 'light' | 'dark') {
+    this.theme = theme;
+    localStorage.setItem('myo-theme', theme);
+  }
+}
+
+function preferred(): 'light' | 'dark' {
+  const kept = localStorage.getItem('myo-theme');
+  if (kept === 'light' || kept === 'dark') return kept;
+  return matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
+}

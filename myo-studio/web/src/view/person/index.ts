@@ -1,0 +1,103 @@
+// The person: a calm clay figure whose right arm is moved by the simulation and shows its muscles through its skin.
+// It brings no lights; it is tuned for one hemisphere light and one directional light (about 1.6 and 1.9 strong).
+import { Group, Mesh, MeshLambertMaterial } from 'three';
+import { Bones, BONE_TUBES } from './bones';
+import { bodyGeometry, handGeometry, headGeometry, stoolGeometry } from './body';
+import { EYE } from './figure';
+import { Limb } from './limb';
+import { Muscles, ringsPerMuscle } from './muscles';
+import { type Palette, palette } from './palette';
+import { Shadow } from './shadow';
+import { Skin } from './skin';
+import { Tubes } from './tubes';
+import type { PersonPose, PersonShape, Theme } from './types';
+
+export type { PersonPose, PersonShape, Theme } from './types';
+export { floorHeight } from './figure';
+
+export class Person {
+  readonly group = new Group();
+
+  private readonly clay = new MeshLambertMaterial({ vertexColors: true });
+  private readonly painted = new MeshLambertMaterial({ vertexColors: true });
+  private readonly wood = new MeshLambertMaterial();
+  private readonly body = new Mesh(bodyGeometry(false), this.clay);
+  private readonly head = new Mesh(headGeometry(), this.clay);
+  private readonly hand = new Mesh(handGeometry(), this.clay);
+  private readonly stool = new Mesh(stoolGeometry(), this.wood);
+  private readonly shadow = new Shadow();
+  private readonly skin: Skin;
+  /** what the simulation moves; not shown before the first pose */
+  private readonly arm = new Group();
+  private readonly limb: Limb;
+  private readonly tubes: Tubes;
+  private readonly bones: Bones;
+  private readonly muscles: Muscles;
+  private colors: Palette;
+
+  constructor(shape: PersonShape, theme: Theme) {
+    const bellies = Array<number>(shape.muscles.length).fill(ringsPerMuscle(shape.muscles.length));
+    const before = BONE_TUBES.reduce((sum, count) => sum + count, 0);
+    this.limb = new Limb(shape.limb);
+    this.tubes = new Tubes([...BONE_TUBES, ...bellies]);
+    this.bones = new Bones(this.tubes);
+    this.muscles = new Muscles(shape, this.tubes, before);
+    this.skin = new Skin([...this.limb.skin, ...this.muscles.bulges]);
+    this.colors = palette(theme);
+
+    const inside = new Mesh(this.tubes.geometry, this.painted);
+    inside.frustumCulled = false;
+    this.hand.matrixAutoUpdate = false;
+    this.arm.add(inside, this.hand, this.skin.group);
+    this.arm.visible = false;
+    this.group.add(this.body, this.head, this.stool, this.shadow.mesh, this.arm);
+    this.setSitting(false);
+    this.setTheme(theme);
+  }
+
+  pose(pose: PersonPose): void {
+    this.limb.update(pose);
+    this.hand.matrix.copy(this.limb.hand.matrix);
+    this.hand.matrixWorldNeedsUpdate = true;
+    this.bones.update(this.limb);
+    this.muscles.update(pose.muscles, this.limb, this.colors);
+    this.tubes.moved();
+    this.skin.update(this.limb);
+    this.arm.visible = true;
+  }
+
+  setTheme(theme: Theme): void {
+    this.colors = palette(theme);
+    this.clay.color.copy(this.colors.clay);
+    this.wood.color.copy(this.colors.stool);
+    this.shadow.setPalette(this.colors);
+    this.skin.setPalette(this.colors);
+    this.bones.paint(this.colors);
+    this.muscles.paint(this.colors);
+  }
+
+  setFirstPerson(on: boolean): void {
+    this.head.visible = !on;
+  }
+
+  setSitting(on: boolean): void {
+    if (this.stool.visible !== on) {
+      this.body.geometry.dispose();
+      this.body.geometry = bodyGeometry(on);
+    }
+    this.stool.visible = on;
+    this.shadow.setSitting(on);
+  }
+
+  eye(): { position: [number, number, number]; forward: [number, number, number] } {
+    return { position: [...EYE], forward: [0.93, -0.06, -0.36] };
+  }
+
+  dispose(): void {
+    for (const mesh of [this.body, this.head, this.hand, this.stool]) mesh.geometry.dispose();
+    for (const material of [this.clay, this.painted, this.wood]) material.dispose();
+    this.tubes.geometry.dispose();
+    this.skin.dispose();
+    this.shadow.dispose();
+  }
+}
