@@ -15,7 +15,9 @@ function compressed(): Plugin {
       const entries = await readdir(folder, { recursive: true, withFileTypes: true });
       const files = entries.filter((entry) => entry.isFile() && !entry.name.endsWith('.gz'));
       const paths = files.map((entry) => join(entry.parentPath, entry.name));
-      await Promise.all(paths.map(async (path) => writeFile(`${path}.gz`, gzipSync(await readFile(path), { level: 9 }))));
+      await Promise.all(
+        paths.map(async (path) => writeFile(`${path}.gz`, gzipSync(await readFile(path), { level: 9 }))),
+      );
     },
   };
 }

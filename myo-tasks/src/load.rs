@@ -77,6 +77,17 @@ impl Task {
 impl Source {
     /// Reads a task file's text. `name` is used in messages only.
     pub fn parse(text: &str, name: &str) -> Result<Self, LoadError> {
+        match Self::draft(text, name)? {
+            (source, values) if values.is_empty() => Ok(source),
+            (_, values) => Err(LoadError::Values { values }),
+        }
+    }
+
+    /// Reads a text that somebody still writes: the task as far as it goes, and the values that are wrong, in the order of the text.
+    ///
+    /// # Errors
+    /// The text is no YAML, or has keys or types that no task has.
+    pub fn draft(text: &str, name: &str) -> Result<(Self, Vec<BadValue>), LoadError> {
         let layout = Layout::of(text);
         let task: Task = serde_saphyr::from_str_with_options(text, yaml_options())
             .map_err(|error| Explain { name, layout: layout.as_ref() }.error(&error))?;
@@ -85,10 +96,12 @@ impl Source {
             place: SourceLocation::new(name, (1, 1)),
             message: "the file cannot be read a second time to find positions".into(),
         })?;
-        check_values(&task, name, &layout)?;
-        let origin =
-            (0..task.targets.len()).flat_map(|i| std::iter::repeat_n(i, task.targets[i].repeat() as usize)).collect();
-        Ok(Self { name: name.to_owned(), text: text.to_owned(), task: task.expanded(), layout, origin })
+        let values = bad_values(&task, name, &layout);
+        // Wrong values may ask for millions of copies.
+        let repeats = |i: usize| if values.is_empty() { task.targets[i].repeat() as usize } else { 1 };
+        let origin = (0..task.targets.len()).flat_map(|i| std::iter::repeat_n(i, repeats(i))).collect();
+        let task = if values.is_empty() { task.expanded() } else { task };
+        Ok((Self { name: name.to_owned(), text: text.to_owned(), task, layout, origin }, values))
     }
 
     /// Everything that [`check`] finds.
@@ -119,11 +132,11 @@ impl Source {
     }
 }
 
-fn check_values(task: &Task, name: &str, layout: &Layout) -> Result<(), LoadError> {
+fn bad_values(task: &Task, name: &str, layout: &Layout) -> Vec<BadValue> {
     let located = |error: TaskError| BadValue { place: SourceLocation::new(name, layout.value(&error.path())), error };
     let mut values: Vec<BadValue> = value_errors(task).into_iter().map(located).collect();
     values.sort_by_key(|value| (value.place.line, value.place.column));
-    if values.is_empty() { Ok(()) } else { Err(LoadError::Values { values }) }
+    values
 }
 
 /// Options for every reading: numbers such as `.nan` come through, so that they are refused with a sentence of our own.

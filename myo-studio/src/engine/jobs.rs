@@ -7,17 +7,17 @@ use std::time::{Duration, Instant};
 use myo_lab::progress::time_left;
 use myo_lab::{Backend, Device, ModelReach, likely_cause};
 use myo_tasks::FlatTask;
-use myo_train::session::{End, Goal, News, Outcome, Progress, Until};
-use myo_train::{PpoConfig, write_whole};
+use myo_train::session::{Change, End, Goal, News, Outcome, Progress, Trend, Until};
+use myo_train::{Checkpoint, PpoConfig, write_whole};
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
 use super::hub::Hub;
 use super::look;
-use super::training::{Beginning, Training};
+use super::training::{Beginning, Heritage, Training};
 use super::watch::Stage;
 use super::workspace::Workspace;
-use crate::protocol::{Bottleneck, Event, Job, JobOrder, JobProgress, JobState, Refusal, Step};
+use crate::protocol::{Before, Bottleneck, Doubling, Event, Job, JobOrder, JobProgress, JobState, Refusal, Step};
 
 /// Control steps after which a training stops unless asked otherwise, as of `myo train`.
 const STEPS: u64 = 200_000_000;
@@ -25,6 +25,8 @@ const STEPS: u64 = 200_000_000;
 const MOST_USERS: u32 = 64;
 /// Pages hear of a training at most so often.
 const TELL_EVERY: Duration = Duration::from_millis(100);
+/// Episodes of the first look at a user that comes from another task: some tenths of a second.
+const FIRST_LOOK: usize = 256;
 /// Share of a new rate in the one shown.
 const FRESH: f64 = 0.1;
 
@@ -54,6 +56,17 @@ struct Entry {
     /// What it was told last and has not done yet.
     #[serde(skip)]
     told: Option<Step>,
+    /// The task that a live training goes on with, and has not begun yet.
+    #[serde(default)]
+    next: Option<String>,
+}
+
+/// How a training of a task ended.
+enum Over {
+    /// It is over.
+    So(JobState),
+    /// Another task came: the user that goes on with it.
+    Changed(Box<Checkpoint>),
 }
 
 impl Jobs {
@@ -99,13 +112,7 @@ impl Jobs {
         if order.users == 0 || order.users > MOST_USERS {
             return Err(Refusal::sentence(format!("{} users are asked for; from 1 to {MOST_USERS} can be", order.users)));
         }
-        let source = look::read(&order.text)?;
-        let report = source.check(&*self.bodies.reach(&source.task)?);
-        if !report.is_ok() {
-            let findings = look::of_report(&source, &report);
-            let message = report.errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-            return Err(Refusal { message, findings });
-        }
+        self.refuse_what_cannot_be_trained(&order.text)?;
         // The name becomes that of a folder.
         self.workspace.task(&order.name)?;
         if let Some(from) = &order.from {
@@ -120,16 +127,44 @@ impl Jobs {
                 run: None,
                 title: order.name.clone(),
                 seed,
+                live: order.live,
                 state: JobState::Waiting,
                 progress: None,
                 news: vec![],
             };
-            list.entries.push(Entry { job, order: JobOrder { seed, users: 1, ..order.clone() }, told: None });
+            list.entries.push(Entry { job, order: JobOrder { seed, users: 1, ..order.clone() }, told: None, next: None });
             id
         });
         let ids = ids.collect();
         self.changed(list)?;
         Ok(ids)
+    }
+
+    fn refuse_what_cannot_be_trained(&self, text: &str) -> Result<(), Refusal> {
+        let source = look::read(text)?;
+        let report = source.check(&*self.bodies.reach(&source.task)?);
+        if report.is_ok() {
+            return Ok(());
+        }
+        let findings = look::of_report(&source, &report);
+        let message = report.errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        Err(Refusal { message, findings })
+    }
+
+    /// Lets the user of a live training go on with another task, whether it is under way or over.
+    ///
+    /// # Errors
+    /// There is no such training, it is not live, or the task cannot be trained.
+    pub fn relearn(&self, id: u32, text: String) -> Result<(), Refusal> {
+        self.refuse_what_cannot_be_trained(&text)?;
+        let mut list = self.list();
+        let entry = list.entries.iter_mut().find(|entry| entry.job.id == id && entry.job.live);
+        let entry = entry.ok_or_else(|| Refusal::sentence("there is no live training to go on with"))?;
+        entry.next = Some(text);
+        if !entry.is_under_way() {
+            entry.job.state = JobState::Waiting;
+        }
+        self.changed(list)
     }
 
     /// Takes up a run again that was stopped, whoever trained there.
@@ -151,6 +186,7 @@ impl Jobs {
             run: Some(run.to_owned()),
             title: title.clone(),
             seed: summary.seed,
+            live: false,
             state: JobState::Waiting,
             progress: None,
             news: vec![],
@@ -163,8 +199,9 @@ impl Jobs {
             until: "plateau".into(),
             steps: None,
             from: None,
+            live: false,
         };
-        list.entries.push(Entry { job, order, told: None });
+        list.entries.push(Entry { job, order, told: None, next: None });
         self.changed(list)?;
         Ok(id)
     }
@@ -178,11 +215,7 @@ impl Jobs {
         let none = || Refusal::sentence("this training is not in the list any more");
         let index = list.entries.iter().position(|entry| entry.job.id == id).ok_or_else(none)?;
         let entry = &mut list.entries[index];
-        let under_way = matches!(
-            entry.job.state,
-            JobState::Preparing | JobState::Training | JobState::Paused | JobState::Evaluating
-        );
-        match (step, under_way) {
+        match (step, entry.is_under_way()) {
             (_, true) => entry.told = Some(step),
             (Step::Dismiss, false) => drop(list.entries.remove(index)),
             (Step::Resume, false) if !matches!(entry.job.state, JobState::Done { .. }) => {
@@ -268,10 +301,20 @@ impl Jobs {
         }
     }
 
-    /// Trains one to its end.
+    /// Trains one to its end; a live one through all its tasks.
     fn carry_out(&self, entry: &Entry) -> Result<JobState, Refusal> {
         let id = entry.job.id;
-        let training = self.prepare(entry)?;
+        let mut training = self.prepare(entry)?;
+        loop {
+            match self.train(id, training)? {
+                Over::So(state) => return Ok(state),
+                Over::Changed(checkpoint) => training = self.prepare_next(id, *checkpoint)?,
+            }
+        }
+    }
+
+    /// Trains one task to its end, or until there is another.
+    fn train(&self, id: u32, training: Training) -> Result<Over, Refusal> {
         let told = || self.told(id);
         let stop = || !matches!(told(), Some(Step::Stop | Step::Dismiss));
         let mut following = Following::new(&training);
@@ -279,9 +322,21 @@ impl Jobs {
         self.stage.enter(id, &model, &task, session.trainer().policy(), session.trainer().env_steps());
         self.update_and_keep(id, |job| job.state = JobState::Training);
         self.hub.tell(&Event::Runs);
+        if session.trainer().inherited().is_some() && session.trainer().updates() == 0 {
+            following.before = session.measure(FIRST_LOOK, 1, &stop)?.map(|seen| Before {
+                success: seen.success,
+                episode_s: seen.episode_length_s,
+            });
+            let first = following.at_first();
+            self.update(id, |job| job.progress = Some(first));
+        }
         loop {
             self.wait_while_paused(id);
+            if self.has_next(id) {
+                return Ok(Over::Changed(Box::new(session.trainer().save()?)));
+            }
             let progress = session.advance(&stop)?;
+            following.doubling = session.trend().map(doubling);
             if self.stage.wants(id) {
                 self.stage.renew(id, session.trainer().policy(), session.trainer().env_steps());
             }
@@ -301,33 +356,70 @@ impl Jobs {
                         job.state = JobState::Evaluating;
                     }
                 });
-                return Ok(state(&session.conclude(end, &stop)?));
+                // A change of the task cuts the last evaluation short.
+                let stop = || stop() && !self.has_next(id);
+                let heir = session.trainer().save()?;
+                let outcome = session.conclude(end, &stop)?;
+                return Ok(if self.has_next(id) { Over::Changed(Box::new(heir)) } else { Over::So(state(&outcome)) });
             }
         }
     }
 
+    fn has_next(&self, id: u32) -> bool {
+        self.list().entries.iter().any(|entry| entry.job.id == id && entry.next.is_some())
+    }
+
     /// Makes a training of an order, or takes its run up again.
     fn prepare(&self, entry: &Entry) -> Result<Training, Refusal> {
-        let Entry { job, order, .. } = entry;
+        let Entry { job, order, next, .. } = entry;
         let mut notices = Vec::new();
-        let training = match &job.run {
-            Some(run) => Training::resume(&self.workspace.run(run)?, &mut |notice| notices.push(notice))?,
-            None => {
-                let task = look::read(&order.text)?.task;
-                let goal = Goal { until: order.until.parse()?, steps: order.steps.unwrap_or(STEPS) };
-                let from = order.from.as_deref().map(|run| self.workspace.run(run)).transpose()?;
+        let training = match (&job.run, next) {
+            (Some(run), Some(_)) => self.prepare_next(job.id, Heritage::of(self.workspace.run(run)?)?.checkpoint)?,
+            (Some(run), None) => Training::resume(&self.workspace.run(run)?, &mut |notice| notices.push(notice))?,
+            (None, _) => {
+                let heir_to = order.from.as_deref().map(|run| Heritage::of(self.workspace.run(run)?)).transpose()?;
                 let run = self.workspace.free_run(&order.name);
-                let folder = self.workspace.run(&run)?;
-                let (model, config, backend) = (self.bodies.model(&task.model)?, PpoConfig::default(), &self.backend);
-                let beginning =
-                    Beginning { task: &task, model: &model, backend, config, seed: order.seed, goal, from };
-                let training = Training::begin(beginning, &folder, &mut |notice| notices.push(notice))?;
+                let training = self.begin(order, &order.text, heir_to, &run, &mut notices)?;
                 self.update_and_keep(job.id, |job| job.run = Some(run));
                 training
             }
         };
         self.update(job.id, |job| job.news.append(&mut notices));
         Ok(training)
+    }
+
+    /// The user of a live training begins the task that came last. What it was told of the one before is forgotten.
+    fn prepare_next(&self, id: u32, checkpoint: Checkpoint) -> Result<Training, Refusal> {
+        let mut list = self.list();
+        let gone = || Refusal::sentence("this training is not in the list any more");
+        let entry = list.entries.iter_mut().find(|entry| entry.job.id == id).ok_or_else(gone)?;
+        let text = entry.next.take().unwrap_or_else(|| entry.order.text.clone());
+        entry.order.text.clone_from(&text);
+        entry.job.news.clear();
+        entry.job.state = JobState::Preparing;
+        let (order, run) = (entry.order.clone(), entry.job.run.clone());
+        self.changed(list)?;
+        let run = run.ok_or_else(gone)?;
+        let heir_to = Some(Heritage { run: self.workspace.run(&run)?, checkpoint });
+        let mut notices = Vec::new();
+        let training = self.begin(&order, &text, heir_to, &run, &mut notices)?;
+        self.update(id, |job| job.news.append(&mut notices));
+        Ok(training)
+    }
+
+    fn begin(
+        &self,
+        order: &JobOrder,
+        text: &str,
+        heir_to: Option<Heritage>,
+        run: &str,
+        notices: &mut Vec<String>,
+    ) -> Result<Training, Refusal> {
+        let task = look::read(text)?.task;
+        let goal = Goal { until: order.until.parse()?, steps: order.steps.unwrap_or(STEPS) };
+        let (model, config, backend) = (self.bodies.model(&task.model)?, PpoConfig::default(), &self.backend);
+        let beginning = Beginning { task: &task, model: &model, backend, config, seed: order.seed, goal, heir_to };
+        Training::begin(beginning, &self.workspace.run(run)?, &mut |notice| notices.push(notice))
     }
 
     fn wait_while_paused(&self, id: u32) {
@@ -342,6 +434,18 @@ impl Jobs {
         drop(list);
         self.update_and_keep(id, |job| job.state = JobState::Training);
     }
+}
+
+impl Entry {
+    fn is_under_way(&self) -> bool {
+        use JobState::{Evaluating, Paused, Preparing, Training};
+        matches!(self.job.state, Preparing | Training | Paused | Evaluating)
+    }
+}
+
+fn doubling(trend: Trend) -> Doubling {
+    let Change { success, episode_time, .. } = trend.last_doubling;
+    Doubling { success, episode_time, is_plateau: trend.is_plateau() }
 }
 
 fn file(workspace: &Workspace) -> PathBuf {
@@ -380,6 +484,8 @@ struct Following {
     environments: usize,
     rate: Option<f64>,
     told: Option<Instant>,
+    before: Option<Before>,
+    doubling: Option<Doubling>,
 }
 
 impl Following {
@@ -393,7 +499,15 @@ impl Following {
             environments: session.trainer().spec().num_envs,
             rate: None,
             told: None,
+            before: None,
+            doubling: None,
         }
+    }
+
+    /// What pages are told before the first update.
+    fn at_first(&self) -> JobProgress {
+        let (device, environments) = (self.device.clone(), self.environments);
+        JobProgress { limit: self.limit, before: self.before.clone(), device, environments, ..JobProgress::default() }
     }
 
     /// What pages are told after an update, if it is time to.
@@ -430,6 +544,8 @@ impl Following {
             bottleneck: progress
                 .bottleneck
                 .map(|bottleneck| Bottleneck { step: bottleneck.target, success: bottleneck.success }),
+            before: self.before.clone(),
+            doubling: self.doubling.clone(),
             device: self.device.clone(),
             environments: self.environments,
         })

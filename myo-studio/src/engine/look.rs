@@ -1,7 +1,7 @@
 //! From the text of a task to what stands there and what is wrong with it.
 
 use myo_tasks::{
-    Axes, Direction, FlatTask, InvalidTask, LoadError, Object, PlacedItem, Range, Report, Shape, Shift, Slider, Source,
+    Axes, BadValue, Direction, FlatTask, InvalidTask, LoadError, Object, PlacedItem, Range, Report, Shape, Shift, Slider, Source,
     SourceLocation, Task,
 };
 use nalgebra::{Rotation3, UnitQuaternion};
@@ -11,21 +11,19 @@ use crate::protocol::{Finding, ItemView, Look, ObjectKind, ObjectView, Refusal, 
 /// How messages call the text; places in it come beside them.
 const TEXT: &str = "task";
 
-/// What stands in a text.
+/// What stands in a text. The scene is shown while the script is not right yet, or not there.
 pub fn look(text: &str) -> Look {
-    let source = match read(text) {
-        Ok(source) => source,
-        Err(refusal) => return Look { findings: refusal.findings, view: None },
+    let (source, values) = match Source::draft(text, TEXT) {
+        Ok(draft) => draft,
+        Err(error) => return Look { findings: refusal(&error).findings, view: None },
     };
-    match source.task.flat() {
-        Ok(flat) => Look { findings: vec![], view: Some(view(&source.task, &flat)) },
-        // The scene is shown even while the script is not right yet.
-        Err(invalid) => {
-            let findings = of_values(&source, &invalid);
-            let scenery = Task { technique: Default::default(), ..source.task.clone() }.scenery();
-            Look { findings, view: scenery.ok().map(|flat| view(&source.task, &flat)) }
-        }
-    }
+    let flat = if values.is_empty() { source.task.flat() } else { scenery(&source.task) };
+    let view = flat.ok().map(|flat| view(&source.task, &flat));
+    Look { findings: values.iter().map(of_value).collect(), view }
+}
+
+fn scenery(task: &Task) -> Result<FlatTask, InvalidTask> {
+    Task { technique: Default::default(), ..task.clone() }.scenery()
 }
 
 /// Reads a text.
@@ -43,8 +41,19 @@ pub fn of_report(source: &Source, report: &Report) -> Vec<Finding> {
     errors.chain(warnings).collect()
 }
 
-fn of_values(source: &Source, invalid: &InvalidTask) -> Vec<Finding> {
-    invalid.errors.iter().map(|error| at(source, Severity::Error, &error.path(), error.to_string())).collect()
+fn of_value(bad: &BadValue) -> Finding {
+    finding(&bad.place, Some(bad.error.path()), &bad.error.to_string())
+}
+
+/// An error at a place, which the message may begin with.
+fn finding(place: &SourceLocation, path: Option<String>, message: &str) -> Finding {
+    Finding {
+        severity: Severity::Error,
+        message: message.strip_prefix(&format!("{place}: ")).unwrap_or(message).to_owned(),
+        path,
+        line: Some(place.line),
+        column: Some(place.column),
+    }
 }
 
 fn at(source: &Source, severity: Severity, path: &str, message: String) -> Finding {
@@ -53,13 +62,6 @@ fn at(source: &Source, severity: Severity, path: &str, message: String) -> Findi
 }
 
 fn refusal(error: &LoadError) -> Refusal {
-    let finding = |place: &SourceLocation, path: Option<String>, message: &str| Finding {
-        severity: Severity::Error,
-        message: message.strip_prefix(&format!("{place}: ")).unwrap_or(message).to_owned(),
-        path,
-        line: Some(place.line),
-        column: Some(place.column),
-    };
     let text = error.to_string();
     let findings = match error {
         LoadError::UnknownKey { place, path, .. }
@@ -67,10 +69,7 @@ fn refusal(error: &LoadError) -> Refusal {
         | LoadError::MissingKey { place, path, .. }
         | LoadError::WrongType { place, path, .. } => vec![finding(place, Some(path.clone()), &text)],
         LoadError::Syntax { place, .. } => vec![finding(place, None, &text)],
-        LoadError::Values { values } => {
-            let one = |bad: &myo_tasks::BadValue| finding(&bad.place, Some(bad.error.path()), &bad.error.to_string());
-            values.iter().map(one).collect()
-        }
+        LoadError::Values { values } => values.iter().map(of_value).collect(),
         _ => vec![Finding { severity: Severity::Error, message: text, path: None, line: None, column: None }],
     };
     let message = findings.iter().map(|finding| &*finding.message).collect::<Vec<_>>().join("\n");

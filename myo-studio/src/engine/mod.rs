@@ -25,7 +25,7 @@ use serde_json::Value;
 
 use crate::protocol::{
     Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, DiscardRun, DiscardTask, Event, Finding,
-    GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose, Question, Refusal, RenameRun, Replay, Reply,
+    GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply,
     RunDetail, RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
@@ -195,6 +195,12 @@ impl AnswersOne<Train> for Engine {
 impl AnswersOne<GoOn> for Engine {
     fn answer_one(&self, GoOn { run }: GoOn) -> Result<u32, Refusal> {
         self.jobs.go_on(&run)
+    }
+}
+
+impl AnswersOne<Relearn> for Engine {
+    fn answer_one(&self, Relearn { job, text }: Relearn) -> Result<(), Refusal> {
+        self.jobs.relearn(job, text)
     }
 }
 

@@ -36,31 +36,50 @@ pub struct Beginning<'a> {
     pub seed: u64,
     /// When to stop.
     pub goal: Goal,
-    /// The run whose user goes on learning, if any.
-    pub from: Option<PathBuf>,
+    /// The user that goes on learning, if any.
+    pub heir_to: Option<Heritage>,
+}
+
+/// A user that has learnt something already.
+pub struct Heritage {
+    /// Its run.
+    pub run: PathBuf,
+    /// What it has learnt.
+    pub checkpoint: Checkpoint,
+}
+
+impl Heritage {
+    /// The user of a run as it is by its newest checkpoint.
+    ///
+    /// # Errors
+    /// There is no run or no checkpoint.
+    pub fn of(run: PathBuf) -> Result<Self, Refusal> {
+        let checkpoint = newest(&run)?;
+        Ok(Self { run, checkpoint })
+    }
 }
 
 impl Training {
-    /// Begins a training in a new folder. `notice` hears why a card that is there is not used.
+    /// Begins a training in a folder. One that is there is replaced once all else is ready: that of the user itself, who goes on with
+    /// another task. `notice` hears why a card that is there is not used.
     ///
     /// # Errors
     /// The task cannot be simulated, the folder cannot be made, or the card is lost.
     pub fn begin(beginning: Beginning<'_>, folder: &Path, notice: &mut dyn FnMut(String)) -> Result<Self, Refusal> {
-        let Beginning { task, model, backend, config, seed, goal, from } = beginning;
-        let heritage = from.as_deref().map(newest).transpose()?;
-        let config = match &heritage {
-            Some(checkpoint) => checkpoint.config().with_default_learning(),
-            None => config,
-        };
-        let start = Start::New { config: &config, seed, from: heritage.as_ref() };
+        let Beginning { task, model, backend, config, seed, goal, heir_to } = beginning;
+        let heritage = heir_to.as_ref().map(|heritage| &heritage.checkpoint);
+        let config = heritage.map_or(config, |checkpoint| checkpoint.config().with_default_learning());
+        let start = Start::New { config: &config, seed, from: heritage };
         let envs = build(backend, model, task, (&config, seed), notice)?;
         let (device, looks) = (envs.device(), envs.for_looks(seed)?);
         let session = envs.session(looks, start, goal)?;
-        let warm = from.zip(heritage.as_ref());
-        let warm = warm.map(|(run, checkpoint)| WarmStart { run, env_steps: checkpoint.env_steps() });
+        let warm = heir_to.map(|Heritage { run, checkpoint }| WarmStart { run, env_steps: checkpoint.env_steps() });
         let description = RunDescription::new(task.clone(), own_model(&task.model)?, &device, goal, warm);
         let trainer = session.trainer();
         let run = serde_json::to_value(&description)?;
+        if folder.exists() {
+            std::fs::remove_dir_all(folder)?;
+        }
         let writer = RunWriter::create(folder, run, trainer.config(), trainer.seed(), trainer.spec())?;
         Ok(Self { session: session.recorded_in(writer)?, device, task: task.clone(), model: model.clone() })
     }

@@ -21,6 +21,8 @@ pub struct JobOrder {
     pub steps: Option<u64>,
     /// Name of the run whose user goes on learning; a new user without.
     pub from: Option<String>,
+    /// Whether it goes on whenever the task is changed: its run is that of the last task.
+    pub live: bool,
 }
 
 /// A training.
@@ -35,6 +37,8 @@ pub struct Job {
     pub title: String,
     /// Seed of the user.
     pub seed: u64,
+    /// Whether it goes on whenever the task is changed.
+    pub live: bool,
     /// How it stands.
     pub state: JobState,
     /// How far it is, once it has begun.
@@ -100,10 +104,36 @@ pub struct JobProgress {
     pub left: String,
     /// What recent episodes fail at most.
     pub bottleneck: Option<Bottleneck>,
+    /// How the user did this task before it learned it, where it comes from another.
+    pub before: Option<Before>,
+    /// What the last doubling of the practice brought, once that can be told.
+    pub doubling: Option<Doubling>,
     /// What the body is trained on: `cpu`, or the name of a graphics card.
     pub device: String,
     /// Number of environments.
     pub environments: usize,
+}
+
+/// How a user does a task that it has not adapted to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Before {
+    /// Share of fresh episodes that succeed.
+    pub success: Option<f64>,
+    /// Mean duration of an episode (s).
+    pub episode_s: Option<f64>,
+}
+
+/// What a doubling of the practice brought.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Doubling {
+    /// Change of the share of episodes that succeed.
+    pub success: f64,
+    /// Change of the duration of an episode, as a share of it.
+    pub episode_time: f64,
+    /// Whether nothing improves any more that is worth further practice.
+    pub is_plateau: bool,
 }
 
 /// What episodes fail at most.

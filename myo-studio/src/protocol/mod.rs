@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use body::{BodyPart, BodyShape, MOMENT, MotionLayout, MuscleShape, OBJECT, PART};
-pub use jobs::{Bottleneck, Job, JobOrder, JobProgress, JobState, Step};
+pub use jobs::{Before, Bottleneck, Doubling, Job, JobOrder, JobProgress, JobState, Step};
 pub use runs::{CurvePoint, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 pub use task::{
     Finding, ItemView, Look, ObjectKind, ObjectView, PresetCard, Severity, StepView, Surface, TaskFile, TaskText, TaskView,
@@ -252,6 +252,13 @@ calls! {
         /// Name of the run.
         run: String,
     } -> u32, "number";
+    /// Goes on with a live training on another task: its user keeps what it has learnt.
+    "relearn" Relearn {
+        /// Which one.
+        job: u32,
+        /// Text of the task.
+        text: String,
+    } -> (), "null";
     /// Tells a training what to do next.
     "tell" TellJob {
         /// Which one.

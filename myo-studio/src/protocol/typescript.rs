@@ -29,10 +29,10 @@ fn page() -> String {
     let types = declarations! { config;
         Severity Finding ObjectKind ObjectView StepView ItemView TaskView Look PresetCard TaskFile TaskText Surface
         BodyPart MuscleShape BodyShape MotionLayout MotionHeader
-        JobOrder Bottleneck JobProgress JobState Job Step
+        JobOrder Bottleneck Before Doubling JobProgress JobState Job Step
         RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
         Refusal Event Welcome Pose Replay
-        Hello AskSchema LookAt CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn TellJob Watch ListRuns
+        Hello AskSchema LookAt CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
         AskRun NoteRun RenameRun DiscardRun
     };
     let sizes = format!("export const MOMENT = {MOMENT};\nexport const PART = {PART};\nexport const OBJECT = {OBJECT};\n");

@@ -26,7 +26,10 @@ function setAngle(tree: Document, at: Keys, degrees: number) {
 
 /** Factors are along own axes: up the face, across it, out of it. Sizes are written as width, height, depth. */
 function resize(tree: Document, kind: string, at: Keys, [up, across, out]: [number, number, number]) {
-  const most = [up, across, out].reduce((most, factor) => (Math.abs(factor - 1) > Math.abs(most - 1) ? factor : most), 1);
+  const most = [up, across, out].reduce(
+    (most, factor) => (Math.abs(factor - 1) > Math.abs(most - 1) ? factor : most),
+    1,
+  );
   switch (kind) {
     case 'sphere':
       return times(tree, [...at, 'radius'], most);

@@ -5,7 +5,8 @@ import { keys, type Keys } from './path';
 
 /** Edits of a scene that are more than a value. */
 
-export type Kind = 'sphere' | 'button' | 'obstacle' | 'slider' | 'stick' | 'grid' | 'arc' | 'circle' | 'keyboard' | 'group';
+export type Kind =
+  'sphere' | 'button' | 'obstacle' | 'slider' | 'stick' | 'grid' | 'arc' | 'circle' | 'keyboard' | 'group';
 
 /** What a new object of each kind is: something of a usual size within easy reach. */
 const NEW: Record<Exclude<Kind, 'group'>, { [key: string]: Value }> = {
@@ -243,7 +244,9 @@ function freeName(scene: YAMLMap, kind: string): string {
 function freePlace(tree: Document, wish: number[]): number[] {
   const scene = tree.get('scene');
   if (!isMap(scene)) return wish;
-  const taken = scene.items.map((pair) => place(tree, ['scene', String((pair.key as { value?: unknown }).value ?? pair.key)]));
+  const taken = scene.items.map((pair) =>
+    place(tree, ['scene', String((pair.key as { value?: unknown }).value ?? pair.key)]),
+  );
   const steps = [0, 0.08, -0.08, 0.16, -0.16, 0.24, -0.24, 0.32];
   const isFree = (y: number) => taken.every((at) => Math.hypot(at[0] - wish[0], at[1] - y, at[2] - wish[2]) > 0.07);
   const [x, y, z] = wish;
@@ -273,7 +276,8 @@ function eachName(tree: Document, change: (name: string) => string) {
 function forget(tree: Document, name: string) {
   const script = tree.get('script');
   if (!isSeq(script)) return;
-  const isGone = (node: unknown) => isScalar(node) && (node.value === name || String(node.value).startsWith(`${name}.`));
+  const isGone = (node: unknown) =>
+    isScalar(node) && (node.value === name || String(node.value).startsWith(`${name}.`));
   const asks = (node: unknown): boolean => {
     if (isScalar(node)) return isGone(node);
     if (isSeq(node)) {

@@ -401,7 +401,11 @@ steps: number | null,
 /**
  * Name of the run whose user goes on learning; a new user without.
  */
-from: string | null, };
+from: string | null, 
+/**
+ * Whether it goes on whenever the task is changed: its run is that of the last task.
+ */
+live: boolean, };
 
 /**
  * What episodes fail at most.
@@ -415,6 +419,36 @@ step: number,
  * Share of the episodes that come to it and do it.
  */
 success: number, };
+
+/**
+ * How a user does a task that it has not adapted to.
+ */
+export type Before = { 
+/**
+ * Share of fresh episodes that succeed.
+ */
+success: number | null, 
+/**
+ * Mean duration of an episode (s).
+ */
+episode_s: number | null, };
+
+/**
+ * What a doubling of the practice brought.
+ */
+export type Doubling = { 
+/**
+ * Change of the share of episodes that succeed.
+ */
+success: number, 
+/**
+ * Change of the duration of an episode, as a share of it.
+ */
+episode_time: number, 
+/**
+ * Whether nothing improves any more that is worth further practice.
+ */
+is_plateau: boolean, };
 
 /**
  * How far a training is.
@@ -460,6 +494,14 @@ left: string,
  * What recent episodes fail at most.
  */
 bottleneck: Bottleneck | null, 
+/**
+ * How the user did this task before it learned it, where it comes from another.
+ */
+before: Before | null, 
+/**
+ * What the last doubling of the practice brought, once that can be told.
+ */
+doubling: Doubling | null, 
 /**
  * What the body is trained on: `cpu`, or the name of a graphics card.
  */
@@ -510,6 +552,10 @@ title: string,
  * Seed of the user.
  */
 seed: number, 
+/**
+ * Whether it goes on whenever the task is changed.
+ */
+live: boolean, 
 /**
  * How it stands.
  */
@@ -880,6 +926,19 @@ export type GoOn = {
 run: string, };
 
 /**
+ * Goes on with a live training on another task: its user keeps what it has learnt.
+ */
+export type Relearn = { 
+/**
+ * Which one.
+ */
+job: number, 
+/**
+ * Text of the task.
+ */
+text: string, };
+
+/**
  * Tells a training what to do next.
  */
 export type TellJob = { 
@@ -968,6 +1027,7 @@ export interface Calls {
   discard_task: { with: DiscardTask; reply: null };
   train: { with: Train; reply: Array<number> };
   go_on: { with: GoOn; reply: number };
+  relearn: { with: Relearn; reply: null };
   tell: { with: TellJob; reply: null };
   watch: { with: Watch; reply: null };
   runs: { with: ListRuns; reply: Array<RunEntry> };

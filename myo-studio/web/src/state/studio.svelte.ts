@@ -18,10 +18,14 @@ import type { Change } from '../view/manipulate';
 import { changeItem } from '../document/change';
 import type { Schema } from '../schema/schema';
 
-export type Page = { at: 'home' } | { at: 'setup' } | { at: 'runs' } | { at: 'run'; name: string } | { at: 'compare'; names: string[] };
+export type Page =
+  { at: 'home' } | { at: 'setup' } | { at: 'runs' } | { at: 'run'; name: string } | { at: 'compare'; names: string[] };
 
 /** A file is written so long after the last change. */
 const SAVE_AFTER_MS = 400;
+
+/** A live training goes on so long after the last change: not at every step of a drag. */
+const RELEARN_AFTER_MS = 250;
 
 const EMPTY = (name: string) => `version: 2
 name: ${name}
@@ -59,6 +63,11 @@ export class Studio {
   watched = $state<number>();
   seesMotion: ((motion: Motion) => void) | undefined;
 
+  /** When the text was changed last (ms since the page came). */
+  touched = 0;
+  /** Whether the user goes on learning whenever the task is changed. */
+  live = $state(false);
+  private relearning: ReturnType<typeof setTimeout> | undefined;
   private saving: ReturnType<typeof setTimeout> | undefined;
   private looking = false;
   private checking = false;
@@ -165,8 +174,8 @@ export class Studio {
   begin(preset?: PresetCard) {
     const name = this.freeName(preset?.name ?? 'my-task');
     const text = preset ? preset.text.replace(/^name: .*$/m, `name: ${name}`) : EMPTY(name);
+    // Whoever only looks leaves no file behind: it is kept from the first change on.
     this.show(new TaskDocument(name, text));
-    this.touch();
   }
 
   async open(name: string) {
@@ -192,7 +201,12 @@ export class Studio {
   /** The text was changed: it is looked at anew, and kept. */
   touch() {
     this.saved = 'unsaved';
+    this.touched = performance.now();
     clearTimeout(this.saving);
+    if (this.live) {
+      clearTimeout(this.relearning);
+      this.relearning = setTimeout(() => void this.relearn(), RELEARN_AFTER_MS);
+    }
     this.saving = setTimeout(() => void this.save(), SAVE_AFTER_MS);
     void this.see();
   }
@@ -315,10 +329,37 @@ export class Studio {
       until: 'plateau',
       steps: null,
       from: null,
+      live: this.live,
       ...order,
     };
     const ids = await this.try(() => this.engine.ask('train', { order: whole }));
     if (ids?.length) this.watch(ids[0]);
+  }
+
+  /** The training that follows the open task, if there is one. */
+  get liveJob(): Job | undefined {
+    return this.jobs.findLast((job) => job.live && job.title === this.document?.name);
+  }
+
+  async setLive(on: boolean) {
+    this.live = on;
+    if (!on) return;
+    // A user that has learnt this task already goes on from there.
+    const known = this.jobs.findLast(
+      (job) => job.title === this.document?.name && job.run && !job.live && job.state.is === 'done',
+    );
+    if (!this.liveJob) await this.train({ live: true, from: known?.run ?? null });
+  }
+
+  /** Lets the user go on with the task as it is now. */
+  private async relearn() {
+    const { document } = this;
+    // The checks of a change come first: what cannot be trained is said at its field.
+    while (this.looking || this.checking) await new Promise((resolve) => setTimeout(resolve, 10));
+    if (!document || document !== this.document || this.errors.length > 0) return;
+    const job = this.liveJob;
+    if (job) await this.try(() => this.engine.ask('relearn', { job: job.id, text: document.text }));
+    else await this.train({ live: true });
   }
 
   tell(job: number, step: Step) {

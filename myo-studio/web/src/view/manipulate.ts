@@ -120,7 +120,9 @@ export class Manipulator {
     } else if (this.gizmo.mode === 'rotate') {
       this.hands.change(item, angles(item, proxy.quaternion));
     } else {
-      const size: [number, number, number] = [0, 1, 2].map((axis) => proxy.scale.getComponent(axis) / start.scale.getComponent(axis)) as never;
+      const size: [number, number, number] = [0, 1, 2].map(
+        (axis) => proxy.scale.getComponent(axis) / start.scale.getComponent(axis),
+      ) as never;
       start.scale.copy(proxy.scale);
       this.hands.change(item, { size });
     }
@@ -149,7 +151,10 @@ export class Manipulator {
     if (object === undefined || !hit) return;
     this.stage.controls.enabled = false;
     this.canvas.setPointerCapture(event.pointerId);
-    const plane = new Plane().setFromNormalAndCoplanarPoint(facing(this.stage.camera.getWorldDirection(new Vector3())), hit.point);
+    const plane = new Plane().setFromNormalAndCoplanarPoint(
+      facing(this.stage.camera.getWorldDirection(new Vector3())),
+      hit.point,
+    );
     this.grip = { plane, from: hit.point.clone(), told: new Vector3(), moved: false, object };
   };
 

@@ -32,8 +32,22 @@ interface Palette {
   range: number;
 }
 
-const LIGHT: Palette = { target: 0x2f6fb3, bystander: 0x9aa3af, done: 0x6aa184, wrong: 0xc8372d, selected: 0x0b57d0, range: 0x2f6fb3 };
-const DARK: Palette = { target: 0x6aa9ee, bystander: 0x69717d, done: 0x6fb592, wrong: 0xff6b5e, selected: 0x9cc8ff, range: 0x6aa9ee };
+const LIGHT: Palette = {
+  target: 0x2f6fb3,
+  bystander: 0x9aa3af,
+  done: 0x6aa184,
+  wrong: 0xc8372d,
+  selected: 0x0b57d0,
+  range: 0x2f6fb3,
+};
+const DARK: Palette = {
+  target: 0x6aa9ee,
+  bystander: 0x69717d,
+  done: 0x6fb592,
+  wrong: 0xff6b5e,
+  selected: 0x9cc8ff,
+  range: 0x6aa9ee,
+};
 
 // Shapes of size one, which each object stretches.
 const BALL = new SphereGeometry(1, 24, 16);
@@ -68,7 +82,8 @@ class Thing {
     if (view.handle) this.group.add((this.handle = this.part(BOX)));
     if (view.hinge) this.group.add((this.rod = this.part(ROD)));
     const drawn = view.drawn.some((way) => Math.hypot(...way) > 0);
-    if (drawn) this.group.add((this.range = new LineSegments(UNIT_EDGES, new LineBasicMaterial({ transparent: true }))));
+    if (drawn)
+      this.group.add((this.range = new LineSegments(UNIT_EDGES, new LineBasicMaterial({ transparent: true }))));
     this.rest();
   }
 
@@ -121,7 +136,9 @@ class Thing {
     if (!this.rod || !this.view.hinge) return;
     const hinge = new Vector3(...this.view.hinge);
     this.rod.position.copy(hinge).add(knob).multiplyScalar(0.5);
-    this.rod.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), knob.clone().sub(hinge).normalize()));
+    this.rod.quaternion.copy(
+      new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), knob.clone().sub(hinge).normalize()),
+    );
     const thin = 0.35 * this.view.half_size[0];
     this.rod.scale.set(thin, thin, knob.distanceTo(hinge));
   }
@@ -129,12 +146,19 @@ class Thing {
   /** Colours by part in the task: 0 current, 1 later, 2 done, 3 bystander. */
   paint(role: number, look: Look) {
     const { palette, view } = this;
-    const tone = look.wrong ? palette.wrong : role === 2 ? palette.done : role === 3 ? palette.bystander : palette.target;
+    const tone = look.wrong
+      ? palette.wrong
+      : role === 2
+        ? palette.done
+        : role === 3
+          ? palette.bystander
+          : palette.target;
     const strength = role === 0 ? 1 : role === 1 ? 0.6 : 0.5;
     const isRound = view.kind === 'sphere';
     const { material } = this.body;
     material.color.set(tone);
-    material.opacity = (isRound ? 0.38 : view.kind === 'obstacle' ? 0.35 : 0.85) * strength + (look.selected ? 0.15 : 0);
+    material.opacity =
+      (isRound ? 0.38 : view.kind === 'obstacle' ? 0.35 : 0.85) * strength + (look.selected ? 0.15 : 0);
     // What can be seen through does not hide what is behind it.
     material.depthWrite = !isRound && view.kind !== 'obstacle';
     material.emissive.set(look.selected ? palette.selected : 0).multiplyScalar(look.selected ? 0.35 : 0);
@@ -176,7 +200,8 @@ export class Objects {
 
   /** Shows what a task says, as it stands there. */
   show(views: ObjectView[], look: (index: number) => Look) {
-    const same = views.length === this.things.length && views.every((view, index) => isAlike(view, this.things[index].view));
+    const same =
+      views.length === this.things.length && views.every((view, index) => isAlike(view, this.things[index].view));
     if (!same) {
       this.things.forEach((thing) => dispose(thing.group));
       this.group.clear();
@@ -196,9 +221,11 @@ export class Objects {
   }
 
   /** Shows where a frame has everything. */
-  follow(numbers: Float32Array) {
+  follow(numbers: Float32Array, isSelected: (index: number) => boolean) {
     if (numbers.length !== OBJECT * this.things.length) return;
-    this.things.forEach((thing) => thing.paint(thing.follow(numbers), { selected: false, wrong: false }));
+    this.things.forEach((thing, index) =>
+      thing.paint(thing.follow(numbers), { selected: isSelected(index), wrong: false }),
+    );
   }
 
   /** What can be pointed at. */

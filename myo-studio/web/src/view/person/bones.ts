@@ -16,7 +16,7 @@ const FINGER = BONES * BONE_RINGS;
 /** thick ends, slender shaft, closed at both ends */
 const BONE_FORM = [0.2, 1.1, 1.25, 0.85, 0.75, 0.8, 1.2, 1.1, 0.2] as const;
 const BONE_PLACE = [-0.05, -0.03, 0.03, 0.14, 0.5, 0.84, 0.95, 1.0, 1.02] as const;
-const FINGER_FORM = [1.15, 1.12, 1.02, 1, 0.98, 0.92, 0.86, 0.78, 0.55, 0.1] as const;
+const FINGER_FORM = [1.15, 1.12, 1.02, 1, 0.98, 0.92, 0.86, 0.78, 0.55, 0.02] as const;
 const FINGER_PLACE = [-0.1, 0.08, 0.25, 0.42, 0.6, 0.74, 0.85, 0.93, 0.975, 1] as const;
 const FINGER_RADIUS = 0.0108;
 

@@ -29,8 +29,8 @@ export function chest(): Blob[] {
     ...both(at([-0.04, 0.03, 0.035], [-0.034, 0.135, 0.012], 0.036, 0.034, 0.06)),
     // the muscles of the chest, the shoulder blades and their ridges
     ...both(at([0.018, 0.06, -0.1], [0.008, 0.1, -0.085], 0.054, 0.048, 0.06)),
-    ...both(at([-0.078, 0.092, -0.005], [-0.085, 0.095, -0.085], 0.03, 0.022, 0.05)),
-    ...both(at([-0.078, 0.092, -0.0], [-0.056, 0.138, 0.022], 0.026, 0.02, 0.04)),
+    ...both(at([-0.078, 0.092, -0.005], [-0.083, 0.088, -0.085], 0.026, 0.02, 0.07)),
+    ...both(at([-0.078, 0.092, -0.0], [-0.056, 0.138, 0.02], 0.023, 0.02, 0.06)),
   ];
 }
 
@@ -112,9 +112,9 @@ export function bodyRegions(sitting: boolean): Region[] {
   const floor = floorHeight(sitting) - 0.02;
   const knees = sitting ? 0.6 : 0.2;
   return [
-    { low: [-0.19, -0.06, -0.3], high: [0.16, 0.47, NECK + 0.02], cell: 0.0285 },
+    { low: [-0.19, -0.06, -0.3], high: [0.16, 0.47, NECK + 0.02], cell: 0.0265 },
     { low: [-0.19, -0.06, -0.64], high: [sitting ? 0.15 : 0.16, 0.345, -0.25], cell: 0.032 },
     { low: [-0.1, 0.335, -0.56], high: [0.11, 0.5, -0.25], cell: 0.0215 },
-    { low: [sitting ? 0.08 : -0.19, -0.04, floor], high: [knees, 0.38, sitting ? -0.4 : -0.57], cell: 0.0285 },
+    { low: [sitting ? 0.08 : -0.19, -0.04, floor], high: [knees, 0.38, sitting ? -0.4 : -0.57], cell: 0.0305 },
   ];
 }

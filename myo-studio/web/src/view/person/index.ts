@@ -5,10 +5,11 @@ import { Bones, BONE_TUBES } from './bones';
 import { bodyGeometry, handGeometry, headGeometry, stoolGeometry } from './body';
 import { EYE } from './figure';
 import { Limb } from './limb';
-import { Muscles, ringsPerMuscle } from './muscles';
+import { Muscles } from './muscles';
 import { type Palette, palette } from './palette';
 import { Shadow } from './shadow';
 import { Skin } from './skin';
+import { ringsPerMuscle } from './spindle';
 import { Tubes } from './tubes';
 import type { PersonPose, PersonShape, Theme } from './types';
 
@@ -34,6 +35,7 @@ export class Person {
   private readonly bones: Bones;
   private readonly muscles: Muscles;
   private colors: Palette;
+  private sitting = false;
 
   constructor(shape: PersonShape, theme: Theme) {
     const bellies = Array<number>(shape.muscles.length).fill(ringsPerMuscle(shape.muscles.length));
@@ -51,7 +53,8 @@ export class Person {
     this.arm.add(inside, this.hand, this.skin.group);
     this.arm.visible = false;
     this.group.add(this.body, this.head, this.stool, this.shadow.mesh, this.arm);
-    this.setSitting(false);
+    this.stool.visible = false;
+    this.shadow.setSitting(false);
     this.setTheme(theme);
   }
 
@@ -81,10 +84,10 @@ export class Person {
   }
 
   setSitting(on: boolean): void {
-    if (this.stool.visible !== on) {
-      this.body.geometry.dispose();
-      this.body.geometry = bodyGeometry(on);
-    }
+    if (this.sitting === on) return;
+    this.sitting = on;
+    this.body.geometry.dispose();
+    this.body.geometry = bodyGeometry(on);
     this.stool.visible = on;
     this.shadow.setSitting(on);
   }

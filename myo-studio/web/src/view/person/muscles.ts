@@ -3,16 +3,11 @@
 import { Blob, field, gather, slope } from './field';
 import type { Limb } from './limb';
 import type { Palette } from './palette';
+import { type Spindle, type Where, limbTest, ringsPerMuscle, spindleOf } from './spindle';
 import type { Tubes } from './tubes';
 import type { PersonShape } from './types';
 
-/** Cross-sections of a muscle: a body with many muscles draws each with fewer. */
-export const ringsPerMuscle = (muscles: number): number => (muscles > 40 ? 9 : 13);
-
-const ROUNDING = 3;
-/** radius in metres of a muscle of 1 N; the square of the radius grows with the force */
-const RADIUS_PER_ROOT_NEWTON = 7.2e-4;
-const USUAL_FORCE = 400;
+const ROUNDING = 2;
 /** deeper than this below the clay a muscle stays where it is: hidden, as it is in a body */
 const DEEP = 0.05;
 /** higher than this over the skin it stays too: it belongs to a hand, which the skin does not cover */
@@ -26,29 +21,10 @@ const BULGES = 9;
 /** muscles nearer than this share a path, and then lie this many radii apart */
 const SAME_PATH = 0.016;
 const LANE = 0.9;
+/** how much a ring keeps the direction of the ring before it */
+const MEMORY = 2.5;
 /** clay farther from a muscle than this does not concern it */
 const AROUND = 0.04;
-
-interface Spindle {
-  /** where its numbers begin in the frame */
-  offset: number;
-  points: number;
-  radius: number;
-  /** how much wider than thick: muscles from the trunk are sheets, those of the arm are round */
-  flatness: number;
-  bellyFrom: number;
-  bellyTo: number;
-  /** its path at the first moment; 0 before */
-  length: number;
-  /** how far it stands aside, in radii, because others share its path */
-  lane: number;
-  /** how far each ring is into the belly, 0 = tendon */
-  belly: Float64Array;
-  /** the same for its width: on the trunk a muscle begins broad */
-  breadth: Float64Array;
-  /** what it lifts the skin with, if it does */
-  bulge: Blob | null;
-}
 
 export class Muscles {
   readonly bulges: Blob[];
@@ -66,6 +42,12 @@ export class Muscles {
   private readonly at = new Float64Array(3);
   private readonly along = new Float64Array(3);
   private readonly out = new Float64Array(3);
+  private readonly middleOut = new Float64Array(3);
+  /** of the muscle in work: half its thickness, half its width, the radius of its tendon, how far it steps aside */
+  private thin = 0;
+  private broad = 0;
+  private tendon = 0;
+  private aside = 0;
 
   /** `firstRing`: where in `tubes` the muscles begin */
   constructor(
@@ -184,32 +166,41 @@ export class Muscles {
   }
 
   private layTube(spindle: Spindle, first: number, radius: number, length: number, limb: Limb): void {
-    const { path, out } = this;
     // Short muscles are patches: as wide as their force asks, but not thicker than their length allows.
-    const thin = Math.min(radius / spindle.flatness, 0.12 * spindle.length);
+    this.thin = Math.min(radius / spindle.flatness, 0.12 * spindle.length);
+    this.broad = Math.min(radius * spindle.flatness, 0.19 * spindle.length);
+    this.tendon = Math.min(0.0032, 0.3 * radius, this.thin);
+    this.aside = spindle.lane * radius;
     this.gatherBlobs(limb, length);
     for (let pass = 0; pass < 2; pass++) {
-      for (let ring = 1; ring < this.last; ring++) this.settle(ring, thin, spindle.belly[ring]!);
+      for (let ring = 1; ring < this.last; ring++) this.settle(ring, this.thin, spindle.belly[ring]!);
       this.round();
     }
-    out.fill(0);
-    const broad = Math.min(radius * spindle.flatness, 0.19 * spindle.length);
-    const tendon = Math.min(0.0032, 0.3 * radius, thin);
-    for (let ring = 0; ring < this.rings; ring++) {
-      for (let axis = 0; axis < 3; axis++) this.at[axis] = path[ring * 3 + axis]!;
-      this.direct(ring);
-      this.stepAside(spindle.lane * radius * spindle.belly[ring]!);
-      const here = tendon + (thin - tendon) * spindle.belly[ring]!;
-      const wide = tendon + (broad - tendon) * spindle.breadth[ring]!;
-      const before = Math.max(0, ring - 1);
-      const after = Math.min(this.last, ring + 1);
-      const growth = (thin - tendon) * (spindle.belly[after]! - spindle.belly[before]!);
-      const flare = growth / (distance(path, before * 3, after * 3) + 1e-6);
-      // The ends are closed to an edge: a sheet then sinks into the clay instead of ending in a stump.
-      const closed = ring === 0 || ring === this.last ? 0.2 : 1;
-      this.tubes.ring(first + ring, this.at, this.along, out, wide * (0.5 + 0.5 * closed), here * closed, flare, CURL);
+    // From the middle, which lies free, to the ends, which may lie deep in bone or chest where "out" means little.
+    const middle = this.last >> 1;
+    this.out.fill(0);
+    for (let ring = middle; ring <= this.last; ring++) {
+      this.layRing(spindle, first, ring);
+      if (ring === middle) this.middleOut.set(this.out);
     }
-    if (spindle.bulge) this.swell(spindle, spindle.bulge, thin);
+    this.out.set(this.middleOut);
+    for (let ring = middle - 1; ring >= 0; ring--) this.layRing(spindle, first, ring);
+    if (spindle.bulge) this.swell(spindle, spindle.bulge, this.thin);
+  }
+
+  private layRing({ belly, breadth }: Spindle, first: number, ring: number): void {
+    const { path, thin, tendon } = this;
+    for (let axis = 0; axis < 3; axis++) this.at[axis] = path[ring * 3 + axis]!;
+    this.direct(ring);
+    this.stepAside(this.aside * belly[ring]!);
+    const before = Math.max(0, ring - 1);
+    const after = Math.min(this.last, ring + 1);
+    const flare = ((thin - tendon) * (belly[after]! - belly[before]!)) / (distance(path, before * 3, after * 3) + 1e-6);
+    // The ends are closed to an edge: a sheet then sinks into the clay instead of ending in a stump.
+    const end = ring === 0 || ring === this.last;
+    const wide = (tendon + (this.broad - tendon) * breadth[ring]!) * (end ? 0.6 : 1);
+    const thick = (tendon + (thin - tendon) * belly[ring]!) * (end ? 0.2 : 1);
+    this.tubes.ring(first + ring, this.at, this.along, this.out, wide, thick, flare, CURL);
   }
 
   /** A path lies within half its length of its middle. */
@@ -239,7 +230,7 @@ export class Muscles {
     const x = path[p]!;
     const y = path[p + 1]!;
     const z = path[p + 2]!;
-    const buried = thin * (2.2 * belly - 1.4) - field(this.core, x, y, z, this.cores);
+    const buried = thin * (1.8 * belly - 1.3) - field(this.core, x, y, z, this.cores);
     const raised = field(this.skin, x, y, z, this.skins) + thin * (0.3 + 0.7 * belly) + COVER;
     if (buried <= 0 && raised <= 0) return;
     slope(this.core, x, y, z, out, this.cores);
@@ -260,9 +251,9 @@ export class Muscles {
     const oy = out[1]!;
     const oz = out[2]!;
     slope(this.core, at[0]!, at[1]!, at[2]!, out, this.cores);
-    out[0]! += 1.5 * ox;
-    out[1]! += 1.5 * oy;
-    out[2]! += 1.5 * oz;
+    out[0]! += MEMORY * ox;
+    out[1]! += MEMORY * oy;
+    out[2]! += MEMORY * oz;
     const lean = out[0]! * along[0]! + out[1]! * along[1]! + out[2]! * along[2]!;
     for (let axis = 0; axis < 3; axis++) out[axis]! -= lean * along[axis]!;
     unit(out);
@@ -296,72 +287,4 @@ function unit(v: Float64Array): void {
   v[0]! *= scale;
   v[1]! *= scale;
   v[2]! *= scale;
-}
-
-type Where = 'trunk' | 'arm' | 'hand';
-
-/** Tells of a part whether it belongs to the trunk, the arm or the hand (with its fingers). */
-function limbTest({ parts, limb }: PersonShape): (part: number) => Where {
-  const hand = limb[limb.length - 1]!;
-  return (part) => {
-    let where: Where = 'trunk';
-    // The world is its own parent, or has none: the walk ends there.
-    for (let at = part; ; at = parts[at]!.parent) {
-      if (at === hand) return 'hand';
-      if (limb.includes(at)) where = 'arm';
-      const parent = parts[at]!.parent;
-      if (parent === at || parent < 0) return where;
-    }
-  };
-}
-
-function spindleOf(
-  muscle: PersonShape['muscles'][number],
-  where: (part: number) => Where,
-  offset: number,
-  rings: number,
-): Spindle {
-  const places = muscle.on.map(where);
-  const trunk = places.filter((place) => place === 'trunk').length / Math.max(1, places.length);
-  const hand = places.filter((place) => place === 'hand').length / Math.max(1, places.length);
-  const [bellyFrom, bellyTo] = bellyOf(places, hand);
-  const belly = Float64Array.from({ length: rings }, (_, ring) => {
-    const t = (ring / (rings - 1) - bellyFrom) / (bellyTo - bellyFrom);
-    return t > 0 && t < 1 ? Math.sin(Math.PI * t) ** 0.85 : 0;
-  });
-  const breadth = belly.map((value, ring) => Math.max(value, 0.8 * broadness(places, ring / (rings - 1))));
-  const force = muscle.peak_force_n ?? USUAL_FORCE;
-  const radius = Math.min(0.0245, Math.max(0.004, RADIUS_PER_ROOT_NEWTON * Math.sqrt(force)));
-  const flatness = 1.15 + 0.7 * trunk;
-  return {
-    offset,
-    points: muscle.points,
-    radius,
-    flatness,
-    bellyFrom,
-    bellyTo,
-    length: 0,
-    lane: 0,
-    belly,
-    breadth,
-    bulge: null,
-  };
-}
-
-/** Where along the path the belly is: broad where it comes from the trunk, a tendon on the arm, all tendon on the hand. */
-function bellyOf(places: readonly Where[], hand: number): [number, number] {
-  const ending = (place: Where | undefined, tendon: number): number => (place === 'trunk' ? -0.05 : tendon);
-  const first = places[0];
-  const last = places[places.length - 1];
-  const from = first === 'hand' ? Math.max(0.2, hand) : ending(first, 0.05);
-  const to = last === 'hand' ? 1 - Math.max(0.2, hand) : 1 - ending(last, 0.1);
-  return from < to - 0.2 ? [from, to] : [0.05, 0.55];
-}
-
-/** How wide a muscle is near an end that lies on the trunk: a rounded blade that narrows towards the middle. */
-function broadness(places: readonly Where[], t: number): number {
-  const blade = (far: number): number => Math.max(0, 1 - 2 * far) * Math.sqrt(1 - Math.max(0, 1 - far / 0.2) ** 2);
-  const first = places[0] === 'trunk' ? blade(t) : 0;
-  const last = places[places.length - 1] === 'trunk' ? blade(1 - t) : 0;
-  return Math.max(first, last);
 }

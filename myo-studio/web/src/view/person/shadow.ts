@@ -1,5 +1,5 @@
 // A soft shade under the feet, so the person stands on the floor and does not float.
-import { DataTexture, Mesh, MeshBasicMaterial, PlaneGeometry, RGBAFormat } from 'three';
+import { DataTexture, LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, RGBAFormat } from 'three';
 import { MIDDLE, floorHeight } from './figure';
 import type { Palette } from './palette';
 
@@ -14,8 +14,8 @@ function blot(): DataTexture {
       data[(j * SIZE + i) * 4 + 3] = 255 * t * t * (3 - 2 * t);
     }
   const texture = new DataTexture(data, SIZE, SIZE, RGBAFormat);
-  texture.magFilter = 1006;
-  texture.minFilter = 1006;
+  texture.magFilter = LinearFilter;
+  texture.minFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
 }

@@ -16,14 +16,14 @@ import { MIDDLE } from './figure';
 import type { Limb } from './limb';
 import type { Palette } from './palette';
 
-const SIDES = 18;
+const SIDES = 16;
 /** cross-sections in the shoulder, the upper arm, the forearm and the palm */
-const STRETCHES = [7, 17, 15, 3] as const;
+const STRETCHES = [6, 15, 13, 3] as const;
 const WRIST = STRETCHES[0] + STRETCHES[1] + STRETCHES[2];
 const RINGS = WRIST + STRETCHES[3] + 1;
 const ROOT = [-0.02, MIDDLE - 0.09, -0.03] as const;
 /** how often neighbouring centres are averaged: rounds the corners at shoulder and elbow */
-const ROUNDING = 7;
+const ROUNDING = 6;
 const STEPS = 6;
 const GLASS = 0.23;
 

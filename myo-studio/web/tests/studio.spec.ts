@@ -1,0 +1,186 @@
+import { expect, test, type Page } from '@playwright/test';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+/** Serious findings about who cannot use the page. */
+async function barriers(page: Page): Promise<string[]> {
+  await page.evaluate(axe);
+  const found = await page.evaluate(async () => {
+    const { violations } = await (
+      window as unknown as { axe: { run: () => Promise<{ violations: Violation[] }> } }
+    ).axe.run();
+    return violations;
+  });
+  const serious = found.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+  return serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(' | ')}`);
+}
+
+interface Violation {
+  id: string;
+  impact: string;
+  nodes: { html: string }[];
+}
+
+/** Nothing on the page may fail unnoticed. */
+test.beforeEach(({ page }) => {
+  page.on('pageerror', (error) => {
+    throw error;
+  });
+});
+
+async function begin(page: Page, preset: string) {
+  await page.goto('/');
+  await page
+    .getByRole('list', { name: 'Examples' })
+    .getByRole('button', { name: new RegExp(`^${preset} `) })
+    .click();
+  await expect(page.getByRole('list', { name: 'Objects' }).getByRole('button').first()).toBeVisible();
+}
+
+async function add(page: Page, kind: string) {
+  await page.getByRole('button', { name: '+ Add' }).click();
+  await page.getByRole('group', { name: 'What to add' }).getByRole('button', { name: kind, exact: true }).click();
+}
+
+test('two buttons of one’s own are set up, moved, learnt, replayed and found again', async ({ page }) => {
+  await page.goto('/');
+  await page.getByRole('button', { name: 'New task' }).click();
+  await add(page, 'button');
+  const objects = page.getByRole('list', { name: 'Objects' });
+  await expect(objects.getByRole('button', { name: /^button/ })).toBeVisible();
+  await add(page, 'button');
+  await expect(objects.getByRole('button')).toHaveCount(2);
+  await expect(page.getByRole('list', { name: 'Steps' }).getByRole('listitem')).toHaveText([
+    /press button/,
+    /press button_2/,
+  ]);
+
+  // Its number is beside it: there the second button is.
+  const canvas = page.locator('canvas').first();
+  const label = page.locator('.labels span', { hasText: '2' });
+  await expect(label).toBeVisible();
+  const box = (await label.boundingBox())!;
+  const before = await page.getByRole('spinbutton', { name: 'at y', exact: true }).inputValue();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 60, box.y - 10, { steps: 6 });
+  await page.mouse.up();
+  const y = page.getByRole('spinbutton', { name: 'at y', exact: true });
+  await expect(y).not.toHaveValue(before);
+  // By steps of 5 mm.
+  expect(Math.abs((Number(await y.inputValue()) / 0.005) % 1)).toBeLessThan(1e-6);
+  await expect(canvas).toBeVisible();
+
+  // One step back and one forth.
+  const moved = await y.inputValue();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await expect(y).toHaveValue(before);
+  await page.getByRole('button', { name: 'Redo' }).click();
+  await expect(y).toHaveValue(moved);
+  await y.fill('0.08');
+  await y.press('Enter');
+
+  await page.getByRole('button', { name: 'Training', exact: true }).click();
+  await page.getByLabel('Practice until').selectOption('0.8');
+  await page.getByRole('button', { name: 'Train', exact: true }).click();
+  await expect(page.getByRole('heading', { name: /Learns/ })).toBeVisible({ timeout: 60_000 });
+  await page.getByRole('button', { name: 'See how it does it' }).click({ timeout: 200_000 });
+
+  await expect(page.getByRole('heading', { name: 'my-task-1' })).toBeVisible();
+  const time = page.getByRole('slider', { name: 'Time in the episode' });
+  const first = Number(await time.inputValue());
+  await expect.poll(async () => Number(await time.inputValue())).not.toBe(first);
+  await page.getByLabel('Tags').fill('pilot');
+  await page.getByLabel('Tags').blur();
+  await page.getByRole('button', { name: 'Runs', exact: true }).click();
+  await page.getByLabel('Find runs').fill('pilot');
+  await expect(page.getByRole('row', { name: /my-task-1/ })).toContainText('evaluated');
+});
+
+test('a user that has learnt a layout goes on when it is changed', async ({ page }) => {
+  await begin(page, 'public-display');
+  await page.getByRole('button', { name: 'Training', exact: true }).click();
+  await page.getByLabel('Practice until').selectOption('0.8');
+  await page.getByRole('checkbox', { name: /^Live/ }).check();
+  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: 200_000 });
+  await page
+    .getByRole('list', { name: 'Objects' })
+    .getByRole('button', { name: /upper_left/ })
+    .click();
+  await page.getByRole('button', { name: 'Properties', exact: true }).click();
+  const y = page.getByRole('spinbutton', { name: 'at y', exact: true });
+  await y.fill('0.1');
+  await y.press('Enter');
+  await page.getByRole('button', { name: 'Training', exact: true }).click();
+  await expect(page.getByText(/At first sight: .* not adapted yet/)).toBeVisible({ timeout: 20_000 });
+  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: 120_000 });
+  await page.getByRole('checkbox', { name: /^Live/ }).uncheck();
+});
+
+test('what is wrong is said at the field, in the words of the command line', async ({ page }) => {
+  await begin(page, 'public-display');
+  await page
+    .getByRole('list', { name: 'Objects' })
+    .getByRole('button', { name: /upper_left/ })
+    .click();
+  const x = page.getByRole('spinbutton', { name: 'at x', exact: true });
+  await x.fill('0.9');
+  await x.press('Enter');
+  await expect(page.getByText(/upper_left .* out of reach|upper_left .* beyond/i).first()).toBeVisible();
+  await expect(page.getByRole('button', { name: 'Train', exact: true })).toBeDisabled();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await expect(page.getByRole('button', { name: 'Train', exact: true })).toBeEnabled();
+});
+
+test('a task is set up with the keyboard alone', async ({ page }) => {
+  await page.goto('/');
+  await page.getByRole('button', { name: 'New task' }).focus();
+  await page.keyboard.press('Enter');
+  await page.getByRole('button', { name: '+ Add' }).focus();
+  await page.keyboard.press('Enter');
+  await page.getByRole('group', { name: 'What to add' }).getByRole('button', { name: 'sphere' }).focus();
+  await page.keyboard.press('Enter');
+  const item = page.getByRole('list', { name: 'Objects' }).getByRole('button');
+  await item.focus();
+  const z = page.getByRole('spinbutton', { name: 'at z', exact: true });
+  await expect(z).toHaveValue('-0.1');
+  await page.keyboard.press('Alt+ArrowUp');
+  await expect(z).toHaveValue('-0.095');
+  await page.keyboard.press('Control+z');
+  await expect(z).toHaveValue('-0.1');
+  await page.keyboard.press('Delete');
+  await expect(page.getByText('Nothing stands here yet')).toBeVisible();
+});
+
+for (const [size, width, height] of [
+  ['wide', 1280, 720],
+  ['narrow', 390, 844],
+] as const) {
+  for (const colorScheme of ['light', 'dark'] as const) {
+    test(`everybody can use it: ${size}, ${colorScheme}`, async ({ browser }) => {
+      const context = await browser.newContext({ viewport: { width, height }, colorScheme });
+      const page = await context.newPage();
+      await page.goto('/');
+      await expect(page.getByRole('list', { name: 'Examples' }).getByRole('button', { name: /^ar / })).toBeVisible();
+      expect(await barriers(page)).toEqual([]);
+      await page.screenshot({ path: `test-results/shots/home-${size}-${colorScheme}.png` });
+      await begin(page, 'ar');
+      await page
+        .getByRole('list', { name: 'Objects' })
+        .getByRole('button', { name: /^high_ball/ })
+        .click();
+      await page.waitForTimeout(1500);
+      expect(await barriers(page)).toEqual([]);
+      await page.screenshot({ path: `test-results/shots/setup-${size}-${colorScheme}.png` });
+      // Nothing is wider than the page.
+      expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
+      await page.getByRole('button', { name: 'Runs', exact: true }).click();
+      await expect(page.getByRole('heading', { name: 'Runs' })).toBeVisible();
+      expect(await barriers(page)).toEqual([]);
+      await page.screenshot({ path: `test-results/shots/runs-${size}-${colorScheme}.png` });
+      await context.close();
+    });
+  }
+}
