@@ -36,7 +36,9 @@ fn build(web: &Path, out: &Path) -> Result<Vec<(String, PathBuf)>, String> {
     let npm = if cfg!(windows) { "npm.cmd" } else { "npm" };
     if Command::new(npm).arg("--version").output().is_err() {
         watch_for_npm();
-        return Err("npm was not found; install Node.js 20.19 or later (nodejs.org), then run the same command again".into());
+        return Err(
+            "npm was not found; install Node.js 20.19 or later (nodejs.org), then run the same command again".into()
+        );
     }
     if !is_installed(web) {
         run(npm, web, &["ci", "--no-audit", "--no-fund", "--prefer-offline"])?;
@@ -82,7 +84,9 @@ fn list(root: &Path, folder: &Path, files: &mut Vec<(String, PathBuf)>) -> std::
     for path in entries {
         if path.is_dir() {
             list(root, &path, files)?;
-        } else if let Some(name) = path.strip_prefix(root).ok().and_then(Path::to_str).and_then(|name| name.strip_suffix(".gz")) {
+        } else if let Some(name) =
+            path.strip_prefix(root).ok().and_then(Path::to_str).and_then(|name| name.strip_suffix(".gz"))
+        {
             files.push((name.replace('\\', "/"), path.clone()));
         }
     }

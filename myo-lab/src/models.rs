@@ -32,8 +32,8 @@ pub fn describe_model(name_or_file: &str) -> Result<ModelDescription, ModelFileE
     if builtin_names().contains(&name_or_file) || !(looks_like_path || path.exists()) {
         return Ok(builtin(name_or_file)?);
     }
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ModelFileError::Read { path: path.to_owned(), source })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|source| ModelFileError::Read { path: path.to_owned(), source })?;
     Ok(ModelDescription::from_yaml(&text, name_or_file)?)
 }
 

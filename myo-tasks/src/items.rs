@@ -104,7 +104,8 @@ mod tests {
         let task = Task::from_yaml(text, "t").unwrap();
         let (items, flat) = (task.placed_items(), task.flat().unwrap());
         let names: Vec<(&str, &str)> = items.iter().map(|item| (item.item.kind(), &*item.path)).collect();
-        let expected = [("group", "scene.panel"), ("button", "scene.panel.objects.ok"), ("sphere", "scene.panel.objects.ball")];
+        let expected =
+            [("group", "scene.panel"), ("button", "scene.panel.objects.ok"), ("sphere", "scene.panel.objects.ball")];
         assert_eq!(names, expected);
         assert_eq!(items[1].name, flat.objects[0].name);
         let block = flat.objects[0].block().unwrap();

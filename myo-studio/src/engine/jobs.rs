@@ -83,7 +83,10 @@ impl Jobs {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => List::default(),
             Err(error) => return Err(Refusal::sentence(format!("cannot read {}: {error}", path.display()))),
             Ok(text) => serde_json::from_slice(&text).map_err(|error| {
-                Refusal::sentence(format!("{} is damaged: {error}; move it away, and the list begins anew", path.display()))
+                Refusal::sentence(format!(
+                    "{} is damaged: {error}; move it away, and the list begins anew",
+                    path.display()
+                ))
             })?,
         };
         for entry in &mut list.entries {
@@ -110,7 +113,10 @@ impl Jobs {
     pub fn order(&self, order: &JobOrder) -> Result<Vec<u32>, Refusal> {
         order.until.parse::<Until>()?;
         if order.users == 0 || order.users > MOST_USERS {
-            return Err(Refusal::sentence(format!("{} users are asked for; from 1 to {MOST_USERS} can be", order.users)));
+            return Err(Refusal::sentence(format!(
+                "{} users are asked for; from 1 to {MOST_USERS} can be",
+                order.users
+            )));
         }
         self.refuse_what_cannot_be_trained(&order.text)?;
         // The name becomes that of a folder.
@@ -132,7 +138,12 @@ impl Jobs {
                 progress: None,
                 news: vec![],
             };
-            list.entries.push(Entry { job, order: JobOrder { seed, users: 1, ..order.clone() }, told: None, next: None });
+            list.entries.push(Entry {
+                job,
+                order: JobOrder { seed, users: 1, ..order.clone() },
+                told: None,
+                next: None,
+            });
             id
         });
         let ids = ids.collect();
@@ -323,10 +334,9 @@ impl Jobs {
         self.update_and_keep(id, |job| job.state = JobState::Training);
         self.hub.tell(&Event::Runs);
         if session.trainer().inherited().is_some() && session.trainer().updates() == 0 {
-            following.before = session.measure(FIRST_LOOK, 1, &stop)?.map(|seen| Before {
-                success: seen.success,
-                episode_s: seen.episode_length_s,
-            });
+            following.before = session
+                .measure(FIRST_LOOK, 1, &stop)?
+                .map(|seen| Before { success: seen.success, episode_s: seen.episode_length_s });
             let first = following.at_first();
             self.update(id, |job| job.progress = Some(first));
         }
@@ -471,7 +481,9 @@ fn state(outcome: &Outcome) -> JobState {
 fn sentence(news: &News, task: &myo_tasks::Task, model: &myo_model::Model) -> Result<String, Refusal> {
     Ok(match news {
         News::WentBack { .. } => news.to_string(),
-        News::Flat { recent, .. } => format!("{news}\n{}", likely_cause(task, &ModelReach::for_task(model, task)?, recent)),
+        News::Flat { recent, .. } => {
+            format!("{news}\n{}", likely_cause(task, &ModelReach::for_task(model, task)?, recent))
+        }
     })
 }
 
@@ -537,10 +549,7 @@ impl Following {
             episode_s: mean("length").map(|steps| steps * self.control_dt_s),
             effort: mean("effort"),
             step_success: (1..=self.steps).filter_map(|k| mean(&format!("target_{k}_success"))).collect(),
-            left: time_left(
-                progress.steps_left.map(seconds),
-                seconds(self.limit.saturating_sub(metrics.env_steps)),
-            ),
+            left: time_left(progress.steps_left.map(seconds), seconds(self.limit.saturating_sub(metrics.env_steps))),
             bottleneck: progress
                 .bottleneck
                 .map(|bottleneck| Bottleneck { step: bottleneck.target, success: bottleneck.success }),

@@ -1,8 +1,8 @@
 //! From the text of a task to what stands there and what is wrong with it.
 
 use myo_tasks::{
-    Axes, BadValue, Direction, FlatTask, InvalidTask, LoadError, Object, PlacedItem, Range, Report, Shape, Shift, Slider, Source,
-    SourceLocation, Task,
+    Axes, BadValue, Direction, FlatTask, InvalidTask, LoadError, Object, PlacedItem, Range, Report, Shape, Shift,
+    Slider, Source, SourceLocation, Task,
 };
 use nalgebra::{Rotation3, UnitQuaternion};
 

@@ -24,9 +24,10 @@ use myo_model::builtin_names;
 use serde_json::Value;
 
 use crate::protocol::{
-    Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, DiscardRun, DiscardTask, Event, Finding,
-    GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply,
-    RunDetail, RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
+    Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, DiscardRun, DiscardTask, Event,
+    Finding, GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose, Question,
+    Refusal, Relearn, RenameRun, Replay, Reply, RunDetail, RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob,
+    Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;

@@ -9,11 +9,8 @@ use crate::protocol::{BodyPart, BodyShape, MotionLayout, MuscleShape};
 /// What of the body of a skeleton stays the same.
 pub fn shape(skeleton: &Skeleton) -> BodyShape {
     let model = skeleton.model();
-    let part = |body: &myo_model::model::Body| BodyPart {
-        name: body.name.clone(),
-        parent: body.parent,
-        mass_kg: body.mass,
-    };
+    let part =
+        |body: &myo_model::model::Body| BodyPart { name: body.name.clone(), parent: body.parent, mass_kg: body.mass };
     let muscle = |muscle: &myo_model::model::Muscle| MuscleShape {
         name: muscle.name.clone(),
         points: muscle.path.len(),
@@ -44,12 +41,7 @@ pub fn layout(skeleton: &Skeleton) -> MotionLayout {
 ///
 /// # Errors
 /// The moment is of another model or task.
-pub fn push_frame(
-    skeleton: &Skeleton,
-    moment: &Snapshot,
-    time_s: f64,
-    numbers: &mut Vec<f32>,
-) -> Result<(), EnvError> {
+pub fn push_frame(skeleton: &Skeleton, moment: &Snapshot, time_s: f64, numbers: &mut Vec<f32>) -> Result<(), EnvError> {
     let pose = skeleton.pose(moment)?;
     let mut push = |x: f64| numbers.push(x as f32);
     push(time_s);

@@ -58,6 +58,8 @@ fn checkpoint(run: &RunFolder, asked: &Replay) -> Result<Checkpoint, Refusal> {
     let named = format!("step_{env_steps:012}.ckpt");
     let paths = run.checkpoints()?;
     let path = paths.iter().find(|path| path.ends_with(&named));
-    let path = path.ok_or_else(|| Refusal::sentence(format!("{} has no checkpoint of {env_steps} control steps any more", asked.run)))?;
+    let path = path.ok_or_else(|| {
+        Refusal::sentence(format!("{} has no checkpoint of {env_steps} control steps any more", asked.run))
+    })?;
     Checkpoint::read(path).map_err(Refusal::from)
 }

@@ -25,8 +25,7 @@ pub fn list(workspace: &Workspace) -> Result<Vec<RunEntry>, Refusal> {
     }
     let name = |path: &Path| path.strip_prefix(&folder).unwrap_or(path).to_string_lossy().replace('\\', "/");
     let found = find_runs(&folder)?;
-    let mut entries: Vec<RunEntry> =
-        found.into_iter().map(|run| entry(name(&run.path), run)).collect();
+    let mut entries: Vec<RunEntry> = found.into_iter().map(|run| entry(name(&run.path), run)).collect();
     entries.sort_by(|a, b| changed(b).total_cmp(&changed(a)).then_with(|| a.name.cmp(&b.name)));
     Ok(entries)
 }
@@ -109,9 +108,7 @@ pub fn detail(workspace: &Workspace, name: &str) -> Result<RunDetail, Refusal> {
 }
 
 fn checkpoints(run: &RunFolder) -> Result<Vec<u64>, Refusal> {
-    let steps = |path: &std::path::PathBuf| {
-        path.file_stem()?.to_str()?.strip_prefix("step_")?.parse().ok()
-    };
+    let steps = |path: &std::path::PathBuf| path.file_stem()?.to_str()?.strip_prefix("step_")?.parse().ok();
     Ok(run.checkpoints()?.iter().filter_map(steps).collect())
 }
 

@@ -17,7 +17,8 @@ pub use body::{BodyPart, BodyShape, MOMENT, MotionLayout, MuscleShape, OBJECT, P
 pub use jobs::{Before, Bottleneck, Doubling, Job, JobOrder, JobProgress, JobState, Step};
 pub use runs::{CurvePoint, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 pub use task::{
-    Finding, ItemView, Look, ObjectKind, ObjectView, PresetCard, Severity, StepView, Surface, TaskFile, TaskText, TaskView,
+    Finding, ItemView, Look, ObjectKind, ObjectView, PresetCard, Severity, StepView, Surface, TaskFile, TaskText,
+    TaskView,
 };
 
 /// What the page asks.

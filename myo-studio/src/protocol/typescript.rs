@@ -21,7 +21,9 @@ fn declaration<T: TS>(config: &Config) -> String {
 fn calls() -> String {
     let line = |call: &Call| format!("  {}: {{ with: {}; reply: {} }};\n", call.name, call.with, call.reply);
     let lines: String = CALLS.iter().map(line).collect();
-    format!("/** Everything that can be asked: what goes with it and what comes back. */\nexport interface Calls {{\n{lines}}}\n")
+    format!(
+        "/** Everything that can be asked: what goes with it and what comes back. */\nexport interface Calls {{\n{lines}}}\n"
+    )
 }
 
 fn page() -> String {
@@ -35,7 +37,8 @@ fn page() -> String {
         Hello AskSchema LookAt CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
         AskRun NoteRun RenameRun DiscardRun
     };
-    let sizes = format!("export const MOMENT = {MOMENT};\nexport const PART = {PART};\nexport const OBJECT = {OBJECT};\n");
+    let sizes =
+        format!("export const MOMENT = {MOMENT};\nexport const PART = {PART};\nexport const OBJECT = {OBJECT};\n");
     format!("// Written from myo-studio/src/protocol; its tests say how.\n\n{types}{sizes}\n{}", calls())
 }
 

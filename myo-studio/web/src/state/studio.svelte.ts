@@ -65,6 +65,8 @@ export class Studio {
 
   /** When the text was changed last (ms since the page came). */
   touched = 0;
+  /** When a training ends: `plateau`, or a share of success. */
+  until = $state('plateau');
   /** Whether the user goes on learning whenever the task is changed. */
   live = $state(false);
   private relearning: ReturnType<typeof setTimeout> | undefined;
@@ -326,7 +328,7 @@ export class Studio {
       name: document.name,
       seed: 1,
       users: 1,
-      until: 'plateau',
+      until: this.until,
       steps: null,
       from: null,
       live: this.live,

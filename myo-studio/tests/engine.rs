@@ -1,0 +1,300 @@
+//! The engine as a page sees it: questions in JSON, answers, events.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use myo_lab::Backend;
+use myo_studio::engine::Engine;
+use myo_studio::protocol::{Message, Question};
+use myo_tasks::preset_text;
+use serde_json::{Value, json};
+
+/// Longer than any training here takes on a slow machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn engine(folder: &Path) -> Engine {
+    Engine::open(folder.to_owned(), Backend::Cpu).unwrap()
+}
+
+fn ask(engine: &Engine, call: &str, with: Value) -> Result<Value, Value> {
+    let Message::Text(text) = engine.answer(Question { id: 7, call: call.into(), with }) else { panic!("text") };
+    let reply: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(reply["id"], 7);
+    match (reply.get("ok"), reply.get("refused")) {
+        (Some(ok), None) => Ok(ok.clone()),
+        (None, Some(refused)) => Err(refused.clone()),
+        _ => panic!("{reply}"),
+    }
+}
+
+fn refusal(engine: &Engine, call: &str, with: Value) -> String {
+    ask(engine, call, with).unwrap_err()["message"].as_str().unwrap().to_owned()
+}
+
+/// A task that is learnt in a moment: one large sphere where the hand hangs.
+fn easy(x: f64) -> String {
+    format!(
+        "version: 2\nname: easy\nscene:\n  ball: {{kind: sphere, at: [{x}, 0, -0.4], radius: 0.3}}\nscript:\n  - dwell: {{in: ball, for_s: 0.05}}\n\
+         time_limit_s: 1\n"
+    )
+}
+
+fn order(text: &str, until: &str, live: bool) -> Value {
+    json!({"order": {"text": text, "name": "easy", "seed": 3, "users": 1, "until": until, "steps": null, "from": null, "live": live}})
+}
+
+fn job(engine: &Engine, id: u64) -> Value {
+    let state = serde_json::to_value(engine.state()).unwrap();
+    state["jobs"].as_array().unwrap().iter().find(|job| job["id"] == id).cloned().unwrap_or(Value::Null)
+}
+
+/// Waits until a training is as it should be.
+fn wait(engine: &Engine, id: u64, is: impl Fn(&Value) -> bool) -> Value {
+    let begun = Instant::now();
+    loop {
+        let job = job(engine, id);
+        if is(&job) {
+            return job;
+        }
+        assert_ne!(job["state"]["is"], "failed", "{job}");
+        assert!(begun.elapsed() < PATIENCE, "{job}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn a_text_is_looked_at_and_checked_in_the_words_of_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let text = preset_text("public-display").unwrap();
+    let look = ask(&engine, "look", json!({"text": text})).unwrap();
+    assert_eq!(look["findings"], json!([]));
+    assert_eq!(look["view"]["objects"].as_array().unwrap().len(), 4);
+    assert_eq!(look["view"]["steps"][1]["label"], "press upper_left");
+    assert_eq!(look["view"]["objects"][1]["steps"], json!([1]));
+    assert_eq!(look["view"]["items"][1]["path"], "scene.upper_left");
+    assert!(
+        ask(&engine, "check", json!({"text": text}))
+            .unwrap()
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|f| f["severity"] == "warning")
+    );
+
+    // Wrong values keep their path and line; so does what lies out of reach.
+    let wrong = text.replace("at: [0.42,  0.15,  0.01]", "at: [0.92,  0.15,  0.01]");
+    let findings = ask(&engine, "check", json!({"text": wrong})).unwrap();
+    let error = findings.as_array().unwrap().iter().find(|finding| finding["severity"] == "error").unwrap();
+    assert_eq!((error["path"].as_str(), error["line"].as_u64()), (Some("scene.upper_left.at"), Some(15)));
+    assert!(error["message"].as_str().unwrap().contains("out of reach"), "{error}");
+
+    let typo = ask(&engine, "look", json!({"text": text.replace("tilt_deg: 90", "tilt: 90")})).unwrap();
+    assert_eq!(typo["view"], Value::Null);
+    assert!(typo["findings"][0]["message"].as_str().unwrap().starts_with("unknown key `tilt`"), "{typo}");
+    // A scene is shown before there is a script.
+    let draft =
+        "version: 2\nname: t\nscene:\n  ok: {kind: button, at: [0.4, 0, 0], size: [0.05, 0.05, 0.02]}\nscript: []\n";
+    let draft = ask(&engine, "look", json!({"text": draft})).unwrap();
+    assert_eq!(draft["view"]["objects"][0]["name"], "ok");
+    assert_eq!(draft["findings"][0]["severity"], "error");
+    // Wrong numbers are not written out, however many they ask for.
+    let many = "version: 1\nname: t\ntargets:\n  - {kind: pointing, position: {x: 0.4, y: 0, z: 0}, radius: 0.1, dwell_s: 0.1, repeat: 4000000000}\n";
+    assert_eq!(ask(&engine, "look", json!({"text": many})).unwrap()["view"], Value::Null);
+}
+
+#[test]
+fn names_cannot_leave_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(&folder.path().join("work"));
+    std::fs::write(folder.path().join("secret.yaml"), "secret").unwrap();
+    for name in ["../secret", "/etc/passwd", "a/b", "..", ".", "", "a\\b", "nul\0", ".hidden", "a.", &"x".repeat(81)] {
+        let refused = refusal(&engine, "open", json!({"name": name}));
+        assert!(refused.contains("the name of a task"), "{name:?}: {refused}");
+        assert!(ask(&engine, "save", json!({"name": name, "text": "x"})).is_err());
+    }
+    for name in ["../work/../secret", "/etc", "..", "", "a/../../b"] {
+        let refused = refusal(&engine, "run", json!({"name": name}));
+        assert!(refused.contains("is no name of a run"), "{name:?}: {refused}");
+        assert!(ask(&engine, "discard_run", json!({"name": name})).is_err());
+    }
+    #[cfg(unix)]
+    {
+        std::fs::create_dir_all(folder.path().join("work/runs")).unwrap();
+        std::os::unix::fs::symlink(folder.path(), folder.path().join("work/runs/out")).unwrap();
+        assert!(refusal(&engine, "discard_run", json!({"name": "out"})).contains("leads out"));
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("secret.yaml")).unwrap(), "secret");
+}
+
+#[test]
+fn tasks_are_kept_as_they_were_written_and_thrown_away_to_a_bin() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let text = "# mine\nversion: 2  # of course\n";
+    ask(&engine, "save", json!({"name": "mine", "text": text})).unwrap();
+    assert_eq!(std::fs::read_to_string(folder.path().join("tasks/mine.yaml")).unwrap(), text);
+    assert_eq!(ask(&engine, "open", json!({"name": "mine"})).unwrap()["text"], text);
+    assert_eq!(ask(&engine, "tasks", Value::Null).unwrap()[0]["name"], "mine");
+    ask(&engine, "discard_task", json!({"name": "mine"})).unwrap();
+    assert_eq!(ask(&engine, "tasks", Value::Null).unwrap(), json!([]));
+    assert_eq!(std::fs::read_to_string(folder.path().join("bin/mine.yaml")).unwrap(), text);
+    // A second one of the name does not replace the first.
+    ask(&engine, "save", json!({"name": "mine", "text": "other"})).unwrap();
+    ask(&engine, "discard_task", json!({"name": "mine"})).unwrap();
+    assert_eq!(std::fs::read_to_string(folder.path().join("bin/mine.yaml")).unwrap(), text);
+    assert_eq!(std::fs::read_to_string(folder.path().join("bin/mine.yaml.2")).unwrap(), "other");
+}
+
+#[test]
+fn a_user_is_trained_replayed_noted_renamed_and_thrown_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let id = ask(&engine, "train", order(&easy(0.1), "0.5", false)).unwrap()[0].as_u64().unwrap();
+    let done = wait(&engine, id, |job| job["state"]["is"] == "done");
+    assert_eq!((done["run"].as_str(), done["state"]["by"].as_str()), (Some("easy-1"), Some("until")));
+    assert!(done["state"]["success"].as_f64().unwrap() >= 0.5);
+
+    let runs = ask(&engine, "runs", Value::Null).unwrap();
+    assert_eq!((runs[0]["name"].as_str(), runs[0]["standing"]["state"].as_str()), (Some("easy-1"), Some("evaluated")));
+    let detail = ask(&engine, "run", json!({"name": "easy-1"})).unwrap();
+    assert_eq!(detail["targets"][0]["label"], "dwell in ball");
+    assert!(!detail["curve"].as_array().unwrap().is_empty() && detail["episodes"] == 1000);
+
+    let replay = |seed: u32| {
+        let with = json!({"run": "easy-1", "seed": seed, "env_steps": null});
+        match engine.answer(Question { id: 9, call: "replay".into(), with }) {
+            Message::Motion(header, numbers) => (header, numbers),
+            Message::Text(text) => panic!("{text}"),
+        }
+    };
+    let (header, numbers) = replay(1);
+    assert_eq!((header.id, header.frame_size), (Some(9), header.layout.frame_size()));
+    assert_eq!(numbers.len() % header.frame_size, 0);
+    let last = &numbers[numbers.len() - header.frame_size..];
+    assert!(last[0] > 0.0 && f64::from(last[0]) <= 1.0 + 1e-6, "the end of the episode: {}", last[0]);
+    // What has no value is NaN, which is not equal to itself.
+    let bits = |numbers: &[f32]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&replay(1).1), bits(&numbers), "an episode is the same whenever it is asked for");
+    assert_ne!(bits(&replay(2).1), bits(&numbers));
+
+    let note = json!({"tags": ["pilot"], "note": "first"});
+    ask(&engine, "note", json!({"name": "easy-1", "note": note})).unwrap();
+    ask(&engine, "rename_run", json!({"name": "easy-1", "to": "best"})).unwrap();
+    assert_eq!(ask(&engine, "run", json!({"name": "best"})).unwrap()["entry"]["note"], note);
+    assert!(refusal(&engine, "rename_run", json!({"name": "best", "to": "a/b"})).contains("must not contain"));
+    ask(&engine, "discard_run", json!({"name": "best"})).unwrap();
+    assert_eq!(ask(&engine, "runs", Value::Null).unwrap(), json!([]));
+    assert!(folder.path().join("bin/best/config.json").exists());
+}
+
+#[test]
+fn a_training_waits_pauses_stops_and_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let id = ask(&engine, "train", order(&easy(0.1), "off", false)).unwrap()[0].as_u64().unwrap();
+    let second = ask(&engine, "train", order(&easy(0.1), "0.5", false)).unwrap()[0].as_u64().unwrap();
+    let steps = |job: &Value| job["progress"]["env_steps"].as_u64().unwrap_or_default();
+    wait(&engine, id, |job| steps(job) > 0);
+    assert_eq!(job(&engine, second)["state"]["is"], "waiting");
+    assert!(refusal(&engine, "discard_run", json!({"name": "easy-1"})).contains("is being trained; stop it first"));
+    assert!(refusal(&engine, "go_on", json!({"run": "easy-1"})).contains("is being trained already"));
+
+    ask(&engine, "tell", json!({"job": id, "step": "pause"})).unwrap();
+    let paused = wait(&engine, id, |job| job["state"]["is"] == "paused");
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(steps(&job(&engine, id)), steps(&paused), "nothing is learnt in a pause");
+    ask(&engine, "tell", json!({"job": id, "step": "resume"})).unwrap();
+    wait(&engine, id, |job| steps(job) > steps(&paused));
+
+    ask(&engine, "tell", json!({"job": id, "step": "stop"})).unwrap();
+    wait(&engine, id, |job| job["state"]["is"] == "stopped");
+    wait(&engine, second, |job| job["state"]["is"] == "done");
+    let before =
+        ask(&engine, "run", json!({"name": "easy-1"})).unwrap()["entry"]["standing"]["env_steps"].as_u64().unwrap();
+    assert!(before > 0, "a stop leaves a checkpoint");
+    ask(&engine, "tell", json!({"job": id, "step": "resume"})).unwrap();
+    wait(&engine, id, |job| steps(job) > before);
+    ask(&engine, "tell", json!({"job": id, "step": "dismiss"})).unwrap();
+    wait(&engine, id, Value::is_null);
+}
+
+#[test]
+fn a_studio_that_was_killed_goes_on_with_its_trainings() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = engine(folder.path());
+    let id = ask(&first, "train", order(&easy(0.1), "off", false)).unwrap()[0].as_u64().unwrap();
+    wait(&first, id, |job| job["progress"]["env_steps"].as_u64().unwrap_or_default() > 0);
+    ask(&first, "tell", json!({"job": id, "step": "stop"})).unwrap();
+    wait(&first, id, |job| job["state"]["is"] == "stopped");
+    // As the file is while it trains, which a kill leaves behind.
+    let file = folder.path().join("studio.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.contains("\"is\": \"stopped\""), "{text}");
+    std::fs::write(&file, text.replace("\"is\": \"stopped\"", "\"is\": \"training\"")).unwrap();
+    let second = engine(folder.path());
+    wait(&second, id, |job| job["state"]["is"] == "training" && job["progress"]["wall_s"].as_f64() > Some(0.0));
+    assert_eq!(job(&second, id)["run"], "easy-1");
+    ask(&second, "tell", json!({"job": id, "step": "stop"})).unwrap();
+    wait(&second, id, |job| job["state"]["is"] == "stopped");
+
+    std::fs::write(&file, "{").unwrap();
+    let Err(refusal) = Engine::open(folder.path().to_owned(), Backend::Cpu) else { panic!("a damaged list") };
+    assert!(refusal.message.contains("is damaged") && refusal.message.contains("move it away"), "{}", refusal.message);
+}
+
+#[test]
+fn a_live_training_takes_its_user_to_every_task_that_comes() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let id = ask(&engine, "train", order(&easy(0.1), "0.5", true)).unwrap()[0].as_u64().unwrap();
+    let first = wait(&engine, id, |job| job["state"]["is"] == "done");
+    assert_eq!(first["progress"]["before"], Value::Null);
+    // Of another structure, too: a button instead of a sphere.
+    let button = "version: 2\nname: easy\nscene:\n  ok: {kind: button, at: [0.4, 0, -0.2], size: [0.3, 0.3, 0.02], tilt_deg: 60}\nscript:\n  - press: ok\n\
+                  time_limit_s: 2\n";
+    for (text, name) in [(easy(0.3), "ball"), (button.to_owned(), "ok")] {
+        ask(&engine, "relearn", json!({"job": id, "text": text})).unwrap();
+        let done = wait(&engine, id, |job| {
+            let detail = || ask(&engine, "run", json!({"name": "easy-1"})).unwrap_or_default();
+            job["state"]["is"] == "done"
+                && detail()["text"].as_str().is_some_and(|text| text.contains(&format!("{name}:")))
+        });
+        assert!(done["progress"]["before"]["success"].is_f64(), "{done}");
+        assert_eq!(done["run"], "easy-1", "one run, of the last task");
+    }
+    let wrong = refusal(&engine, "relearn", json!({"job": id, "text": easy(1.8)}));
+    assert!(wrong.contains("out of reach"), "{wrong}");
+    assert_eq!(job(&engine, id)["state"]["is"], "done", "what cannot be trained changes nothing");
+}
+
+#[test]
+fn what_is_no_question_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    assert!(refusal(&engine, "fly", Value::Null).contains("knows no call named \"fly\""));
+    assert!(refusal(&engine, "look", json!({"txt": "x"})).contains("unknown field"));
+    assert!(refusal(&engine, "train", order(&easy(0.1), "soon", false)).contains("expected `plateau`"));
+    let mut none = order(&easy(0.1), "off", false);
+    none["order"]["users"] = json!(0);
+    assert!(refusal(&engine, "train", none).contains("from 1 to 64"));
+    assert!(refusal(&engine, "train", order(&easy(1.8), "off", false)).contains("out of reach"));
+    assert!(
+        refusal(&engine, "replay", json!({"run": "none", "seed": 1, "env_steps": null}))
+            .contains("is not a run folder")
+    );
+    assert!(refusal(&engine, "tell", json!({"job": 99, "step": "stop"})).contains("not in the list"));
+}
+
+#[test]
+fn a_damaged_run_hides_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let damaged = folder.path().join("runs/broken");
+    std::fs::create_dir_all(&damaged).unwrap();
+    std::fs::write(damaged.join("config.json"), "{").unwrap();
+    let runs = ask(&engine, "runs", Value::Null).unwrap();
+    assert_eq!((runs[0]["name"].as_str(), runs[0]["standing"]["is"].as_str()), (Some("broken"), Some("damaged")));
+    ask(&engine, "discard_run", json!({"name": "broken"})).unwrap();
+    assert_eq!(ask(&engine, "runs", Value::Null).unwrap(), json!([]));
+}
