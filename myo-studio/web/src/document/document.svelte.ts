@@ -19,6 +19,8 @@ export class TaskDocument {
   version = $state(0);
   private past = $state.raw<string[]>([]);
   private future = $state.raw<string[]>([]);
+  /** The text as a tree: many fields read it, and a drag changes it many times a second. */
+  private read: { text: string; tree: Document } | undefined;
   /** The text before a drag began: all of it is one step back. */
   private before: string | undefined;
 
@@ -71,11 +73,21 @@ export class TaskDocument {
 
   /** Changes the text as a tree. */
   edit(change: (tree: Document) => void) {
-    const tree = parseDocument(this.text);
+    const tree = this.tree();
     // A text that is no YAML is changed by hand alone.
     if (tree.errors.length > 0) return;
-    change(tree as Document);
-    this.replace(tree.toString(FORMAT));
+    // A change that fails half-way leaves nothing behind.
+    this.read = undefined;
+    change(tree);
+    const text = tree.toString(FORMAT);
+    this.read = { text, tree };
+    this.replace(text);
+  }
+
+  private tree(): Document {
+    const { text } = this;
+    if (this.read?.text !== text) this.read = { text, tree: parseDocument(text) as Document };
+    return this.read.tree;
   }
 
   /** Writes a value, where one is or not. */
@@ -90,7 +102,7 @@ export class TaskDocument {
 
   /** What stands at a path; undefined where nothing does. */
   get(path: string): Value | undefined {
-    const tree = parseDocument(this.text);
+    const tree = this.tree();
     const node = path ? tree.getIn(keys(path), true) : tree.contents;
     return isNode(node) ? (node.toJS(tree) as Value) : undefined;
   }

@@ -241,6 +241,11 @@ export class Studio {
     void this.stand();
   }
 
+  /** Waits until the view is that of the text. */
+  async settled() {
+    while (this.looking) await new Promise((resolve) => setTimeout(resolve, 5));
+  }
+
   /** Asks what the body says to it: that takes longer. */
   private async check() {
     if (this.checking) return;
@@ -357,7 +362,8 @@ export class Studio {
   private async relearn() {
     const { document } = this;
     // The checks of a change come first: what cannot be trained is said at its field.
-    while (this.looking || this.checking) await new Promise((resolve) => setTimeout(resolve, 10));
+    await this.settled();
+    while (this.checking) await new Promise((resolve) => setTimeout(resolve, 10));
     if (!document || document !== this.document || this.errors.length > 0) return;
     const job = this.liveJob;
     if (job) await this.try(() => this.engine.ask('relearn', { job: job.id, text: document.text }));

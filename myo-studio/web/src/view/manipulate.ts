@@ -12,8 +12,9 @@ export const SNAP_DEG = 5;
 
 /** What a drag asks for, in the axes in which the item is written. */
 export interface Change {
-  /** By how much it moves. */
+  /** By how much it moves, and how far that is in the world (m). */
   by?: [number, number, number];
+  way?: [number, number, number];
   tilt_deg?: number;
   turn_deg?: number;
   /** Factors along its own axes: up the face, across it, out of it. */
@@ -114,9 +115,9 @@ export class Manipulator {
     const { item, proxy, start } = this;
     if (!item) return;
     if (this.gizmo.mode === 'translate') {
-      const by = this.written(item, proxy.position.clone().sub(start.position));
+      const way = proxy.position.clone().sub(start.position);
       start.position.copy(proxy.position);
-      this.hands.change(item, { by });
+      this.hands.change(item, { way: way.toArray(), by: this.written(item, way) });
     } else if (this.gizmo.mode === 'rotate') {
       this.hands.change(item, angles(item, proxy.quaternion));
     } else {
@@ -177,7 +178,7 @@ export class Manipulator {
     if (!grip.moved) this.hands.begin();
     grip.moved = true;
     grip.told.copy(way);
-    this.hands.change(item, { by: this.written(item, step) });
+    this.hands.change(item, { way: step.toArray(), by: this.written(item, step) });
   };
 
   private up = () => {

@@ -123,6 +123,15 @@ class Thing {
     return numbers[at + 11];
   }
 
+  /** Moves what is drawn, until the text says where it is. */
+  nudge(way: Vector3) {
+    this.body.position.add(way);
+    this.edges?.position.add(way);
+    this.handle?.position.add(way);
+    if (this.rod) this.rod.position.add(way);
+    if (this.range) this.range.matrix.premultiply(new Matrix4().makeTranslation(way));
+  }
+
   private place(at: number[], rotation: number[], half: number[]) {
     for (const mesh of [this.body, this.edges]) {
       mesh?.position.set(at[0], at[1], at[2]);
@@ -188,6 +197,8 @@ export class Objects {
   readonly group = new Group();
   private things: Thing[] = [];
   private palette: Palette;
+  /** What is in the hand, where each was when it was taken, and how far it has come. */
+  private held: { indices: number[]; from: Vector3[]; way: Vector3 } | undefined;
 
   constructor(dark: boolean) {
     this.palette = dark ? DARK : LIGHT;
@@ -213,7 +224,28 @@ export class Objects {
         this.things[index].rest();
       });
     }
+    this.keepInHand();
     this.paint(look);
+  }
+
+  /** Moves what is in the hand at once: what the engine says of it comes later, and about where it was. */
+  pull(indices: number[], way: Vector3) {
+    const places = indices.map((index) => this.things[index]?.body.position.clone() ?? new Vector3());
+    if (this.held && this.held.indices.join() !== indices.join()) this.held = undefined;
+    this.held ??= { indices, from: places, way: new Vector3() };
+    this.held.way.add(way);
+    this.keepInHand();
+  }
+
+  letGo() {
+    this.held = undefined;
+  }
+
+  private keepInHand() {
+    this.held?.indices.forEach((index, k) => {
+      const thing = this.things[index];
+      if (thing && this.held) thing.nudge(this.held.from[k].clone().add(this.held.way).sub(thing.body.position));
+    });
   }
 
   paint(look: (index: number) => Look) {
