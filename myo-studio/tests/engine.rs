@@ -92,6 +92,16 @@ fn a_text_is_looked_at_and_checked_in_the_words_of_the_command_line() {
     let typo = ask(&engine, "look", json!({"text": text.replace("tilt_deg: 90", "tilt: 90")})).unwrap();
     assert_eq!(typo["view"], Value::Null);
     assert!(typo["findings"][0]["message"].as_str().unwrap().starts_with("unknown key `tilt`"), "{typo}");
+    // Tasks of version 1 are seen, and written anew.
+    let old = "version: 1\nname: t\ntargets:\n  - {kind: pointing, position: {x: 0.4, y: 0, z: 0}, radius: 0.1, dwell_s: 0.1}\n";
+    let seen = ask(&engine, "look", json!({"text": old})).unwrap();
+    assert_eq!(
+        (seen["view"]["items"].as_array().unwrap().len(), seen["view"]["objects"].as_array().unwrap().len()),
+        (0, 1)
+    );
+    let anew = ask(&engine, "convert", json!({"text": old})).unwrap();
+    let seen = ask(&engine, "look", json!({"text": anew})).unwrap();
+    assert_eq!(seen["view"]["items"].as_array().unwrap().len(), 1, "{anew}");
     // A scene is shown before there is a script.
     let draft =
         "version: 2\nname: t\nscene:\n  ok: {kind: button, at: [0.4, 0, 0], size: [0.05, 0.05, 0.02]}\nscript: []\n";
@@ -181,11 +191,13 @@ fn a_user_is_trained_replayed_noted_renamed_and_thrown_away() {
     let note = json!({"tags": ["pilot"], "note": "first"});
     ask(&engine, "note", json!({"name": "easy-1", "note": note})).unwrap();
     ask(&engine, "rename_run", json!({"name": "easy-1", "to": "best"})).unwrap();
+    assert_eq!(job(&engine, id)["run"], "best", "its training knows");
     assert_eq!(ask(&engine, "run", json!({"name": "best"})).unwrap()["entry"]["note"], note);
     assert!(refusal(&engine, "rename_run", json!({"name": "best", "to": "a/b"})).contains("must not contain"));
     ask(&engine, "discard_run", json!({"name": "best"})).unwrap();
     assert_eq!(ask(&engine, "runs", Value::Null).unwrap(), json!([]));
     assert!(folder.path().join("bin/best/config.json").exists());
+    assert_eq!(job(&engine, id)["run"], Value::Null);
 }
 
 #[test]
@@ -232,12 +244,16 @@ fn a_studio_that_was_killed_goes_on_with_its_trainings() {
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.contains("\"is\": \"stopped\""), "{text}");
     std::fs::write(&file, text.replace("\"is\": \"stopped\"", "\"is\": \"training\"")).unwrap();
+    let Err(busy) = Engine::open(folder.path().to_owned(), Backend::Cpu) else { panic!("two in one folder") };
+    assert!(busy.message.contains("another studio works in"), "{}", busy.message);
+    drop(first);
     let second = engine(folder.path());
     wait(&second, id, |job| job["state"]["is"] == "training" && job["progress"]["wall_s"].as_f64() > Some(0.0));
     assert_eq!(job(&second, id)["run"], "easy-1");
     ask(&second, "tell", json!({"job": id, "step": "stop"})).unwrap();
     wait(&second, id, |job| job["state"]["is"] == "stopped");
 
+    drop(second);
     std::fs::write(&file, "{").unwrap();
     let Err(refusal) = Engine::open(folder.path().to_owned(), Backend::Cpu) else { panic!("a damaged list") };
     assert!(refusal.message.contains("is damaged") && refusal.message.contains("move it away"), "{}", refusal.message);
@@ -253,6 +269,8 @@ fn a_live_training_takes_its_user_to_every_task_that_comes() {
     // Of another structure, too: a button instead of a sphere.
     let button = "version: 2\nname: easy\nscene:\n  ok: {kind: button, at: [0.4, 0, -0.2], size: [0.3, 0.3, 0.02], tilt_deg: 60}\nscript:\n  - press: ok\n\
                   time_limit_s: 2\n";
+    let note = json!({"tags": ["mine"], "note": ""});
+    ask(&engine, "note", json!({"name": "easy-1", "note": note})).unwrap();
     for (text, name) in [(easy(0.3), "ball"), (button.to_owned(), "ok")] {
         ask(&engine, "relearn", json!({"job": id, "text": text})).unwrap();
         let done = wait(&engine, id, |job| {
@@ -263,6 +281,14 @@ fn a_live_training_takes_its_user_to_every_task_that_comes() {
         assert!(done["progress"]["before"]["success"].is_f64(), "{done}");
         assert_eq!(done["run"], "easy-1", "one run, of the last task");
     }
+    assert_eq!(
+        ask(&engine, "run", json!({"name": "easy-1"})).unwrap()["entry"]["note"],
+        note,
+        "notes stay with the user"
+    );
+    let names: Vec<_> =
+        std::fs::read_dir(folder.path().join("runs")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names, ["easy-1"], "nothing is left aside");
     let wrong = refusal(&engine, "relearn", json!({"job": id, "text": easy(1.8)}));
     assert!(wrong.contains("out of reach"), "{wrong}");
     assert_eq!(job(&engine, id)["state"]["is"], "done", "what cannot be trained changes nothing");

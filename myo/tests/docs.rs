@@ -19,9 +19,9 @@ const SHORT: &[(&str, &str, &str)] = &[
     ("eval", "--episodes", "20"),
 ];
 
-/// Needs a card, or minutes; the command line's own tests parse it.
+/// Needs a card, or minutes, or goes on until it is stopped; the command line's own tests parse it.
 fn is_only_parsed(words: &[String]) -> bool {
-    words[0] == "bench" || words.windows(2).any(|pair| pair == ["--backend", "gpu"])
+    ["bench", "studio"].contains(&&*words[0]) || words.windows(2).any(|pair| pair == ["--backend", "gpu"])
 }
 
 fn shortened(words: &[String]) -> Vec<String> {

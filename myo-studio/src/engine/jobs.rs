@@ -1,5 +1,6 @@
 //! Trainings that were ordered: kept in a file, done first to last in a thread of their own, steered while they run.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -33,6 +34,8 @@ const FRESH: f64 = 0.1;
 /// All trainings that were ordered.
 pub struct Jobs {
     list: Mutex<List>,
+    /// Held while the list is written: what was made later is written later.
+    writing: Mutex<()>,
     /// Rung whenever somebody orders or tells something.
     bell: Condvar,
     workspace: Workspace,
@@ -90,11 +93,22 @@ impl Jobs {
             })?,
         };
         for entry in &mut list.entries {
-            if matches!(entry.job.state, JobState::Preparing | JobState::Training | JobState::Evaluating) {
-                entry.job.state = JobState::Waiting;
+            match entry.job.state {
+                JobState::Preparing | JobState::Training | JobState::Evaluating => entry.job.state = JobState::Waiting,
+                JobState::Paused => entry.job.state = JobState::Stopped,
+                _ => {}
             }
         }
-        Ok(Self { list: Mutex::new(list), bell: Condvar::new(), workspace, bodies, hub, stage, backend })
+        Ok(Self {
+            list: Mutex::new(list),
+            writing: Mutex::new(()),
+            bell: Condvar::new(),
+            workspace,
+            bodies,
+            hub,
+            stage,
+            backend,
+        })
     }
 
     fn list(&self) -> MutexGuard<'_, List> {
@@ -242,10 +256,11 @@ impl Jobs {
 
     /// Keeps the list and tells everybody.
     fn changed(&self, list: MutexGuard<'_, List>) -> Result<(), Refusal> {
-        let text = serde_json::to_vec_pretty(&*list)?;
         drop(list);
         self.bell.notify_all();
         self.tell_pages();
+        let _turn = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
+        let text = serde_json::to_vec_pretty(&*self.list())?;
         std::fs::create_dir_all(self.workspace.folder()).ok();
         Ok(write_whole(&file(&self.workspace), &text)?)
     }
@@ -284,17 +299,47 @@ impl Jobs {
         loop {
             let entry = self.next();
             let id = entry.job.id;
-            let state = match self.carry_out(&entry) {
-                Ok(state) => state,
-                Err(refusal) => JobState::Failed { message: refusal.message },
+            // A fault in one training costs nobody the others.
+            let state = match catch_unwind(AssertUnwindSafe(|| self.carry_out(&entry))) {
+                Ok(Ok(state)) => state,
+                Ok(Err(refusal)) => JobState::Failed { message: refusal.message },
+                Err(_) => JobState::Failed { message: "the training failed; this is a fault of Myo, not yours".into() },
             };
             let dismissed = self.take_told(id) == Some(Step::Dismiss);
-            self.update_and_keep(id, |job| job.state = state);
+            self.settle(id, state);
             if dismissed {
                 let _ = self.tell(id, Step::Dismiss);
             }
             self.hub.tell(&Event::Runs);
         }
+    }
+
+    /// How a training stands in the end. A live one whose task was changed in the last moment goes on.
+    fn settle(&self, id: u32, state: JobState) {
+        if let Some(entry) = self.list().entries.iter_mut().find(|entry| entry.job.id == id) {
+            let goes_on = entry.next.is_some() && matches!(state, JobState::Done { .. });
+            entry.job.state = if goes_on { JobState::Waiting } else { state };
+        }
+        self.update_and_keep(id, |_| ());
+    }
+
+    /// A run has another name now, or none.
+    ///
+    /// # Errors
+    /// The list cannot be written.
+    pub fn renamed(&self, run: &str, to: Option<&str>) -> Result<(), Refusal> {
+        let mut list = self.list();
+        for entry in &mut list.entries {
+            if entry.job.run.as_deref() == Some(run) {
+                entry.job.run = to.map(str::to_owned);
+                // A user that is gone goes on with nothing.
+                entry.job.live &= to.is_some();
+            }
+            if entry.order.from.as_deref() == Some(run) {
+                entry.order.from = to.map(str::to_owned);
+            }
+        }
+        self.changed(list)
     }
 
     /// The next one that waits, once there is one.
@@ -407,6 +452,8 @@ impl Jobs {
         entry.order.text.clone_from(&text);
         entry.job.news.clear();
         entry.job.state = JobState::Preparing;
+        // What it was told was about the task of before, unless it was to end.
+        entry.told = entry.told.filter(|told| matches!(told, Step::Stop | Step::Dismiss));
         let (order, run) = (entry.order.clone(), entry.job.run.clone());
         self.changed(list)?;
         let run = run.ok_or_else(gone)?;

@@ -24,10 +24,10 @@ use myo_model::builtin_names;
 use serde_json::Value;
 
 use crate::protocol::{
-    Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, DiscardRun, DiscardTask, Event,
-    Finding, GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose, Question,
-    Refusal, Relearn, RenameRun, Replay, Reply, RunDetail, RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob,
-    Train, Watch, Welcome, ask,
+    Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, ConvertTask, DiscardRun,
+    DiscardTask, Event, Finding, GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun,
+    OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RunDetail, RunEntry, SaveTask, Surface,
+    TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;
@@ -42,15 +42,18 @@ pub struct Engine {
     hub: Arc<Hub>,
     stage: Arc<Stage>,
     jobs: Arc<Jobs>,
+    /// Of the folder: two studios in one would train the same users.
+    _lock: std::fs::File,
 }
 
 impl Engine {
     /// An engine that keeps tasks and runs in a folder; trainings that a killed one left there go on.
     ///
     /// # Errors
-    /// The list of its trainings is damaged.
+    /// Another studio works there, or the list of its trainings is damaged.
     pub fn open(folder: PathBuf, backend: Backend) -> Result<Self, Refusal> {
         let workspace = Workspace::new(folder);
+        let lock = workspace.lock()?;
         let (bodies, hub, stage) = (Arc::new(Bodies::default()), Arc::new(Hub::default()), Arc::new(Stage::default()));
         let kept = (workspace.clone(), Arc::clone(&bodies), Arc::clone(&hub), Arc::clone(&stage));
         let jobs = Arc::new(Jobs::open(kept.0, kept.1, kept.2, kept.3, backend)?);
@@ -59,7 +62,7 @@ impl Engine {
         // Pages ask for the cards first: they are painted meanwhile.
         std::thread::Builder::new().name("cards".into()).spawn(|| _ = presets::cards())?;
         std::thread::Builder::new().name("watch".into()).spawn(move || watcher.work(&listeners))?;
-        Ok(Self { workspace, bodies, hub, stage, jobs })
+        Ok(Self { workspace, bodies, hub, stage, jobs, _lock: lock })
     }
 
     /// Who is told what happens by itself.
@@ -132,6 +135,12 @@ impl AnswersOne<AskSchema> for Engine {
 impl AnswersOne<LookAt> for Engine {
     fn answer_one(&self, LookAt { text }: LookAt) -> Result<Look, Refusal> {
         Ok(look::look(&text))
+    }
+}
+
+impl AnswersOne<ConvertTask> for Engine {
+    fn answer_one(&self, ConvertTask { text }: ConvertTask) -> Result<String, Refusal> {
+        Ok(look::read(&text)?.task.converted().to_yaml())
     }
 }
 
@@ -241,7 +250,8 @@ impl AnswersOne<NoteRun> for Engine {
 impl AnswersOne<RenameRun> for Engine {
     fn answer_one(&self, RenameRun { name, to }: RenameRun) -> Result<(), Refusal> {
         self.refuse_if_training(&name)?;
-        self.workspace.rename_run(&name, &to)?;
+        let renamed = self.workspace.rename_run(&name, &to)?;
+        self.jobs.renamed(&name, Some(&renamed))?;
         self.hub.tell(&Event::Runs);
         Ok(())
     }
@@ -251,6 +261,7 @@ impl AnswersOne<DiscardRun> for Engine {
     fn answer_one(&self, DiscardRun { name }: DiscardRun) -> Result<(), Refusal> {
         self.refuse_if_training(&name)?;
         self.workspace.discard(Kind::Run, &name)?;
+        self.jobs.renamed(&name, None)?;
         self.hub.tell(&Event::Runs);
         Ok(())
     }

@@ -10,7 +10,7 @@ use super::workspace::{Workspace, seconds};
 use crate::protocol::{CurvePoint, Refusal, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 
 /// What people write down about a run lies beside it.
-const NOTE: &str = "note.json";
+pub const NOTE: &str = "note.json";
 /// Most points of a curve that a page is told.
 const POINTS: usize = 600;
 

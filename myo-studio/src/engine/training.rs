@@ -60,8 +60,8 @@ impl Heritage {
 }
 
 impl Training {
-    /// Begins a training in a folder. One that is there is replaced once all else is ready: that of the user itself, who goes on with
-    /// another task. `notice` hears why a card that is there is not used.
+    /// Begins a training in a new folder, or in that of the user itself, who goes on with another task: what was there is put aside
+    /// until the new run is whole. `notice` hears why a card that is there is not used.
     ///
     /// # Errors
     /// The task cannot be simulated, the folder cannot be made, or the card is lost.
@@ -70,18 +70,20 @@ impl Training {
         let heritage = heir_to.as_ref().map(|heritage| &heritage.checkpoint);
         let config = heritage.map_or(config, |checkpoint| checkpoint.config().with_default_learning());
         let start = Start::New { config: &config, seed, from: heritage };
-        let envs = build(backend, model, task, (&config, seed), notice)?;
+        let envs = build(backend, model, std::slice::from_ref(task), (&config, seed), notice)?;
         let (device, looks) = (envs.device(), envs.for_looks(seed)?);
         let session = envs.session(looks, start, goal)?;
+        let is_own = heir_to.as_ref().is_some_and(|heritage| heritage.run == folder);
         let warm = heir_to.map(|Heritage { run, checkpoint }| WarmStart { run, env_steps: checkpoint.env_steps() });
         let description = RunDescription::new(task.clone(), own_model(&task.model)?, &device, goal, warm);
         let trainer = session.trainer();
         let run = serde_json::to_value(&description)?;
-        if folder.exists() {
-            std::fs::remove_dir_all(folder)?;
-        }
+        let aside = if is_own { Some(Aside::put(folder)?) } else { None };
         let writer = RunWriter::create(folder, run, trainer.config(), trainer.seed(), trainer.spec())?;
-        Ok(Self { session: session.recorded_in(writer)?, device, task: task.clone(), model: model.clone() })
+        // A user that has learnt something already is written down at once.
+        let session = session.recorded_in(writer)?;
+        aside.map(|aside| aside.drop_for(folder)).transpose()?;
+        Ok(Self { session, device, task: task.clone(), model: model.clone() })
     }
 
     /// Goes on with a run from its newest checkpoint; from its beginning where it was stopped before the first.
@@ -94,7 +96,7 @@ impl Training {
         let description = RunDescription::of(run)?;
         let (config, seed, goal) = (run.config().ppo.clone(), run.config().seed, description.goal());
         let model = description.body()?;
-        let envs = build(&description.backend(), &model, &description.task, (&config, seed), notice)?;
+        let envs = build(&description.backend(), &model, &description.layouts(), (&config, seed), notice)?;
         let checkpoint = run.latest_checkpoint()?.checkpoint;
         let heritage = match (&checkpoint, &description.from) {
             (None, Some(from)) => {
@@ -113,6 +115,37 @@ impl Training {
     }
 }
 
+/// A run that another takes the place of. Whatever goes wrong before the other is whole, this one is still there, under its own name with
+/// `.before` behind it.
+struct Aside {
+    folder: PathBuf,
+    /// Nobody else may train there meanwhile.
+    _claim: RunClaim,
+}
+
+impl Aside {
+    fn put(run: &Path) -> Result<Self, Refusal> {
+        let claim = RunClaim::take(run)?;
+        let mut name = run.file_name().unwrap_or_default().to_owned();
+        name.push(".before");
+        let folder = run.with_file_name(name);
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder)?;
+        }
+        std::fs::rename(run, &folder)?;
+        Ok(Self { folder, _claim: claim })
+    }
+
+    /// What people wrote down stays with the user.
+    fn drop_for(self, run: &Path) -> Result<(), Refusal> {
+        let note = self.folder.join(super::runs::NOTE);
+        if note.exists() {
+            std::fs::copy(&note, run.join(super::runs::NOTE))?;
+        }
+        Ok(std::fs::remove_dir_all(&self.folder)?)
+    }
+}
+
 /// The newest checkpoint of a run.
 fn newest(folder: &Path) -> Result<Checkpoint, Refusal> {
     let none = || Refusal::sentence(format!("{} has no checkpoint yet", folder.display()));
@@ -122,10 +155,10 @@ fn newest(folder: &Path) -> Result<Checkpoint, Refusal> {
 fn build(
     backend: &Backend,
     model: &Model,
-    task: &Task,
+    layouts: &[Task],
     training: (&PpoConfig, u64),
     notice: &mut dyn FnMut(String),
 ) -> Result<Envs, Refusal> {
     let mut hear = |error: &dyn std::error::Error| notice(format!("{error}; the processor is taken instead"));
-    Ok(backend.build_for_training(model, std::slice::from_ref(task), training, &mut hear)?)
+    Ok(backend.build_for_training(model, layouts, training, &mut hear)?)
 }

@@ -137,18 +137,37 @@ impl Workspace {
         fs::rename(&path, &place).map_err(|error| io_refusal("move", &path, &error))
     }
 
-    /// Gives a run another name beside its own.
+    /// Gives a run another name beside its own; what it is called then.
     ///
     /// # Errors
     /// The name is taken or cannot be that of a folder, or the run cannot be moved.
-    pub fn rename_run(&self, name: &str, to: &str) -> Result<(), Refusal> {
+    pub fn rename_run(&self, name: &str, to: &str) -> Result<String, Refusal> {
         check_name(to, "run")?;
         let path = self.run(name)?;
         let place = path.with_file_name(to);
         if place.exists() {
             return Err(Refusal::sentence(format!("there is a run named {to} already; take another name")));
         }
-        fs::rename(&path, &place).map_err(|error| io_refusal("rename", &path, &error))
+        fs::rename(&path, &place).map_err(|error| io_refusal("rename", &path, &error))?;
+        Ok(name.rsplit_once('/').map_or_else(|| to.to_owned(), |(group, _)| format!("{group}/{to}")))
+    }
+
+    /// The folder for one studio alone, as long as what is returned lives.
+    ///
+    /// # Errors
+    /// Another studio works there, or nothing can be written there.
+    pub fn lock(&self) -> Result<fs::File, Refusal> {
+        let path = self.folder.join("studio.lock");
+        fs::create_dir_all(&self.folder).map_err(|error| io_refusal("make", &self.folder, &error))?;
+        let file = fs::File::create(&path).map_err(|error| io_refusal("write", &path, &error))?;
+        match file.try_lock() {
+            Err(fs::TryLockError::WouldBlock) => Err(Refusal::sentence(format!(
+                "another studio works in {}; use that one, or give this one another --folder",
+                self.folder.display()
+            ))),
+            // Where nothing can be locked nobody knows.
+            _ => Ok(file),
+        }
     }
 
     /// The first of `NAME-1`, `NAME-2`, ... that no run has.

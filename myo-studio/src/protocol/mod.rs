@@ -209,6 +209,11 @@ calls! {
         /// The text.
         text: String,
     } -> Look, "Look";
+    /// The text of a task in the newest version of the format, without its comments.
+    "convert" ConvertTask {
+        /// The text.
+        text: String,
+    } -> String, "string";
     /// Everything wrong or odd about a task, reach included.
     "check" CheckTask {
         /// The text.

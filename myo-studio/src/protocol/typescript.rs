@@ -34,7 +34,7 @@ fn page() -> String {
         JobOrder Bottleneck Before Doubling JobProgress JobState Job Step
         RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
         Refusal Event Welcome Pose Replay
-        Hello AskSchema LookAt CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
+        Hello AskSchema LookAt ConvertTask CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
         AskRun NoteRun RenameRun DiscardRun
     };
     let sizes =

@@ -8,7 +8,7 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use futures_util::{SinkExt, StreamExt};
 use serde::Deserialize;
-use tokio::sync::{Notify, Semaphore, mpsc};
+use tokio::sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc};
 
 use super::Shared;
 use crate::engine::Engine;
@@ -16,6 +16,8 @@ use crate::protocol::{Event, Message, Question};
 
 /// Longest question (bytes): the text of a task with hundreds of objects has some tens of thousands.
 const LONGEST: usize = 4 << 20;
+/// Questions of a page that may wait: each may be as long as the longest.
+const MOST_WAITING: usize = 64;
 /// Questions of a page that are answered at once.
 const AT_ONCE: usize = 4;
 
@@ -42,14 +44,18 @@ async fn talk(engine: Arc<Engine>, socket: WebSocket) {
         move || bell.notify_one()
     });
     let (reply, mut replies) = mpsc::channel::<Message>(AT_ONCE);
-    let turns = Arc::new(Semaphore::new(AT_ONCE));
+    let (turns, waiting) = (Arc::new(Semaphore::new(AT_ONCE)), Arc::new(Semaphore::new(MOST_WAITING)));
     if to.send(state(&engine)).await.is_err() {
         return;
     }
     loop {
         tokio::select! {
             frame = from.next() => match frame {
-                Some(Ok(Frame::Text(text))) => answer(&engine, text.to_string(), &turns, reply.clone()),
+                Some(Ok(Frame::Text(text))) => {
+                    // A page asks a few questions at a time; what asks without listening is none.
+                    let Ok(place) = Arc::clone(&waiting).try_acquire_owned() else { return };
+                    answer(&engine, text.to_string(), (&turns, place), reply.clone());
+                }
                 Some(Ok(Frame::Close(_)) | Err(_)) | None => return,
                 Some(Ok(_)) => {}
             },
@@ -73,10 +79,15 @@ async fn talk(engine: Arc<Engine>, socket: WebSocket) {
 }
 
 /// Answers in a thread that may compute, a few questions of a page at once.
-fn answer(engine: &Arc<Engine>, text: String, turns: &Arc<Semaphore>, reply: mpsc::Sender<Message>) {
+fn answer(
+    engine: &Arc<Engine>,
+    text: String,
+    (turns, place): (&Arc<Semaphore>, OwnedSemaphorePermit),
+    reply: mpsc::Sender<Message>,
+) {
     let (engine, turns) = (Arc::clone(engine), Arc::clone(turns));
     tokio::spawn(async move {
-        let Ok(_turn) = turns.acquire_owned().await else { return };
+        let (_place, Ok(_turn)) = (place, turns.acquire_owned().await) else { return };
         // What is no question has no number to answer to.
         let Ok(question) = serde_json::from_str::<Question>(&text) else { return };
         if let Ok(message) = tokio::task::spawn_blocking(move || engine.answer(question)).await {

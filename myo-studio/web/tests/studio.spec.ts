@@ -1,5 +1,5 @@
 import { expect, test, type Page } from '@playwright/test';
-import { readFileSync } from 'node:fs';
+import { existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -94,6 +94,9 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
   await expect.poll(async () => Number(await time.inputValue())).not.toBe(first);
   await page.getByLabel('Tags').fill('pilot');
   await page.getByLabel('Tags').blur();
+  // The task that is set up is still what it was.
+  await page.getByRole('button', { name: 'my-task', exact: true }).click();
+  await expect(objects.getByRole('button')).toHaveCount(2);
   await page.getByRole('button', { name: 'Runs', exact: true }).click();
   await page.getByLabel('Find runs').fill('pilot');
   await expect(page.getByRole('row', { name: /my-task-1/ })).toContainText('evaluated');
@@ -132,6 +135,24 @@ test('what is wrong is said at the field, in the words of the command line', asy
   await expect(page.getByRole('button', { name: 'Train', exact: true })).toBeDisabled();
   await page.getByRole('button', { name: 'Undo' }).click();
   await expect(page.getByRole('button', { name: 'Train', exact: true })).toBeEnabled();
+});
+
+test('a file that is changed here keeps its comments', async ({ page }) => {
+  await begin(page, 'slider');
+  await page
+    .getByRole('list', { name: 'Objects' })
+    .getByRole('button', { name: /^volume/ })
+    .click();
+  const length = page.getByRole('spinbutton', { name: 'length', exact: true });
+  await length.fill('0.12');
+  await length.press('Enter');
+  const file = `${process.env.MYO_STUDIO_FOLDER}/tasks/slider.yaml`;
+  await expect.poll(() => existsSync(file) && readFileSync(file, 'utf8')).toContain('length: 0.12');
+  const text = readFileSync(file, 'utf8');
+  expect(text).toContain('# how far the handle can be moved');
+  expect(text).toContain('# half way between a table and a wall');
+  expect(text).toContain('range: [0, 100]');
+  expect(text).toContain('- drag: {slider: volume, to: 70, within: 5}');
 });
 
 test('a task is set up with the keyboard alone', async ({ page }) => {

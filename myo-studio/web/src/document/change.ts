@@ -11,6 +11,8 @@ const LEAST_M = 0.002;
 /** Carries out in the text what a drag asks for. */
 export function changeItem(tree: Document, item: ItemView, change: Change) {
   const at = keys(item.path);
+  // What is shown may be older than the text.
+  if (!tree.hasIn(at)) return;
   if (change.by) moveBy(tree, at, change.by);
   if (item.kind !== 'sphere') {
     if (change.tilt_deg !== undefined) setAngle(tree, [...at, 'tilt_deg'], change.tilt_deg);
@@ -45,7 +47,7 @@ function resize(tree: Document, kind: string, at: Keys, [up, across, out]: [numb
       return times(tree, [...at, 'length'], most);
     case 'group': {
       const scale = tree.getIn([...at, 'scale']);
-      return setIn(tree, [...at, 'scale'], Number(scale ?? 1) * most);
+      return setIn(tree, [...at, 'scale'], Math.max(0.05, Number(scale ?? 1) * most));
     }
     case 'grid': {
       const pitch = tree.getIn([...at, 'pitch'], true);

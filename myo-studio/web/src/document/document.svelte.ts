@@ -13,6 +13,9 @@ export type Value = string | number | boolean | null | Value[] | { [key: string]
  * edit changes it in place, so that comments and the order of keys stay as people wrote them.
  */
 export class TaskDocument {
+  private static count = 0;
+  /** Tells it from every other. */
+  readonly id = (TaskDocument.count += 1);
   name = $state('');
   text = $state('');
   /** Counts changes, so that answers to old questions can be told from new ones. */
@@ -155,7 +158,8 @@ function isObject(value: Value): value is Value[] | { [key: string]: Value } {
 }
 
 function rounded(value: Value): Value {
-  if (typeof value === 'number') return Math.round(value * DIGITS) / DIGITS;
+  // A zero that came from below is written as any other.
+  if (typeof value === 'number') return Math.round(value * DIGITS) / DIGITS || 0;
   if (Array.isArray(value)) return value.map(rounded);
   if (isObject(value)) return Object.fromEntries(Object.entries(value).map(([key, part]) => [key, rounded(part)]));
   return value;

@@ -92,7 +92,9 @@ export function duplicate(document: TaskDocument, item: ItemView): string {
 /** Takes an object out, and the steps that ask for it alone. */
 export function remove(document: TaskDocument, item: ItemView) {
   document.edit((tree) => {
-    tree.deleteIn(keys(item.path));
+    const at = keys(item.path);
+    if (!tree.hasIn(at)) return;
+    tree.deleteIn(at);
     forget(tree, item.name);
   });
 }
@@ -188,7 +190,9 @@ export function renameItem(document: TaskDocument, item: ItemView, to: string): 
     const scene = tree.getIn(at.slice(0, -1)) as YAMLMap;
     const pair = scene.items.find((pair) => String((pair.key as { value?: unknown })?.value ?? pair.key) === at.at(-1));
     if (!pair) return;
-    pair.key = tree.createNode(to);
+    // In place: comments before it stay.
+    if (isScalar(pair.key)) pair.key.value = to;
+    else pair.key = tree.createNode(to);
     rename(tree, item.name, `${item_prefix(item.name)}${to}`);
   });
   return [...at.slice(0, -1), to].join('.');
@@ -219,13 +223,18 @@ function addStepTo(tree: Document, step: Value) {
   const node = tree.createNode(step);
   // `dwell: {in: ball, for_s: 0.25}`, as in the files that come with the program.
   if (isMap(node)) node.items.forEach((pair) => isMap(pair.value) && (pair.value.flow = true));
-  if (isSeq(script)) script.add(node);
-  else tree.set('script', tree.createNode([step]));
+  if (isSeq(script)) {
+    // `[]` is written on one line; steps are not.
+    script.flow = false;
+    script.add(node);
+  } else tree.set('script', tree.createNode([step]));
 }
 
 function sceneOf(tree: Document, at: Keys): YAMLMap {
   if (!isMap(tree.getIn(at))) tree.setIn(at, tree.createNode({}));
-  return tree.getIn(at) as YAMLMap;
+  const scene = tree.getIn(at) as YAMLMap;
+  scene.flow = false;
+  return scene;
 }
 
 function block(tree: Document, item: Value) {
@@ -262,11 +271,18 @@ function rename(tree: Document, from: string, to: string) {
   eachName(tree, (name) => (name === from ? to : name.startsWith(`${from}.`) ? to + name.slice(from.length) : name));
 }
 
+/** Keys whose values are words and no names of objects. */
+const NO_NAMES = ['type', 'kind', 'from'];
+
 function eachName(tree: Document, change: (name: string) => string) {
   const visit = (node: unknown) => {
     if (isScalar(node) && typeof node.value === 'string') node.value = change(node.value);
     else if (isSeq(node)) node.items.forEach(visit);
-    else if (isMap(node)) node.items.forEach((pair) => visit(pair.value));
+    else if (isMap(node)) {
+      node.items
+        .filter((pair) => !NO_NAMES.includes(String(isScalar(pair.key) ? pair.key.value : pair.key)))
+        .forEach((pair) => visit(pair.value));
+    }
   };
   visit(tree.get('script'));
   visit(tree.get('technique'));

@@ -845,6 +845,15 @@ export type LookAt = {
 text: string, };
 
 /**
+ * The text of a task in the newest version of the format, without its comments.
+ */
+export type ConvertTask = { 
+/**
+ * The text.
+ */
+text: string, };
+
+/**
  * Everything wrong or odd about a task, reach included.
  */
 export type CheckTask = { 
@@ -1018,6 +1027,7 @@ export interface Calls {
   hello: { with: Hello; reply: Welcome };
   schema: { with: AskSchema; reply: unknown };
   look: { with: LookAt; reply: Look };
+  convert: { with: ConvertTask; reply: string };
   check: { with: CheckTask; reply: Array<Finding> };
   reach: { with: AskReach; reply: Surface };
   body: { with: AskBody; reply: BodyShape };

@@ -29,8 +29,8 @@ export function seconds(s: number | null | undefined): string {
 
 export function duration(s: number): string {
   if (s < 60) return `${s.toFixed(s < 10 ? 1 : 0)} s`;
-  const minutes = Math.floor(s / 60);
-  return minutes < 60 ? `${minutes} min ${Math.round(s % 60)} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+  const [minutes, rest] = [Math.floor(Math.round(s) / 60), Math.round(s) % 60];
+  return minutes < 60 ? `${minutes} min ${rest} s` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
 }
 
 /** How long ago something was, from seconds since 1970. */

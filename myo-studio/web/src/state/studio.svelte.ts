@@ -122,6 +122,7 @@ export class Studio {
       this.schema = schema as Schema;
       this.tasks = await this.engine.ask('tasks', {});
       await this.listRuns();
+      if (this.saved === 'unsaved') await this.save();
       if (this.watched !== undefined) await this.engine.ask('watch', { job: this.watched });
     });
   }
@@ -159,11 +160,14 @@ export class Studio {
   private async hearTask(name: string | null) {
     this.tasks = (await this.try(() => this.engine.ask('tasks', {}))) ?? this.tasks;
     const { document } = this;
-    // Another page has changed what is open here.
-    if (document && name === document.name && this.saved === 'saved') {
-      const opened = await this.try(() => this.engine.ask('open', { name }));
-      if (opened && opened.text !== document.text) document.replace(opened.text);
-    }
+    if (!document || name !== document.name || this.saved !== 'saved') return;
+    const { version } = document;
+    const opened = await this.try(() => this.engine.ask('open', { name }));
+    // Another page has changed what is open here, and nobody has changed it here meanwhile.
+    const isCurrent = document === this.document && document.version === version && this.saved === 'saved';
+    if (!opened || opened.text === document.text || !isCurrent) return;
+    document.replace(opened.text);
+    void this.see();
   }
 
   /** A name that no task has yet. */
@@ -192,8 +196,13 @@ export class Studio {
   }
 
   private show(document: TaskDocument) {
+    // What was changed a moment ago is kept before something else is opened.
+    if (this.saved === 'unsaved') void this.save();
     this.document = document;
+    this.saved = 'saved';
     this.view = undefined;
+    this.plain = [];
+    this.checked = [];
     this.selection = [];
     this.posed = '';
     this.page = { at: 'setup' };
@@ -223,14 +232,19 @@ export class Studio {
     this.saved = done && document.version === version ? 'saved' : 'unsaved';
   }
 
+  /** Which text of which document it is. */
+  private get mark(): string {
+    return `${this.document?.id} ${this.document?.version}`;
+  }
+
   /** Asks what the text says; of many changes in a row the last counts. */
   async see() {
     if (this.looking) return;
     this.looking = true;
-    let seen: number | undefined;
-    while (this.document && seen !== this.document.version) {
+    let seen: unknown;
+    while (this.document && seen !== this.mark) {
       const { document } = this;
-      seen = document.version;
+      seen = this.mark;
       const look = await this.try(() => this.engine.ask('look', { text: document.text }));
       if (!look || document !== this.document) continue;
       this.plain = look.findings;
@@ -250,10 +264,10 @@ export class Studio {
   private async check() {
     if (this.checking) return;
     this.checking = true;
-    let seen: number | undefined;
-    while (this.document && seen !== this.document.version) {
+    let seen: unknown;
+    while (this.document && seen !== this.mark) {
       const { document } = this;
-      seen = document.version;
+      seen = this.mark;
       if (this.plain.some((finding) => finding.severity === 'error')) {
         this.checked = [];
         continue;
@@ -281,6 +295,16 @@ export class Studio {
     if (!this.pose) this.pose = await this.try(() => this.engine.pose({ text: this.welcome?.presets[0]?.text ?? '' }));
   }
 
+  /** Writes a task of version 1 anew, as one step that can be taken back. */
+  async convert() {
+    const { document } = this;
+    if (!document) return;
+    const text = await this.try(() => this.engine.ask('convert', { text: document.text }));
+    if (text === undefined) return;
+    document.replace(text);
+    this.touch();
+  }
+
   async toggleReach() {
     this.showsReach = !this.showsReach;
     const { document } = this;
@@ -297,8 +321,10 @@ export class Studio {
     const item = object === undefined ? undefined : this.itemOf(object);
     if (!item) {
       if (!add) this.selection = [];
-    } else if (!add) this.selection = [item.path];
-    else if (this.selection.includes(item.path)) this.selection = this.selection.filter((path) => path !== item.path);
+    } else if (!add) {
+      // Who takes hold of one of several takes all of them.
+      if (!this.selection.includes(item.path)) this.selection = [item.path];
+    } else if (this.selection.includes(item.path)) this.selection = this.selection.filter((path) => path !== item.path);
     else this.selection = [...this.selection, item.path];
   }
 
@@ -355,7 +381,8 @@ export class Studio {
     const known = this.jobs.findLast(
       (job) => job.title === this.document?.name && job.run && !job.live && job.state.is === 'done',
     );
-    if (!this.liveJob) await this.train({ live: true, from: known?.run ?? null });
+    if (this.liveJob) await this.relearn();
+    else await this.train({ live: true, from: known?.run ?? null });
   }
 
   /** Lets the user go on with the task as it is now. */

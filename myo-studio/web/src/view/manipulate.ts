@@ -207,16 +207,13 @@ function facing(direction: Vector3): Vector3 {
 function angles(item: ItemView, world: Quaternion): Change {
   const own = new Quaternion(...item.parent_rotation).invert().multiply(world);
   const axes = new Matrix4().makeRotationFromQuaternion(own);
-  const [x, z] = [new Vector3(), new Vector3()];
-  axes.extractBasis(x, new Vector3(), z);
+  const [x, y, z] = [new Vector3(), new Vector3(), new Vector3()];
+  axes.extractBasis(x, y, z);
   const degrees = 180 / Math.PI;
-  const lean = Math.hypot(z.x, z.y);
-  // Flat on the table only the turn is left; else the face leans towards where it looks.
-  const turn = lean < 1e-6 ? Math.atan2(x.y, x.x) : Math.atan2(-z.y, -z.x);
-  const isBack = lean >= 1e-6 && Math.abs(turn) > Math.PI / 2;
-  const tilt = Math.atan2(isBack ? -lean : lean, z.z);
-  const turned = isBack ? turn - Math.sign(turn) * Math.PI : turn;
-  return { tilt_deg: rounded(tilt * degrees), turn_deg: rounded(turned * degrees) };
+  // `y` stays level: it is turned alone.
+  const turn = Math.atan2(-y.x, y.y);
+  const tilt = Math.min(Math.PI, Math.max(0, Math.atan2(x.z, z.z)));
+  return { tilt_deg: rounded(tilt * degrees), turn_deg: rounded(turn * degrees) };
 }
 
 function rounded(x: number): number {
