@@ -109,6 +109,18 @@ export class Stage {
     this.draw();
   }
 
+  /** Comes so near, from where the camera stands, that these fill a good part of the picture. */
+  focus(objects: { at: [number, number, number]; size: number }[]) {
+    const places = objects.map(({ at }) => new Vector3(...at));
+    const middle = places.reduce((sum, place) => sum.add(place), new Vector3()).divideScalar(places.length);
+    const radius = Math.max(...objects.map(({ size }, index) => places[index].distanceTo(middle) + size), 0.05);
+    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(away, Math.max(this.controls.minDistance, 4.5 * radius));
+    this.controls.update();
+    this.draw();
+  }
+
   /** The scene has changed. */
   draw() {
     this.wants = true;
