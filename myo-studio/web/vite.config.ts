@@ -26,5 +26,15 @@ export default defineConfig({
   plugins: [svelte(), compressed()],
   build: { target: 'es2023', assetsInlineLimit: 0, reportCompressedSize: false, chunkSizeWarningLimit: 1000 },
   // `npm run dev` beside a studio that was started with --port 7117.
-  server: { proxy: { '/engine': { target: 'ws://127.0.0.1:7117', ws: true } } },
+  server: {
+    proxy: {
+      '/engine': {
+        target: 'ws://127.0.0.1:7117',
+        ws: true,
+        changeOrigin: true,
+        // The studio refuses pages that it did not serve itself.
+        headers: { origin: 'http://127.0.0.1:7117' },
+      },
+    },
+  },
 });

@@ -92,6 +92,14 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
   const time = page.getByRole('slider', { name: 'Time in the episode' });
   const first = Number(await time.inputValue());
   await expect.poll(async () => Number(await time.inputValue())).not.toBe(first);
+  const download = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'CSV' }).click();
+  const rows = readFileSync(await (await download).path(), 'utf8')
+    .trim()
+    .split('\n');
+  expect(rows[0]).toMatch(/^time_s,step,fingertip_x_m,.*elbow_flexion_rad,.*DELT1_activation/);
+  expect(new Set(rows.map((row) => row.split(',').length)).size).toBe(1);
+  expect(Number(rows.at(-1)!.split(',')[0])).toBeGreaterThan(0.1);
   await page.getByLabel('Tags').fill('pilot');
   await page.getByLabel('Tags').blur();
   // The task that is set up is still what it was.

@@ -146,24 +146,23 @@ export class Manipulator {
   private down = (event: PointerEvent) => {
     if (event.button !== 0 || this.gizmo.dragging || this.gizmo.axis !== null) return;
     this.aim(event);
-    const [hit] = this.ray.intersectObjects(this.objects.targets, false);
-    const object = hit?.object.userData.object as number | undefined;
-    this.hands.pick(object, event.shiftKey);
-    if (object === undefined || !hit) return;
+    const hit = this.objects.hit(this.ray);
+    this.hands.pick(hit?.object, event.shiftKey);
+    if (!hit) return;
     this.stage.controls.enabled = false;
     this.canvas.setPointerCapture(event.pointerId);
     const plane = new Plane().setFromNormalAndCoplanarPoint(
       facing(this.stage.camera.getWorldDirection(new Vector3())),
       hit.point,
     );
-    this.grip = { plane, from: hit.point.clone(), told: new Vector3(), moved: false, object };
+    this.grip = { plane, from: hit.point.clone(), told: new Vector3(), moved: false, object: hit.object };
   };
 
   private move = (event: PointerEvent) => {
     const { grip } = this;
     if (!grip) {
       this.aim(event);
-      const over = this.ray.intersectObjects(this.objects.targets, false).length > 0;
+      const over = this.objects.hit(this.ray) !== undefined;
       this.canvas.style.cursor = over ? 'grab' : '';
       return;
     }

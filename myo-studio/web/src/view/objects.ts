@@ -1,21 +1,24 @@
 import {
   BoxGeometry,
+  BufferAttribute,
   BufferGeometry,
   Color,
   CylinderGeometry,
   EdgesGeometry,
   Group,
+  InstancedBufferAttribute,
+  InstancedMesh,
   LineBasicMaterial,
   LineSegments,
   Matrix4,
   Mesh,
   MeshLambertMaterial,
-  Object3D,
   Quaternion,
   SphereGeometry,
   Vector3,
+  type Raycaster,
 } from 'three';
-import { OBJECT, type ObjectView } from '../engine/protocol';
+import { OBJECT, type ObjectKind, type ObjectView } from '../engine/protocol';
 
 /** How something stands out. */
 export interface Look {
@@ -29,7 +32,7 @@ interface Palette {
   done: number;
   wrong: number;
   selected: number;
-  range: number;
+  ground: number;
 }
 
 const LIGHT: Palette = {
@@ -38,7 +41,7 @@ const LIGHT: Palette = {
   done: 0x6aa184,
   wrong: 0xc8372d,
   selected: 0x0b57d0,
-  range: 0x2f6fb3,
+  ground: 0xf3f4f6,
 };
 const DARK: Palette = {
   target: 0x6aa9ee,
@@ -46,143 +49,192 @@ const DARK: Palette = {
   done: 0x6fb592,
   wrong: 0xff6b5e,
   selected: 0x9cc8ff,
-  range: 0x6aa9ee,
+  ground: 0x14171c,
 };
+
+/** Parts that something may have in the task. */
+const enum Role {
+  Current,
+  Later,
+  Done,
+  Bystander,
+}
+
+/** What can be seen through. */
+const GLASS: ObjectKind[] = ['sphere', 'obstacle', 'slider'];
 
 // Shapes of size one, which each object stretches.
 const BALL = new SphereGeometry(1, 24, 16);
 const BOX = new BoxGeometry(2, 2, 2);
-const BOX_EDGES = new EdgesGeometry(BOX);
 const ROD = new CylinderGeometry(1, 1, 1, 12).rotateX(Math.PI / 2);
+const BOX_EDGES = new EdgesGeometry(BOX).getAttribute('position') as BufferAttribute;
 const UNIT_EDGES = new EdgesGeometry(new BoxGeometry(1, 1, 1));
+const EDGES = BOX_EDGES.count;
 
-/** One thing of a task, in the middle of where it may be, or where a frame has it. */
-class Thing {
+/** Where one thing is, how large, and what it is painted like. */
+interface Body {
+  at: Vector3;
+  turn: Quaternion;
+  half: Vector3;
+  tone: Color;
+  opacity: number;
+  edge: Color;
+}
+
+/** Many things of one shape, drawn in one go: a draw call costs more than a hundred triangles. */
+class Swarm {
+  readonly mesh: InstancedMesh<BufferGeometry, MeshLambertMaterial>;
+  private readonly opacity: InstancedBufferAttribute;
+  private readonly matrix = new Matrix4();
+
+  /** `numbers` tells which things these are. */
+  constructor(
+    shape: BufferGeometry,
+    readonly numbers: number[],
+    isGlass: boolean,
+  ) {
+    const material = new MeshLambertMaterial({ transparent: isGlass, depthWrite: !isGlass });
+    const own = shape.clone();
+    this.opacity = new InstancedBufferAttribute(new Float32Array(numbers.length).fill(1), 1);
+    own.setAttribute('instanceOpacity', this.opacity);
+    if (isGlass) material.onBeforeCompile = seeThrough;
+    this.mesh = new InstancedMesh(own, material, numbers.length);
+    // Where they are changes all the time, and they are few.
+    this.mesh.frustumCulled = false;
+  }
+
+  draw(bodies: Body[]) {
+    this.numbers.forEach((number, index) => {
+      const { at, turn, half, tone, opacity } = bodies[number];
+      this.mesh.setMatrixAt(index, this.matrix.compose(at, turn, half));
+      this.mesh.setColorAt(index, tone);
+      this.opacity.setX(index, opacity);
+    });
+    this.mesh.instanceMatrix.needsUpdate = true;
+    if (this.mesh.instanceColor) this.mesh.instanceColor.needsUpdate = true;
+    this.opacity.needsUpdate = true;
+    this.mesh.boundingSphere = null;
+  }
+
+  dispose() {
+    this.mesh.geometry.dispose();
+    this.mesh.material.dispose();
+    this.mesh.dispose();
+  }
+}
+
+/** Lets every instance have an opacity of its own. */
+function seeThrough(shader: { vertexShader: string; fragmentShader: string }) {
+  shader.vertexShader = `attribute float instanceOpacity;\nvarying float vOpacity;\n${shader.vertexShader}`.replace(
+    '#include <begin_vertex>',
+    '#include <begin_vertex>\nvOpacity = instanceOpacity;',
+  );
+  shader.fragmentShader = `varying float vOpacity;\n${shader.fragmentShader}`.replace(
+    '#include <color_fragment>',
+    '#include <color_fragment>\ndiffuseColor.a *= vOpacity;',
+  );
+}
+
+/** The edges of all boxes as lines of one drawing. */
+class Edges {
+  readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
+  private readonly position: BufferAttribute;
+  private readonly color: BufferAttribute;
+  private readonly corner = new Vector3();
+
+  constructor(readonly numbers: number[]) {
+    const geometry = new BufferGeometry();
+    this.position = new BufferAttribute(new Float32Array(3 * EDGES * numbers.length), 3);
+    this.color = new BufferAttribute(new Float32Array(3 * EDGES * numbers.length), 3);
+    geometry.setAttribute('position', this.position);
+    geometry.setAttribute('color', this.color);
+    this.lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true }));
+    this.lines.frustumCulled = false;
+  }
+
+  draw(bodies: Body[]) {
+    this.numbers.forEach((number, index) => {
+      const { at, turn, half, edge } = bodies[number];
+      for (let k = 0; k < EDGES; k++) {
+        this.corner.fromBufferAttribute(BOX_EDGES, k).multiply(half).applyQuaternion(turn).add(at);
+        this.position.setXYZ(EDGES * index + k, this.corner.x, this.corner.y, this.corner.z);
+        this.color.setXYZ(EDGES * index + k, edge.r, edge.g, edge.b);
+      }
+    });
+    this.position.needsUpdate = true;
+    this.color.needsUpdate = true;
+  }
+
+  dispose() {
+    this.lines.geometry.dispose();
+    this.lines.material.dispose();
+  }
+}
+
+/** What few things have besides their body: a handle, a rod, a range of places. */
+class Extras {
   readonly group = new Group();
-  readonly body: Mesh<BufferGeometry, MeshLambertMaterial>;
-  private readonly edges: LineSegments<BufferGeometry, LineBasicMaterial> | undefined;
   private readonly handle: Mesh<BufferGeometry, MeshLambertMaterial> | undefined;
   private readonly rod: Mesh<BufferGeometry, MeshLambertMaterial> | undefined;
   private readonly range: LineSegments<BufferGeometry, LineBasicMaterial> | undefined;
 
   constructor(
-    readonly view: ObjectView,
-    readonly index: number,
-    private palette: Palette,
+    private view: ObjectView,
+    hasRange: boolean,
   ) {
-    const isRound = view.kind === 'sphere' || view.kind === 'stick';
-    const material = new MeshLambertMaterial({ transparent: true });
-    this.body = new Mesh<BufferGeometry, MeshLambertMaterial>(isRound ? BALL : BOX, material);
-    this.body.userData.object = index;
-    this.group.add(this.body);
-    if (!isRound) {
-      this.edges = new LineSegments(BOX_EDGES, new LineBasicMaterial({ transparent: true }));
-      this.group.add(this.edges);
+    const part = (shape: BufferGeometry) =>
+      new Mesh<BufferGeometry, MeshLambertMaterial>(shape, new MeshLambertMaterial());
+    if (view.handle) this.group.add((this.handle = part(BOX)));
+    if (view.hinge) this.group.add((this.rod = part(ROD)));
+    if (hasRange) {
+      this.range = new LineSegments(UNIT_EDGES, new LineBasicMaterial({ transparent: true }));
+      this.range.matrixAutoUpdate = false;
+      this.group.add(this.range);
     }
-    if (view.handle) this.group.add((this.handle = this.part(BOX)));
-    if (view.hinge) this.group.add((this.rod = this.part(ROD)));
-    const drawn = view.drawn.some((way) => Math.hypot(...way) > 0);
-    if (drawn)
-      this.group.add((this.range = new LineSegments(UNIT_EDGES, new LineBasicMaterial({ transparent: true }))));
-    this.rest();
   }
 
-  private part(shape: BufferGeometry) {
-    const mesh = new Mesh<BufferGeometry, MeshLambertMaterial>(shape, new MeshLambertMaterial());
-    mesh.userData.object = this.index;
-    return mesh;
-  }
-
-  /** Where the task has it. */
-  rest() {
-    const { view } = this;
-    this.place(view.at, view.rotation, view.half_size);
+  /** Where the task has them, and as far off that as the body is. */
+  rest(view: ObjectView, body: Body) {
+    this.view = view;
+    const off = body.at.clone().sub(new Vector3(...view.at));
     if (this.handle && view.handle) {
-      this.handle.position.set(...view.handle[0]);
+      this.handle.position.set(...view.handle[0]).add(off);
       this.handle.quaternion.set(...view.rotation);
       this.handle.scale.set(...view.handle[1]);
     }
-    this.stand(new Vector3(...view.at));
-    if (this.range) {
-      // Where the centre may be, and as much more as it is large.
-      const [a, b, c] = view.drawn.map((way, axis) => widened(new Vector3(...way), axis));
-      const frame = new Matrix4().makeBasis(a, b, c).setPosition(...view.at);
-      this.range.matrixAutoUpdate = false;
-      this.range.matrix.copy(frame);
-      this.range.visible = true;
-    }
+    this.stand(body, off);
+    if (!this.range) return;
+    const [a, b, c] = view.drawn.map((way, axis) => widened(new Vector3(...way), axis));
+    this.range.matrix.makeBasis(a, b, c).setPosition(body.at);
+    this.range.visible = true;
   }
 
-  /** Where a frame has it; returns its part in the task. */
-  follow(numbers: Float32Array): number {
-    const at = OBJECT * this.index;
-    const read = (from: number, count: number) => Array.from(numbers.subarray(at + from, at + from + count));
-    this.place(read(0, 3), read(3, 4), read(7, 3));
-    this.stand(new Vector3(...(read(0, 3) as [number, number, number])));
+  /** Where a frame has them. */
+  follow(body: Body) {
+    this.stand(body, new Vector3());
     if (this.range) this.range.visible = false;
-    return numbers[at + 11];
-  }
-
-  /** Moves what is drawn, until the text says where it is. */
-  nudge(way: Vector3) {
-    this.body.position.add(way);
-    this.edges?.position.add(way);
-    this.handle?.position.add(way);
-    if (this.rod) this.rod.position.add(way);
-    if (this.range) this.range.matrix.premultiply(new Matrix4().makeTranslation(way));
-  }
-
-  private place(at: number[], rotation: number[], half: number[]) {
-    for (const mesh of [this.body, this.edges]) {
-      mesh?.position.set(at[0], at[1], at[2]);
-      mesh?.quaternion.set(rotation[0], rotation[1], rotation[2], rotation[3]);
-      mesh?.scale.set(half[0], half[1], half[2]);
-    }
   }
 
   /** The rod of a stick goes from its hinge to its knob. */
-  private stand(knob: Vector3) {
+  private stand(body: Body, off: Vector3) {
     if (!this.rod || !this.view.hinge) return;
-    const hinge = new Vector3(...this.view.hinge);
-    this.rod.position.copy(hinge).add(knob).multiplyScalar(0.5);
-    this.rod.quaternion.copy(
-      new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), knob.clone().sub(hinge).normalize()),
-    );
-    const thin = 0.35 * this.view.half_size[0];
-    this.rod.scale.set(thin, thin, knob.distanceTo(hinge));
+    const hinge = new Vector3(...this.view.hinge).add(off);
+    this.rod.position.copy(hinge).add(body.at).multiplyScalar(0.5);
+    this.rod.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), body.at.clone().sub(hinge).normalize());
+    const thin = 0.35 * body.half.x;
+    this.rod.scale.set(thin, thin, body.at.distanceTo(hinge));
   }
 
-  /** Colours by part in the task: 0 current, 1 later, 2 done, 3 bystander. */
-  paint(role: number, look: Look) {
-    const { palette, view } = this;
-    const tone = look.wrong
-      ? palette.wrong
-      : role === 2
-        ? palette.done
-        : role === 3
-          ? palette.bystander
-          : palette.target;
-    const strength = role === 0 ? 1 : role === 1 ? 0.6 : 0.5;
-    const isRound = view.kind === 'sphere';
-    const { material } = this.body;
-    material.color.set(tone);
-    material.opacity =
-      (isRound ? 0.38 : view.kind === 'obstacle' ? 0.35 : 0.85) * strength + (look.selected ? 0.15 : 0);
-    // What can be seen through does not hide what is behind it.
-    material.depthWrite = !isRound && view.kind !== 'obstacle';
-    material.emissive.set(look.selected ? palette.selected : 0).multiplyScalar(look.selected ? 0.35 : 0);
-    this.edges?.material.color.set(look.selected ? palette.selected : tone);
-    if (this.edges) this.edges.material.opacity = look.selected ? 1 : 0.7;
-    this.handle?.material.color.set(tone).lerp(new Color(0xffffff), 0.35);
+  paint(body: Body, palette: Palette, look: Look) {
+    this.handle?.material.color.copy(body.tone).lerp(new Color(0xffffff), 0.35);
     this.rod?.material.color.set(palette.bystander);
-    if (this.range) {
-      this.range.material.color.set(look.wrong ? palette.wrong : palette.range);
-      this.range.material.opacity = look.selected ? 0.9 : 0.35;
-    }
+    if (!this.range) return;
+    this.range.material.color.set(look.wrong ? palette.wrong : palette.target);
+    this.range.material.opacity = look.selected ? 0.9 : 0.35;
   }
 
-  setPalette(palette: Palette) {
-    this.palette = palette;
+  dispose() {
+    [this.handle, this.rod, this.range].forEach((part) => part?.material.dispose());
   }
 }
 
@@ -195,7 +247,11 @@ function widened(way: Vector3, axis: number): Vector3 {
 /** Everything that stands in a task. */
 export class Objects {
   readonly group = new Group();
-  private things: Thing[] = [];
+  private views: ObjectView[] = [];
+  private bodies: Body[] = [];
+  private extras: (Extras | undefined)[] = [];
+  private swarms: Swarm[] = [];
+  private edges: Edges | undefined;
   private palette: Palette;
   /** What is in the hand, where each was when it was taken, and how far it has come. */
   private held: { indices: number[]; from: Vector3[]; way: Vector3 } | undefined;
@@ -206,35 +262,82 @@ export class Objects {
 
   setTheme(dark: boolean) {
     this.palette = dark ? DARK : LIGHT;
-    this.things.forEach((thing) => thing.setPalette(this.palette));
   }
 
   /** Shows what a task says, as it stands there. */
   show(views: ObjectView[], look: (index: number) => Look) {
-    const same =
-      views.length === this.things.length && views.every((view, index) => isAlike(view, this.things[index].view));
-    if (!same) {
-      this.things.forEach((thing) => dispose(thing.group));
-      this.group.clear();
-      this.things = views.map((view, index) => new Thing(view, index, this.palette));
-      this.things.forEach((thing) => this.group.add(thing.group));
-    } else {
-      views.forEach((view, index) => {
-        Object.assign(this.things[index].view, view);
-        this.things[index].rest();
-      });
-    }
+    const same = views.length === this.views.length && views.every((view, index) => isAlike(view, this.views[index]));
+    this.views = views;
+    if (!same) this.build();
+    views.forEach(({ at, rotation, half_size }, index) => place(this.bodies[index], at, rotation, half_size));
     this.keepInHand();
     this.paint(look);
   }
 
+  /** Makes what is drawn, for other things than before. */
+  private build() {
+    this.dispose();
+    const { views } = this;
+    this.bodies = views.map(() => ({
+      at: new Vector3(),
+      turn: new Quaternion(),
+      half: new Vector3(),
+      tone: new Color(),
+      opacity: 1,
+      edge: new Color(),
+    }));
+    const which = (is: (view: ObjectView) => boolean) => views.flatMap((view, index) => (is(view) ? [index] : []));
+    const isBox = (view: ObjectView) => view.kind !== 'sphere' && view.kind !== 'stick';
+    // The handle of a slider is seen through its way.
+    const isGlass = (view: ObjectView) => GLASS.includes(view.kind);
+    this.swarms = [
+      new Swarm(
+        BOX,
+        which((view) => isBox(view) && !isGlass(view)),
+        false,
+      ),
+      new Swarm(
+        BALL,
+        which((view) => view.kind === 'stick'),
+        false,
+      ),
+      new Swarm(
+        BOX,
+        which((view) => isBox(view) && isGlass(view)),
+        true,
+      ),
+      new Swarm(
+        BALL,
+        which((view) => view.kind === 'sphere'),
+        true,
+      ),
+    ].filter(({ numbers }) => numbers.length > 0);
+    this.edges = new Edges(which(isBox));
+    this.extras = views.map((view, index) => {
+      // Copies of one description have one range.
+      const isFirst = index === 0 || views[index - 1].path !== view.path;
+      const hasRange = isFirst && view.drawn.some((way) => Math.hypot(...way) > 0);
+      return view.handle || view.hinge || hasRange ? new Extras(view, hasRange) : undefined;
+    });
+    this.group.add(...this.swarms.map(({ mesh }) => mesh), this.edges.lines);
+    this.extras.forEach((extras) => extras && this.group.add(extras.group));
+  }
+
+  private dispose() {
+    this.group.clear();
+    this.swarms.forEach((swarm) => swarm.dispose());
+    this.extras.forEach((extras) => extras?.dispose());
+    this.edges?.dispose();
+  }
+
   /** Moves what is in the hand at once: what the engine says of it comes later, and about where it was. */
   pull(indices: number[], way: Vector3) {
-    const places = indices.map((index) => this.things[index]?.body.position.clone() ?? new Vector3());
     if (this.held && this.held.indices.join() !== indices.join()) this.held = undefined;
+    const places = indices.map((index) => this.bodies[index]?.at.clone() ?? new Vector3());
     this.held ??= { indices, from: places, way: new Vector3() };
     this.held.way.add(way);
     this.keepInHand();
+    this.draw();
   }
 
   letGo() {
@@ -242,42 +345,74 @@ export class Objects {
   }
 
   private keepInHand() {
-    this.held?.indices.forEach((index, k) => {
-      const thing = this.things[index];
-      if (thing && this.held) thing.nudge(this.held.from[k].clone().add(this.held.way).sub(thing.body.position));
-    });
+    const { held } = this;
+    held?.indices.forEach((index, k) => this.bodies[index]?.at.copy(held.from[k]).add(held.way));
+    this.views.forEach((view, index) => this.extras[index]?.rest(view, this.bodies[index]));
   }
 
   paint(look: (index: number) => Look) {
-    this.things.forEach((thing, index) => thing.paint(thing.view.steps.length > 0 ? 0 : 3, look(index)));
+    this.views.forEach((view, index) =>
+      this.color(index, view.steps.length > 0 ? Role.Current : Role.Bystander, look(index)),
+    );
+    this.draw();
+  }
+
+  /** Colours by part in the task. */
+  private color(index: number, role: Role, look: Look) {
+    const { palette } = this;
+    const [view, body] = [this.views[index], this.bodies[index]];
+    const tones = { [Role.Current]: palette.target, [Role.Later]: palette.target, [Role.Done]: palette.done };
+    body.tone.set(look.wrong ? palette.wrong : role === Role.Bystander ? palette.bystander : tones[role]);
+    const strength = role === Role.Current ? 1 : role === Role.Later ? 0.6 : 0.5;
+    body.edge.set(look.selected ? palette.selected : body.tone.getHex());
+    if (look.selected) body.tone.lerp(new Color(palette.selected), 0.5);
+    body.opacity = (view.kind === 'obstacle' ? 0.35 : 0.38) * strength + (look.selected ? 0.15 : 0);
+    // What is solid fades into the ground instead.
+    if (!GLASS.includes(view.kind)) body.tone.lerp(new Color(palette.ground), 0.9 * (1 - strength));
+    this.extras[index]?.paint(body, palette, look);
+  }
+
+  private draw() {
+    this.swarms.forEach((swarm) => swarm.draw(this.bodies));
+    this.edges?.draw(this.bodies);
   }
 
   /** Shows where a frame has everything. */
   follow(numbers: Float32Array, isSelected: (index: number) => boolean) {
-    if (numbers.length !== OBJECT * this.things.length) return;
-    this.things.forEach((thing, index) =>
-      thing.paint(thing.follow(numbers), { selected: isSelected(index), wrong: false }),
-    );
+    if (numbers.length !== OBJECT * this.views.length) return;
+    this.bodies.forEach((body, index) => {
+      const own = numbers.subarray(OBJECT * index, OBJECT * (index + 1));
+      place(body, own.subarray(0, 3), own.subarray(3, 7), own.subarray(7, 10));
+      this.extras[index]?.follow(body);
+      this.color(index, own[11], { selected: isSelected(index), wrong: false });
+    });
+    this.draw();
   }
 
-  /** What can be pointed at. */
-  get targets(): Object3D[] {
-    return this.things.map((thing) => thing.body);
+  /** What a ray meets first, and where. */
+  hit(ray: Raycaster): { object: number; point: Vector3 } | undefined {
+    const meshes = this.swarms.map(({ mesh }) => mesh);
+    const [first] = ray.intersectObjects(meshes, false);
+    if (first?.instanceId === undefined) return undefined;
+    const swarm = this.swarms.find(({ mesh }) => mesh === first.object);
+    return swarm && { object: swarm.numbers[first.instanceId], point: first.point };
   }
 
   place(index: number): Vector3 | undefined {
-    return this.things[index]?.body.position;
+    return this.bodies[index]?.at;
   }
 }
 
-/** Whether one can be drawn by stretching the other. */
-function isAlike(a: ObjectView, b: ObjectView): boolean {
-  const drawn = (view: ObjectView) => view.drawn.some((way) => Math.hypot(...way) > 0);
-  return a.kind === b.kind && drawn(a) === drawn(b) && !a.handle === !b.handle && !a.hinge === !b.hinge;
+function place(body: Body, at: ArrayLike<number>, turn: ArrayLike<number>, half: ArrayLike<number>) {
+  body.at.set(at[0], at[1], at[2]);
+  body.turn.set(turn[0], turn[1], turn[2], turn[3]);
+  body.half.set(half[0], half[1], half[2]);
 }
 
-function dispose(group: Group) {
-  group.traverse((part) => {
-    if (part instanceof Mesh || part instanceof LineSegments) (part.material as LineBasicMaterial).dispose();
-  });
+/** Whether one can be drawn by what was made for the other. */
+function isAlike(a: ObjectView, b: ObjectView): boolean {
+  const drawn = (view: ObjectView) => view.drawn.some((way) => Math.hypot(...way) > 0);
+  return (
+    a.kind === b.kind && a.path === b.path && drawn(a) === drawn(b) && !a.handle === !b.handle && !a.hinge === !b.hinge
+  );
 }
