@@ -160,6 +160,7 @@ export class Stage {
 
   /** The picture as it is now. */
   png(): Promise<Blob | null> {
+    this.shine();
     this.renderer.render(this.scene, this.camera);
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
