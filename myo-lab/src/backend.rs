@@ -19,6 +19,9 @@ use crate::users::User;
 /// threads step 110 environments, and sixteen 300.
 pub const AUTO_ENVS_PER_THREAD: usize = 64;
 
+/// Control steps of all environments after which a training stops unless asked otherwise.
+pub const STEPS: u64 = 200_000_000;
+
 /// Environments for looks at a policy: on the processor enough to keep it busy, on a card as many as take no longer than one.
 const LOOK_ENVS: [usize; 2] = [256, 1024];
 

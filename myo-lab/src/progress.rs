@@ -8,6 +8,24 @@ use crate::layouts::layout_names;
 /// Share of a new rate in the one shown.
 const FRESH: f64 = 0.1;
 
+/// Control steps of all environments per second, smoothed over some updates.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rate(Option<f64>);
+
+impl Rate {
+    /// The rate after an update that had this one.
+    pub fn after(&mut self, now: f64) -> f64 {
+        let rate = self.0.map_or(now, |rate| rate + FRESH * (now - rate));
+        self.0 = Some(rate);
+        rate
+    }
+
+    /// The rate so far; none before the first update.
+    pub fn get(self) -> Option<f64> {
+        self.0
+    }
+}
+
 /// The learning curve foretells the time left to such a factor.
 const UNSURE: f64 = 2.0;
 
@@ -24,7 +42,7 @@ pub struct ProgressLine {
     control_dt_s: f64,
     targets: Vec<String>,
     layouts: Vec<String>,
-    rate: Option<f64>,
+    rate: Rate,
 }
 
 impl ProgressLine {
@@ -34,16 +52,14 @@ impl ProgressLine {
         let flat = layouts.first().and_then(|task| task.flat().ok()).unwrap_or_default();
         let targets = (0..flat.steps.len()).map(|step| flat.label(step)).collect();
         let control_dt_s = layouts.first().map_or(f64::NAN, |task| task.control_dt_s);
-        Self { limit, control_dt_s, targets, layouts: layout_names(layouts), rate: None }
+        Self { limit, control_dt_s, targets, layouts: layout_names(layouts), rate: Rate::default() }
     }
 
     /// Control steps, their rate, success, also in the layout where it is least if there are several, and mean duration of training episodes, the target that is missed most, and the time left; none where there
     /// was no update.
     pub fn after(&mut self, progress: &Progress) -> Option<String> {
         let metrics = progress.metrics.as_ref()?;
-        let now = metrics.steps_per_s();
-        let rate = self.rate.map_or(now, |rate| rate + FRESH * (now - rate));
-        self.rate = Some(rate);
+        let rate = self.rate.after(metrics.steps_per_s());
         let seconds = |steps: u64| steps as f64 / rate;
         let limit = self.limit.saturating_sub(metrics.env_steps);
         Some(format!(

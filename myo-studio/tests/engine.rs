@@ -241,8 +241,16 @@ fn a_studio_that_was_killed_goes_on_with_its_trainings() {
     wait(&first, id, |job| job["state"]["is"] == "stopped");
     // As the file is while it trains, which a kill leaves behind.
     let file = folder.path().join("studio.json");
-    let text = std::fs::read_to_string(&file).unwrap();
-    assert!(text.contains("\"is\": \"stopped\""), "{text}");
+    // Pages are told first, the file is written then.
+    let begun = Instant::now();
+    let text = loop {
+        let text = std::fs::read_to_string(&file).unwrap();
+        if text.contains("\"is\": \"stopped\"") {
+            break text;
+        }
+        assert!(begun.elapsed() < PATIENCE, "{text}");
+        std::thread::sleep(Duration::from_millis(20));
+    };
     std::fs::write(&file, text.replace("\"is\": \"stopped\"", "\"is\": \"training\"")).unwrap();
     let Err(busy) = Engine::open(folder.path().to_owned(), Backend::Cpu) else { panic!("two in one folder") };
     assert!(busy.message.contains("another studio works in"), "{}", busy.message);

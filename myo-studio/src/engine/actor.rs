@@ -8,7 +8,7 @@ use myo_train::Policy;
 use super::motion;
 use crate::protocol::{MotionLayout, Refusal};
 
-/// A user in an environment of its own, on the processor: a control step takes some tens of microseconds.
+/// A user in an environment of its own, on the processor.
 pub struct Actor {
     env: CpuEnv,
     skeleton: Skeleton,

@@ -1,4 +1,4 @@
-//! Bodies and what they reach, made once each: it takes a tenth of a second.
+//! Bodies and what they reach, made once each: too slow for every change of a task.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -3,33 +3,25 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 
-use myo_lab::progress::time_left;
-use myo_lab::{Backend, Device, ModelReach, likely_cause};
-use myo_tasks::FlatTask;
-use myo_train::session::{Change, End, Goal, News, Outcome, Progress, Trend, Until};
+use myo_lab::{Backend, ModelReach, STEPS, likely_cause};
+use myo_train::session::{Change, End, Goal, News, Outcome, Trend, Until};
 use myo_train::{Checkpoint, PpoConfig, write_whole};
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
+use super::following::Following;
 use super::hub::Hub;
 use super::look;
 use super::training::{Beginning, Heritage, Training};
 use super::watch::Stage;
 use super::workspace::Workspace;
-use crate::protocol::{Before, Bottleneck, Doubling, Event, Job, JobOrder, JobProgress, JobState, Refusal, Step};
+use crate::protocol::{Before, Doubling, Event, Job, JobOrder, JobState, Refusal, Step};
 
-/// Control steps after which a training stops unless asked otherwise, as of `myo train`.
-const STEPS: u64 = 200_000_000;
 /// Most users of one order.
 const MOST_USERS: u32 = 64;
-/// Pages hear of a training at most so often.
-const TELL_EVERY: Duration = Duration::from_millis(100);
-/// Episodes of the first look at a user that comes from another task: some tenths of a second.
+/// Episodes of the first look at a user that comes from another task.
 const FIRST_LOOK: usize = 256;
-/// Share of a new rate in the one shown.
-const FRESH: f64 = 0.1;
 
 /// All trainings that were ordered.
 pub struct Jobs {
@@ -62,6 +54,25 @@ struct Entry {
     /// The task that a live training goes on with, and has not begun yet.
     #[serde(default)]
     next: Option<String>,
+}
+
+impl List {
+    /// Adds a training that waits; its number.
+    fn add(&mut self, order: JobOrder, run: Option<String>) -> u32 {
+        self.next += 1;
+        let job = Job {
+            id: self.next,
+            run,
+            title: order.name.clone(),
+            seed: order.seed,
+            live: order.live,
+            state: JobState::Waiting,
+            progress: None,
+            news: vec![],
+        };
+        self.entries.push(Entry { job, order, told: None, next: None });
+        self.next
+    }
 }
 
 /// How a training of a task ended.
@@ -139,29 +150,10 @@ impl Jobs {
             self.workspace.run(from)?;
         }
         let mut list = self.list();
-        let ids = (0..u64::from(order.users)).map(|user| {
-            list.next += 1;
-            let (id, seed) = (list.next, order.seed.wrapping_add(user));
-            let job = Job {
-                id,
-                run: None,
-                title: order.name.clone(),
-                seed,
-                live: order.live,
-                state: JobState::Waiting,
-                progress: None,
-                news: vec![],
-            };
-            list.entries.push(Entry {
-                job,
-                order: JobOrder { seed, users: 1, ..order.clone() },
-                told: None,
-                next: None,
-            });
-            id
-        });
-        let ids = ids.collect();
-        self.changed(list)?;
+        let order_of = |user: u64| JobOrder { seed: order.seed.wrapping_add(user), users: 1, ..order.clone() };
+        let ids = (0..u64::from(order.users)).map(|user| list.add(order_of(user), None)).collect();
+        drop(list);
+        self.changed()?;
         Ok(ids)
     }
 
@@ -189,7 +181,8 @@ impl Jobs {
         if !entry.is_under_way() {
             entry.job.state = JobState::Waiting;
         }
-        self.changed(list)
+        drop(list);
+        self.changed()
     }
 
     /// Takes up a run again that was stopped, whoever trained there.
@@ -203,22 +196,9 @@ impl Jobs {
             return Err(Refusal::sentence(format!("{run} is being trained already")));
         }
         let mut list = self.list();
-        list.next += 1;
-        let id = list.next;
-        let title = summary.layouts.join(", ");
-        let job = Job {
-            id,
-            run: Some(run.to_owned()),
-            title: title.clone(),
-            seed: summary.seed,
-            live: false,
-            state: JobState::Waiting,
-            progress: None,
-            news: vec![],
-        };
         let order = JobOrder {
             text: String::new(),
-            name: title,
+            name: summary.layouts.join(", "),
             seed: summary.seed,
             users: 1,
             until: "plateau".into(),
@@ -226,8 +206,9 @@ impl Jobs {
             from: None,
             live: false,
         };
-        list.entries.push(Entry { job, order, told: None, next: None });
-        self.changed(list)?;
+        let id = list.add(order, Some(run.to_owned()));
+        drop(list);
+        self.changed()?;
         Ok(id)
     }
 
@@ -251,17 +232,16 @@ impl Jobs {
             }
             (_, false) => return Err(Refusal::sentence("this training is not under way")),
         }
-        self.changed(list)
+        drop(list);
+        self.changed()
     }
 
     /// Keeps the list and tells everybody.
-    fn changed(&self, list: MutexGuard<'_, List>) -> Result<(), Refusal> {
-        drop(list);
+    fn changed(&self) -> Result<(), Refusal> {
         self.bell.notify_all();
         self.tell_pages();
         let _turn = self.writing.lock().unwrap_or_else(PoisonError::into_inner);
         let text = serde_json::to_vec_pretty(&*self.list())?;
-        std::fs::create_dir_all(self.workspace.folder()).ok();
         Ok(write_whole(&file(&self.workspace), &text)?)
     }
 
@@ -280,7 +260,7 @@ impl Jobs {
     /// The same, and keeps it. A list that cannot be written is worth a word, not the training.
     fn update_and_keep(&self, id: u32, change: impl FnOnce(&mut Job)) {
         self.update(id, change);
-        if let Err(refusal) = self.changed(self.list()) {
+        if let Err(refusal) = self.changed() {
             self.update(id, |job| job.news.push(refusal.message));
         }
     }
@@ -339,7 +319,8 @@ impl Jobs {
                 entry.order.from = to.map(str::to_owned);
             }
         }
-        self.changed(list)
+        drop(list);
+        self.changed()
     }
 
     /// The next one that waits, once there is one.
@@ -455,7 +436,8 @@ impl Jobs {
         // What it was told was about the task of before, unless it was to end.
         entry.told = entry.told.filter(|told| matches!(told, Step::Stop | Step::Dismiss));
         let (order, run) = (entry.order.clone(), entry.job.run.clone());
-        self.changed(list)?;
+        drop(list);
+        self.changed()?;
         let run = run.ok_or_else(gone)?;
         let heir_to = Some(Heritage { run: self.workspace.run(&run)?, checkpoint });
         let mut notices = Vec::new();
@@ -532,82 +514,4 @@ fn sentence(news: &News, task: &myo_tasks::Task, model: &myo_model::Model) -> Re
             format!("{news}\n{}", likely_cause(task, &ModelReach::for_task(model, task)?, recent))
         }
     })
-}
-
-/// What is told of a training from one update to the next.
-struct Following {
-    limit: u64,
-    control_dt_s: f64,
-    steps: usize,
-    device: String,
-    environments: usize,
-    rate: Option<f64>,
-    told: Option<Instant>,
-    before: Option<Before>,
-    doubling: Option<Doubling>,
-}
-
-impl Following {
-    fn new(training: &Training) -> Self {
-        let (session, task) = (&training.session, &training.task);
-        Self {
-            limit: session.goal().steps,
-            control_dt_s: task.control_dt_s,
-            steps: task.flat().map_or(0, |flat: FlatTask| flat.steps.len()),
-            device: device(&training.device),
-            environments: session.trainer().spec().num_envs,
-            rate: None,
-            told: None,
-            before: None,
-            doubling: None,
-        }
-    }
-
-    /// What pages are told before the first update.
-    fn at_first(&self) -> JobProgress {
-        let (device, environments) = (self.device.clone(), self.environments);
-        JobProgress { limit: self.limit, before: self.before.clone(), device, environments, ..JobProgress::default() }
-    }
-
-    /// What pages are told after an update, if it is time to.
-    fn after(&mut self, progress: &Progress) -> Option<JobProgress> {
-        let metrics = progress.metrics.as_ref()?;
-        let now = metrics.steps_per_s();
-        self.rate = Some(self.rate.map_or(now, |rate| rate + FRESH * (now - rate)));
-        if self.told.is_some_and(|told| told.elapsed() < TELL_EVERY) {
-            return None;
-        }
-        self.told = Some(Instant::now());
-        self.last(progress)
-    }
-
-    /// The same whenever it is.
-    fn last(&self, progress: &Progress) -> Option<JobProgress> {
-        let metrics = progress.metrics.as_ref()?;
-        let rate = self.rate?;
-        let mean = |name: &str| metrics.episodes.mean(name);
-        let seconds = |steps: u64| steps as f64 / rate;
-        Some(JobProgress {
-            env_steps: metrics.env_steps,
-            limit: self.limit,
-            wall_s: metrics.wall_s,
-            rate,
-            success: progress.success,
-            episode_s: mean("length").map(|steps| steps * self.control_dt_s),
-            effort: mean("effort"),
-            step_success: (1..=self.steps).filter_map(|k| mean(&format!("target_{k}_success"))).collect(),
-            left: time_left(progress.steps_left.map(seconds), seconds(self.limit.saturating_sub(metrics.env_steps))),
-            bottleneck: progress
-                .bottleneck
-                .map(|bottleneck| Bottleneck { step: bottleneck.target, success: bottleneck.success }),
-            before: self.before.clone(),
-            doubling: self.doubling.clone(),
-            device: self.device.clone(),
-            environments: self.environments,
-        })
-    }
-}
-
-fn device(device: &Device) -> String {
-    device.card().map_or_else(|| format!("cpu ({} threads)", rayon::current_num_threads()), str::to_owned)
 }

@@ -118,7 +118,6 @@ struct Form {
     at: [f64; 3],
     rotation: Rotation3<f64>,
     half_size: [f64; 3],
-    half_size_spread: [f64; 3],
     drawn: [[f64; 3]; 3],
     hinge: Option<[f64; 3]>,
     handle: Option<[[f64; 3]; 2]>,
@@ -126,7 +125,7 @@ struct Form {
 
 fn object(flat: &FlatTask, index: usize) -> ObjectView {
     let object = &flat.objects[index];
-    let Form { kind, at, rotation, half_size, half_size_spread, drawn, hinge, handle } = form(object);
+    let Form { kind, at, rotation, half_size, drawn, hinge, handle } = form(object);
     let asks = |step: &usize| flat.steps[*step].asks_for(index);
     ObjectView {
         name: object.name.clone(),
@@ -135,7 +134,6 @@ fn object(flat: &FlatTask, index: usize) -> ObjectView {
         at,
         rotation: quaternion(&rotation),
         half_size,
-        half_size_spread,
         drawn: object.shift.map_or(drawn, |shift: Shift| shift.spans),
         hinge,
         handle,
@@ -149,7 +147,6 @@ fn form(object: &Object) -> Form {
         at: [0.0; 3],
         rotation: Rotation3::identity(),
         half_size: [0.0; 3],
-        half_size_spread: object.growth.map_or([0.0; 3], |growth| [0, 1, 2].map(|axis| growth.farthest(axis))),
         drawn: [[0.0; 3]; 3],
         hinge: None,
         handle: None,
@@ -161,7 +158,6 @@ fn form(object: &Object) -> Form {
                 kind: ObjectKind::Sphere,
                 at: [x, y, z].map(Range::centre),
                 half_size: [sphere.radius.centre(); 3],
-                half_size_spread: [0.5 * sphere.radius.width(); 3],
                 drawn: [[x.width(), 0.0, 0.0], [0.0, y.width(), 0.0], [0.0, 0.0, z.width()]],
                 ..still
             }

@@ -2,6 +2,7 @@
 
 mod actor;
 mod bodies;
+mod following;
 mod hub;
 mod jobs;
 mod look;
@@ -55,8 +56,8 @@ impl Engine {
         let workspace = Workspace::new(folder);
         let lock = workspace.lock()?;
         let (bodies, hub, stage) = (Arc::new(Bodies::default()), Arc::new(Hub::default()), Arc::new(Stage::default()));
-        let kept = (workspace.clone(), Arc::clone(&bodies), Arc::clone(&hub), Arc::clone(&stage));
-        let jobs = Arc::new(Jobs::open(kept.0, kept.1, kept.2, kept.3, backend)?);
+        let (models, ears, scene) = (Arc::clone(&bodies), Arc::clone(&hub), Arc::clone(&stage));
+        let jobs = Arc::new(Jobs::open(workspace.clone(), models, ears, scene, backend)?);
         let (worker, watcher, listeners) = (Arc::clone(&jobs), Arc::clone(&stage), Arc::clone(&hub));
         std::thread::Builder::new().name("trainings".into()).spawn(move || worker.work())?;
         // Pages ask for the cards first: they are painted meanwhile.

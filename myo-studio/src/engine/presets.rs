@@ -5,9 +5,10 @@ use std::sync::OnceLock;
 use myo_env::{CpuEnv, EnvConfig, StepStorage, VectorEnv};
 use myo_lab::picture::Painter;
 use myo_model::{Model, builtin};
-use myo_tasks::{Pose, Task, preset, preset_names, preset_text};
+use myo_tasks::{Task, preset, preset_names, preset_text};
 use rayon::prelude::*;
 
+use super::replay::at_rest;
 use crate::protocol::{PresetCard, Refusal};
 
 /// A card of each.
@@ -30,9 +31,7 @@ fn card(name: &str) -> Option<PresetCard> {
 /// The user before the first movement.
 fn picture(task: &Task) -> Result<String, Refusal> {
     let model = Model::new(&builtin(&task.model)?)?;
-    let mut at_rest = task.clone();
-    at_rest.reset.pose = Pose::Zero;
-    let mut env = CpuEnv::new(&model, &at_rest, &EnvConfig { num_envs: 1, seed: 1, ..EnvConfig::default() })?;
+    let mut env = CpuEnv::new(&model, &at_rest(task), &EnvConfig { num_envs: 1, seed: 1, ..EnvConfig::default() })?;
     let mut step = StepStorage::new(env.spec());
     env.reset(Some(1), None, &mut step.observation)?;
     let moment = env.peek(0..1)?.remove(0);

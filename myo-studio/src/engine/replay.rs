@@ -35,12 +35,16 @@ pub fn replay(folder: &Path, asked: &Replay) -> Result<(MotionHeader, Vec<f32>),
 /// # Errors
 /// The task cannot be simulated.
 pub fn moment(model: &Model, task: &Task) -> Result<(MotionHeader, Vec<f32>), Refusal> {
-    // How episodes begin is drawn at random: nobody stands like that before a layout.
-    let mut at_rest = task.clone();
-    at_rest.reset.pose = Pose::Zero;
-    let (actor, mut numbers) = (Actor::new(model, &at_rest, 1)?, Vec::new());
+    let (actor, mut numbers) = (Actor::new(model, &at_rest(task), 1)?, Vec::new());
     actor.push_frame(&mut numbers)?;
     Ok((header(&actor, 0), numbers))
+}
+
+/// The same task, in which the arm hangs at first. How episodes begin is drawn at random: nobody stands like that before a layout.
+pub fn at_rest(task: &Task) -> Task {
+    let mut task = task.clone();
+    task.reset.pose = Pose::Zero;
+    task
 }
 
 fn header(actor: &Actor, env_steps: u64) -> MotionHeader {

@@ -134,7 +134,7 @@ impl Stage {
             due += Duration::from_secs_f64(frames as f64 * frame_s);
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
             // After a pause of the machine what was missed is left out.
-            due = due.max(Instant::now() - Duration::from_secs(1));
+            due = Instant::now().checked_sub(Duration::from_secs(1)).map_or(due, |late| due.max(late));
         }
     }
 }

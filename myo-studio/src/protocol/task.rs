@@ -94,8 +94,6 @@ pub struct ObjectView {
     pub rotation: [f64; 4],
     /// Half its sizes along them; the middle of what is drawn (m). Of a sphere three times the radius.
     pub half_size: [f64; 3],
-    /// How much half its sizes may be more or less than that (m).
-    pub half_size_spread: [f64; 3],
     /// Three ways (m, world axes) along which its place is drawn, from minus one half of each to one half; zeros where it stands still.
     pub drawn: [[f64; 3]; 3],
     /// Where the hinge of a stick is (m).

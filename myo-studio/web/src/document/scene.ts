@@ -118,7 +118,7 @@ export function group(document: TaskDocument, items: ItemView[]): string {
     node.set('objects', objects);
     scene.set(name, node);
     made = [...within, name].join('.');
-    const prefix = item_prefix(first.name);
+    const prefix = prefixOf(first.name);
     items.forEach((item) => rename(tree, item.name, `${prefix}${name}.${keys(item.path).at(-1)}`));
   });
   return made;
@@ -193,7 +193,7 @@ export function renameItem(document: TaskDocument, item: ItemView, to: string): 
     // In place: comments before it stay.
     if (isScalar(pair.key)) pair.key.value = to;
     else pair.key = tree.createNode(to);
-    rename(tree, item.name, `${item_prefix(item.name)}${to}`);
+    rename(tree, item.name, `${prefixOf(item.name)}${to}`);
   });
   return [...at.slice(0, -1), to].join('.');
 }
@@ -262,7 +262,7 @@ function freePlace(tree: Document, wish: number[]): number[] {
   return [x, y + (steps.find((step) => isFree(y + step)) ?? 0), z];
 }
 
-function item_prefix(name: string): string {
+function prefixOf(name: string): string {
   return name.includes('.') ? name.slice(0, name.lastIndexOf('.') + 1) : '';
 }
 

@@ -64,10 +64,6 @@ rotation: [number, number, number, number],
  */
 half_size: [number, number, number], 
 /**
- * How much half its sizes may be more or less than that (m).
- */
-half_size_spread: [number, number, number], 
-/**
  * Three ways (m, world axes) along which its place is drawn, from minus one half of each to one half; zeros where it stands still.
  */
 drawn: [[number, number, number], [number, number, number], [number, number, number]], 

@@ -101,10 +101,6 @@ export class Studio {
     return this.selection.flatMap((path) => this.view?.items.find((item) => item.path === path) ?? []);
   }
 
-  item(path: string): ItemView | undefined {
-    return this.view?.items.find((item) => item.path === path);
-  }
-
   /** What an object is written as: the innermost item that it belongs to. */
   itemOf(object: number): ItemView | undefined {
     const { view } = this;

@@ -8,10 +8,8 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three';
+import { floorHeight } from './person';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-
-/** Where the floor is below the right shoulder of a standing person (m). */
-const FLOOR = -1.43;
 
 export type View = 'behind' | 'side' | 'front' | 'above' | 'eyes';
 
@@ -89,7 +87,7 @@ export class Stage {
     const [major, minor] = dark ? [0x343a44, 0x262b33] : [0xc9ced6, 0xdfe3e8];
     const grid = new GridHelper(4, 16, major, minor);
     grid.rotation.x = Math.PI / 2;
-    grid.position.set(0.5, 0.17, FLOOR);
+    grid.position.set(0.5, 0.17, floorHeight(false));
     this.scene.add(grid);
     return grid;
   }

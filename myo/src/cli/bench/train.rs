@@ -17,7 +17,7 @@ use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{duration, percent, print, print_json, rounded, row, table};
 use crate::cli::parse;
 use crate::cli::scenario::Scenario;
-use crate::cli::train::{LearnerOptions, Ready, STEPS};
+use crate::cli::train::{LearnerOptions, Ready};
 
 /// Arguments of `myo bench train`.
 #[derive(Args)]
@@ -139,7 +139,7 @@ fn measure_all(args: &TrainArgs, scenario: &Scenario, interrupt: &Interrupt) -> 
 }
 
 fn goal(args: &TrainArgs) -> Goal {
-    Goal { until: args.until, steps: args.steps.unwrap_or(STEPS) }
+    Goal { until: args.until, steps: args.steps.unwrap_or(myo::STEPS) }
 }
 
 fn measure(args: &TrainArgs, scenario: &Scenario, seed: u64, interrupt: &Interrupt) -> Result<Row> {

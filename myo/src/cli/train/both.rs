@@ -7,7 +7,7 @@ use myo::train::session::Goal;
 use myo::{Device, MOST_AT_ONCE, User, batches};
 
 use super::several::{self, Plan, Report, Several};
-use super::{Ready, STEPS, Training, TrainingOptions, warn_of_goal};
+use super::{Ready, Training, TrainingOptions, warn_of_goal};
 use crate::cli::backend::{self, BackendName};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::interrupt::Interrupt;
@@ -31,7 +31,7 @@ pub fn train_both(how: &TrainingOptions, sides: &[Side; 2], count: usize, interr
     if !fit(sides, count)? || matches!(backend::device(&backend, config.num_envs)?, Device::Cpu) {
         return Ok(false);
     }
-    let goal = Goal { until: how.until.unwrap_or_default(), steps: how.steps.unwrap_or(STEPS) };
+    let goal = Goal { until: how.until.unwrap_or_default(), steps: how.steps.unwrap_or(myo::STEPS) };
     let users: Vec<(&Scenario, u64)> =
         sides.iter().flat_map(|side| seeds.clone().map(move |seed| (&side.scenario, seed))).collect();
     let prepare = || {

@@ -31,7 +31,7 @@ use several::{Plan, Report};
 
 pub use both::{Side, train_both};
 pub use drive::Ready;
-pub use settings::{LearnerOptions, STEPS};
+pub use settings::LearnerOptions;
 pub use several::{Several, open_run};
 
 /// Arguments of `myo train`.
@@ -210,7 +210,7 @@ fn start(args: &Train, tasks: &[String], interrupt: &Interrupt) -> Result<()> {
     let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let (scenario, run_name) = (Scenario::open_together(tasks)?, run_name_of(tasks));
-    let goal = Goal { until: args.how.until.unwrap_or_default(), steps: args.how.steps.unwrap_or(STEPS) };
+    let goal = Goal { until: args.how.until.unwrap_or_default(), steps: args.how.steps.unwrap_or(myo::STEPS) };
     warn_of_goal(&scenario, goal.until.share());
     let backend = args.how.physics.choice(BackendName::Auto)?;
     let checkpoint_every = args.how.checkpoint_every();

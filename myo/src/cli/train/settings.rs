@@ -8,9 +8,6 @@ use serde_json::Value;
 use crate::cli::failure::{Failure, Result};
 use crate::cli::parse;
 
-/// Control steps after which training stops unless asked otherwise.
-pub const STEPS: u64 = 200_000_000;
-
 /// Settings of the learner that a command may change.
 #[derive(Args, Clone, Debug)]
 pub struct LearnerOptions {

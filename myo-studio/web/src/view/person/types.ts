@@ -1,10 +1,8 @@
 // What the rest of the studio tells the person about a body and about one moment of it.
 
-export interface PersonShape {
-  parts: { name: string; parent: number; mass_kg: number }[];
-  limb: number[];
-  muscles: { name: string; points: number; on: number[]; peak_force_n: number | null }[];
-}
+import type { BodyShape } from '../../engine/protocol';
+
+export type PersonShape = Pick<BodyShape, 'parts' | 'limb' | 'muscles'>;
 
 export interface Theme {
   dark: boolean;
