@@ -94,6 +94,11 @@ export class Manipulator {
     this.stage.draw();
   }
 
+  /** Leaves the handles out of a picture. */
+  hide(on: boolean) {
+    this.gizmo.getHelper().visible = !on && this.gizmo.object !== undefined;
+  }
+
   private hold(on: boolean) {
     this.stage.controls.enabled = !on;
     if (on) {

@@ -93,7 +93,14 @@ class Swarm {
     readonly numbers: number[],
     isGlass: boolean,
   ) {
-    const material = new MeshLambertMaterial({ transparent: isGlass, depthWrite: !isGlass });
+    const material = new MeshLambertMaterial({
+      transparent: isGlass,
+      depthWrite: !isGlass,
+      // Edges lie on the faces, and before them.
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
     const own = shape.clone();
     this.opacity = new InstancedBufferAttribute(new Float32Array(numbers.length).fill(1), 1);
     own.setAttribute('instanceOpacity', this.opacity);
@@ -253,6 +260,8 @@ export class Objects {
   private swarms: Swarm[] = [];
   private edges: Edges | undefined;
   private palette: Palette;
+  /** What tells how each was done; roles in the task do without. */
+  private tones: (number | undefined)[] | undefined;
   /** What is in the hand, where each was when it was taken, and how far it has come. */
   private held: { indices: number[]; from: Vector3[]; way: Vector3 } | undefined;
 
@@ -262,6 +271,11 @@ export class Objects {
 
   setTheme(dark: boolean) {
     this.palette = dark ? DARK : LIGHT;
+  }
+
+  /** Paints things by how they were done, from the next painting on. */
+  tint(tones: (number | undefined)[] | undefined) {
+    this.tones = tones;
   }
 
   /** Shows what a task says, as it stands there. */
@@ -362,13 +376,17 @@ export class Objects {
     const { palette } = this;
     const [view, body] = [this.views[index], this.bodies[index]];
     const tones = { [Role.Current]: palette.target, [Role.Later]: palette.target, [Role.Done]: palette.done };
-    body.tone.set(look.wrong ? palette.wrong : role === Role.Bystander ? palette.bystander : tones[role]);
-    const strength = role === Role.Current ? 1 : role === Role.Later ? 0.6 : 0.5;
-    body.edge.set(look.selected ? palette.selected : body.tone.getHex());
+    const result = this.tones?.[index];
+    const plain = role === Role.Bystander ? palette.bystander : tones[role];
+    body.tone.set(look.wrong ? palette.wrong : (result ?? plain));
+    // What tells a result is as strong all the time; only the edge says what is to do now.
+    const strength = result !== undefined ? 1.35 : role === Role.Current ? 1 : role === Role.Later ? 0.6 : 0.5;
+    const isMarked = look.selected || (result !== undefined && role === Role.Current);
+    body.edge.set(isMarked ? palette.selected : body.tone.getHex());
     if (look.selected) body.tone.lerp(new Color(palette.selected), 0.5);
     body.opacity = (view.kind === 'obstacle' ? 0.35 : 0.38) * strength + (look.selected ? 0.15 : 0);
     // What is solid fades into the ground instead.
-    if (!GLASS.includes(view.kind)) body.tone.lerp(new Color(palette.ground), 0.9 * (1 - strength));
+    if (!GLASS.includes(view.kind)) body.tone.lerp(new Color(palette.ground), 0.9 * Math.max(0, 1 - strength));
     this.extras[index]?.paint(body, palette, look);
   }
 
@@ -396,6 +414,12 @@ export class Objects {
     if (first?.instanceId === undefined) return undefined;
     const swarm = this.swarms.find(({ mesh }) => mesh === first.object);
     return swarm && { object: swarm.numbers[first.instanceId], point: first.point };
+  }
+
+  /** About how far it goes from its middle (m). */
+  extent(index: number): number {
+    const { half } = this.bodies[index];
+    return 0.85 * Math.max(half.x, half.y, half.z);
   }
 
   place(index: number): Vector3 | undefined {

@@ -5,6 +5,7 @@ import {
   HemisphereLight,
   PerspectiveCamera,
   Scene,
+  Vector2,
   Vector3,
   WebGLRenderer,
 } from 'three';
@@ -33,6 +34,32 @@ const VIEWS: Record<Exclude<View, 'eyes'>, [[number, number, number], [number, n
   ],
 };
 
+/** Where the user's eyes are, and what they look at (m). */
+export interface Eye {
+  position: [number, number, number];
+  target: [number, number, number];
+}
+
+/** Eyes see more at once than a camera that shows the user. */
+const EYE_FOV = 62;
+
+/** A place on the page (px), from its upper left corner. */
+export interface Corner {
+  left: number;
+  top: number;
+  width: number;
+  height: number;
+}
+
+/** How far the second picture stays from the edge (px). */
+const EDGE = 10;
+
+/** Where the second picture lies in a view of a size: in the upper right corner, as large as leaves the first one its middle. */
+export function corner(width: number, height: number): Corner {
+  const wide = Math.round(Math.min(340, Math.max(120, 0.34 * width), 0.6 * height));
+  return { left: width - wide - EDGE, top: EDGE, width: wide, height: Math.round(0.75 * wide) };
+}
+
 /** A scene, a camera and light. It draws when something has changed, and every frame while something moves. */
 export class Stage {
   readonly scene = new Scene();
@@ -42,9 +69,19 @@ export class Stage {
   /** Called before each drawing, with the time since the last (s). */
   readonly beforeDraw: ((elapsed_s: number) => void)[] = [];
   readonly afterDraw: (() => void)[] = [];
+  /** Called before each of the two pictures. */
+  readonly beforePicture: ((camera: PerspectiveCamera, isSecond: boolean) => void)[] = [];
+  /** What the camera of the second picture is; none without one. */
+  second: View | undefined;
+  /** How the user sees. */
+  eye: Eye | undefined;
+  private readonly other = new PerspectiveCamera(40, 4 / 3, 0.02, 30);
+  private readonly size = new Vector2();
+  private frameTone = new Color();
   private readonly sky = new HemisphereLight();
   private readonly sun = new DirectionalLight();
   private grid: GridHelper;
+  private isEye = false;
   private wants = true;
   private last = 0;
   private request = 0;
@@ -58,6 +95,7 @@ export class Stage {
     // Smooth edges take a processor that draws by itself half of its time.
     this.renderer = new WebGLRenderer({ canvas, antialias: hasCard(), powerPreference: 'high-performance' });
     this.camera.up.set(0, 0, 1);
+    this.other.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => this.draw());
     this.controls.enableDamping = false;
@@ -73,6 +111,7 @@ export class Stage {
 
   setTheme(dark: boolean) {
     this.scene.background = new Color(dark ? 0x14171c : 0xf3f4f6);
+    this.frameTone.set(dark ? 0x4a525e : 0xb4bac4);
     this.sky.color.set(dark ? 0xd3deee : 0xffffff);
     this.sky.groundColor.set(dark ? 0x4a505c : 0xb9bcc6);
     this.sky.intensity = dark ? 1.7 : 2;
@@ -92,19 +131,27 @@ export class Stage {
     return grid;
   }
 
-  look(view: Exclude<View, 'eyes'>) {
-    const [from, to] = VIEWS[view];
-    this.camera.position.set(...from);
-    this.controls.target.set(...to);
+  look(view: View) {
+    const seen = this.of(view);
+    if (!seen) return;
+    this.isEye = view === 'eyes';
+    this.lens();
+    this.camera.position.set(...seen[0]);
+    this.controls.target.set(...seen[1]);
     this.controls.update();
     this.draw();
   }
 
-  lookFrom(position: [number, number, number], forward: [number, number, number]) {
-    this.camera.position.set(...position);
-    this.controls.target.copy(new Vector3(...position).addScaledVector(new Vector3(...forward), 0.45));
-    this.controls.update();
-    this.draw();
+  /** From where to where a view looks. */
+  private of(view: View): (typeof VIEWS)['behind'] | undefined {
+    if (view !== 'eyes') return VIEWS[view];
+    return this.eye && [this.eye.position, this.eye.target];
+  }
+
+  /** A narrow picture shows as much from left to right. */
+  private lens() {
+    this.camera.fov = this.isEye ? EYE_FOV : this.camera.aspect < 1 ? 52 : 38;
+    this.camera.updateProjectionMatrix();
   }
 
   /** Comes so near, from where the camera stands, that these fill a good part of the picture. */
@@ -130,9 +177,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    // A narrow picture shows as much from left to right.
-    this.camera.fov = width < height ? 52 : 38;
-    this.camera.updateProjectionMatrix();
+    this.lens();
     this.draw();
   }
 
@@ -144,22 +189,55 @@ export class Stage {
     if (!this.wants) return;
     this.wants = false;
     this.drawn += 1;
-    this.shine();
-    this.renderer.render(this.scene, this.camera);
+    this.render();
     this.afterDraw.forEach((call) => call());
   };
 
+  /** Draws the picture, and the second one into its corner. */
+  private render() {
+    this.beforePicture.forEach((call) => call(this.camera, false));
+    this.shine(this.camera, this.controls.target);
+    this.renderer.render(this.scene, this.camera);
+    if (this.second) this.renderSecond(this.second);
+  }
+
+  private renderSecond(view: View) {
+    const seen = this.of(view);
+    if (!seen) return;
+    const target = new Vector3(...seen[1]);
+    this.other.position.set(...seen[0]);
+    this.other.fov = view === 'eyes' ? EYE_FOV : 40;
+    this.other.updateProjectionMatrix();
+    this.other.lookAt(target);
+    this.other.updateMatrixWorld();
+    const { renderer, size } = this;
+    renderer.getSize(size);
+    const { left, top, width, height } = corner(size.x, size.y);
+    const bottom = size.y - top - height;
+    renderer.setScissorTest(true);
+    // Its frame is drawn with it: films and pictures have it, too.
+    renderer.setScissor(left - 1, bottom - 1, width + 2, height + 2);
+    renderer.setClearColor(this.frameTone);
+    renderer.clear();
+    renderer.setScissor(left, bottom, width, height);
+    renderer.setViewport(left, bottom, width, height);
+    this.beforePicture.forEach((call) => call(this.other, true));
+    this.shine(this.other, target);
+    renderer.render(this.scene, this.other);
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, size.x, size.y);
+  }
+
   /** Light comes from the upper left of whoever looks: from behind a fixed one would leave everything flat. */
-  private shine() {
+  private shine(camera: PerspectiveCamera, target: Vector3) {
     const { position } = this.sun;
-    position.set(-1, 1.4, 1.2).applyQuaternion(this.camera.quaternion).add(this.controls.target);
-    this.sun.target.position.copy(this.controls.target);
+    position.set(-1, 1.4, 1.2).applyQuaternion(camera.quaternion).add(target);
+    this.sun.target.position.copy(target);
   }
 
   /** The picture as it is now. */
   png(): Promise<Blob | null> {
-    this.shine();
-    this.renderer.render(this.scene, this.camera);
+    this.render();
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
 
