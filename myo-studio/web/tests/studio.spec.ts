@@ -1,6 +1,7 @@
 import { expect, test, type Page } from '@playwright/test';
 import { existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { curveSvg } from '../src/lib/curve-svg';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
@@ -213,3 +214,37 @@ for (const [size, width, height] of [
     });
   }
 }
+
+test('a curve that is kept as SVG says what the numbers were', async ({ page }) => {
+  const [x, y] = [
+    [0, 0.35, 0.9, 1.25],
+    [-3, 41, null, 127.5],
+  ] as const;
+  const lines = [
+    { name: 'a & b', y: [...y] },
+    { name: 'other', y: [0, 0, 0, 0] },
+  ];
+  await page.setContent(curveSvg({ title: '<Angles>', xName: 'Time (s)', yName: 'Angle (°)', x: [...x], lines }));
+  const read = await page.evaluate(() => {
+    const ticks = (kind: string, axis: string) =>
+      [...document.querySelectorAll(`.${kind}`)].map((tick) => [
+        Number(tick.textContent.replace('−', '-')),
+        Number(tick.getAttribute(axis)),
+      ]);
+    const way = document.querySelector('path')!.getAttribute('d')!;
+    const points = [...way.matchAll(/([ML])([-\d.]+) ([-\d.]+)/g)];
+    const names = [...document.querySelectorAll('text')].map((text) => text.textContent);
+    return { x: ticks('x-tick', 'x'), y: ticks('y-tick', 'y'), points, names };
+  });
+  // Round numbers, and places by which the points can be read off.
+  expect(read.y.map(([value]) => value)).toEqual([-50, 0, 50, 100, 150]);
+  const off = ([a, b]: number[][], at: number) => a[0] + ((at - a[1]) / (b[1] - a[1])) * (b[0] - a[0]);
+  const found = read.points.map(([, pen, px, py]) => [pen, off(read.x, Number(px)), off(read.y, Number(py) + 4)]);
+  // What has no value leaves a gap.
+  expect(found.map(([pen]) => pen)).toEqual(['M', 'L', 'M']);
+  [0, 1, 3].forEach((k, index) => {
+    expect(Math.abs(Number(found[index][1]) - x[k])).toBeLessThan(0.005);
+    expect(Math.abs(Number(found[index][2]) - y[k]!)).toBeLessThan(0.5);
+  });
+  for (const name of ['<Angles>', 'Time (s)', 'Angle (°)', 'a & b', 'other']) expect(read.names).toContain(name);
+});
