@@ -8,8 +8,17 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What the pages are made of.
-const SOURCES: [&str; 7] =
-    ["src", "public", "index.html", "package.json", "package-lock.json", "svelte.config.js", "vite.config.ts"];
+const SOURCES: [&str; 9] = [
+    "src",
+    "public",
+    "index.html",
+    "report.html",
+    "package.json",
+    "package-lock.json",
+    "svelte.config.js",
+    "vite.config.ts",
+    "vite.report.config.ts",
+];
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
@@ -18,8 +27,8 @@ fn main() {
         println!("cargo::rerun-if-changed={}", web.join(source).display());
     }
     println!("cargo::rerun-if-env-changed=MYO_NO_PAGES");
-    let code = match build(&web, &out.join("pages")) {
-        Ok(files) => with_pages(&files),
+    let code = match build(&web, &out) {
+        Ok(pages) => with_pages(&pages),
         Err(reason) => {
             println!("cargo::warning=the studio is built without its pages: {reason}");
             without_pages(&reason)
@@ -28,8 +37,16 @@ fn main() {
     fs::write(out.join("pages.rs"), code).expect("the folder of a build can be written");
 }
 
-/// Builds the pages into a folder; its files, by their paths there.
-fn build(web: &Path, out: &Path) -> Result<Vec<(String, PathBuf)>, String> {
+/// What was built.
+struct Pages {
+    /// Files of the studio, compressed, by their paths.
+    files: Vec<(String, PathBuf)>,
+    /// The page of reports, which is one file.
+    report: PathBuf,
+}
+
+/// Builds the pages into a folder.
+fn build(web: &Path, out: &Path) -> Result<Pages, String> {
     if env::var_os("MYO_NO_PAGES").is_some() {
         return Err("MYO_NO_PAGES is set; unset it and build again".into());
     }
@@ -43,11 +60,14 @@ fn build(web: &Path, out: &Path) -> Result<Vec<(String, PathBuf)>, String> {
     if !is_installed(web) {
         run(npm, web, &["ci", "--no-audit", "--no-fund", "--prefer-offline"])?;
     }
-    let folder = out.to_string_lossy();
-    run(npm, web, &["run", "build", "--", "--outDir", &folder, "--emptyOutDir", "--logLevel", "warn"])?;
+    let (pages, report) = (out.join("pages"), out.join("report"));
+    for (script, folder) in [("build", &pages), ("build:report", &report)] {
+        let folder = folder.to_string_lossy();
+        run(npm, web, &["run", script, "--", "--outDir", &folder, "--emptyOutDir", "--logLevel", "warn"])?;
+    }
     let mut files = Vec::new();
-    list(out, out, &mut files).map_err(|error| format!("{} cannot be read: {error}", out.display()))?;
-    Ok(files)
+    list(&pages, &pages, &mut files).map_err(|error| format!("{} cannot be read: {error}", pages.display()))?;
+    Ok(Pages { files, report: report.join("report.html") })
 }
 
 /// Whether the packages that are there are those of the lock file: npm writes its own copy after them.
@@ -93,8 +113,10 @@ fn list(root: &Path, folder: &Path, files: &mut Vec<(String, PathBuf)>) -> std::
     Ok(())
 }
 
-fn with_pages(files: &[(String, PathBuf)]) -> String {
-    let mut code = String::from("const MISSING: Option<&str> = None;\nstatic PAGES: &[(&str, &[u8])] = &[\n");
+fn with_pages(Pages { files, report }: &Pages) -> String {
+    let mut code = String::from("const MISSING: Option<&str> = None;\n");
+    let _ = writeln!(code, "static REPORT: &str = include_str!({report:?});");
+    code += "static PAGES: &[(&str, &[u8])] = &[\n";
     for (name, path) in files {
         let _ = writeln!(code, "    ({name:?}, include_bytes!({path:?})),");
     }
@@ -102,5 +124,8 @@ fn with_pages(files: &[(String, PathBuf)]) -> String {
 }
 
 fn without_pages(reason: &str) -> String {
-    format!("const MISSING: Option<&str> = Some({reason:?});\nstatic PAGES: &[(&str, &[u8])] = &[];\n")
+    format!(
+        "const MISSING: Option<&str> = Some({reason:?});\nstatic REPORT: &str = \"\";\n\
+         static PAGES: &[(&str, &[u8])] = &[];\n"
+    )
 }

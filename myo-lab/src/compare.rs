@@ -90,7 +90,7 @@ impl Quantity {
     pub const ALL: [Self; 3] = [Self::Success, Self::EpisodeLengthS, Self::Effort];
 
     /// Of one user.
-    fn of(self, user: &TrainedUser) -> Option<f64> {
+    pub fn of(self, user: &TrainedUser) -> Option<f64> {
         match self {
             Self::Success => user.evaluation.success,
             Self::EpisodeLengthS => user.evaluation.episode_length_s,

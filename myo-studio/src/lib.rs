@@ -9,5 +9,6 @@
 //!
 //! This crate does not know how people draw or click, nor what a training computes: it hands texts, runs and motions on.
 pub mod engine;
+pub mod pages;
 pub mod protocol;
 pub mod server;

@@ -2,6 +2,7 @@
 
 mod actor;
 mod bodies;
+mod compare;
 mod following;
 mod hub;
 mod jobs;
@@ -9,6 +10,7 @@ mod look;
 mod motion;
 mod presets;
 mod replay;
+mod report;
 mod runs;
 mod surface;
 mod training;
@@ -25,14 +27,15 @@ use myo_model::builtin_names;
 use serde_json::Value;
 
 use crate::protocol::{
-    Answer, AnswersOne, AskBody, AskReach, AskRun, AskSchema, BodyShape, CheckTask, ConvertTask, DiscardRun,
-    DiscardTask, Event, Finding, GoOn, Hello, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun,
+    Answer, AnswersOne, AskBody, AskReach, AskReport, AskRun, AskSchema, AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun,
+    DiscardTask, Event, Finding, GoOn, Hello, LayoutTable, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun,
     OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RunDetail, RunEntry, SaveTask, Surface,
     TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;
 use jobs::Jobs;
+pub use report::report;
 use watch::Stage;
 use workspace::{Kind, Workspace};
 
@@ -240,6 +243,24 @@ impl AnswersOne<AskRun> for Engine {
     }
 }
 
+impl AnswersOne<CompareRuns> for Engine {
+    fn answer_one(&self, CompareRuns { names }: CompareRuns) -> Result<LayoutTable, Refusal> {
+        Ok(compare::table(&self.named(&names)?))
+    }
+}
+
+impl AnswersOne<AskUsersOf> for Engine {
+    fn answer_one(&self, AskUsersOf { text }: AskUsersOf) -> Result<Vec<String>, Refusal> {
+        compare::users_of(&self.workspace, &look::read(&text)?.task)
+    }
+}
+
+impl AnswersOne<AskReport> for Engine {
+    fn answer_one(&self, AskReport { names }: AskReport) -> Result<String, Refusal> {
+        report(&self.named(&names)?)
+    }
+}
+
 impl AnswersOne<NoteRun> for Engine {
     fn answer_one(&self, NoteRun { name, note }: NoteRun) -> Result<(), Refusal> {
         runs::write_note(&self.workspace, &name, &note)?;
@@ -269,6 +290,11 @@ impl AnswersOne<DiscardRun> for Engine {
 }
 
 impl Engine {
+    /// Runs with their folders.
+    fn named(&self, names: &[String]) -> Result<Vec<(String, PathBuf)>, Refusal> {
+        names.iter().map(|name| Ok((name.clone(), self.workspace.run(name)?))).collect()
+    }
+
     /// The folder of a run that somebody writes into stays where it is.
     fn refuse_if_training(&self, name: &str) -> Result<(), Refusal> {
         let folder = self.workspace.run(name)?;

@@ -23,9 +23,8 @@ pub fn list(workspace: &Workspace) -> Result<Vec<RunEntry>, Refusal> {
     if !folder.exists() {
         return Ok(vec![]);
     }
-    let name = |path: &Path| path.strip_prefix(&folder).unwrap_or(path).to_string_lossy().replace('\\', "/");
     let found = find_runs(&folder)?;
-    let mut entries: Vec<RunEntry> = found.into_iter().map(|run| entry(name(&run.path), run)).collect();
+    let mut entries: Vec<RunEntry> = found.into_iter().map(|run| entry(workspace.name_of(&run.path), run)).collect();
     entries.sort_by(|a, b| changed(b).total_cmp(&changed(a)).then_with(|| a.name.cmp(&b.name)));
     Ok(entries)
 }
@@ -80,8 +79,15 @@ pub fn write_note(workspace: &Workspace, name: &str, note: &RunNote) -> Result<(
 /// # Errors
 /// There is no such run, or it cannot be read.
 pub fn detail(workspace: &Workspace, name: &str) -> Result<RunDetail, Refusal> {
-    let folder = workspace.run(name)?;
-    let run = RunFolder::open(&folder)?;
+    detail_of(&workspace.run(name)?, name)
+}
+
+/// The same of a run wherever it lies.
+///
+/// # Errors
+/// There is no such run, or it cannot be read.
+pub fn detail_of(folder: &Path, name: &str) -> Result<RunDetail, Refusal> {
+    let run = RunFolder::open(folder)?;
     let description = RunDescription::of(&run)?;
     let evaluation = run.evaluation()?;
     let flat = description.task.flat()?;
@@ -94,10 +100,10 @@ pub fn detail(workspace: &Workspace, name: &str) -> Result<RunDetail, Refusal> {
         time_s: target.time_s,
     };
     Ok(RunDetail {
-        entry: RunEntry { name: name.to_owned(), standing: readable(run_summary(&folder)?), note: note(&folder) },
+        entry: RunEntry { name: name.to_owned(), standing: readable(run_summary(folder)?), note: note(folder) },
         text: description.task.to_yaml(),
         model: description.task.model.clone(),
-        curve: curve(&folder, description.task.control_dt_s),
+        curve: curve(folder, description.task.control_dt_s),
         targets: targets.iter().enumerate().map(target).collect(),
         episodes: evaluation.as_ref().map_or(0, |evaluation| evaluation.episodes),
         success_interval: evaluation.as_ref().and_then(|evaluation| evaluation.success_interval),

@@ -69,6 +69,11 @@ impl Workspace {
         }
     }
 
+    /// The name of a run by its folder.
+    pub fn name_of(&self, folder: &Path) -> String {
+        folder.strip_prefix(self.runs()).unwrap_or(folder).to_string_lossy().replace('\\', "/")
+    }
+
     /// The file of a task by its name.
     ///
     /// # Errors

@@ -4,7 +4,9 @@
 //! one block of numbers behind a [`MotionHeader`]. Lengths are in m from the shoulder centre: x forward, y to the left, z up.
 
 mod body;
+mod compare;
 mod jobs;
+mod report;
 mod runs;
 mod task;
 #[cfg(test)]
@@ -14,7 +16,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use body::{BodyPart, BodyShape, MOMENT, MotionLayout, MuscleShape, OBJECT, PART};
+pub use compare::{Against, Contrast, LayoutRow, LayoutTable, LeftOut, Mean, StepRow, UserRow};
 pub use jobs::{Before, Bottleneck, Doubling, Job, JobOrder, JobProgress, JobState, Step};
+pub use report::{Recorded, RecordedMotion, RecordedRun};
 pub use runs::{CurvePoint, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 pub use task::{
     Finding, ItemView, Look, ObjectKind, ObjectView, PresetCard, Severity, StepView, Surface, TaskFile, TaskText,
@@ -284,6 +288,21 @@ calls! {
         /// Its name: the path of its folder below that of all runs.
         name: String,
     } -> RunDetail, "RunDetail";
+    /// Runs by what their users learnt, with what tells the layouts apart.
+    "compare" CompareRuns {
+        /// Names of the runs; the layout of the first is what others are held against.
+        names: Vec<String>,
+    } -> LayoutTable, "LayoutTable";
+    /// Runs whose users learnt a task as it is, by name.
+    "users_of" AskUsersOf {
+        /// Text of the task.
+        text: String,
+    } -> Vec<String>, "Array<string>";
+    /// A report on runs as one page (HTML) that needs nothing else.
+    "report" AskReport {
+        /// Names of the runs.
+        names: Vec<String>,
+    } -> String, "string";
     /// Writes tags and a note down beside a run.
     "note" NoteRun {
         /// Name of the run.

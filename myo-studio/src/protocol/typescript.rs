@@ -33,9 +33,10 @@ fn page() -> String {
         BodyPart MuscleShape BodyShape MotionLayout MotionHeader
         JobOrder Bottleneck Before Doubling JobProgress JobState Job Step
         RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
+        Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable RecordedMotion RecordedRun Recorded
         Refusal Event Welcome Pose Replay
         Hello AskSchema LookAt ConvertTask CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
-        AskRun NoteRun RenameRun DiscardRun
+        AskRun CompareRuns AskUsersOf AskReport NoteRun RenameRun DiscardRun
     };
     let sizes =
         format!("export const MOMENT = {MOMENT};\nexport const PART = {PART};\nexport const OBJECT = {OBJECT};\n");

@@ -18,7 +18,6 @@ use tokio::net::TcpListener;
 
 use crate::engine::Engine;
 pub use guard::Guard;
-pub use pages::{PagesError, missing_pages};
 
 /// Port that is tried first; the next free ones after it.
 pub const PORT: u16 = 7117;

@@ -8,6 +8,8 @@ mod devices;
 mod docs;
 mod eval;
 mod failure;
+#[cfg(feature = "studio")]
+mod html;
 mod interrupt;
 mod model;
 mod output;
@@ -62,6 +64,9 @@ enum Command {
     Compare(compare::Compare),
     /// Runs: what was trained, and how well it does
     Runs(runs::Runs),
+    /// Runs as one page for the browser, which needs nothing else
+    #[cfg(feature = "studio")]
+    Report(html::Report),
     /// Set up, train, watch and compare in the browser
     #[cfg(feature = "studio")]
     Studio(studio::Studio),
@@ -103,6 +108,8 @@ fn run<'scope>(cli: Cli, beside: &'scope Scope<'scope, '_>) -> Result<()> {
         Command::Eval(args) => eval::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Runs(args) => runs::run(&args),
+        #[cfg(feature = "studio")]
+        Command::Report(args) => html::run(&args),
         #[cfg(feature = "studio")]
         Command::Studio(args) => studio::run(&args),
         Command::Task(command) => task::run(command),

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use myo_studio::engine::Engine;
-use myo_studio::server::{PORT, Server, missing_pages};
+use myo_studio::pages::missing_pages;
+use myo_studio::server::{PORT, Server};
 
 use super::backend::{BackendName, Options};
 use super::failure::{Failure, Result, complain};

@@ -745,6 +745,213 @@ effort_interval: [number, number] | null,
 checkpoints: Array<number>, };
 
 /**
+ * A mean over users.
+ */
+export type Mean = { 
+/**
+ * The mean.
+ */
+mean: number, 
+/**
+ * Range that holds the mean of all possible users with 95 % confidence; none with a single user.
+ */
+interval: [number, number] | null, };
+
+/**
+ * A step of a layout, over users.
+ */
+export type StepRow = { 
+/**
+ * For people.
+ */
+label: string, 
+/**
+ * Share of fresh episodes in which it is done.
+ */
+success: Mean | null, 
+/**
+ * Mean movement time (s), without dwell.
+ */
+movement_time_s: Mean | null, };
+
+/**
+ * A user of a layout.
+ */
+export type UserRow = { 
+/**
+ * Name of the run.
+ */
+run: string, 
+/**
+ * Seed of the training.
+ */
+seed: number, 
+/**
+ * Share of fresh episodes that succeed.
+ */
+success: number | null, 
+/**
+ * Mean duration of an episode (s).
+ */
+episode_s: number | null, 
+/**
+ * Mean squared control.
+ */
+effort: number | null, };
+
+/**
+ * A quantity of two layouts.
+ */
+export type Contrast = { 
+/**
+ * `success`, `episode_length_s` or `effort`.
+ */
+quantity: string, 
+/**
+ * This layout less the first.
+ */
+difference: number, 
+/**
+ * 95 % confidence interval of it; none with a single user.
+ */
+interval: [number, number] | null, 
+/**
+ * `higher`, `lower`, `within_training`, `no_difference` or `unknown`.
+ */
+verdict: string, };
+
+/**
+ * A layout against the first.
+ */
+export type Against = { 
+/**
+ * Success, time and effort, as far as both have them.
+ */
+contrasts: Array<Contrast>, 
+/**
+ * What can be said, for people.
+ */
+sentences: Array<string>, 
+/**
+ * What weakens that, for people.
+ */
+caveats: Array<string>, };
+
+/**
+ * A layout and those who learnt it.
+ */
+export type LayoutRow = { 
+/**
+ * What people call it.
+ */
+name: string, 
+/**
+ * Who learnt it, at least one.
+ */
+users: Array<UserRow>, 
+/**
+ * Share of fresh episodes that succeed, over users.
+ */
+success: Mean | null, 
+/**
+ * Mean duration of an episode (s), over users.
+ */
+episode_s: Mean | null, 
+/**
+ * Mean squared control, over users.
+ */
+effort: Mean | null, 
+/**
+ * Each step, in the order of the script.
+ */
+steps: Array<StepRow>, 
+/**
+ * How it differs from the first layout; none for the first.
+ */
+against: Against | null, };
+
+/**
+ * A run that is in no row.
+ */
+export type LeftOut = { 
+/**
+ * Its name.
+ */
+run: string, 
+/**
+ * Why.
+ */
+reason: string, };
+
+/**
+ * Layouts, each with its users.
+ */
+export type LayoutTable = { 
+/**
+ * A row for each, in the order in which their first runs were named.
+ */
+layouts: Array<LayoutRow>, 
+/**
+ * Runs that nothing can be said of.
+ */
+left_out: Array<LeftOut>, };
+
+/**
+ * A motion in text.
+ */
+export type RecordedMotion = { 
+/**
+ * How its numbers lie.
+ */
+header: MotionHeader, 
+/**
+ * The numbers in single precision, little end first, in base 64.
+ */
+numbers: string, };
+
+/**
+ * A run in a report.
+ */
+export type RecordedRun = { 
+/**
+ * All that is known of it.
+ */
+detail: RunDetail, 
+/**
+ * Its task, written out.
+ */
+view: TaskView, 
+/**
+ * Its body.
+ */
+body: BodyShape, 
+/**
+ * An episode; none for a run without a checkpoint.
+ */
+motion: RecordedMotion | null, };
+
+/**
+ * Runs as they were when the report was made.
+ */
+export type Recorded = { 
+/**
+ * Version of Myo.
+ */
+version: string, 
+/**
+ * When it was made (s since 1970).
+ */
+made_s: number, 
+/**
+ * Each run, in the order in which they were named.
+ */
+runs: Array<RecordedRun>, 
+/**
+ * All of them by layout.
+ */
+table: LayoutTable, };
+
+/**
  * Why something cannot be done: one sentence, and what it is about where that is known.
  */
 export type Refusal = { 
@@ -980,6 +1187,33 @@ export type AskRun = {
 name: string, };
 
 /**
+ * Runs by what their users learnt, with what tells the layouts apart.
+ */
+export type CompareRuns = { 
+/**
+ * Names of the runs; the layout of the first is what others are held against.
+ */
+names: Array<string>, };
+
+/**
+ * Runs whose users learnt a task as it is, by name.
+ */
+export type AskUsersOf = { 
+/**
+ * Text of the task.
+ */
+text: string, };
+
+/**
+ * A report on runs as one page (HTML) that needs nothing else.
+ */
+export type AskReport = { 
+/**
+ * Names of the runs.
+ */
+names: Array<string>, };
+
+/**
  * Writes tags and a note down beside a run.
  */
 export type NoteRun = { 
@@ -1038,6 +1272,9 @@ export interface Calls {
   watch: { with: Watch; reply: null };
   runs: { with: ListRuns; reply: Array<RunEntry> };
   run: { with: AskRun; reply: RunDetail };
+  compare: { with: CompareRuns; reply: LayoutTable };
+  users_of: { with: AskUsersOf; reply: Array<string> };
+  report: { with: AskReport; reply: string };
   note: { with: NoteRun; reply: null };
   rename_run: { with: RenameRun; reply: null };
   discard_run: { with: DiscardRun; reply: null };

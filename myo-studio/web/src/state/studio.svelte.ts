@@ -19,7 +19,12 @@ import { changeItem } from '../document/change';
 import type { Schema } from '../schema/schema';
 
 export type Page =
-  { at: 'home' } | { at: 'setup' } | { at: 'runs' } | { at: 'run'; name: string } | { at: 'compare'; names: string[] };
+  | { at: 'home' }
+  | { at: 'setup' }
+  | { at: 'runs' }
+  | { at: 'run'; name: string }
+  | { at: 'compare'; names: string[] }
+  | { at: 'whatif' };
 
 /** A file is written so long after the last change. */
 const SAVE_AFTER_MS = 400;
@@ -65,6 +70,8 @@ export class Studio {
 
   /** When the text was changed last (ms since the page came). */
   touched = 0;
+  /** Names of the tasks that are held against each other, the first as what the others are measured by. */
+  whatIf = $state.raw<string[]>([]);
   /** When a training ends: `plateau`, or a share of success. */
   until = $state('plateau');
   /** Whether the user goes on learning whenever the task is changed. */
@@ -183,6 +190,16 @@ export class Studio {
   async open(name: string) {
     const opened = await this.try(() => this.engine.ask('open', { name }));
     if (opened) this.show(new TaskDocument(opened.name, opened.text));
+  }
+
+  /** A copy of a kept task, to be changed: it is kept from the beginning, beside the other. */
+  async openCopy(name: string) {
+    const opened = await this.try(() => this.engine.ask('open', { name }));
+    if (!opened) return;
+    const copy = this.freeName(name);
+    this.show(new TaskDocument(copy, opened.text.replace(/^name: .*$/m, `name: ${copy}`)));
+    this.touch();
+    this.whatIf = [...new Set([...this.whatIf, name, copy])];
   }
 
   async import(file: File) {

@@ -1,0 +1,56 @@
+//! A report: the page of runs with everything that it asks already answered, as one file.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use myo_env::Skeleton;
+use myo_lab::RunDescription;
+use myo_train::RunFolder;
+
+use super::workspace::seconds;
+use super::{compare, look, motion, replay, runs};
+use crate::pages;
+use crate::protocol::{Recorded, RecordedMotion, RecordedRun, Refusal, Replay};
+
+/// The episode that a report shows.
+const SEED: u32 = 1;
+/// Where the page has what was recorded.
+const PLACE: &str = "\"MYO_RECORDED\"";
+
+/// A page (HTML) on runs, each a name and a folder.
+///
+/// # Errors
+/// A run cannot be read, or the pages are not in this program.
+pub fn report(runs: &[(String, PathBuf)]) -> Result<String, Refusal> {
+    let page = pages::report()?;
+    let recorded = Recorded {
+        version: env!("CARGO_PKG_VERSION").into(),
+        made_s: seconds(SystemTime::now()),
+        runs: runs.iter().map(|(name, folder)| recorded(name, folder)).collect::<Result<_, _>>()?,
+        table: compare::table(runs),
+    };
+    // No word of a task may end the script that holds it.
+    let json = serde_json::to_string(&recorded)?.replace('<', "\\u003c");
+    Ok(page.replacen(PLACE, &json, 1))
+}
+
+fn recorded(name: &str, folder: &Path) -> Result<RecordedRun, Refusal> {
+    let detail = runs::detail_of(folder, name)?;
+    let run = RunFolder::open(folder)?;
+    let (model, task) = (RunDescription::of(&run)?.body()?, RunDescription::of(&run)?.task);
+    let view = look::look(&detail.text).view;
+    let view = view.ok_or_else(|| Refusal::sentence(format!("the task of {name} cannot be shown")))?;
+    let body = motion::shape(&Skeleton::without_script(&model, &task)?);
+    let has_checkpoint = !detail.checkpoints.is_empty();
+    let motion = has_checkpoint.then(|| episode(name, folder)).transpose()?;
+    Ok(RecordedRun { detail, view, body, motion })
+}
+
+fn episode(name: &str, folder: &Path) -> Result<RecordedMotion, Refusal> {
+    let asked = Replay { run: name.to_owned(), seed: SEED, env_steps: None };
+    let (header, numbers) = replay::replay(folder, &asked)?;
+    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+    Ok(RecordedMotion { header, numbers: STANDARD.encode(bytes) })
+}
