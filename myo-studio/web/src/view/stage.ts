@@ -29,7 +29,7 @@ const VIEWS: Record<Exclude<View, 'eyes'>, [[number, number, number], [number, n
     [0.1, 0.1, -0.12],
   ],
   above: [
-    [0.22, 0.06, 1.55],
+    [0.22, 0.05, 1.55],
     [0.25, 0.05, -0.1],
   ],
 };
@@ -81,6 +81,8 @@ export class Stage {
   private readonly sky = new HemisphereLight();
   private readonly sun = new DirectionalLight();
   private grid: GridHelper;
+  private dark: boolean;
+  private sitting = false;
   private isEye = false;
   private wants = true;
   private last = 0;
@@ -103,13 +105,15 @@ export class Stage {
     this.controls.maxDistance = 6;
     this.sky.position.set(0, 0, 1);
     this.scene.add(this.sky, this.sun, this.sun.target);
-    this.grid = this.floor(dark);
+    this.dark = dark;
+    this.grid = this.floor();
     this.setTheme(dark);
     this.look('behind');
     this.request = requestAnimationFrame(this.frame);
   }
 
   setTheme(dark: boolean) {
+    this.dark = dark;
     this.scene.background = new Color(dark ? 0x14171c : 0xf3f4f6);
     this.frameTone.set(dark ? 0x4a525e : 0xb4bac4);
     this.sky.color.set(dark ? 0xd3deee : 0xffffff);
@@ -117,16 +121,30 @@ export class Stage {
     this.sky.intensity = dark ? 1.7 : 2;
     this.sun.color.set(dark ? 0xffffff : 0xfff6ea);
     this.sun.intensity = dark ? 2 : 1.5;
+    this.layFloor();
+  }
+
+  /** Whoever sits is nearer to the floor: the shoulder stays where it is. */
+  setSitting(sitting: boolean) {
+    if (sitting === this.sitting) return;
+    this.sitting = sitting;
+    this.layFloor();
+  }
+
+  private layFloor() {
     this.scene.remove(this.grid);
-    this.grid = this.floor(dark);
+    this.grid.dispose();
+    this.grid = this.floor();
     this.draw();
   }
 
-  private floor(dark: boolean): GridHelper {
-    const [major, minor] = dark ? [0x343a44, 0x262b33] : [0xc9ced6, 0xdfe3e8];
+  private floor(): GridHelper {
+    const [major, minor] = this.dark ? [0x343a44, 0x262b33] : [0xc9ced6, 0xdfe3e8];
     const grid = new GridHelper(4, 16, major, minor);
     grid.rotation.x = Math.PI / 2;
-    grid.position.set(0.5, 0.17, floorHeight(false));
+    grid.position.set(0.5, 0.17, floorHeight(this.sitting));
+    // Before all that leaves no depth.
+    grid.renderOrder = -2;
     this.scene.add(grid);
     return grid;
   }
