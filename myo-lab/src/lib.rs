@@ -6,6 +6,7 @@
 //! - [`describe_model`] finds a body by its name, [`ModelReach`] lets the checks of a task ask a model;
 //! - [`Comparison`] tells two layouts apart, [`misfits`] whether a user can act on a layout that it was not trained on;
 //! - [`likely_cause`] and [`most_success`] say why a training leads nowhere or cannot reach its goal;
+//! - [`reward_terms`] says what each term of a reward can be worth, [`reward_slice`] how it lies in space;
 //! - [`picture`] draws the simulated user, [`ProgressLine`] says in a line how a training goes.
 //!
 //! This crate knows no command line, no browser and no Python.
@@ -18,8 +19,10 @@ mod models;
 pub mod picture;
 pub mod progress;
 mod reach;
+mod reward;
 mod run_description;
 mod runs;
+mod settings;
 mod users;
 
 pub use advice::{Body, likely_cause, most_success};
@@ -30,6 +33,8 @@ pub use layouts::{LayoutsError, layout_names, one_structure};
 pub use models::{ModelFileError, describe_model, own_model};
 pub use progress::ProgressLine;
 pub use reach::ModelReach;
+pub use reward::{RewardTerm, Slice, reward_slice, reward_terms};
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
 pub use runs::{FoundRun, RunState, RunSummary, find_runs, run_summary};
+pub use settings::{LearnerSetting, SettingsError, changed_settings, learner_settings};
 pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};

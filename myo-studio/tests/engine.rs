@@ -332,3 +332,102 @@ fn a_damaged_run_hides_no_other() {
     ask(&engine, "discard_run", json!({"name": "broken"})).unwrap();
     assert_eq!(ask(&engine, "runs", Value::Null).unwrap(), json!([]));
 }
+
+#[test]
+fn weights_and_step_size_change_while_a_user_learns() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let mut first = order(&easy(0.1), "off", false);
+    first["order"]["settings"] = json!({"learning_rate": 0.002});
+    let id = ask(&engine, "train", first).unwrap()[0].as_u64().unwrap();
+    wait(&engine, id, |job| job["progress"]["env_steps"].as_u64() > Some(0));
+    let config = || -> Value {
+        let text = std::fs::read_to_string(folder.path().join("runs/easy-1/config.json")).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    };
+    assert_eq!(config()["ppo"]["learning_rate"], 0.002);
+    let dear = format!("{}reward: {{neural_effort: 0.01}}\n", easy(0.1));
+    ask(&engine, "relearn", json!({"job": id, "text": dear, "settings": {"learning_rate": 0.0005}})).unwrap();
+    let changed = wait(&engine, id, |job| job["progress"]["before"]["success"].is_f64());
+    assert_eq!(changed["run"], "easy-1", "the same user goes on");
+    assert_eq!(config()["ppo"]["learning_rate"], 0.0005);
+    assert_eq!(config()["run"]["task"]["reward"]["neural_effort"], 0.01);
+    let wrong = refusal(&engine, "relearn", json!({"job": id, "text": dear, "settings": {"clip": -1}}));
+    assert!(wrong.contains("clip is -1.0; it must be finite and greater than 0"), "{wrong}");
+    ask(&engine, "tell", json!({"job": id, "step": "stop"})).unwrap();
+    wait(&engine, id, |job| job["state"]["is"] == "stopped");
+    let over = refusal(&engine, "relearn", json!({"job": id, "text": dear, "settings": null}));
+    assert!(over.contains("its run stays as it is"), "{over}");
+}
+
+#[test]
+fn all_settings_of_the_learner_are_told_with_their_ranges() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = ask(&engine(folder.path()), "settings", Value::Null).unwrap();
+    let clip = settings.as_array().unwrap().iter().find(|setting| setting["name"] == "clip").unwrap();
+    assert_eq!((&clip["default"], &clip["range"]), (&json!(0.2), &json!("finite and greater than 0")));
+    assert!(clip["about"].as_str().unwrap().contains("probability ratio"));
+}
+
+#[test]
+fn a_reward_is_told_with_its_bounds_and_lies_in_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let text = preset_text("public-display").unwrap();
+    let reward = ask(&engine, "reward", json!({"text": text})).unwrap();
+    let terms = reward["terms"].as_array().unwrap();
+    let bonus = terms.iter().find(|term| term["path"] == "reward.subtask_bonus").unwrap();
+    assert_eq!((&bonus["is_cost"], &bonus["episode"]), (&json!(false), &json!([0.0, 12.0])));
+    let best: f64 = terms.iter().map(|term| term["episode"][1].as_f64().unwrap()).sum();
+    assert!((reward["episode"][1].as_f64().unwrap() - best).abs() < 1e-9 && best > 17.0, "{reward}");
+    let map = ask(&engine, "reward_map", json!({"text": text, "step": 1, "cut": "front"})).unwrap();
+    let values: Vec<f64> = map["values"].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect();
+    assert_eq!(values.len() as u64, map["columns"].as_u64().unwrap() * map["rows"].as_u64().unwrap());
+    // The object is in the middle.
+    let (best, _) = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+    assert!(best.abs_diff(values.len() / 2) <= 62, "{best}");
+    let wrong = refusal(&engine, "reward", json!({"text": "version: 2\nname: x\n"}));
+    assert!(!wrong.is_empty());
+}
+
+#[test]
+fn users_are_held_against_each_other_by_layout_and_reported_in_one_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let mut two = order(&easy(0.1), "0.5", false);
+    two["order"]["users"] = json!(2);
+    let mut ids = ask(&engine, "train", two).unwrap().as_array().unwrap().clone();
+    let far = easy(0.2).replace("name: easy", "name: far");
+    let mut other = order(&far, "0.5", false);
+    other["order"]["name"] = json!("far");
+    ids.extend(ask(&engine, "train", other).unwrap().as_array().unwrap().clone());
+    for id in ids {
+        wait(&engine, id.as_u64().unwrap(), |job| job["state"]["is"] == "done");
+    }
+    assert_eq!(ask(&engine, "users_of", json!({"text": easy(0.1)})).unwrap(), json!(["easy-1", "easy-2"]));
+    let names = json!({"names": ["easy-1", "easy-2", "far-1", "gone"]});
+    let table = ask(&engine, "compare", names).unwrap();
+    let (layouts, left_out) = (table["layouts"].as_array().unwrap(), table["left_out"].as_array().unwrap());
+    let of = |row: &Value| (row["name"].clone(), row["users"].as_array().unwrap().len());
+    assert_eq!(layouts.iter().map(of).collect::<Vec<_>>(), [(json!("easy"), 2), (json!("far"), 1)]);
+    assert_eq!(layouts[0]["users"][1]["seed"], 4);
+    assert_eq!(layouts[0]["against"], Value::Null);
+    assert!(layouts[0]["success"]["interval"][1].as_f64().unwrap() <= 1.0);
+    // One user of the second layout says nothing about chance.
+    assert_eq!(layouts[1]["against"]["contrasts"][0]["verdict"], "unknown");
+    assert_eq!(layouts[1]["steps"].as_array().unwrap().len(), 1);
+    assert_eq!(left_out[0]["run"], "gone");
+
+    let refused = refusal(&engine, "report", json!({"names": ["gone"]}));
+    assert!(refused.contains("is not a run folder") || refused.contains("without the studio's pages"), "{refused}");
+    if myo_studio::pages::missing_pages().is_ok() {
+        let page = ask(&engine, "report", json!({"names": ["easy-1", "far-1"]})).unwrap();
+        let page = page.as_str().unwrap();
+        let begin = page.find("type=\"application/json\">").unwrap() + "type=\"application/json\">".len();
+        let end = begin + page[begin..].find("</script>").unwrap();
+        let recorded: Value = serde_json::from_str(&page[begin..end]).unwrap();
+        assert_eq!(recorded["runs"].as_array().unwrap().len(), 2);
+        assert!(recorded["runs"][0]["motion"]["numbers"].as_str().unwrap().len() > 1000);
+        assert!(!page.contains("src=\"/") && !page.contains("href=\"/"), "nothing else is needed");
+    }
+}

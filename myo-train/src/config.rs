@@ -183,73 +183,90 @@ impl PpoConfig {
     }
 
     /// Refuses values with which training cannot work.
+    ///
+    /// # Errors
+    /// The first field whose value is out of its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
-        let check = |ok: bool, name, value: &dyn std::fmt::Debug, range| {
-            if ok { Ok(()) } else { Err(ConfigError { name, value: format!("{value:?}"), range }) }
-        };
-        for (name, value) in [
-            ("num_envs", self.num_envs),
-            ("steps_per_update", self.steps_per_update),
-            ("epochs", self.epochs),
-            ("minibatches", self.minibatches),
-        ] {
-            check(value >= 1, name, &value, "at least 1")?;
+        match self.checks().into_iter().find(|check| !check.is_met) {
+            Some(Check { name, value, range, .. }) => Err(ConfigError { name, value, range }),
+            None => Ok(()),
         }
-        check(self.batch_size() <= 1 << 30, "num_envs", &self.num_envs, "such that a batch has at most 2^30 samples")?;
-        check(
-            self.minibatches <= self.batch_size(),
-            "minibatches",
-            &self.minibatches,
-            "at most the samples of a batch",
-        )?;
+    }
+
+    /// What is allowed for each field that has a range, in words.
+    pub fn ranges() -> Vec<(&'static str, &'static str)> {
+        Self::default().checks().into_iter().map(|Check { name, range, .. }| (name, range)).collect()
+    }
+
+    /// Everything that [`validate`](Self::validate) looks at.
+    fn checks(&self) -> Vec<Check> {
+        let mut checks = Vec::new();
+        let mut check = |is_met: bool, name, value: &dyn std::fmt::Debug, range| {
+            checks.push(Check { name, value: format!("{value:?}"), range, is_met });
+        };
+        for (name, value) in [("steps_per_update", self.steps_per_update), ("epochs", self.epochs)] {
+            check(value >= 1, name, &value, "at least 1");
+        }
+        let samples = self.num_envs.saturating_mul(self.steps_per_update);
+        let range = "at least 1, and such that a batch has at most 2^30 samples";
+        check((1..=1 << 30).contains(&samples), "num_envs", &self.num_envs, range);
+        let range = "from 1 to the samples of a batch";
+        check((1..=samples).contains(&self.minibatches), "minibatches", &self.minibatches, range);
         for (name, widths) in [("policy_hidden", &self.policy_hidden), ("value_hidden", &self.value_hidden)] {
-            check(widths.iter().all(|&w| (1..=8192).contains(&w)), name, widths, "a list of widths from 1 to 8192")?;
+            let is_met = widths.iter().all(|&w| (1..=8192).contains(&w));
+            check(is_met, name, widths, "a list of widths from 1 to 8192");
         }
         for (name, value) in
             [("discount_per_s", self.discount_per_s), ("adam_beta1", self.adam_beta1), ("adam_beta2", self.adam_beta2)]
         {
-            check((0.0..1.0).contains(&value), name, &value, "at least 0 and less than 1")?;
+            check((0.0..1.0).contains(&value), name, &value, "at least 0 and less than 1");
         }
-        check(
-            (0.0..=0.9).contains(&self.exploring_starts),
-            "exploring_starts",
-            &self.exploring_starts,
-            "from 0 to 0.9",
-        )?;
-        check((0.0..=1.0).contains(&self.gae_lambda), "gae_lambda", &self.gae_lambda, "from 0 to 1")?;
+        let starts = self.exploring_starts;
+        check((0.0..=0.9).contains(&starts), "exploring_starts", &starts, "from 0 to 0.9");
+        check((0.0..=1.0).contains(&self.gae_lambda), "gae_lambda", &self.gae_lambda, "from 0 to 1");
         for (name, value) in [
             ("entropy_coefficient", self.entropy_coefficient),
             ("value_coefficient", self.value_coefficient),
             ("kl_target", self.kl_target),
         ] {
-            check(value >= 0.0 && value.is_finite(), name, &value, "finite and not negative")?;
+            check(value >= 0.0 && value.is_finite(), name, &value, "finite and not negative");
         }
         for (name, value) in [
             ("clip", self.clip),
             ("kl_max", self.kl_max),
             ("reward_scale", self.reward_scale),
             ("learning_rate_min", self.learning_rate_min),
+            ("learning_rate_max", self.learning_rate_max),
             ("adam_epsilon", self.adam_epsilon),
             ("gradient_norm_max", self.gradient_norm_max),
             ("action_scale", self.action_scale),
             ("observation_clip", self.observation_clip),
             ("observation_std_floor", self.observation_std_floor),
         ] {
-            check(value > 0.0 && value.is_finite(), name, &value, "finite and greater than 0")?;
+            check(value > 0.0 && value.is_finite(), name, &value, "finite and greater than 0");
         }
         for (name, value) in [("kl_factor", self.kl_factor), ("kl_tolerance", self.kl_tolerance)] {
-            check(value >= 1.0 && value.is_finite(), name, &value, "finite and at least 1")?;
+            check(value >= 1.0 && value.is_finite(), name, &value, "finite and at least 1");
         }
         let rates = self.learning_rate_min..=self.learning_rate_max;
         let range = "between learning_rate_min and learning_rate_max";
-        check(rates.contains(&self.learning_rate), "learning_rate", &self.learning_rate, range)?;
+        check(rates.contains(&self.learning_rate), "learning_rate", &self.learning_rate, range);
         let log_std = self.log_std_min..=self.log_std_max;
         let range = "between log_std_min and log_std_max";
-        check(log_std.contains(&self.log_std_initial), "log_std_initial", &self.log_std_initial, range)?;
-        check(self.log_std_min >= -20.0, "log_std_min", &self.log_std_min, "at least -20")?;
-        check(self.log_std_max <= 20.0, "log_std_max", &self.log_std_max, "at most 20")?;
-        check(self.action_offset.is_finite(), "action_offset", &self.action_offset, "finite")
+        check(log_std.contains(&self.log_std_initial), "log_std_initial", &self.log_std_initial, range);
+        check(self.log_std_min >= -20.0, "log_std_min", &self.log_std_min, "at least -20");
+        check(self.log_std_max <= 20.0, "log_std_max", &self.log_std_max, "at most 20");
+        check(self.action_offset.is_finite(), "action_offset", &self.action_offset, "finite");
+        checks
     }
+}
+
+/// A field with a range.
+struct Check {
+    name: &'static str,
+    value: String,
+    range: &'static str,
+    is_met: bool,
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use myo_lab::{Backend, ModelReach, STEPS, likely_cause};
+use myo_lab::{Backend, ModelReach, STEPS, changed_settings, likely_cause};
 use myo_train::session::{Change, End, Goal, News, Outcome, Trend, Until};
 use myo_train::{Checkpoint, PpoConfig, write_whole};
 use serde::{Deserialize, Serialize};
@@ -16,7 +16,7 @@ use super::look;
 use super::training::{Beginning, Heritage, Training};
 use super::watch::Stage;
 use super::workspace::Workspace;
-use crate::protocol::{Before, Doubling, Event, Job, JobOrder, JobState, Refusal, Step};
+use crate::protocol::{Before, Changes, Doubling, Event, Job, JobOrder, JobState, Refusal, Step};
 
 /// Most users of one order.
 const MOST_USERS: u32 = 64;
@@ -137,6 +137,7 @@ impl Jobs {
     /// The order is not one that can be carried out.
     pub fn order(&self, order: &JobOrder) -> Result<Vec<u32>, Refusal> {
         order.until.parse::<Until>()?;
+        check_settings(&order.settings)?;
         if order.users == 0 || order.users > MOST_USERS {
             return Err(Refusal::sentence(format!(
                 "{} users are asked for; from 1 to {MOST_USERS} can be",
@@ -168,15 +169,22 @@ impl Jobs {
         Err(Refusal { message, findings })
     }
 
-    /// Lets the user of a live training go on with another task, whether it is under way or over.
+    /// Lets the user of a training go on with another task or other settings, whether it is under way or over.
     ///
     /// # Errors
-    /// There is no such training, it is not live, or the task cannot be trained.
-    pub fn relearn(&self, id: u32, text: String) -> Result<(), Refusal> {
+    /// There is no such training, it has no user yet, or the task cannot be trained so.
+    pub fn relearn(&self, id: u32, text: String, settings: Option<Changes>) -> Result<(), Refusal> {
         self.refuse_what_cannot_be_trained(&text)?;
+        settings.as_ref().map_or(Ok(()), check_settings)?;
         let mut list = self.list();
-        let entry = list.entries.iter_mut().find(|entry| entry.job.id == id && entry.job.live);
-        let entry = entry.ok_or_else(|| Refusal::sentence("there is no live training to go on with"))?;
+        let entry = list.entries.iter_mut().find(|entry| entry.job.id == id);
+        let entry = entry.ok_or_else(|| Refusal::sentence("this training is not in the list any more"))?;
+        if !entry.job.live && !entry.is_under_way() {
+            return Err(Refusal::sentence("this training is over, and its run stays as it is; train another user"));
+        }
+        if let Some(settings) = settings {
+            entry.order.settings = settings;
+        }
         entry.next = Some(text);
         if !entry.is_under_way() {
             entry.job.state = JobState::Waiting;
@@ -205,6 +213,7 @@ impl Jobs {
             steps: None,
             from: None,
             live: false,
+            settings: Changes::new(),
         };
         let id = list.add(order, Some(run.to_owned()));
         drop(list);
@@ -456,8 +465,8 @@ impl Jobs {
     ) -> Result<Training, Refusal> {
         let task = look::read(text)?.task;
         let goal = Goal { until: order.until.parse()?, steps: order.steps.unwrap_or(STEPS) };
-        let (model, config, backend) = (self.bodies.model(&task.model)?, PpoConfig::default(), &self.backend);
-        let beginning = Beginning { task: &task, model: &model, backend, config, seed: order.seed, goal, heir_to };
+        let (model, settings, backend) = (self.bodies.model(&task.model)?, &order.settings, &self.backend);
+        let beginning = Beginning { task: &task, model: &model, backend, settings, seed: order.seed, goal, heir_to };
         Training::begin(beginning, &self.workspace.run(run)?, &mut |notice| notices.push(notice))
     }
 
@@ -480,6 +489,12 @@ impl Entry {
         use JobState::{Evaluating, Paused, Preparing, Training};
         matches!(self.job.state, Preparing | Training | Paused | Evaluating)
     }
+}
+
+/// Refuses settings that no learner can have.
+fn check_settings(settings: &Changes) -> Result<(), Refusal> {
+    let changes = settings.iter().map(|(name, value)| (&**name, value.clone()));
+    Ok(changed_settings(&PpoConfig::default(), changes).map(drop)?)
 }
 
 fn doubling(trend: Trend) -> Doubling {

@@ -11,6 +11,7 @@ mod motion;
 mod presets;
 mod replay;
 mod report;
+mod reward;
 mod runs;
 mod surface;
 mod training;
@@ -27,10 +28,11 @@ use myo_model::builtin_names;
 use serde_json::Value;
 
 use crate::protocol::{
-    Answer, AnswersOne, AskBody, AskReach, AskReport, AskRun, AskSchema, AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun,
-    DiscardTask, Event, Finding, GoOn, Hello, LayoutTable, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun,
-    OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RunDetail, RunEntry, SaveTask, Surface,
-    TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
+    Answer, AnswersOne, AskBody, AskReach, AskReport, AskReward, AskRewardMap, AskRun, AskSchema, AskSettings,
+    AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun, DiscardTask, Event, Finding, GoOn, Hello,
+    LayoutTable, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose,
+    Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView, RunDetail, RunEntry, SaveTask,
+    Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;
@@ -165,6 +167,31 @@ impl AnswersOne<AskReach> for Engine {
     }
 }
 
+impl AnswersOne<AskReward> for Engine {
+    fn answer_one(&self, AskReward { text }: AskReward) -> Result<RewardView, Refusal> {
+        let task = look::read(&text)?.task;
+        reward::view(&task, &*self.bodies.model(&task.model)?, &*self.bodies.reach(&task)?)
+    }
+}
+
+impl AnswersOne<AskRewardMap> for Engine {
+    fn answer_one(&self, AskRewardMap { text, step, cut }: AskRewardMap) -> Result<RewardMap, Refusal> {
+        reward::map(&look::read(&text)?.task, step, cut)
+    }
+}
+
+impl AnswersOne<AskSettings> for Engine {
+    fn answer_one(&self, _: AskSettings) -> Result<Vec<LearnerSetting>, Refusal> {
+        let told = |setting: myo_lab::LearnerSetting| LearnerSetting {
+            name: setting.name,
+            about: setting.about,
+            default: setting.default,
+            range: setting.range.map(str::to_owned),
+        };
+        Ok(myo_lab::learner_settings().into_iter().map(told).collect())
+    }
+}
+
 impl AnswersOne<AskBody> for Engine {
     fn answer_one(&self, AskBody { model }: AskBody) -> Result<BodyShape, Refusal> {
         let task = myo_tasks::Task::without_script("body");
@@ -213,8 +240,8 @@ impl AnswersOne<GoOn> for Engine {
 }
 
 impl AnswersOne<Relearn> for Engine {
-    fn answer_one(&self, Relearn { job, text }: Relearn) -> Result<(), Refusal> {
-        self.jobs.relearn(job, text)
+    fn answer_one(&self, Relearn { job, text, settings }: Relearn) -> Result<(), Refusal> {
+        self.jobs.relearn(job, text, settings)
     }
 }
 

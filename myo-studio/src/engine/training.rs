@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use myo_lab::{Backend, Device, Envs, RunDescription, Start, WarmStart, own_model};
+use myo_lab::{Backend, Device, Envs, RunDescription, Start, WarmStart, changed_settings, own_model};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::session::{Goal, Session};
 use myo_train::{Checkpoint, PpoConfig, RunClaim, RunFolder, RunWriter};
 
-use crate::protocol::Refusal;
+use crate::protocol::{Changes, Refusal};
 
 /// A training that is ready to advance.
 pub struct Training {
@@ -30,8 +30,8 @@ pub struct Beginning<'a> {
     pub model: &'a Model,
     /// Where it runs.
     pub backend: &'a Backend,
-    /// Settings of the learner.
-    pub config: PpoConfig,
+    /// Settings of the learner that are not as they come.
+    pub settings: &'a Changes,
     /// Seed of everything random.
     pub seed: u64,
     /// When to stop.
@@ -66,9 +66,10 @@ impl Training {
     /// # Errors
     /// The task cannot be simulated, the folder cannot be made, or the card is lost.
     pub fn begin(beginning: Beginning<'_>, folder: &Path, notice: &mut dyn FnMut(String)) -> Result<Self, Refusal> {
-        let Beginning { task, model, backend, config, seed, goal, heir_to } = beginning;
+        let Beginning { task, model, backend, settings, seed, goal, heir_to } = beginning;
         let heritage = heir_to.as_ref().map(|heritage| &heritage.checkpoint);
-        let config = heritage.map_or(config, |checkpoint| checkpoint.config().with_default_learning());
+        let base = heritage.map_or_else(PpoConfig::default, |checkpoint| checkpoint.config().with_default_learning());
+        let config = changed_settings(&base, settings.iter().map(|(name, value)| (&**name, value.clone())))?;
         let start = Start::New { config: &config, seed, from: heritage };
         let envs = build(backend, model, std::slice::from_ref(task), (&config, seed), notice)?;
         let (device, looks) = (envs.device(), envs.for_looks(seed)?);

@@ -1,6 +1,12 @@
 //! Trainings of the studio: ordered, under way, over.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Settings of the learner that are not as they come, by name.
+pub type Changes = BTreeMap<String, Value>;
 
 /// What to train and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,6 +29,25 @@ pub struct JobOrder {
     pub from: Option<String>,
     /// Whether it goes on whenever the task is changed: its run is that of the last task.
     pub live: bool,
+    /// Settings of the learner that are not as they come.
+    #[serde(default)]
+    #[cfg_attr(test, ts(type = "Record<string, unknown>"))]
+    pub settings: Changes,
+}
+
+/// A setting of the learner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct LearnerSetting {
+    /// Its name.
+    pub name: String,
+    /// What it says of itself.
+    pub about: String,
+    /// What it is where nobody changes it.
+    #[cfg_attr(test, ts(type = "number | number[] | boolean"))]
+    pub default: Value,
+    /// What is allowed, in words; none for a switch.
+    pub range: Option<String>,
 }
 
 /// A training.

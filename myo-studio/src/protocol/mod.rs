@@ -7,6 +7,7 @@ mod body;
 mod compare;
 mod jobs;
 mod report;
+mod reward;
 mod runs;
 mod task;
 #[cfg(test)]
@@ -17,8 +18,9 @@ use serde_json::Value;
 
 pub use body::{BodyPart, BodyShape, MOMENT, MotionLayout, MuscleShape, OBJECT, PART};
 pub use compare::{Against, Contrast, LayoutRow, LayoutTable, LeftOut, Mean, StepRow, UserRow};
-pub use jobs::{Before, Bottleneck, Doubling, Job, JobOrder, JobProgress, JobState, Step};
+pub use jobs::{Before, Bottleneck, Changes, Doubling, Job, JobOrder, JobProgress, JobState, LearnerSetting, Step};
 pub use report::{Recorded, RecordedMotion, RecordedRun};
+pub use reward::{Cut, RewardMap, RewardTerm, RewardView};
 pub use runs::{CurvePoint, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 pub use task::{
     Finding, ItemView, Look, ObjectKind, ObjectView, PresetCard, Severity, StepView, Surface, TaskFile, TaskText,
@@ -228,6 +230,22 @@ calls! {
         /// The text.
         text: String,
     } -> Surface, "Surface";
+    /// What a task is rewarded for, with the least and the greatest value of each term.
+    "reward" AskReward {
+        /// The text.
+        text: String,
+    } -> RewardView, "RewardView";
+    /// The reward over a rectangle through the object of a step.
+    "reward_map" AskRewardMap {
+        /// The text.
+        text: String,
+        /// Number of the step, from 0.
+        step: usize,
+        /// How the rectangle lies.
+        cut: Cut,
+    } -> RewardMap, "RewardMap";
+    /// All settings of the learner.
+    "settings" AskSettings {} -> Vec<LearnerSetting>, "Array<LearnerSetting>";
     /// The body of a model.
     "body" AskBody {
         /// Name or file of the model.
@@ -262,12 +280,15 @@ calls! {
         /// Name of the run.
         run: String,
     } -> u32, "number";
-    /// Goes on with a live training on another task: its user keeps what it has learnt.
+    /// Goes on with a training on another task, or with other settings: its user keeps what it has learnt.
     "relearn" Relearn {
         /// Which one.
         job: u32,
         /// Text of the task.
         text: String,
+        /// Settings of the learner that are not as they come; none leaves them as they are.
+        #[cfg_attr(test, ts(type = "Record<string, unknown> | null"))]
+        settings: Option<Changes>,
     } -> (), "null";
     /// Tells a training what to do next.
     "tell" TellJob {

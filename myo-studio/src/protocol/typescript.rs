@@ -31,11 +31,12 @@ fn page() -> String {
     let types = declarations! { config;
         Severity Finding ObjectKind ObjectView StepView ItemView TaskView Look PresetCard TaskFile TaskText Surface
         BodyPart MuscleShape BodyShape MotionLayout MotionHeader
-        JobOrder Bottleneck Before Doubling JobProgress JobState Job Step
+        JobOrder Bottleneck Before Doubling JobProgress JobState Job Step LearnerSetting
+        RewardTerm RewardView Cut RewardMap
         RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
         Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable RecordedMotion RecordedRun Recorded
         Refusal Event Welcome Pose Replay
-        Hello AskSchema LookAt ConvertTask CheckTask AskReach AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
+        Hello AskSchema LookAt ConvertTask CheckTask AskReach AskReward AskRewardMap AskSettings AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
         AskRun CompareRuns AskUsersOf AskReport NoteRun RenameRun DiscardRun
     };
     let sizes =

@@ -401,7 +401,11 @@ from: string | null,
 /**
  * Whether it goes on whenever the task is changed: its run is that of the last task.
  */
-live: boolean, };
+live: boolean, 
+/**
+ * Settings of the learner that are not as they come.
+ */
+settings: Record<string, unknown>, };
 
 /**
  * What episodes fail at most.
@@ -569,6 +573,107 @@ news: Array<string>, };
  * What a training is told to do.
  */
 export type Step = "pause" | "resume" | "stop" | "dismiss";
+
+/**
+ * A setting of the learner.
+ */
+export type LearnerSetting = { 
+/**
+ * Its name.
+ */
+name: string, 
+/**
+ * What it says of itself.
+ */
+about: string, 
+/**
+ * What it is where nobody changes it.
+ */
+default: number | number[] | boolean, 
+/**
+ * What is allowed, in words; none for a switch.
+ */
+range: string | null, };
+
+/**
+ * A term of the reward: a weight times something that is counted.
+ */
+export type RewardTerm = { 
+/**
+ * Path of its weight in the task, such as `reward.distance`.
+ */
+path: string, 
+/**
+ * The weight.
+ */
+weight: number, 
+/**
+ * What is multiplied by it, for people.
+ */
+of: string, 
+/**
+ * Whether it is subtracted.
+ */
+is_cost: boolean, 
+/**
+ * Least and greatest value in one control step; none where there is no bound.
+ */
+step: [number | null, number | null], 
+/**
+ * Least and greatest sum over an episode; none where there is no bound.
+ */
+episode: [number | null, number | null], };
+
+/**
+ * The reward of a task as a sum.
+ */
+export type RewardView = { 
+/**
+ * What is summed up.
+ */
+terms: Array<RewardTerm>, 
+/**
+ * Least and greatest sum over an episode; none where there is no bound.
+ */
+episode: [number | null, number | null], 
+/**
+ * Control steps of the longest episode.
+ */
+control_steps: number, };
+
+/**
+ * From where the reward is looked at.
+ */
+export type Cut = "front" | "side" | "above";
+
+/**
+ * The reward over a rectangle through the object of a step: what distance and time are worth per second to a pointer that stays there.
+ */
+export type RewardMap = { 
+/**
+ * A corner (m).
+ */
+corner: [number, number, number], 
+/**
+ * From it along a row (m).
+ */
+along: [number, number, number], 
+/**
+ * From it from row to row (m).
+ */
+across: [number, number, number], 
+/**
+ * Places in a row.
+ */
+columns: number, 
+/**
+ * Rows.
+ */
+rows: number, 
+/**
+ * Reward per second, row by row.
+ */
+values: Array<number>, };
 
 /**
  * What people wrote down about a run.
@@ -1075,6 +1180,37 @@ export type AskReach = {
 text: string, };
 
 /**
+ * What a task is rewarded for, with the least and the greatest value of each term.
+ */
+export type AskReward = { 
+/**
+ * The text.
+ */
+text: string, };
+
+/**
+ * The reward over a rectangle through the object of a step.
+ */
+export type AskRewardMap = { 
+/**
+ * The text.
+ */
+text: string, 
+/**
+ * Number of the step, from 0.
+ */
+step: number, 
+/**
+ * How the rectangle lies.
+ */
+cut: Cut, };
+
+/**
+ * All settings of the learner.
+ */
+export type AskSettings = Record<symbol, never>;
+
+/**
  * The body of a model.
  */
 export type AskBody = { 
@@ -1138,7 +1274,7 @@ export type GoOn = {
 run: string, };
 
 /**
- * Goes on with a live training on another task: its user keeps what it has learnt.
+ * Goes on with a training on another task, or with other settings: its user keeps what it has learnt.
  */
 export type Relearn = { 
 /**
@@ -1148,7 +1284,11 @@ job: number,
 /**
  * Text of the task.
  */
-text: string, };
+text: string, 
+/**
+ * Settings of the learner that are not as they come; none leaves them as they are.
+ */
+settings: Record<string, unknown> | null, };
 
 /**
  * Tells a training what to do next.
@@ -1260,6 +1400,9 @@ export interface Calls {
   convert: { with: ConvertTask; reply: string };
   check: { with: CheckTask; reply: Array<Finding> };
   reach: { with: AskReach; reply: Surface };
+  reward: { with: AskReward; reply: RewardView };
+  reward_map: { with: AskRewardMap; reply: RewardMap };
+  settings: { with: AskSettings; reply: Array<LearnerSetting> };
   body: { with: AskBody; reply: BodyShape };
   tasks: { with: ListTasks; reply: Array<TaskFile> };
   open: { with: OpenTask; reply: TaskText };

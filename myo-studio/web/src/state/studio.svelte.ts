@@ -5,6 +5,7 @@ import type {
   Job,
   JobOrder,
   PresetCard,
+  RewardMap,
   RunEntry,
   Step,
   Surface,
@@ -72,6 +73,10 @@ export class Studio {
   touched = 0;
   /** Names of the tasks that are held against each other, the first as what the others are measured by. */
   whatIf = $state.raw<string[]>([]);
+  /** What distance costs in space, where it is shown. */
+  rewardMap = $state.raw<RewardMap>();
+  /** Settings of the learner that are not as they come. */
+  learner = $state.raw<Record<string, unknown>>({});
   /** When a training ends: `plateau`, or a share of success. */
   until = $state('plateau');
   /** Whether the user goes on learning whenever the task is changed. */
@@ -376,6 +381,7 @@ export class Studio {
       steps: null,
       from: null,
       live: this.live,
+      settings: this.learner,
       ...order,
     };
     const ids = await this.try(() => this.engine.ask('train', { order: whole }));
@@ -406,8 +412,16 @@ export class Studio {
     while (this.checking) await new Promise((resolve) => setTimeout(resolve, 10));
     if (!document || document !== this.document || this.errors.length > 0) return;
     const job = this.liveJob;
-    if (job) await this.try(() => this.engine.ask('relearn', { job: job.id, text: document.text }));
+    if (job) await this.try(() => this.engine.ask('relearn', { job: job.id, text: document.text, settings: null }));
     else await this.train({ live: true });
+  }
+
+  /** Lets a user go on with the task and the settings of the learner as they are now. */
+  async goOnWithThis(job: number) {
+    const { document } = this;
+    if (!document) return;
+    await this.save();
+    await this.try(() => this.engine.ask('relearn', { job, text: document.text, settings: this.learner }));
   }
 
   tell(job: number, step: Step) {

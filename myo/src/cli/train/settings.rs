@@ -1,7 +1,7 @@
 //! Settings of the learner, as the command line changes them.
 
 use clap::Args;
-use myo::model::Nearest;
+use myo::changed_settings;
 use myo::train::PpoConfig;
 use serde_json::Value;
 
@@ -29,47 +29,19 @@ impl LearnerOptions {
 
 /// Settings of the learner with the changes asked for, `NAME=VALUE` each.
 fn settings(base: &PpoConfig, num_envs: Option<usize>, changes: &[String]) -> Result<PpoConfig> {
-    let mut table = serde_json::to_value(base)?;
-    changes.iter().try_for_each(|change| apply(&mut table, change))?;
-    let mut config: PpoConfig = serde_json::from_value(table)?;
-    config.num_envs = num_envs.unwrap_or(config.num_envs);
-    config.validate()?;
-    Ok(config)
+    let mut pairs = changes.iter().map(|change| pair(change)).collect::<Result<Vec<_>>>()?;
+    pairs.extend(num_envs.map(|count| ("num_envs", count.into())));
+    Ok(changed_settings(base, pairs)?)
 }
 
-fn apply(table: &mut Value, change: &str) -> Result<()> {
+/// A name and a value; what is no JSON is told as it was written.
+fn pair(change: &str) -> Result<(&str, Value)> {
     let Some((name, text)) = change.split_once('=') else {
         return Err(Failure::sentence(format!(
             "`--set {change}` needs the form NAME=VALUE, such as discount_per_s=0.7"
         )));
     };
-    let Some(entry) = table.get_mut(name) else {
-        let valid: Vec<_> = table.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
-        return Err(Failure::sentence(format!("unknown setting `{name}`; {}", Nearest::to(name, &valid))));
-    };
-    match serde_json::from_str::<Value>(text) {
-        Ok(value) if same_kind(&value, entry) => *entry = value,
-        _ => return Err(Failure::sentence(format!("`{name}` is `{text}`; it must be {}", kind(entry)))),
-    }
-    Ok(())
-}
-
-/// Whole numbers stay whole numbers; a list is a list of whole numbers.
-fn same_kind(value: &Value, default: &Value) -> bool {
-    match default {
-        Value::Number(number) if number.is_u64() => value.is_u64(),
-        Value::Number(_) => value.is_number(),
-        Value::Array(_) => value.as_array().is_some_and(|list| list.iter().all(Value::is_u64)),
-        _ => true,
-    }
-}
-
-fn kind(default: &Value) -> &'static str {
-    match default {
-        Value::Number(number) if number.is_u64() => "a whole number, 0 or more",
-        Value::Number(_) => "a number",
-        _ => "a list of whole numbers, such as [128,128]",
-    }
+    Ok((name, serde_json::from_str(text).unwrap_or_else(|_| text.into())))
 }
 
 #[cfg(test)]
