@@ -1,28 +1,7 @@
-import { expect, test, type Page } from '@playwright/test';
+import { expect, test } from '@playwright/test';
 import { existsSync, readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { curveSvg } from '../src/lib/curve-svg';
-
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-
-/** Serious findings about who cannot use the page. */
-async function barriers(page: Page): Promise<string[]> {
-  await page.evaluate(axe);
-  const found = await page.evaluate(async () => {
-    const { violations } = await (
-      window as unknown as { axe: { run: () => Promise<{ violations: Violation[] }> } }
-    ).axe.run();
-    return violations;
-  });
-  const serious = found.filter(({ impact }) => impact === 'serious' || impact === 'critical');
-  return serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(' | ')}`);
-}
-
-interface Violation {
-  id: string;
-  impact: string;
-  nodes: { html: string }[];
-}
+import { add, barriers, begin } from './page';
 
 /** Nothing on the page may fail unnoticed. */
 test.beforeEach(({ page }) => {
@@ -30,20 +9,6 @@ test.beforeEach(({ page }) => {
     throw error;
   });
 });
-
-async function begin(page: Page, preset: string) {
-  await page.goto('/');
-  await page
-    .getByRole('list', { name: 'Examples' })
-    .getByRole('button', { name: new RegExp(`^${preset} `) })
-    .click();
-  await expect(page.getByRole('list', { name: 'Objects' }).getByRole('button').first()).toBeVisible();
-}
-
-async function add(page: Page, kind: string) {
-  await page.getByRole('button', { name: '+ Add' }).click();
-  await page.getByRole('group', { name: 'What to add' }).getByRole('button', { name: kind, exact: true }).click();
-}
 
 test('two buttons of one’s own are set up, moved, learnt, replayed and found again', async ({ page }) => {
   await page.goto('/');

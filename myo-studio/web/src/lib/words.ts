@@ -6,6 +6,13 @@ const UNITS: [number, string][] = [
   [1e3, 'k'],
 ];
 
+/** When a user has practised enough. */
+export const UNTIL: [string, string][] = [
+  ['plateau', 'nothing improves any more'],
+  ['0.95', '95 % of tries succeed'],
+  ['0.8', '80 % of tries succeed'],
+];
+
 /** Three digits and a unit: `12.3 k`. */
 export function count(x: number): string {
   const [size, unit] = UNITS.find(([size]) => Math.abs(x) >= size * 0.9995) ?? [1, ''];

@@ -197,12 +197,10 @@ export class Studio {
     if (opened) this.show(new TaskDocument(opened.name, opened.text));
   }
 
-  /** A copy of a kept task, to be changed: it is kept from the beginning, beside the other. */
-  async openCopy(name: string) {
-    const opened = await this.try(() => this.engine.ask('open', { name }));
-    if (!opened) return;
-    const copy = this.freeName(name);
-    this.show(new TaskDocument(copy, opened.text.replace(/^name: .*$/m, `name: ${copy}`)));
+  /** A copy of a task, to be changed: it is kept from the beginning, and held against what it comes from. */
+  openCopy(name: string, text: string) {
+    const copy = this.freeName(name === this.freeName(name) ? `${name}-variant` : name);
+    this.show(new TaskDocument(copy, text.replace(/^name: .*$/m, `name: ${copy}`)));
     this.touch();
     this.whatIf = [...new Set([...this.whatIf, name, copy])];
   }
