@@ -60,6 +60,11 @@ export function corner(width: number, height: number): Corner {
   return { left: width - wide - EDGE, top: EDGE, width: wide, height: Math.round(0.75 * wide) };
 }
 
+/** Without a graphics card: so long after the last change the picture is at rest, and as fine as it can be (ms). */
+const REST_MS = 180;
+/** While something moves so many pixels of each in a row are drawn. */
+const ROUGH_PIXELS = 0.6;
+
 /** A scene, a camera and light. It draws when something has changed, and every frame while something moves. */
 export class Stage {
   readonly scene = new Scene();
@@ -69,6 +74,14 @@ export class Stage {
   /** Called before each drawing, with the time since the last (s). */
   readonly beforeDraw: ((elapsed_s: number) => void)[] = [];
   readonly afterDraw: (() => void)[] = [];
+  /** Called when the picture becomes rough, so as to move smoothly, or fine again. */
+  readonly onRough: ((on: boolean) => void)[] = [];
+  private readonly isSlow = !hasCard();
+  private isRough = false;
+  private staysFine = false;
+  private lastDrawn = -Infinity;
+  /** Frames in a row in which nothing was to be drawn: on a slow machine a moving picture takes its time, too. */
+  private idle = 2;
   /** Called before each of the two pictures. */
   readonly beforePicture: ((camera: PerspectiveCamera, isSecond: boolean) => void)[] = [];
   /** What the camera of the second picture is; none without one. */
@@ -95,7 +108,7 @@ export class Stage {
     dark: boolean,
   ) {
     // Smooth edges take a processor that draws by itself half of its time.
-    this.renderer = new WebGLRenderer({ canvas, antialias: hasCard(), powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isSlow, powerPreference: 'high-performance' });
     this.camera.up.set(0, 0, 1);
     this.other.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -191,11 +204,29 @@ export class Stage {
 
   resize(width: number, height: number) {
     if (width === 0 || height === 0) return;
-    // More than two pixels of the screen for one of the page are not seen, but take time.
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.setPixels();
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.lens();
+    this.draw();
+  }
+
+  private setPixels() {
+    // More than two pixels of the screen for one of the page are not seen, but take time.
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * (this.isRough ? ROUGH_PIXELS : 1));
+  }
+
+  /** Keeps the picture fine whatever moves, as for a film. */
+  stayFine(on: boolean) {
+    this.staysFine = on;
+    if (on) this.setRough(false);
+  }
+
+  private setRough(on: boolean) {
+    if (on === this.isRough) return;
+    this.isRough = on;
+    this.setPixels();
+    this.onRough.forEach((call) => call(on));
     this.draw();
   }
 
@@ -204,8 +235,12 @@ export class Stage {
     const elapsed = Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
     this.beforeDraw.forEach((call) => call(elapsed));
+    const isResting = this.idle > 1 && now - this.lastDrawn > REST_MS;
+    if (this.wants || isResting) this.setRough(this.isSlow && !this.staysFine && !isResting);
+    this.idle = this.wants ? 0 : this.idle + 1;
     if (!this.wants) return;
     this.wants = false;
+    this.lastDrawn = now;
     this.drawn += 1;
     this.render();
     this.afterDraw.forEach((call) => call());
@@ -255,6 +290,7 @@ export class Stage {
 
   /** The picture as it is now. */
   png(): Promise<Blob | null> {
+    this.setRough(false);
     this.render();
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }

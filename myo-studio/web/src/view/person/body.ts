@@ -10,11 +10,19 @@ export const headGeometry = (): BufferGeometry => sculpt(figure(false), [HEAD_RE
 
 export const handGeometry = (): BufferGeometry => sculpt(pointingHand(), [HAND_REGION]);
 
-export function bodyGeometry(sitting: boolean): BufferGeometry {
-  const parts = [sculpt(figure(sitting), bodyRegions(sitting)), leftHand()];
+/** `coarse`: how much larger the triangles are than at their finest */
+export function bodyGeometry(sitting: boolean, coarse = 1): BufferGeometry {
+  const regions = bodyRegions(sitting).map((region) => coarser(region, coarse));
+  const parts = [sculpt(figure(sitting), regions), leftHand()];
   const whole = mergeGeometries(parts);
   for (const part of parts) part.dispose();
   return whole;
+}
+
+/** Larger cells need a wider overlap with the regions around. */
+function coarser({ low, high, cell }: Region, by: number): Region {
+  const more = cell * (by - 1);
+  return { low, high: [high[0], high[1], high[2] + more], cell: cell * by };
 }
 
 /** Hangs down, the back of the hand outwards and the thumb forwards. */

@@ -1,6 +1,6 @@
 // The person: a calm clay figure whose right arm is moved by the simulation and shows its muscles through its skin.
 // It brings no lights; it is tuned for one hemisphere light and one directional light (about 1.6 and 1.9 strong).
-import { Group, Mesh, MeshLambertMaterial } from 'three';
+import { type BufferGeometry, Group, Mesh, MeshLambertMaterial } from 'three';
 import { Bones, BONE_TUBES } from './bones';
 import { bodyGeometry, handGeometry, headGeometry, stoolGeometry } from './body';
 import { EYE } from './figure';
@@ -15,6 +15,9 @@ import type { PersonPose, PersonShape, Theme } from './types';
 
 export type { PersonPose, PersonShape, Theme } from './types';
 export { floorHeight } from './figure';
+
+/** how much larger the triangles of a rough body are */
+const ROUGH = 1.7;
 
 export class Person {
   readonly group = new Group();
@@ -36,16 +39,20 @@ export class Person {
   private readonly muscles: Muscles;
   private colors: Palette;
   private sitting = false;
+  private isRough = false;
+  /** for each posture, made when it is needed first: fine, and rough */
+  private readonly bodies = new Map<string, BufferGeometry>();
 
   constructor(shape: PersonShape, theme: Theme) {
     const bellies = Array<number>(shape.muscles.length).fill(ringsPerMuscle(shape.muscles.length));
     const before = BONE_TUBES.reduce((sum, count) => sum + count, 0);
     this.limb = new Limb(shape.limb);
-    this.tubes = new Tubes([...BONE_TUBES, ...bellies]);
+    this.tubes = new Tubes([...BONE_TUBES, ...bellies], BONE_TUBES.length);
     this.bones = new Bones(this.tubes);
     this.muscles = new Muscles(shape, this.tubes, before);
     this.skin = new Skin([...this.limb.skin, ...this.muscles.bulges]);
     this.colors = palette(theme);
+    this.bodies.set('false false', this.body.geometry);
 
     const inside = new Mesh(this.tubes.geometry, this.painted);
     inside.frustumCulled = false;
@@ -86,10 +93,25 @@ export class Person {
   setSitting(on: boolean): void {
     if (this.sitting === on) return;
     this.sitting = on;
-    this.body.geometry.dispose();
-    this.body.geometry = bodyGeometry(on);
+    this.shape();
     this.stool.visible = on;
     this.shadow.setSitting(on);
+  }
+
+  /** With fewer triangles: for as long as it moves and has no graphics card. */
+  setRough(on: boolean): void {
+    if (this.isRough === on) return;
+    this.isRough = on;
+    this.tubes.setRough(on);
+    this.skin.setRough(on);
+    this.shape();
+  }
+
+  private shape(): void {
+    const key = `${this.sitting} ${this.isRough}`;
+    const made = this.bodies.get(key) ?? bodyGeometry(this.sitting, this.isRough ? ROUGH : 1);
+    this.bodies.set(key, made);
+    this.body.geometry = made;
   }
 
   eye(): { position: [number, number, number]; forward: [number, number, number] } {
@@ -97,7 +119,8 @@ export class Person {
   }
 
   dispose(): void {
-    for (const mesh of [this.body, this.head, this.hand, this.stool]) mesh.geometry.dispose();
+    for (const mesh of [this.head, this.hand, this.stool]) mesh.geometry.dispose();
+    for (const geometry of this.bodies.values()) geometry.dispose();
     for (const material of [this.clay, this.painted, this.wood]) material.dispose();
     this.tubes.geometry.dispose();
     this.skin.dispose();

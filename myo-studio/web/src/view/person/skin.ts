@@ -40,6 +40,8 @@ export class Skin {
   private readonly geometry = new BufferGeometry();
   private readonly position = new BufferAttribute(new Float32Array(RINGS * SIDES * 3), 3).setUsage(DynamicDrawUsage);
   private readonly normal = new BufferAttribute(new Float32Array(RINGS * SIDES * 3), 3).setUsage(DynamicDrawUsage);
+  private readonly fine = faces(1);
+  private readonly rough = faces(2);
   private readonly centres = new Float64Array(RINGS * 3);
   private readonly out = new Float64Array(3);
   /** the blobs that matter for the ring in work */
@@ -60,7 +62,7 @@ export class Skin {
     this.geometry.setAttribute('position', this.position);
     this.geometry.setAttribute('normal', this.normal);
     this.geometry.setAttribute('veil', new BufferAttribute(veil(), 2));
-    this.geometry.setIndex(faces());
+    this.geometry.setIndex(this.fine);
     glassy(this.material);
     // First the depth alone, then the colour: only the nearest layer of skin is drawn, in whatever order it comes.
     [this.depth, this.material].forEach((material, order) => {
@@ -73,6 +75,11 @@ export class Skin {
 
   setPalette(colors: Palette): void {
     this.material.color.copy(colors.skin);
+  }
+
+  /** Draws every other side alone. */
+  setRough(on: boolean): void {
+    this.geometry.setIndex(on ? this.rough : this.fine);
   }
 
   update(limb: Limb): void {
@@ -196,15 +203,15 @@ function veil(): Float32Array {
   return values;
 }
 
-function faces(): number[] {
+function faces(step: number): BufferAttribute {
   const list: number[] = [];
   for (let ring = 0; ring < RINGS - 1; ring++)
-    for (let i = 0; i < SIDES; i++) {
+    for (let i = 0; i < SIDES; i += step) {
       const a = ring * SIDES + i;
-      const b = ring * SIDES + ((i + 1) % SIDES);
+      const b = ring * SIDES + ((i + step) % SIDES);
       list.push(a, b + SIDES, b, a, a + SIDES, b + SIDES);
     }
-  return list;
+  return new BufferAttribute(new Uint32Array(list), 1);
 }
 
 function glassy(material: MeshLambertMaterial): void {

@@ -10,9 +10,11 @@ export class Tubes {
   private readonly position: BufferAttribute;
   private readonly normal: BufferAttribute;
   private readonly color: BufferAttribute;
+  private readonly fine: BufferAttribute;
+  private readonly rough: BufferAttribute;
 
-  /** `rings`: of each tube, how many cross-sections */
-  constructor(rings: readonly number[]) {
+  /** `rings`: of each tube, how many cross-sections; `always`: so many of the first tubes are never rough */
+  constructor(rings: readonly number[], always: number) {
     const corners = rings.reduce((sum, count) => sum + count, 0) * SIDES;
     this.position = new BufferAttribute(new Float32Array(corners * 3), 3).setUsage(DynamicDrawUsage);
     this.normal = new BufferAttribute(new Int8Array(corners * 3), 3, true).setUsage(DynamicDrawUsage);
@@ -20,7 +22,9 @@ export class Tubes {
     this.geometry.setAttribute('position', this.position);
     this.geometry.setAttribute('normal', this.normal);
     this.geometry.setAttribute('color', this.color);
-    this.geometry.setIndex(faces(rings));
+    this.fine = faces(rings, rings.length);
+    this.rough = faces(rings, always);
+    this.geometry.setIndex(this.fine);
   }
 
   /**
@@ -76,6 +80,11 @@ export class Tubes {
     }
   }
 
+  /** Draws every other side alone. */
+  setRough(on: boolean): void {
+    this.geometry.setIndex(on ? this.rough : this.fine);
+  }
+
   moved(): void {
     this.position.needsUpdate = true;
     this.normal.needsUpdate = true;
@@ -86,17 +95,19 @@ export class Tubes {
   }
 }
 
-function faces(rings: readonly number[]): number[] {
+/** The sides of all tubes; of those after the first `fine` ones half as many. */
+function faces(rings: readonly number[], fine: number): BufferAttribute {
   const list: number[] = [];
   let first = 0;
-  for (const count of rings) {
+  rings.forEach((count, tube) => {
+    const step = tube < fine ? 1 : 2;
     for (let r = 0; r < count - 1; r++)
-      for (let i = 0; i < SIDES; i++) {
+      for (let i = 0; i < SIDES; i += step) {
         const a = (first + r) * SIDES + i;
-        const b = (first + r) * SIDES + ((i + 1) % SIDES);
+        const b = (first + r) * SIDES + ((i + step) % SIDES);
         list.push(a, b + SIDES, b, a, a + SIDES, b + SIDES);
       }
     first += count;
-  }
-  return list;
+  });
+  return new BufferAttribute(new Uint32Array(list), 1);
 }
