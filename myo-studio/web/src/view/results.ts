@@ -57,6 +57,24 @@ export function grade(success: number): 'good' | 'middling' | 'bad' {
   return success >= GOOD ? 'good' : success >= MIDDLING ? 'middling' : 'bad';
 }
 
+/** What the colours say, row by row. */
+export function key(all: (Result | undefined)[], telling: Telling, dark: boolean) {
+  const palette = tones(dark);
+  const ends = range(all);
+  const row = (tone: number, text: string) => ({ tone: css(tone), text });
+  if (telling === 'success') {
+    const rows = [
+      row(palette.good, `${100 * GOOD} % or more`),
+      row(palette.middling, `${100 * MIDDLING} % or more`),
+      row(palette.bad, 'less'),
+    ];
+    return { heading: 'Success', rows };
+  }
+  if (telling !== 'time' || !ends) return undefined;
+  const longest = `${time(ends.most)}${ends.isCut ? ' or more' : ''}`;
+  return { heading: 'Movement time', rows: [row(palette.quick, time(ends.least)), row(palette.slow, longest)] };
+}
+
 /** `98 %`: all and none are said only where it is so. */
 export function share(success: number): string {
   const whole = Math.round(100 * success);

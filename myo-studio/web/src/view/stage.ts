@@ -288,10 +288,16 @@ export class Stage {
     this.sun.target.position.copy(target);
   }
 
-  /** The picture as it is now. */
-  png(): Promise<Blob | null> {
+  /** Draws it as it is now, as fine as it can be: what is on the canvas then holds until the browser shows it. */
+  drawFine(): HTMLCanvasElement {
     this.setRough(false);
     this.render();
+    return this.canvas;
+  }
+
+  /** The picture as it is now. */
+  png(): Promise<Blob | null> {
+    this.drawFine();
     return new Promise((resolve) => this.canvas.toBlob(resolve, 'image/png'));
   }
 

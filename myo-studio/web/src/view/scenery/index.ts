@@ -136,7 +136,7 @@ export class Scenery {
     const inset = Math.min(0.12, (high[1] - low[1]) / 4);
     for (const y of [low[1] + inset, high[1] - inset]) {
       const middle = new Vector3(low[0], y, front - DEEP - thick - 0.01).applyQuaternion(face.turn);
-      const tall = middle.z - floor + 0.06;
+      const tall = middle.z - floor - 0.012;
       const out = new Vector3(0, 0, 1).applyQuaternion(face.turn);
       const post = new CylinderGeometry(0.012, 0.012, tall, 12).rotateX(Math.PI / 2);
       const foot = new BoxGeometry(0.5, 0.03, 0.014).rotateZ(Math.atan2(out.y, out.x));
