@@ -54,7 +54,7 @@ mod vector;
 pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
 pub use columns::Column;
 pub use config::{BuildError, EnvConfig, MOST_THREADS};
-pub use control::{EPISODE_COLUMNS, TARGET_COLUMNS};
+pub use control::{EPISODE_COLUMNS, TARGET_COLUMNS, excitation};
 #[cfg(feature = "gpu")]
 pub use gpu::GpuEnv;
 pub use memory::MOST_ENVS;

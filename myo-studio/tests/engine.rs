@@ -418,6 +418,12 @@ fn users_are_held_against_each_other_by_layout_and_reported_in_one_file() {
     assert_eq!(layouts[1]["steps"].as_array().unwrap().len(), 1);
     assert_eq!(left_out[0]["run"], "gone");
 
+    let efforts = ask(&engine, "efforts", json!({"name": "easy-1"})).unwrap();
+    let [effort] = &efforts.as_array().unwrap()[..] else { panic!("{efforts}") };
+    // That of whole episodes, where there is one step.
+    let whole = layouts[0]["users"][0]["effort"].as_f64().unwrap();
+    assert!((effort.as_f64().unwrap() / whole - 1.0).abs() < 0.1, "{effort} {whole}");
+
     let refused = refusal(&engine, "report", json!({"names": ["gone"]}));
     assert!(refused.contains("is not a run folder") || refused.contains("without the studio's pages"), "{refused}");
     if myo_studio::pages::missing_pages().is_ok() {

@@ -9,12 +9,18 @@ use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
 /// Random stream of motor noise.
 const NOISE_STREAM: u32 = 0x1000;
 
+/// The excitation that an action asks a muscle for: from -1 to 1, mapped to 0 to 1.
+#[inline(always)]
+pub fn excitation<S: Scalar>(action: S) -> S {
+    action.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5))
+}
+
 /// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise.
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let Scratch { ctrl, noisy, .. } = ws;
     for u in ctrl.iter_mut() {
-        *u = u.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5));
+        *u = excitation(*u);
     }
     if let Some([signal_dependent, constant]) = world.parameters.noise {
         let n = ctrl.len();

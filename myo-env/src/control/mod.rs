@@ -10,6 +10,7 @@ mod stages;
 mod summary;
 
 pub use episode::{reseed, reset};
+pub use excite::excitation;
 pub use judge::{Judge, Script};
 pub use own::Own;
 #[cfg(feature = "gpu")]

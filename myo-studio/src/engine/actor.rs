@@ -1,6 +1,6 @@
 //! One simulated user at work, frame by frame: for replays, and for looking on while others train.
 
-use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, Skeleton, StepStorage, VectorEnv};
+use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, Skeleton, StepStorage, VectorEnv, excitation};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::Policy;
@@ -69,5 +69,20 @@ impl Actor {
         self.env.step(&self.actions, self.step.buffers())?;
         self.steps = if has_ended { 0 } else { self.steps + 1 };
         Ok(self.step.terminated[0] || self.step.truncated[0])
+    }
+
+    /// The step of the script that is to be done now; none where all are done.
+    ///
+    /// # Errors
+    /// Never, for its own environment.
+    pub fn current_step(&self) -> Result<Option<usize>, EnvError> {
+        let moments = self.env.peek(0..1)?;
+        moments.first().map_or(Ok(None), |moment| Ok(self.skeleton.pose(moment)?.step))
+    }
+
+    /// Mean squared control of the last action.
+    pub fn effort(&self) -> f64 {
+        let squares = self.actions.iter().map(|&action| excitation(f64::from(action)).powi(2));
+        squares.sum::<f64>() / self.actions.len() as f64
     }
 }

@@ -383,7 +383,7 @@ impl Jobs {
             let progress = session.advance(&stop)?;
             following.doubling = session.trend().map(doubling);
             if self.stage.wants(id) {
-                self.stage.renew(id, session.trainer().policy(), session.trainer().env_steps());
+                self.stage.renew(id, || session.trainer().policy(), session.trainer().env_steps());
             }
             for news in &progress.news {
                 let sentence = sentence(news, &task, &model)?;
@@ -393,7 +393,7 @@ impl Jobs {
                 self.update(id, |job| job.progress = Some(now));
             }
             if let Some(end) = progress.end.clone() {
-                self.stage.renew(id, session.trainer().policy(), session.trainer().env_steps());
+                self.stage.renew(id, || session.trainer().policy(), session.trainer().env_steps());
                 let last = following.last(&progress);
                 self.update(id, |job| {
                     job.progress = last.or(job.progress.take());

@@ -28,11 +28,11 @@ use myo_model::builtin_names;
 use serde_json::Value;
 
 use crate::protocol::{
-    Answer, AnswersOne, AskBody, AskReach, AskReport, AskReward, AskRewardMap, AskRun, AskSchema, AskSettings,
-    AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun, DiscardTask, Event, Finding, GoOn, Hello,
-    LayoutTable, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun, OpenTask, Pose,
-    Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView, RunDetail, RunEntry, SaveTask,
-    Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
+    Answer, AnswersOne, AskBody, AskEfforts, AskReach, AskReport, AskReward, AskRewardMap, AskRun, AskSchema,
+    AskSettings, AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun, DiscardTask, Event, Finding,
+    GoOn, Hello, LayoutTable, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun,
+    OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView, RunDetail, RunEntry,
+    SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;
@@ -267,6 +267,12 @@ impl AnswersOne<ListRuns> for Engine {
 impl AnswersOne<AskRun> for Engine {
     fn answer_one(&self, AskRun { name }: AskRun) -> Result<RunDetail, Refusal> {
         runs::detail(&self.workspace, &name)
+    }
+}
+
+impl AnswersOne<AskEfforts> for Engine {
+    fn answer_one(&self, AskEfforts { name }: AskEfforts) -> Result<Vec<Option<f64>>, Refusal> {
+        replay::efforts(&self.workspace.run(&name)?, &name)
     }
 }
 

@@ -10,6 +10,10 @@ use myo_train::{Checkpoint, RunFolder};
 use super::actor::Actor;
 use crate::protocol::{MotionHeader, Refusal, Replay};
 
+/// Episodes that tell what a step costs, and their seed: none that anything was learnt or evaluated on.
+const EFFORT_EPISODES: u32 = 64;
+const EFFORT_SEED: u64 = 0x0e_ff04;
+
 /// The episode as a motion.
 ///
 /// # Errors
@@ -28,6 +32,33 @@ pub fn replay(folder: &Path, asked: &Replay) -> Result<(MotionHeader, Vec<f32>),
         actor.push_frame(&mut numbers)?;
     }
     Ok((header(&actor, checkpoint.env_steps()), numbers))
+}
+
+/// Mean squared control of each step of the script over fresh episodes, motor noise aside; none for steps that no episode comes to.
+///
+/// # Errors
+/// The run cannot be read, or has no checkpoint.
+pub fn efforts(folder: &Path, name: &str) -> Result<Vec<Option<f64>>, Refusal> {
+    let run = RunFolder::open(folder)?;
+    let description = RunDescription::of(&run)?;
+    let asked = Replay { run: name.to_owned(), seed: 0, env_steps: None };
+    let mut policy = checkpoint(&run, &asked)?.policy();
+    let steps = description.task.flat()?.steps.len();
+    let mut actor = Actor::new(&description.body()?, &description.task, EFFORT_SEED)?;
+    let (mut sums, mut counts) = (vec![0.0; steps], vec![0_u32; steps]);
+    for _ in 0..EFFORT_EPISODES {
+        while let Some(step) = actor.current_step()? {
+            let has_ended = actor.act(&mut policy)?;
+            sums[step] += actor.effort();
+            counts[step] += 1;
+            if has_ended {
+                break;
+            }
+        }
+        // The step after the end begins the next episode.
+        actor.act(&mut policy)?;
+    }
+    Ok(sums.into_iter().zip(counts).map(|(sum, count)| (count > 0).then(|| sum / f64::from(count))).collect())
 }
 
 /// The user as it stands there at rest, with the objects of a task, as a motion of one frame.
@@ -59,10 +90,8 @@ fn checkpoint(run: &RunFolder, asked: &Replay) -> Result<Checkpoint, Refusal> {
         let none = || Refusal::sentence(format!("{} has no checkpoint yet; let it train for some seconds", asked.run));
         return run.latest_checkpoint()?.checkpoint.ok_or_else(none);
     };
-    let named = format!("step_{env_steps:012}.ckpt");
-    let paths = run.checkpoints()?;
-    let path = paths.iter().find(|path| path.ends_with(&named));
-    let path = path.ok_or_else(|| {
+    let kept = run.numbered_checkpoints()?;
+    let (_, path) = kept.iter().find(|(steps, _)| *steps == env_steps).ok_or_else(|| {
         Refusal::sentence(format!("{} has no checkpoint of {env_steps} control steps any more", asked.run))
     })?;
     Checkpoint::read(path).map_err(Refusal::from)

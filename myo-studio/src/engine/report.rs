@@ -45,7 +45,8 @@ fn recorded(name: &str, folder: &Path) -> Result<RecordedRun, Refusal> {
     let body = motion::shape(&Skeleton::without_script(&model, &task)?);
     let has_checkpoint = !detail.checkpoints.is_empty();
     let motion = has_checkpoint.then(|| episode(name, folder)).transpose()?;
-    Ok(RecordedRun { detail, view, body, motion })
+    let efforts = if has_checkpoint { replay::efforts(folder, name)? } else { vec![] };
+    Ok(RecordedRun { detail, view, body, efforts, motion })
 }
 
 fn episode(name: &str, folder: &Path) -> Result<RecordedMotion, Refusal> {

@@ -109,13 +109,8 @@ pub fn detail_of(folder: &Path, name: &str) -> Result<RunDetail, Refusal> {
         success_interval: evaluation.as_ref().and_then(|evaluation| evaluation.success_interval),
         episode_s_interval: evaluation.as_ref().and_then(|evaluation| evaluation.episode_length_s_interval),
         effort_interval: evaluation.as_ref().and_then(|evaluation| evaluation.effort_interval),
-        checkpoints: checkpoints(&run)?,
+        checkpoints: run.numbered_checkpoints()?.into_iter().map(|(env_steps, _)| env_steps).collect(),
     })
-}
-
-fn checkpoints(run: &RunFolder) -> Result<Vec<u64>, Refusal> {
-    let steps = |path: &std::path::PathBuf| path.file_stem()?.to_str()?.strip_prefix("step_")?.parse().ok();
-    Ok(run.checkpoints()?.iter().filter_map(steps).collect())
 }
 
 /// The learning curve, thinned out; empty where no metrics can be read.

@@ -16,6 +16,9 @@ use crate::protocol::{MotionHeader, Refusal};
 const PIECE_S: f64 = 0.25;
 /// The policy is copied at most so often.
 const RENEW_EVERY: Duration = Duration::from_millis(200);
+/// After a copy at least so many times as long as it took passes before the next: looking on costs a training next to nothing, whatever
+/// the copy costs.
+const REST: u32 = 100;
 
 /// What is being watched.
 #[derive(Default)]
@@ -32,7 +35,8 @@ struct Scene {
     job: Option<u32>,
     play: Option<Arc<(Model, Task)>>,
     policy: Option<(Policy, u64)>,
-    renewed: Option<Instant>,
+    /// When the next copy is due.
+    due: Option<Instant>,
 }
 
 impl Stage {
@@ -53,15 +57,18 @@ impl Stage {
     /// Whether it is time for a new copy of the policy of a training.
     pub fn wants(&self, job: u32) -> bool {
         let scene = self.scene();
-        let is_due = scene.renewed.is_none_or(|renewed| renewed.elapsed() >= RENEW_EVERY);
+        let is_due = scene.due.is_none_or(|due| Instant::now() >= due);
         scene.wanted == Some(job) && scene.job == Some(job) && is_due
     }
 
-    /// The policy as it is now.
-    pub fn renew(&self, job: u32, policy: Policy, env_steps: u64) {
+    /// Takes a copy of the policy as it is now.
+    pub fn renew(&self, job: u32, copy: impl FnOnce() -> Policy, env_steps: u64) {
+        let begun = Instant::now();
+        let policy = copy();
+        let rest = RENEW_EVERY.max(REST * begun.elapsed());
         let mut scene = self.scene();
         if scene.job == Some(job) {
-            (scene.policy, scene.renewed) = (Some((policy, env_steps)), Some(Instant::now()));
+            (scene.policy, scene.due) = (Some((policy, env_steps)), Some(Instant::now() + rest));
         }
     }
 

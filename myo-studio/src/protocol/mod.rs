@@ -309,6 +309,11 @@ calls! {
         /// Its name: the path of its folder below that of all runs.
         name: String,
     } -> RunDetail, "RunDetail";
+    /// Mean squared control of each step of a run over some fresh episodes; null for steps that no episode comes to.
+    "efforts" AskEfforts {
+        /// Its name.
+        name: String,
+    } -> Vec<Option<f64>>, "Array<number | null>";
     /// Runs by what their users learnt, with what tells the layouts apart.
     "compare" CompareRuns {
         /// Names of the runs; the layout of the first is what others are held against.

@@ -28,6 +28,8 @@ pub struct RecordedRun {
     pub view: TaskView,
     /// Its body.
     pub body: BodyShape,
+    /// Mean squared control of each step; empty for a run without a checkpoint.
+    pub efforts: Vec<Option<f64>>,
     /// An episode; none for a run without a checkpoint.
     pub motion: Option<RecordedMotion>,
 }

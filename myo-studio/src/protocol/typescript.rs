@@ -37,7 +37,7 @@ fn page() -> String {
         Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable RecordedMotion RecordedRun Recorded
         Refusal Event Welcome Pose Replay
         Hello AskSchema LookAt ConvertTask CheckTask AskReach AskReward AskRewardMap AskSettings AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
-        AskRun CompareRuns AskUsersOf AskReport NoteRun RenameRun DiscardRun
+        AskRun AskEfforts CompareRuns AskUsersOf AskReport NoteRun RenameRun DiscardRun
     };
     let sizes =
         format!("export const MOMENT = {MOMENT};\nexport const PART = {PART};\nexport const OBJECT = {OBJECT};\n");

@@ -176,6 +176,14 @@ impl Card {
         Ok(())
     }
 
+    /// Reads parameters alone: a hundredth of all. After an error, what was there is left untouched.
+    pub fn read_parameters(&self, parameters: &mut Vec<f32>) -> Result<(), TrainError> {
+        let mut weights = vec![0.0; parameters.len()];
+        self.rollout.gpu().read_many(&mut [self.rollout.parameters().part(0, &mut weights)?])?;
+        *parameters = weights;
+        Ok(())
+    }
+
     /// Collects a roll-out and learns from it, as soon as all trainings on the device want to.
     pub fn update(
         &mut self,

@@ -226,7 +226,10 @@ impl RunFolder {
     }
 
     /// Control steps and file of every checkpoint that the run wrote, newest first.
-    fn numbered_checkpoints(&self) -> Result<Vec<(u64, PathBuf)>, IoError> {
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn numbered_checkpoints(&self) -> Result<Vec<(u64, PathBuf)>, IoError> {
         let folder = self.path.join("checkpoints");
         let error = |source| IoError::new("read", &folder, source);
         let entries = match fs::read_dir(&folder) {

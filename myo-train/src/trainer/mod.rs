@@ -332,7 +332,15 @@ impl Trainer {
 
     /// A copy of the policy as it is now; after a loss of the card, as it was when it was last read from there.
     pub fn policy(&self) -> Policy {
-        let (Brain { spec, config, networks, .. }, host_state) = (&self.brain, self.host_state().0);
+        let Brain { spec, config, networks, normalizer, .. } = &self.brain;
+        let mut host_state = self.host_state.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_read = match &self.device {
+            TrainingDevice::Host(_) => true,
+            TrainingDevice::Card(card) => card.read_parameters(&mut host_state.parameters).is_ok(),
+        };
+        if is_read {
+            host_state.normalizer.clone_from(normalizer);
+        }
         let names = (&spec.observation_names[..], &spec.action_names[..]);
         Policy::new(names, networks.clone(), config, host_state.parameters.clone(), host_state.normalizer.clone())
     }

@@ -10,6 +10,7 @@ export class RecordedEngine implements Engine {
       run: () => this.run((asked as { name: string }).name),
       body: () => this.body((asked as { model: string }).model),
       look: () => this.look((asked as { text: string }).text),
+      efforts: () => this.find(({ entry }) => entry.name === (asked as { name: string }).name).efforts,
       compare: () => this.recorded.table,
     };
     const answer = answers[call];
