@@ -437,3 +437,70 @@ fn users_are_held_against_each_other_by_layout_and_reported_in_one_file() {
         assert!(!page.contains("src=\"/") && !page.contains("href=\"/"), "nothing else is needed");
     }
 }
+
+#[test]
+fn a_studio_that_ends_leaves_its_training_with_a_checkpoint() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = engine(folder.path());
+    let id = ask(&first, "train", order(&easy(0.1), "off", false)).unwrap()[0].as_u64().unwrap();
+    let seen = wait(&first, id, |job| job["progress"]["env_steps"].as_u64() > Some(0));
+    first.close();
+    assert_eq!(job(&first, id)["state"]["is"], "waiting");
+    drop(first);
+    let run = myo_train::RunFolder::open(&folder.path().join("runs/easy-1")).unwrap();
+    let kept = run.env_steps().unwrap();
+    assert!(kept >= seen["progress"]["env_steps"].as_u64().unwrap(), "{kept}");
+    let second = engine(folder.path());
+    wait(&second, id, |job| job["progress"]["env_steps"].as_u64() > Some(kept));
+    second.close();
+}
+
+#[test]
+fn the_model_of_a_task_is_looked_for_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let own = easy(0.1).replace("name: easy\n", "name: easy\nmodel: my-arm.yaml\n");
+    assert!(refusal(&engine, "train", order(&own, "0.5", false)).contains("my-arm.yaml"));
+    let description = myo_model::builtin("mobl-arms").unwrap();
+    std::fs::create_dir_all(folder.path().join("tasks")).unwrap();
+    let file = folder.path().join("tasks/my-arm.yaml");
+    std::fs::write(&file, description.to_yaml().unwrap()).unwrap();
+    assert_eq!(ask(&engine, "check", json!({"text": own})).unwrap(), json!([]));
+    assert!(ask(&engine, "body", json!({"model": "my-arm.yaml"})).unwrap()["muscles"].as_array().unwrap().len() > 20);
+    let id = ask(&engine, "train", order(&own, "0.5", false)).unwrap()[0].as_u64().unwrap();
+    wait(&engine, id, |job| job["state"]["is"] == "done");
+    // The run keeps its body, whatever becomes of the file.
+    std::fs::remove_file(&file).unwrap();
+    assert!(ask(&engine, "body_of_run", json!({"name": "easy-1"})).unwrap()["muscles"].as_array().unwrap().len() > 20);
+}
+
+#[test]
+fn what_cannot_be_written_is_said_in_a_sentence_and_loses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    // As on a full disk, nothing can be made where tasks and runs are kept.
+    std::fs::write(folder.path().join("tasks"), "in the way").unwrap();
+    std::fs::write(folder.path().join("runs"), "in the way").unwrap();
+    let told = refusal(&engine, "save", json!({"name": "mine", "text": easy(0.1)}));
+    assert!(told.contains("cannot make") && told.contains("tasks"), "{told}");
+    let id = ask(&engine, "train", order(&easy(0.1), "0.5", false)).unwrap()[0].as_u64().unwrap();
+    let begun = Instant::now();
+    while job(&engine, id)["state"]["is"] != "failed" {
+        assert!(begun.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(job(&engine, id)["state"]["message"].as_str().unwrap().contains("runs"), "{}", job(&engine, id));
+    // Once there is room it goes on.
+    std::fs::remove_file(folder.path().join("runs")).unwrap();
+    ask(&engine, "tell", json!({"job": id, "step": "resume"})).unwrap();
+    wait_again(&engine, id);
+}
+
+/// Waits for the end of a training that had failed before.
+fn wait_again(engine: &Engine, id: u64) {
+    let begun = Instant::now();
+    while job(engine, id)["state"]["is"] != "done" {
+        assert!(begun.elapsed() < PATIENCE, "{}", job(engine, id));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}

@@ -42,15 +42,22 @@ pub fn load(name_or_path: &str) -> Result<Source, LoadError> {
         return Err(LoadError::UnknownPreset { name: name_or_path.to_owned() });
     }
     let text = std::fs::read_to_string(path).map_err(|cause| LoadError::Io { path: path.to_owned(), cause })?;
-    let mut source = Source::parse(&text, name_or_path)?;
-    source.task.model = model_from(&source.task.model, path);
-    Ok(source)
+    Ok(Source::parse(&text, name_or_path)?.in_folder(path.parent().unwrap_or(Path::new(""))))
+}
+
+impl Source {
+    /// The same as the text of a file in a folder: a model file that the task names is looked for there.
+    #[must_use]
+    pub fn in_folder(mut self, folder: &Path) -> Self {
+        self.task.model = model_from(&self.task.model, folder);
+        self
+    }
 }
 
 /// The model of a task file as seen from the working directory: paths in a file start at its folder.
-fn model_from(model: &str, task_file: &Path) -> String {
+pub fn model_from(model: &str, folder: &Path) -> String {
     let looks_like_path = Path::new(model).components().count() > 1 || Path::new(model).extension().is_some();
-    let beside = task_file.parent().unwrap_or(Path::new("")).join(model);
+    let beside = folder.join(model);
     let is_file = !builtin_names().contains(&model) && (looks_like_path || beside.is_file());
     if is_file { beside.to_string_lossy().into_owned() } else { model.to_owned() }
 }

@@ -2,6 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use myo_lab::{Backend, ModelReach, STEPS, changed_settings, likely_cause};
@@ -30,6 +31,8 @@ pub struct Jobs {
     writing: Mutex<()>,
     /// Rung whenever somebody orders or tells something.
     bell: Condvar,
+    /// Whether the studio is about to end.
+    is_closing: AtomicBool,
     workspace: Workspace,
     bodies: Arc<Bodies>,
     hub: Arc<Hub>,
@@ -114,6 +117,7 @@ impl Jobs {
             list: Mutex::new(list),
             writing: Mutex::new(()),
             bell: Condvar::new(),
+            is_closing: AtomicBool::new(false),
             workspace,
             bodies,
             hub,
@@ -159,7 +163,7 @@ impl Jobs {
     }
 
     fn refuse_what_cannot_be_trained(&self, text: &str) -> Result<(), Refusal> {
-        let source = look::read(text)?;
+        let source = self.workspace.read(text)?;
         let report = source.check(&*self.bodies.reach(&source.task)?);
         if report.is_ok() {
             return Ok(());
@@ -283,10 +287,21 @@ impl Jobs {
         self.list().entries.iter_mut().find(|entry| entry.job.id == id)?.told.take()
     }
 
-    /// Trains for ever, one after the other: the thread of the trainings.
+    /// Ends what is under way with a checkpoint, and begins nothing more; the next studio in this folder goes on.
+    pub fn close(&self) {
+        self.is_closing.store(true, Ordering::Relaxed);
+        // Whoever waits for the bell has looked at the list before, or sees this.
+        drop(self.list());
+        self.bell.notify_all();
+    }
+
+    fn is_closing(&self) -> bool {
+        self.is_closing.load(Ordering::Relaxed)
+    }
+
+    /// Trains one after the other until the studio ends: the thread of the trainings.
     pub fn work(&self) {
-        loop {
-            let entry = self.next();
+        while let Some(entry) = self.next() {
             let id = entry.job.id;
             // A fault in one training costs nobody the others.
             let state = match catch_unwind(AssertUnwindSafe(|| self.carry_out(&entry))) {
@@ -294,9 +309,10 @@ impl Jobs {
                 Ok(Err(refusal)) => JobState::Failed { message: refusal.message },
                 Err(_) => JobState::Failed { message: "the training failed; this is a fault of Myo, not yours".into() },
             };
-            let dismissed = self.take_told(id) == Some(Step::Dismiss);
-            self.settle(id, state);
-            if dismissed {
+            let told = self.take_told(id);
+            let was_cut = self.is_closing() && told.is_none() && is_unfinished(&state);
+            self.settle(id, if was_cut { JobState::Waiting } else { state });
+            if told == Some(Step::Dismiss) {
                 let _ = self.tell(id, Step::Dismiss);
             }
             self.hub.tell(&Event::Runs);
@@ -332,16 +348,19 @@ impl Jobs {
         self.changed()
     }
 
-    /// The next one that waits, once there is one.
-    fn next(&self) -> Entry {
+    /// The next one that waits, once there is one; none once the studio ends.
+    fn next(&self) -> Option<Entry> {
         let mut list = self.list();
         loop {
+            if self.is_closing() {
+                return None;
+            }
             if let Some(entry) = list.entries.iter_mut().find(|entry| entry.job.state == JobState::Waiting) {
                 (entry.job.state, entry.told) = (JobState::Preparing, None);
                 let entry = entry.clone();
                 drop(list);
                 self.tell_pages();
-                return entry;
+                return Some(entry);
             }
             list = self.bell.wait(list).unwrap_or_else(PoisonError::into_inner);
         }
@@ -362,7 +381,7 @@ impl Jobs {
     /// Trains one task to its end, or until there is another.
     fn train(&self, id: u32, training: Training) -> Result<Over, Refusal> {
         let told = || self.told(id);
-        let stop = || !matches!(told(), Some(Step::Stop | Step::Dismiss));
+        let stop = || !self.is_closing() && !matches!(told(), Some(Step::Stop | Step::Dismiss));
         let mut following = Following::new(&training);
         let Training { mut session, task, model, .. } = training;
         self.stage.enter(id, &model, &task, session.trainer().policy(), session.trainer().env_steps());
@@ -433,13 +452,12 @@ impl Jobs {
         Ok(training)
     }
 
-    /// The user of a live training begins the task that came last. What it was told of the one before is forgotten.
+    /// The user of a training begins the task that came last. What it was told of the one before is forgotten.
     fn prepare_next(&self, id: u32, checkpoint: Checkpoint) -> Result<Training, Refusal> {
         let mut list = self.list();
         let gone = || Refusal::sentence("this training is not in the list any more");
         let entry = list.entries.iter_mut().find(|entry| entry.job.id == id).ok_or_else(gone)?;
-        let text = entry.next.take().unwrap_or_else(|| entry.order.text.clone());
-        entry.order.text.clone_from(&text);
+        let text = entry.next.clone().unwrap_or_else(|| entry.order.text.clone());
         entry.job.news.clear();
         entry.job.state = JobState::Preparing;
         // What it was told was about the task of before, unless it was to end.
@@ -451,8 +469,17 @@ impl Jobs {
         let heir_to = Some(Heritage { run: self.workspace.run(&run)?, checkpoint });
         let mut notices = Vec::new();
         let training = self.begin(&order, &text, heir_to, &run, &mut notices)?;
-        self.update(id, |job| job.news.append(&mut notices));
+        self.has_begun(id, text);
+        self.update_and_keep(id, |job| job.news.append(&mut notices));
         Ok(training)
+    }
+
+    /// A task waits no longer once its training is whole: a studio that is killed before begins it again.
+    fn has_begun(&self, id: u32, text: String) {
+        if let Some(entry) = self.list().entries.iter_mut().find(|entry| entry.job.id == id) {
+            entry.next = entry.next.take().filter(|next| *next != text);
+            entry.order.text = text;
+        }
     }
 
     fn begin(
@@ -463,7 +490,7 @@ impl Jobs {
         run: &str,
         notices: &mut Vec<String>,
     ) -> Result<Training, Refusal> {
-        let task = look::read(text)?.task;
+        let task = self.workspace.read(text)?.task;
         let goal = Goal { until: order.until.parse()?, steps: order.steps.unwrap_or(STEPS) };
         let (model, settings, backend) = (self.bodies.model(&task.model)?, &order.settings, &self.backend);
         let beginning = Beginning { task: &task, model: &model, backend, settings, seed: order.seed, goal, heir_to };
@@ -476,7 +503,9 @@ impl Jobs {
         }
         self.update_and_keep(id, |job| job.state = JobState::Paused);
         let mut list = self.list();
-        while list.entries.iter().any(|entry| entry.job.id == id && entry.told == Some(Step::Pause)) {
+        while !self.is_closing()
+            && list.entries.iter().any(|entry| entry.job.id == id && entry.told == Some(Step::Pause))
+        {
             list = self.bell.wait(list).unwrap_or_else(PoisonError::into_inner);
         }
         drop(list);
@@ -489,6 +518,11 @@ impl Entry {
         use JobState::{Evaluating, Paused, Preparing, Training};
         matches!(self.job.state, Preparing | Training | Paused | Evaluating)
     }
+}
+
+/// Whether a training was cut short: before its end, or in its last evaluation.
+fn is_unfinished(state: &JobState) -> bool {
+    matches!(state, JobState::Stopped | JobState::Done { success: None, .. })
 }
 
 /// Refuses settings that no learner can have.

@@ -20,19 +20,20 @@ mod workspace;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 
 use myo_env::Skeleton;
-use myo_lab::Backend;
+use myo_lab::{Backend, RunDescription};
 use myo_model::builtin_names;
 use serde_json::Value;
 
 use crate::protocol::{
-    Answer, AnswersOne, AskBody, AskEfforts, AskReach, AskReport, AskReward, AskRewardMap, AskRun, AskSchema,
-    AskSettings, AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun, DiscardTask, Event, Finding,
-    GoOn, Hello, LayoutTable, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader, NoteRun,
-    OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView, RunDetail, RunEntry,
-    SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
+    Answer, AnswersOne, AskBody, AskBodyOfRun, AskEfforts, AskReach, AskReport, AskReward, AskRewardMap, AskRun,
+    AskSchema, AskSettings, AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun, DiscardTask, Event,
+    Finding, GoOn, Hello, LayoutTable, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader,
+    NoteRun, OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView, RunDetail,
+    RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;
@@ -48,6 +49,8 @@ pub struct Engine {
     hub: Arc<Hub>,
     stage: Arc<Stage>,
     jobs: Arc<Jobs>,
+    /// The thread of the trainings.
+    worker: Mutex<Option<JoinHandle<()>>>,
     /// Of the folder: two studios in one would train the same users.
     _lock: std::fs::File,
 }
@@ -64,11 +67,21 @@ impl Engine {
         let (models, ears, scene) = (Arc::clone(&bodies), Arc::clone(&hub), Arc::clone(&stage));
         let jobs = Arc::new(Jobs::open(workspace.clone(), models, ears, scene, backend)?);
         let (worker, watcher, listeners) = (Arc::clone(&jobs), Arc::clone(&stage), Arc::clone(&hub));
-        std::thread::Builder::new().name("trainings".into()).spawn(move || worker.work())?;
+        let worker = std::thread::Builder::new().name("trainings".into()).spawn(move || worker.work())?;
         // Pages ask for the cards first: they are painted meanwhile.
         std::thread::Builder::new().name("cards".into()).spawn(|| _ = presets::cards())?;
         std::thread::Builder::new().name("watch".into()).spawn(move || watcher.work(&listeners))?;
-        Ok(Self { workspace, bodies, hub, stage, jobs, _lock: lock })
+        let worker = Mutex::new(Some(worker));
+        Ok(Self { workspace, bodies, hub, stage, jobs, worker, _lock: lock })
+    }
+
+    /// Ends the training that is under way with a checkpoint, and waits until that is written. An engine that is opened in this folder
+    /// later goes on with it.
+    pub fn close(&self) {
+        self.jobs.close();
+        let worker = self.worker.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // A worker that failed has nothing to wait for.
+        let _ = worker.map(JoinHandle::join);
     }
 
     /// Who is told what happens by itself.
@@ -107,7 +120,7 @@ impl Engine {
             }
             "pose" => {
                 let Pose { text } = serde_json::from_value(with)?;
-                let task = look::read(&text)?.task;
+                let task = self.workspace.read(&text)?.task;
                 replay::moment(&*self.bodies.model(&task.model)?, &task).map(motion)
             }
             _ => ask(self, call, with).map(Answered::Value),
@@ -152,7 +165,7 @@ impl AnswersOne<ConvertTask> for Engine {
 
 impl AnswersOne<CheckTask> for Engine {
     fn answer_one(&self, CheckTask { text }: CheckTask) -> Result<Vec<Finding>, Refusal> {
-        let source = match look::read(&text) {
+        let source = match self.workspace.read(&text) {
             Ok(source) => source,
             Err(refusal) => return Ok(refusal.findings),
         };
@@ -163,20 +176,20 @@ impl AnswersOne<CheckTask> for Engine {
 
 impl AnswersOne<AskReach> for Engine {
     fn answer_one(&self, AskReach { text }: AskReach) -> Result<Surface, Refusal> {
-        Ok(surface::surface(&*self.bodies.reach(&look::read(&text)?.task)?))
+        Ok(surface::surface(&*self.bodies.reach(&self.workspace.read(&text)?.task)?))
     }
 }
 
 impl AnswersOne<AskReward> for Engine {
     fn answer_one(&self, AskReward { text }: AskReward) -> Result<RewardView, Refusal> {
-        let task = look::read(&text)?.task;
+        let task = self.workspace.read(&text)?.task;
         reward::view(&task, &*self.bodies.model(&task.model)?, &*self.bodies.reach(&task)?)
     }
 }
 
 impl AnswersOne<AskRewardMap> for Engine {
     fn answer_one(&self, AskRewardMap { text, step, cut }: AskRewardMap) -> Result<RewardMap, Refusal> {
-        reward::map(&look::read(&text)?.task, step, cut)
+        reward::map(&self.workspace.read(&text)?.task, step, cut)
     }
 }
 
@@ -195,7 +208,15 @@ impl AnswersOne<AskSettings> for Engine {
 impl AnswersOne<AskBody> for Engine {
     fn answer_one(&self, AskBody { model }: AskBody) -> Result<BodyShape, Refusal> {
         let task = myo_tasks::Task::without_script("body");
-        Ok(motion::shape(&Skeleton::without_script(&*self.bodies.model(&model)?, &task)?))
+        let model = self.bodies.model(&self.workspace.model(&model))?;
+        Ok(motion::shape(&Skeleton::without_script(&model, &task)?))
+    }
+}
+
+impl AnswersOne<AskBodyOfRun> for Engine {
+    fn answer_one(&self, AskBodyOfRun { name }: AskBodyOfRun) -> Result<BodyShape, Refusal> {
+        let description = RunDescription::of(&myo_train::RunFolder::open(&self.workspace.run(&name)?)?)?;
+        Ok(motion::shape(&Skeleton::without_script(&description.body()?, &description.task)?))
     }
 }
 
@@ -284,7 +305,7 @@ impl AnswersOne<CompareRuns> for Engine {
 
 impl AnswersOne<AskUsersOf> for Engine {
     fn answer_one(&self, AskUsersOf { text }: AskUsersOf) -> Result<Vec<String>, Refusal> {
-        compare::users_of(&self.workspace, &look::read(&text)?.task)
+        compare::users_of(&self.workspace, &self.workspace.read(&text)?.task)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Looking on while a user learns: beside the training a user of the present policy does the task in real time, in an environment of its
 //! own, so that what is watched costs the training nothing but a copy of the policy now and then.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -82,8 +83,9 @@ impl Stage {
     pub fn work(&self, hub: &Hub) {
         loop {
             let (job, play) = self.next(hub);
-            // A task that cannot be shown is told by its training.
-            if self.show(job, &play, hub).is_err() {
+            // A task that cannot be shown is told by its training; a fault in showing costs nobody the next one.
+            let shown = catch_unwind(AssertUnwindSafe(|| self.show(job, &play, hub)));
+            if !matches!(shown, Ok(Ok(()))) {
                 std::thread::sleep(RENEW_EVERY);
             }
         }

@@ -6,8 +6,10 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use myo_tasks::Source;
 use myo_train::write_whole;
 
+use super::look;
 use crate::protocol::{Refusal, TaskFile, TaskText};
 
 /// Longest name of a task or a run.
@@ -81,6 +83,20 @@ impl Workspace {
     pub fn task(&self, name: &str) -> Result<PathBuf, Refusal> {
         check_name(name, "task")?;
         Ok(self.tasks().join(format!("{name}.yaml")))
+    }
+
+    /// Reads the text of a task as that of a file in the folder of tasks: a model file that it names is looked for there.
+    ///
+    /// # Errors
+    /// What is wrong with it, each with its place.
+    pub fn read(&self, text: &str) -> Result<Source, Refusal> {
+        Ok(look::read(text)?.in_folder(&self.tasks()))
+    }
+
+    /// A model as a task names it, seen from the working directory.
+    pub fn model(&self, name: &str) -> String {
+        let beside = self.tasks().join(name);
+        if beside.is_file() { beside.to_string_lossy().into_owned() } else { name.to_owned() }
     }
 
     /// Task files that were kept, by name.

@@ -251,6 +251,11 @@ calls! {
         /// Name or file of the model.
         model: String,
     } -> BodyShape, "BodyShape";
+    /// The body that learnt in a run, whatever became of the file of its model.
+    "body_of_run" AskBodyOfRun {
+        /// Name of the run.
+        name: String,
+    } -> BodyShape, "BodyShape";
     /// Task files that were kept.
     "tasks" ListTasks {} -> Vec<TaskFile>, "Array<TaskFile>";
     /// Opens a task that was kept.

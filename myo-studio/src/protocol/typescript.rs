@@ -36,7 +36,7 @@ fn page() -> String {
         RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
         Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable RecordedMotion RecordedRun Recorded
         Refusal Event Welcome Pose Replay
-        Hello AskSchema LookAt ConvertTask CheckTask AskReach AskReward AskRewardMap AskSettings AskBody ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
+        Hello AskSchema LookAt ConvertTask CheckTask AskReach AskReward AskRewardMap AskSettings AskBody AskBodyOfRun ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
         AskRun AskEfforts CompareRuns AskUsersOf AskReport NoteRun RenameRun DiscardRun
     };
     let sizes =

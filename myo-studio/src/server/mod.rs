@@ -71,12 +71,13 @@ impl Server {
         Ok(format!("http://{address}/{token}"))
     }
 
-    /// Serves until the process ends or `stop` is done.
+    /// Serves until the process ends or `stop` is done; then the training that is under way is left with a checkpoint.
     ///
     /// # Errors
     /// The system cannot wait for connections.
     pub fn serve(self, stop: impl Future<Output = ()> + Send + 'static) -> io::Result<()> {
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
+        let engine = Arc::clone(&self.engine);
         let shared = Shared { engine: self.engine, guard: Arc::new(self.guard) };
         let served = runtime.block_on(async move {
             let listener = TcpListener::from_std(self.listener)?;
@@ -90,8 +91,9 @@ impl Server {
                 () = stop => Ok(()),
             }
         });
-        // Trainings go on in threads of their own, which end with the process.
         runtime.shutdown_background();
+        // Trainings go on in a thread of their own: what it has learnt is written down first.
+        engine.close();
         served
     }
 }

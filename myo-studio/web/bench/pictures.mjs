@@ -63,6 +63,7 @@ await keep('reward');
 await page.getByLabel('Show in space what distance costs').uncheck();
 
 await button('Training').first().click();
+await page.getByLabel('Practice until').selectOption('0.95');
 await button('Train').click();
 await page.getByRole('heading', { name: /Learns/ }).waitFor({ timeout: 60_000 });
 await page.waitForTimeout(12_000);

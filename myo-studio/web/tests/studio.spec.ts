@@ -213,3 +213,49 @@ test('a curve that is kept as SVG says what the numbers were', async ({ page }) 
   });
   for (const name of ['<Angles>', 'Time (s)', 'Angle (°)', 'a & b', 'other']) expect(read.names).toContain(name);
 });
+
+test('a script that says the end of a name follows what is renamed and what is taken out', async ({ page }) => {
+  const text = `version: 2
+name: panels
+scene:
+  panel:
+    kind: group
+    at: [0.42, 0, -0.15]
+    tilt_deg: 60
+    objects:
+      left: {kind: button, at: [0, 0.05, 0], size: [0.04, 0.04, 0.02]}
+      right: {kind: button, at: [0, -0.05, 0], size: [0.04, 0.04, 0.02]}
+  ball: {kind: sphere, at: [0.4, 0, 0], radius: 0.04}
+script:
+  - press: left
+  - press: panel.right
+  - dwell: {in: ball, for_s: 0.2}
+time_limit_s: 5
+`;
+  await page.goto('/');
+  await page
+    .getByLabel('Task file to import')
+    .setInputFiles({ name: 'panels.yaml', mimeType: 'application/yaml', buffer: Buffer.from(text) });
+  const objects = page.getByRole('list', { name: 'Objects' });
+  const steps = page.getByRole('list', { name: 'Steps' });
+  await objects.getByRole('button', { name: /^left/ }).click();
+  const name = page.getByLabel('Name', { exact: true });
+  await name.fill('west');
+  await name.press('Enter');
+  await expect(steps.getByRole('listitem')).toHaveText([/press panel.west/, /press panel.right/, /dwell/]);
+  await expect(page.getByRole('alert')).toHaveCount(0);
+  // Both at once by the arrow keys, each along the axes of its own surroundings: up in the world.
+  await objects.getByRole('button', { name: /^ball/ }).click();
+  await objects.getByRole('button', { name: /^west/ }).click({ modifiers: ['Shift'] });
+  await page.keyboard.press('Alt+ArrowUp');
+  const file = `${process.env.MYO_STUDIO_FOLDER}/tasks/panels.yaml`;
+  await expect.poll(() => readFileSync(file, 'utf8')).toContain('at: [0.4, 0, 0.005]');
+  // Of a face that is tilted by 60 degrees, up is half of it outwards and 0.87 of it along the face.
+  const [along, , out] = /west: .*at: \[([^\]]*)\]/.exec(readFileSync(file, 'utf8'))![1].split(',').map(Number);
+  expect(Math.abs(along - 0.005 * Math.sin(Math.PI / 3))).toBeLessThan(1e-5);
+  expect(Math.abs(out - 0.005 * Math.cos(Math.PI / 3))).toBeLessThan(1e-5);
+  await objects.getByRole('button', { name: /^panel/ }).click();
+  await page.keyboard.press('Delete');
+  await expect(steps.getByRole('listitem')).toHaveText([/dwell/]);
+  await expect(page.getByRole('alert')).toHaveCount(0);
+});

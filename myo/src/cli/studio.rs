@@ -12,6 +12,9 @@ use super::backend::{BackendName, Options};
 use super::failure::{Failure, Result, complain};
 use super::output::print;
 
+/// Exit status of what Ctrl-C ended.
+const INTERRUPTED: i32 = 130;
+
 /// Arguments of `myo studio`.
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -45,7 +48,7 @@ Examples:
 Task files are kept in `tasks/` of the folder, runs in `runs/`, where `myo train` puts them too, and what was thrown away in
 `bin/`. Trainings that were ordered are listed in `studio.json`; a studio that was killed goes on with them when it comes again.
 
-Ctrl-C ends it; a training that is under way goes on from its newest checkpoint the next time.";
+Ctrl-C ends it; a training that is under way writes a checkpoint first, and goes on from there the next time. Ctrl-C again does not wait.";
 
 /// Runs `myo studio`.
 pub fn run(args: &Studio) -> Result<()> {
@@ -62,7 +65,11 @@ pub fn run(args: &Studio) -> Result<()> {
     }
     let (tell, told) = tokio::sync::oneshot::channel::<()>();
     let mut tell = Some(tell);
-    ctrlc::set_handler(move || drop(tell.take()))?;
+    // Whoever does not want to wait for the checkpoint presses it again.
+    ctrlc::set_handler(move || match tell.take() {
+        Some(tell) => drop(tell),
+        None => std::process::exit(INTERRUPTED),
+    })?;
     server.serve(async {
         let _ = told.await;
     })?;

@@ -13,13 +13,33 @@ export function changeItem(tree: Document, item: ItemView, change: Change) {
   const at = keys(item.path);
   // What is shown may be older than the text.
   if (!tree.hasIn(at)) return;
-  if (change.by) moveBy(tree, at, change.by);
+  if (change.way) moveBy(tree, at, written(item, change.way));
   if (item.kind !== 'sphere') {
     if (change.tilt_deg !== undefined) setAngle(tree, [...at, 'tilt_deg'], change.tilt_deg);
     if (change.turn_deg !== undefined) setAngle(tree, [...at, 'turn_deg'], change.turn_deg);
   }
   if (change.size) resize(tree, item.kind, at, change.size);
 }
+
+/** A way in the world (m) along the axes and in the scale in which the place of an item is written. */
+function written({ parent_rotation: [x, y, z, w], parent_scale }: ItemView, way: [number, number, number]) {
+  // Turned back by the quaternion: `v + 2 q × (q × v + w v)` with its vector part negated.
+  const q = [-x, -y, -z] as const;
+  const half = sum(cross(q, way), times3(way, w));
+  return times3(sum(way, times3(cross(q, half), 2)), 1 / parent_scale);
+}
+
+type Triple = readonly [number, number, number];
+
+const sum = (a: Triple, b: Triple): Triple => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+
+const times3 = (a: Triple, factor: number): [number, number, number] => [a[0] * factor, a[1] * factor, a[2] * factor];
+
+const cross = (a: Triple, b: Triple): Triple => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
 
 /** Zero is what counts where nothing is written. */
 function setAngle(tree: Document, at: Keys, degrees: number) {
@@ -39,10 +59,12 @@ function resize(tree: Document, kind: string, at: Keys, [up, across, out]: [numb
     case 'obstacle':
       [across, up, out].forEach((factor, index) => times(tree, [...at, 'size', index], factor));
       return;
-    case 'slider':
-      times(tree, [...at, 'length'], across);
-      if (tree.hasIn([...at, 'width'])) times(tree, [...at, 'width'], up);
+    case 'slider': {
+      const [along, aside] = tree.getIn([...at, 'rises']) === 'up' ? [up, across] : [across, up];
+      times(tree, [...at, 'length'], along);
+      if (tree.hasIn([...at, 'width'])) times(tree, [...at, 'width'], aside);
       return;
+    }
     case 'stick':
       return times(tree, [...at, 'length'], most);
     case 'group': {

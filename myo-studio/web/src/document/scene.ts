@@ -89,13 +89,13 @@ export function duplicate(document: TaskDocument, item: ItemView): string {
   return copy;
 }
 
-/** Takes an object out, and the steps that ask for it alone. */
-export function remove(document: TaskDocument, item: ItemView) {
+/** Takes an item out, and the steps that ask for it alone; `within` are the names of its objects. */
+export function remove(document: TaskDocument, item: ItemView, within: string[]) {
   document.edit((tree) => {
     const at = keys(item.path);
     if (!tree.hasIn(at)) return;
     tree.deleteIn(at);
-    forget(tree, item.name);
+    forget(tree, [item.name, ...within]);
   });
 }
 
@@ -266,9 +266,21 @@ function prefixOf(name: string): string {
   return name.includes('.') ? name.slice(0, name.lastIndexOf('.') + 1) : '';
 }
 
-/** Replaces a name in everything that a script says. */
+/** Replaces a name in everything that a script says, also where it says only the end of it. */
 function rename(tree: Document, from: string, to: string) {
-  eachName(tree, (name) => (name === from ? to : name.startsWith(`${from}.`) ? to + name.slice(from.length) : name));
+  const own = ends(tree, from);
+  eachName(tree, (name) => {
+    const said = own.find((end) => name === end || name.startsWith(`${end}.`));
+    return said === undefined ? name : to + name.slice(said.length);
+  });
+}
+
+/** A name and what is left of it without the groups that it is in: a script may say any of these that is the end of one name only. */
+function ends(tree: Document, name: string): string[] {
+  const parts = name.split('.');
+  const all = parts.map((_, index) => parts.slice(index));
+  // What is a whole name of its own is no end of another.
+  return all.filter((end, index) => index === 0 || !tree.hasIn(['scene', end[0]])).map((end) => end.join('.'));
 }
 
 /** Keys whose values are words and no names of objects. */
@@ -288,12 +300,12 @@ function eachName(tree: Document, change: (name: string) => string) {
   visit(tree.get('technique'));
 }
 
-/** Takes a name out of the script: from lists, and steps that ask for nothing else. */
-function forget(tree: Document, name: string) {
+/** Takes objects out of the script: from lists, and steps that ask for nothing else. */
+function forget(tree: Document, names: string[]) {
   const script = tree.get('script');
   if (!isSeq(script)) return;
-  const isGone = (node: unknown) =>
-    isScalar(node) && (node.value === name || String(node.value).startsWith(`${name}.`));
+  const gone = new Set(names.flatMap((name) => ends(tree, name)));
+  const isGone = (node: unknown) => isScalar(node) && gone.has(String(node.value));
   const asks = (node: unknown): boolean => {
     if (isScalar(node)) return isGone(node);
     if (isSeq(node)) {

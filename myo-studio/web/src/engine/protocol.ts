@@ -1031,6 +1031,10 @@ view: TaskView,
  */
 body: BodyShape, 
 /**
+ * Mean squared control of each step; empty for a run without a checkpoint.
+ */
+efforts: Array<number | null>, 
+/**
  * An episode; none for a run without a checkpoint.
  */
 motion: RecordedMotion | null, };
@@ -1220,6 +1224,15 @@ export type AskBody = {
 model: string, };
 
 /**
+ * The body that learnt in a run, whatever became of the file of its model.
+ */
+export type AskBodyOfRun = { 
+/**
+ * Name of the run.
+ */
+name: string, };
+
+/**
  * Task files that were kept.
  */
 export type ListTasks = Record<symbol, never>;
@@ -1327,6 +1340,15 @@ export type AskRun = {
 name: string, };
 
 /**
+ * Mean squared control of each step of a run over some fresh episodes; null for steps that no episode comes to.
+ */
+export type AskEfforts = { 
+/**
+ * Its name.
+ */
+name: string, };
+
+/**
  * Runs by what their users learnt, with what tells the layouts apart.
  */
 export type CompareRuns = { 
@@ -1404,6 +1426,7 @@ export interface Calls {
   reward_map: { with: AskRewardMap; reply: RewardMap };
   settings: { with: AskSettings; reply: Array<LearnerSetting> };
   body: { with: AskBody; reply: BodyShape };
+  body_of_run: { with: AskBodyOfRun; reply: BodyShape };
   tasks: { with: ListTasks; reply: Array<TaskFile> };
   open: { with: OpenTask; reply: TaskText };
   save: { with: SaveTask; reply: TaskFile };
@@ -1415,6 +1438,7 @@ export interface Calls {
   watch: { with: Watch; reply: null };
   runs: { with: ListRuns; reply: Array<RunEntry> };
   run: { with: AskRun; reply: RunDetail };
+  efforts: { with: AskEfforts; reply: Array<number | null> };
   compare: { with: CompareRuns; reply: LayoutTable };
   users_of: { with: AskUsersOf; reply: Array<string> };
   report: { with: AskReport; reply: string };

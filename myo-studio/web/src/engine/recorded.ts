@@ -1,5 +1,5 @@
 import { Refused, type Engine, type Motion } from './engine';
-import type { BodyShape, Calls, Look, Recorded, RunDetail } from './protocol';
+import type { Calls, Look, Recorded, RunDetail } from './protocol';
 
 /** An engine that knows what was recorded, and nothing else. */
 export class RecordedEngine implements Engine {
@@ -8,7 +8,7 @@ export class RecordedEngine implements Engine {
   async ask<Name extends keyof Calls>(call: Name, asked: Calls[Name]['with']): Promise<Calls[Name]['reply']> {
     const answers: Partial<Record<keyof Calls, () => unknown>> = {
       run: () => this.run((asked as { name: string }).name),
-      body: () => this.body((asked as { model: string }).model),
+      body_of_run: () => this.find(({ entry }) => entry.name === (asked as { name: string }).name).body,
       look: () => this.look((asked as { text: string }).text),
       efforts: () => this.find(({ entry }) => entry.name === (asked as { name: string }).name).efforts,
       compare: () => this.recorded.table,
@@ -26,10 +26,6 @@ export class RecordedEngine implements Engine {
 
   private run(name: string): RunDetail {
     return this.find(({ entry }) => entry.name === name).detail;
-  }
-
-  private body(model: string): BodyShape {
-    return this.find((detail) => detail.model === model).body;
   }
 
   private look(text: string): Look {

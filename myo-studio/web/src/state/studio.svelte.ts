@@ -348,7 +348,7 @@ export class Studio {
   change(item: ItemView, change: Change) {
     const { document } = this;
     if (!document) return;
-    const all = change.by && this.selection.includes(item.path) ? this.selected : [item];
+    const all = change.way && this.selection.includes(item.path) ? this.selected : [item];
     document.edit((tree) => all.forEach((one) => changeItem(tree, one, change)));
     this.touch();
   }

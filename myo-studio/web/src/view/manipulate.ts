@@ -6,14 +6,15 @@ import type { Stage } from './stage';
 
 export type Tool = 'move' | 'turn' | 'size';
 
+const UP = new Vector3(0, 0, 1);
+
 /** Steps that a drag keeps to: half a centimetre, five degrees. */
 export const SNAP_M = 0.005;
 export const SNAP_DEG = 5;
 
-/** What a drag asks for, in the axes in which the item is written. */
+/** What a drag asks for. */
 export interface Change {
-  /** By how much it moves, and how far that is in the world (m). */
-  by?: [number, number, number];
+  /** By how much it moves (m), in world axes: x forward, y to the left, z up. */
   way?: [number, number, number];
   tilt_deg?: number;
   turn_deg?: number;
@@ -34,7 +35,7 @@ export class Manipulator {
   private readonly gizmo: TransformControls;
   private readonly proxy = new Object3D();
   private item: ItemView | undefined;
-  private start = { position: new Vector3(), quaternion: new Quaternion(), scale: new Vector3() };
+  private start = { position: new Vector3(), scale: new Vector3(), tilt: 0 };
   private grip: { plane: Plane; from: Vector3; told: Vector3; moved: boolean; object: number } | undefined;
   private readonly ray = new Raycaster();
   snap = true;
@@ -86,12 +87,19 @@ export class Manipulator {
       return;
     }
     this.proxy.position.set(...item.at);
-    // Places are written along the axes around it, so it moves along these.
-    const axes = this.gizmo.mode === 'translate' ? item.parent_rotation : item.rotation;
-    this.proxy.quaternion.set(...axes);
+    this.proxy.quaternion.copy(this.axes(item));
     this.proxy.scale.set(1, 1, 1);
     this.gizmo.attach(this.proxy);
     this.stage.draw();
+  }
+
+  /** How the handles lie: places are written along the axes around an item, and sizes along its own. */
+  private axes(item: ItemView): Quaternion {
+    const around = new Quaternion(...item.parent_rotation);
+    if (this.gizmo.mode === 'translate') return around;
+    if (this.gizmo.mode === 'scale') return new Quaternion(...item.rotation);
+    // One ring turns about the upright axis around it, the other tilts about the level axis that is turned with it.
+    return around.multiply(new Quaternion().setFromAxisAngle(UP, angles(item, new Quaternion(...item.rotation)).turn));
   }
 
   /** Leaves the handles out of a picture. */
@@ -112,8 +120,9 @@ export class Manipulator {
 
   private remember() {
     this.start.position.copy(this.proxy.position);
-    this.start.quaternion.copy(this.proxy.quaternion);
     this.start.scale.copy(this.proxy.scale);
+    // A face is `Rz(turn) Ry(-tilt)`, and the handles are turned with it but not tilted.
+    if (this.item) this.start.tilt = -angles(this.item, new Quaternion(...this.item.rotation)).about;
   }
 
   private pulled() {
@@ -122,9 +131,11 @@ export class Manipulator {
     if (this.gizmo.mode === 'translate') {
       const way = proxy.position.clone().sub(start.position);
       start.position.copy(proxy.position);
-      this.hands.change(item, { way: way.toArray(), by: this.written(item, way) });
+      this.hands.change(item, { way: way.toArray() });
     } else if (this.gizmo.mode === 'rotate') {
-      this.hands.change(item, angles(item, proxy.quaternion));
+      const { turn, about } = angles(item, proxy.quaternion);
+      const tilt = Math.min(Math.PI, Math.max(0, start.tilt - about));
+      this.hands.change(item, { tilt_deg: degrees(tilt), turn_deg: degrees(turn) });
     } else {
       const size: [number, number, number] = [0, 1, 2].map(
         (axis) => proxy.scale.getComponent(axis) / start.scale.getComponent(axis),
@@ -132,13 +143,6 @@ export class Manipulator {
       start.scale.copy(proxy.scale);
       this.hands.change(item, { size });
     }
-  }
-
-  /** A way in the world as it is written in an item. */
-  private written(item: ItemView, way: Vector3): [number, number, number] {
-    const back = new Quaternion(...item.parent_rotation).invert();
-    const own = way.applyQuaternion(back).divideScalar(item.parent_scale);
-    return [own.x, own.y, own.z];
   }
 
   private aim(event: PointerEvent) {
@@ -182,7 +186,7 @@ export class Manipulator {
     if (!grip.moved) this.hands.begin();
     grip.moved = true;
     grip.told.copy(way);
-    this.hands.change(item, { way: step.toArray(), by: this.written(item, step) });
+    this.hands.change(item, { way: step.toArray() });
   };
 
   private up = () => {
@@ -207,19 +211,16 @@ function facing(direction: Vector3): Vector3 {
   return new Vector3().setComponent(sizes.indexOf(Math.max(...sizes)), 1);
 }
 
-/** Tilt and turn of an item in the axes around it: `Rz(turn) Ry(-tilt)`. */
-function angles(item: ItemView, world: Quaternion): Change {
+/** A rotation in the axes around an item as `Rz(turn) Ry(about)` (rad). */
+function angles(item: ItemView, world: Quaternion): { turn: number; about: number } {
   const own = new Quaternion(...item.parent_rotation).invert().multiply(world);
   const axes = new Matrix4().makeRotationFromQuaternion(own);
   const [x, y, z] = [new Vector3(), new Vector3(), new Vector3()];
   axes.extractBasis(x, y, z);
-  const degrees = 180 / Math.PI;
   // `y` stays level: it is turned alone.
-  const turn = Math.atan2(-y.x, y.y);
-  const tilt = Math.min(Math.PI, Math.max(0, Math.atan2(x.z, z.z)));
-  return { tilt_deg: rounded(tilt * degrees), turn_deg: rounded(turn * degrees) };
+  return { turn: Math.atan2(-y.x, y.y), about: Math.atan2(-x.z, z.z) };
 }
 
-function rounded(x: number): number {
-  return Math.round(x * 100) / 100;
+function degrees(angle: number): number {
+  return Math.round((angle * 18000) / Math.PI) / 100;
 }

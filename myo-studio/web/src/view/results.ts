@@ -4,10 +4,11 @@ import type { TargetResult, TaskView } from '../engine/protocol';
 export interface Result {
   success: number;
   time_s: number | undefined;
+  effort: number | undefined;
 }
 
 /** What stands beside the objects. */
-export type Telling = 'steps' | 'success' | 'time' | 'nothing';
+export type Telling = 'steps' | 'names' | 'success' | 'time' | 'effort' | 'nothing';
 
 /** From so much success on it is good, and middling. */
 export const GOOD = 0.95;
@@ -19,36 +20,52 @@ const DARK = { good: 0x58b795, middling: 0xf0c25a, bad: 0xc9483b, quick: 0xd2e4f
 
 export const tones = (dark: boolean) => (dark ? DARK : LIGHT);
 
-/** How each object of a task was done; none where no step asks for it. */
-export function results(task: TaskView, targets: TargetResult[]): (Result | undefined)[] {
+/** How each object of a task was done; none where no step asks for it. Effort is known later, or not at all. */
+export function results(
+  task: TaskView,
+  targets: TargetResult[],
+  efforts: (number | null)[] = [],
+): (Result | undefined)[] {
   return task.objects.map(({ steps }) => {
     const own = steps.flatMap((step) => targets[step] ?? []);
     if (own.length === 0) return undefined;
     const times = own.flatMap((target) => target.movement_time_s ?? []);
-    return { success: mean(own.map((target) => target.success)), time_s: times.length > 0 ? mean(times) : undefined };
+    return {
+      success: mean(own.map((target) => target.success)),
+      time_s: meanOfSome(times),
+      effort: meanOfSome(steps.flatMap((step) => efforts[step] ?? [])),
+    };
   });
 }
 
-/** From the shortest time to the longest (s); a few much longer ones aside, which would leave all others alike. */
-export function range(all: (Result | undefined)[]): { least: number; most: number; isCut: boolean } | undefined {
-  const times = all.flatMap((result) => result?.time_s ?? []).sort((a, b) => a - b);
-  if (times.length === 0) return undefined;
-  const [least, longest] = [times[0], times.at(-1)!];
-  const quarter = (count: number) => times[Math.floor((count * (times.length - 1)) / 4)];
+/** What is told on a scale from little to much, of a result. */
+const amount = (result: Result | undefined, telling: Telling) =>
+  telling === 'effort' ? result?.effort : telling === 'time' ? result?.time_s : undefined;
+
+/** From the least to the greatest; a few much greater ones aside, which would leave all others alike. */
+export function range(
+  all: (Result | undefined)[],
+  telling: Telling,
+): { least: number; most: number; isCut: boolean } | undefined {
+  const amounts = all.flatMap((result) => amount(result, telling) ?? []).sort((a, b) => a - b);
+  if (amounts.length === 0) return undefined;
+  const [least, greatest] = [amounts[0], amounts.at(-1)!];
+  const quarter = (count: number) => amounts[Math.floor((count * (amounts.length - 1)) / 4)];
   const fence = quarter(3) + 1.5 * (quarter(3) - quarter(1));
-  const isCut = times.length >= 8 && longest > fence && fence > least;
-  return { least, most: isCut ? fence : longest, isCut };
+  const isCut = amounts.length >= 8 && greatest > fence && fence > least;
+  return { least, most: isCut ? fence : greatest, isCut };
 }
 
-/** What each object is painted like to tell its success or its time. */
+/** What each object is painted like to tell its success, its time or its effort. */
 export function tint(all: (Result | undefined)[], telling: Telling, dark: boolean): (number | undefined)[] | undefined {
   const palette = tones(dark);
   if (telling === 'success') return all.map((result) => result && palette[grade(result.success)]);
-  if (telling !== 'time') return undefined;
-  const { least, most } = range(all) ?? { least: 0, most: 0 };
+  const ends = range(all, telling);
+  if (!ends) return undefined;
   return all.map((result) => {
-    if (result?.time_s === undefined) return undefined;
-    const part = most > least ? (result.time_s - least) / (most - least) : 0.5;
+    const own = amount(result, telling);
+    if (own === undefined) return undefined;
+    const part = ends.most > ends.least ? (own - ends.least) / (ends.most - ends.least) : 0.5;
     return mixed(palette.quick, palette.slow, Math.min(1, part));
   });
 }
@@ -60,7 +77,7 @@ export function grade(success: number): 'good' | 'middling' | 'bad' {
 /** What the colours say, row by row. */
 export function key(all: (Result | undefined)[], telling: Telling, dark: boolean) {
   const palette = tones(dark);
-  const ends = range(all);
+  const ends = range(all, telling);
   const row = (tone: number, text: string) => ({ tone: css(tone), text });
   if (telling === 'success') {
     const rows = [
@@ -70,9 +87,11 @@ export function key(all: (Result | undefined)[], telling: Telling, dark: boolean
     ];
     return { heading: 'Success', rows };
   }
-  if (telling !== 'time' || !ends) return undefined;
-  const longest = `${time(ends.most)}${ends.isCut ? ' or more' : ''}`;
-  return { heading: 'Movement time', rows: [row(palette.quick, time(ends.least)), row(palette.slow, longest)] };
+  if (!ends) return undefined;
+  const show = telling === 'effort' ? effort : time;
+  const greatest = `${show(ends.most)}${ends.isCut ? ' or more' : ''}`;
+  const heading = telling === 'effort' ? 'Effort' : 'Movement time';
+  return { heading, rows: [row(palette.quick, show(ends.least)), row(palette.slow, greatest)] };
 }
 
 /** `98 %`: all and none are said only where it is so. */
@@ -83,10 +102,14 @@ export function share(success: number): string {
   return `${whole} %`;
 }
 
+export const effort = (value: number | undefined) => (value === undefined ? '–' : value.toFixed(3));
+
 export const time = (s: number | undefined) => (s === undefined ? '–' : `${s.toFixed(2)} s`);
 
 /** A colour as style sheets write it. */
 export const css = (tone: number) => `#${tone.toString(16).padStart(6, '0')}`;
+
+const meanOfSome = (list: number[]) => (list.length > 0 ? mean(list) : undefined);
 
 function mean(list: number[]): number {
   return list.reduce((sum, x) => sum + x, 0) / list.length;
