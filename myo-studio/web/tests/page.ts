@@ -36,3 +36,8 @@ export async function add(page: Page, kind: string) {
   await page.getByRole('button', { name: '+ Add' }).click();
   await page.getByRole('group', { name: 'What to add' }).getByRole('button', { name: kind, exact: true }).click();
 }
+
+/** Name of the task that is open: tests share a folder, so that it depends on those before. */
+export async function taskName(page: Page): Promise<string> {
+  return (await page.getByRole('navigation', { name: 'Pages' }).getByRole('button').nth(1).innerText()).trim();
+}

@@ -3,7 +3,7 @@ import { existsSync, mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { add, barriers, begin } from './page';
+import { add, barriers, begin, taskName } from './page';
 
 test.beforeEach(({ page }) => {
   page.on('pageerror', (error) => {
@@ -21,7 +21,7 @@ async function easyTask(page: Page) {
   await radius.fill('0.15');
   await radius.press('Enter');
   await expect(page.getByText('Saved', { exact: true })).toBeVisible();
-  return (await page.getByRole('navigation', { name: 'Pages' }).getByRole('button').nth(1).innerText()).trim();
+  return taskName(page);
 }
 
 test('what if: a variant is held against its task, and the report opens without a studio', async ({

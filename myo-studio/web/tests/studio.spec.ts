@@ -1,7 +1,7 @@
 import { expect, test } from '@playwright/test';
 import { existsSync, readFileSync } from 'node:fs';
 import { curveSvg } from '../src/lib/curve-svg';
-import { add, barriers, begin } from './page';
+import { add, barriers, begin, taskName } from './page';
 
 /** Nothing on the page may fail unnoticed. */
 test.beforeEach(({ page }) => {
@@ -22,6 +22,8 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
     /press button/,
     /press button_2/,
   ]);
+
+  const own = await taskName(page);
 
   // Its number is beside it: there the second button is.
   const canvas = page.locator('canvas').first();
@@ -54,7 +56,7 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
   await expect(page.getByRole('heading', { name: /Learns/ })).toBeVisible({ timeout: 60_000 });
   await page.getByRole('button', { name: 'See how it does it' }).click({ timeout: 200_000 });
 
-  await expect(page.getByRole('heading', { name: 'my-task-1' })).toBeVisible();
+  await expect(page.getByRole('heading', { name: `${own}-1` })).toBeVisible();
   const time = page.getByRole('slider', { name: 'Time in the episode' });
   const first = Number(await time.inputValue());
   await expect.poll(async () => Number(await time.inputValue())).not.toBe(first);
@@ -69,11 +71,11 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
   await page.getByLabel('Tags').fill('pilot');
   await page.getByLabel('Tags').blur();
   // The task that is set up is still what it was.
-  await page.getByRole('button', { name: 'my-task', exact: true }).click();
+  await page.getByRole('button', { name: own, exact: true }).click();
   await expect(objects.getByRole('button')).toHaveCount(2);
   await page.getByRole('button', { name: 'Runs', exact: true }).click();
   await page.getByLabel('Find runs').fill('pilot');
-  await expect(page.getByRole('row', { name: /my-task-1/ })).toContainText('evaluated');
+  await expect(page.getByRole('row', { name: new RegExp(`${own}-1`) })).toContainText('evaluated');
 });
 
 test('a user that has learnt a layout goes on when it is changed', async ({ page }) => {
