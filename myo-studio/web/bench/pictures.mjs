@@ -49,7 +49,10 @@ await keep('home');
 await open('public-display');
 await objects.getByRole('button', { name: /^upper_left/ }).click();
 await keep('set-up');
-await page.getByLabel('Advanced').check().catch(() => {});
+await page
+  .getByLabel('Advanced')
+  .check()
+  .catch(() => {});
 await keep('fields');
 await put('at x', 0.75);
 await button('Reach').click();
@@ -86,10 +89,14 @@ await keep('replay');
 await page.goto(address);
 await button('New task').click();
 await add('grid');
+await button('Focus').click();
 await keep('grid');
 await page.goto(address);
 await button('New task').click();
 await add('keyboard');
+await page.getByLabel('Labels').selectOption('names');
+await button('Above').click();
+await button('Focus').click();
 await keep('keyboard');
 
 await browser.close();
