@@ -47,14 +47,17 @@ pub struct Slice {
 /// A task at the beginning of episodes, whose reward can be asked.
 struct Trial {
     task: CompiledTask<f64>,
-    states: Vec<TaskState<f64>>,
+    /// Each with what its random draws come from.
+    episodes: Vec<(Draws, TaskState<f64>)>,
 }
+
+type Draws = Counter<<f64 as Scalar>::Word>;
 
 impl Trial {
     fn new(task: &Task, episodes: u32) -> Result<Self, InvalidTask> {
         let task = CompiledTask::<f64>::new(task)?;
-        let states = (1..=episodes).map(|episode| beginning(&task, episode)).collect();
-        Ok(Self { task, states })
+        let episodes = (1..=episodes).map(|episode| beginning(&task, episode)).collect();
+        Ok(Self { task, episodes })
     }
 
     /// How far the pointer is from what the reward counts, with the step of this number current.
@@ -67,19 +70,22 @@ impl Trial {
 }
 
 /// An episode of this number before its first step.
-fn beginning(task: &CompiledTask<f64>, episode: u32) -> TaskState<f64> {
+fn beginning(task: &CompiledTask<f64>, episode: u32) -> (Draws, TaskState<f64>) {
     let word = <f64 as Scalar>::Word::splat;
-    let counter = Counter { seed: seed_words(1), env: word(0), episode: word(episode), step: word(0), stream: word(0) };
+    let draws = Counter { seed: seed_words(1), env: word(0), episode: word(episode), step: word(0), stream: word(0) };
     let mut state = TaskState::new(task);
     state.restart(true);
-    draw_objects(task, true, counter, &mut state);
-    begin_step(task, true, counter, &mut state);
-    state
+    draw_objects(task, true, draws, &mut state);
+    begin_step(task, true, draws, &mut state);
+    (draws, state)
 }
 
 /// The same with another step of the script current, which counts already.
-fn at_step(state: &TaskState<f64>, step: usize) -> TaskState<f64> {
-    let mut state = TaskState { phase: step as f64, ..state.clone() };
+fn at_step(task: &CompiledTask<f64>, (draws, state): &(Draws, TaskState<f64>), step: usize) -> TaskState<f64> {
+    // Where steps change places with each other.
+    let place = state.order.iter().position(|&own| own == step as f64).unwrap_or(step);
+    let mut state = TaskState { phase: place as f64, ..state.clone() };
+    begin_step(task, true, *draws, &mut state);
     if let Some(cue) = &mut state.cue {
         cue.lit_at = 0.0;
     }
@@ -88,8 +94,8 @@ fn at_step(state: &TaskState<f64>, step: usize) -> TaskState<f64> {
 
 /// The terms of the reward of a task, in the order in which they are summed up; those that cannot come up in it are left out.
 ///
-/// Distances are the least and the greatest of drawn episodes, every step and every place in reach; handles, sticks and ways are
-/// where they begin.
+/// Distances are the least and the greatest of 48 drawn episodes, every step and every place in reach, so they are about right where much
+/// is drawn or moves; handles, sticks and ways are where they begin.
 ///
 /// # Errors
 /// The task has errors.
@@ -141,16 +147,23 @@ fn distances(trial: &Trial, reach: &dyn Reach) -> [f64; 2] {
     let stretched: Vec<[f64; 3]> =
         (0..DIRECTIONS).map(|k| reach.nearest_in_reach(direction(k).map(|x| FAR_M * x))).collect();
     let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
-    for state in &trial.states {
+    for episode in &trial.episodes {
         for step in 0..trial.task.steps.len() {
-            let state = at_step(state, step);
+            let state = at_step(&trial.task, episode, step);
             let goal = Goal::of(&trial.task, &state);
-            let nearest = reach.nearest_in_reach(goal.centre);
-            near = near.min(trial.distance(&state, &goal, nearest));
+            for place in std::iter::once(goal.centre).chain(face(&goal)) {
+                near = near.min(trial.distance(&state, &goal, reach.nearest_in_reach(place)));
+            }
             far = stretched.iter().map(|&place| trial.distance(&state, &goal, place)).fold(far, f64::max);
         }
     }
     [near.min(far), far]
+}
+
+/// Middle of the face that is to be pressed.
+fn face(goal: &Goal<f64>) -> Option<[f64; 3]> {
+    let shape = &goal.button.as_ref().filter(|_| goal.is_press)?.shape;
+    Some(std::array::from_fn(|k| shape.centre[k] + shape.axes[2][k] * shape.half_size[2]))
 }
 
 /// Directions spread evenly over a sphere (Vogel 1979, doi 10.1016/0025-5564(79)90080-4).
@@ -172,7 +185,7 @@ pub fn reward_slice(
     slice: impl Fn([f64; 3]) -> Slice,
 ) -> Result<(Slice, Vec<f64>), InvalidTask> {
     let trial = Trial::new(task, 1)?;
-    let state = at_step(&trial.states[0], step.min(trial.task.steps.len().saturating_sub(1)));
+    let state = at_step(&trial.task, &trial.episodes[0], step.min(trial.task.steps.len().saturating_sub(1)));
     let goal = Goal::of(&trial.task, &state);
     let slice = slice(goal.centre);
     let Slice { corner, along, across, places: [columns, rows] } = slice;
@@ -256,5 +269,34 @@ mod tests {
         assert!((values[50] + 0.6).abs() < 1e-9, "{}", values[50]);
         assert!((values[0] + 0.6 + 0.3 * 20.0 * 0.48).abs() < 1e-9, "{}", values[0]);
         assert!((values[0] - values[100]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn touching_a_button_costs_no_distance() {
+        let button = "version: 2\nname: t\nscene: {ok: {kind: button, at: [0.45, 0, -0.1], size: [0.1, 0.1, 0.02], tilt_deg: 90}}\n\
+                      script: [press: ok]\ntime_limit_s: 4\n";
+        assert!(term(&terms(button), "distance").step[1].unwrap().abs() < 1e-4, "{:?}", terms(button));
+    }
+
+    /// Each step of a task whose steps change places, and of one whose object is drawn, is about its own object.
+    #[test]
+    fn a_map_is_about_the_step_that_is_asked_for() {
+        let scene = "scene:\n  left: {kind: sphere, at: [0.4, 0.2, -0.1], radius: 0.02}\n  right: {kind: sphere, at: [0.4, -0.2, -0.1], \
+                     radius: 0.02}\n";
+        let steps = "[dwell: {in: left, for_s: 0.1}, dwell: {in: right, for_s: 0.1}]";
+        for script in [
+            steps.to_owned(),
+            format!("[random_order: {steps}]"),
+            format!("[wait: [0.2, 0.5], {}", &steps[1..]),
+        ] {
+            let text = format!("version: 2\nname: t\n{scene}script: {script}\ntime_limit_s: 4\n");
+            let task = Task::from_yaml(&text, "t").unwrap();
+            for (step, y) in [(0, 0.2), (1, -0.2)] {
+                let whole =
+                    |centre: [f64; 3]| Slice { corner: centre, along: [0.0; 3], across: [0.0; 3], places: [1, 1] };
+                let (slice, _) = reward_slice(&task, step, whole).unwrap();
+                assert!((slice.corner[1] - y).abs() < 1e-9, "{script}, step {step}: {:?}", slice.corner);
+            }
+        }
     }
 }

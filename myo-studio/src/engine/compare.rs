@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use myo_lab::{Comparison, Difference, Group, Quantity, RunDescription, find_runs};
 use myo_tasks::Task;
+use myo_train::session::{Goal, Until};
 use myo_train::statistics::Sample;
 use myo_train::{PpoConfig, RunFolder, TargetEvaluation};
 
@@ -12,10 +13,58 @@ use crate::protocol::{Against, Contrast, LayoutRow, LayoutTable, LeftOut, Mean, 
 
 /// Runs that may be compared with one another: of the same layouts, trained in the same way.
 struct Kin {
-    layouts: Vec<Task>,
-    ppo: PpoConfig,
+    way: Way,
     names: Vec<String>,
     runs: Vec<RunFolder>,
+}
+
+/// What users learnt, and how.
+#[derive(PartialEq)]
+struct Way {
+    layouts: Vec<Task>,
+    ppo: PpoConfig,
+    goal: Goal,
+    /// Whether they had learnt something else before.
+    is_heir: bool,
+}
+
+impl Way {
+    fn of(run: &RunFolder) -> Result<Self, Refusal> {
+        let description = RunDescription::of(run)?;
+        let (goal, is_heir) = (description.goal(), description.from.is_some());
+        Ok(Self { layouts: description.layouts(), ppo: run.config().ppo.clone(), goal, is_heir })
+    }
+
+    /// What tells it from others of the same layout, for people.
+    fn words(&self) -> String {
+        let goal = match self.goal.until {
+            Until::Plateau => String::new(),
+            until => format!("until {until}"),
+        };
+        let heir = if self.is_heir { "learnt something else before" } else { "" };
+        let settings = if is_as_it_comes(&self.ppo) { "" } else { "other settings" };
+        [&goal, heir, settings].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Whether settings are the defaults, but for how many environments a device has.
+fn is_as_it_comes(ppo: &PpoConfig) -> bool {
+    let PpoConfig { num_envs, matrix_units, .. } = *ppo;
+    *ppo == PpoConfig { num_envs, matrix_units, ..PpoConfig::default() }
+}
+
+/// What the groups are called: like their layouts, with what tells those of one layout apart.
+fn names(kin: &[Kin]) -> Vec<String> {
+    let layout = |kin: &Kin| kin.way.layouts[0].name.clone();
+    let mut names: Vec<String> = Vec::new();
+    for own in kin {
+        let is_alone = kin.iter().filter(|other| layout(other) == layout(own)).count() == 1;
+        let words = if is_alone { String::new() } else { own.way.words() };
+        let name = if words.is_empty() { layout(own) } else { format!("{} ({words})", layout(own)) };
+        let numbered = |k: usize| if k == 1 { name.clone() } else { format!("{name} ({k})") };
+        names.extend((1..).map(numbered).find(|name| !names.contains(name)));
+    }
+    names
 }
 
 /// The layouts of these runs, each a name and a folder. What cannot be read or is not evaluated is left out, and told.
@@ -27,7 +76,7 @@ pub fn table(runs: &[(String, PathBuf)]) -> LayoutTable {
             Err(refusal) => left_out.push(LeftOut { run: name.clone(), reason: refusal.message }),
         }
     }
-    let names = myo_lab::layout_names(&kin.iter().map(|kin| kin.layouts[0].clone()).collect::<Vec<_>>());
+    let names = names(&kin);
     let mut groups: Vec<(Group, Kin)> = Vec::new();
     for (kin, name) in kin.into_iter().zip(names) {
         match Group::of_runs(name, &kin.runs) {
@@ -47,16 +96,21 @@ pub fn table(runs: &[(String, PathBuf)]) -> LayoutTable {
 /// Puts a run to those that it may be compared with.
 fn sorted_in(kin: &mut Vec<Kin>, name: &str, folder: &std::path::Path) -> Result<(), Refusal> {
     let run = RunFolder::open(folder)?;
-    let layouts = RunDescription::of(&run)?.layouts();
+    let way = Way::of(&run)?;
     if run.evaluation()?.is_none() {
         return Err(Refusal::sentence("it is not evaluated yet; go on with it first"));
     }
-    let ppo = run.config().ppo.clone();
-    let place = kin.iter().position(|kin| kin.layouts == layouts && kin.ppo == ppo);
+    let place = kin.iter().position(|kin| kin.way == way);
     let place = place.unwrap_or_else(|| {
-        kin.push(Kin { layouts, ppo, names: vec![], runs: vec![] });
+        kin.push(Kin { way, names: vec![], runs: vec![] });
         kin.len() - 1
     });
+    // Two of one seed say no more than one, and would make chance look small.
+    let twin = kin[place].runs.iter().position(|other| other.config().seed == run.config().seed);
+    if let Some(twin) = twin.filter(|_| !kin[place].way.is_heir) {
+        let other = &kin[place].names[twin];
+        return Err(Refusal::sentence(format!("it is the same user as {other}: task, seed and settings are the same")));
+    }
     kin[place].names.push(name.to_owned());
     kin[place].runs.push(run);
     Ok(())
@@ -89,17 +143,24 @@ fn row(group: &Group, kin: &Kin, against: Option<Against>) -> LayoutRow {
 fn steps(group: &Group) -> Vec<StepRow> {
     let ([task], Ok(flat)) = (&group.run.layouts()[..], group.run.task.flat()) else { return vec![] };
     debug_assert_eq!(task.name, group.run.task.name);
-    let step = |index: usize| {
+    let mut labels: Vec<String> = Vec::new();
+    for index in 0..flat.steps.len() {
+        // A step that comes again has its number: `press l`, `press l (2)`.
+        let label = flat.label(index);
+        let numbered = |k: usize| if k == 1 { label.clone() } else { format!("{label} ({k})") };
+        labels.extend((1..).map(numbered).find(|label| !labels.contains(label)));
+    }
+    let step = |(index, label): (usize, String)| {
         let of = |value: fn(&TargetEvaluation) -> Option<f64>, most| {
             mean(group.users.iter().map(|user| user.evaluation.targets.get(index).and_then(value)), most)
         };
         StepRow {
-            label: flat.label(index),
+            label,
             success: of(|target| Some(target.success), 1.0),
             movement_time_s: of(|target| target.movement_time_s, f64::INFINITY),
         }
     };
-    (0..flat.steps.len()).map(step).collect()
+    labels.into_iter().enumerate().map(step).collect()
 }
 
 /// Mean of a quantity from zero to `most`: no range leaves these bounds, however few users there are.
@@ -127,19 +188,40 @@ fn word(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|word| Some(word.as_str()?.to_owned())).unwrap_or_default()
 }
 
-/// Runs whose users learnt a task as it is, by name; damaged ones are nobody's.
+/// Runs whose users learn a task as it is, or did, whatever came of it; damaged ones are nobody's.
 ///
 /// # Errors
 /// The folder cannot be read.
-pub fn users_of(workspace: &Workspace, task: &Task) -> Result<Vec<String>, Refusal> {
+pub fn runs_of(workspace: &Workspace, task: &Task) -> Result<Vec<RunFolder>, Refusal> {
     let folder = workspace.runs();
     if !folder.exists() {
         return Ok(vec![]);
     }
-    let is_of = |path: &std::path::Path| {
+    let of_task = |path: &std::path::Path| {
         let run = RunFolder::open(path).ok()?;
-        (RunDescription::of(&run).ok()?.layouts() == std::slice::from_ref(task)).then_some(())
+        let layouts = RunDescription::of(&run).ok()?.layouts();
+        (layouts == std::slice::from_ref(task)).then_some(run)
     };
-    let found = find_runs(&folder)?;
-    Ok(found.iter().filter(|run| is_of(&run.path).is_some()).map(|run| workspace.name_of(&run.path)).collect())
+    Ok(find_runs(&folder)?.iter().filter_map(|run| of_task(&run.path)).collect())
+}
+
+/// Runs whose users have learnt a task as it is from nothing, up to a goal and with the settings as they come, by name.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn users_of(workspace: &Workspace, task: &Task, until: Until) -> Result<Vec<String>, Refusal> {
+    let counts = |run: &RunFolder| {
+        let way = Way::of(run).ok().filter(|way| way.goal.until == until && !way.is_heir && is_as_it_comes(&way.ppo));
+        way.is_some() && matches!(run.evaluation(), Ok(Some(_)))
+    };
+    let mut seeds = Vec::new();
+    let mut is_new = |run: &RunFolder| {
+        let is_new = !seeds.contains(&run.config().seed);
+        seeds.push(run.config().seed);
+        is_new
+    };
+    let mut runs = runs_of(workspace, task)?;
+    runs.retain(counts);
+    runs.retain(|run| is_new(run));
+    Ok(runs.iter().map(|run| workspace.name_of(run.path())).collect())
 }

@@ -7,10 +7,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use myo_lab::{Backend, ModelReach, STEPS, changed_settings, likely_cause};
 use myo_train::session::{Change, End, Goal, News, Outcome, Trend, Until};
-use myo_train::{Checkpoint, PpoConfig, write_whole};
+use myo_train::{Checkpoint, PpoConfig, RunFolder, write_whole};
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
+use super::compare;
 use super::following::Following;
 use super::hub::Hub;
 use super::look;
@@ -57,6 +58,9 @@ struct Entry {
     /// The task that a live training goes on with, and has not begun yet.
     #[serde(default)]
     next: Option<String>,
+    /// Settings of the learner that come with it, where they are others.
+    #[serde(default)]
+    next_settings: Option<Changes>,
 }
 
 impl List {
@@ -73,7 +77,7 @@ impl List {
             progress: None,
             news: vec![],
         };
-        self.entries.push(Entry { job, order, told: None, next: None });
+        self.entries.push(Entry { job, order, told: None, next: None, next_settings: None });
         self.next
     }
 }
@@ -154,12 +158,32 @@ impl Jobs {
         if let Some(from) = &order.from {
             self.workspace.run(from)?;
         }
+        let taken = self.taken_seeds(&order.text)?;
         let mut list = self.list();
-        let order_of = |user: u64| JobOrder { seed: order.seed.wrapping_add(user), users: 1, ..order.clone() };
-        let ids = (0..u64::from(order.users)).map(|user| list.add(order_of(user), None)).collect();
+        let free = (order.seed..=u64::MAX).filter(|seed| order.from.is_some() || !taken.contains(seed));
+        let order_of = |seed: u64| JobOrder { seed, users: 1, ..order.clone() };
+        let ids = free.take(order.users as usize).map(|seed| list.add(order_of(seed), None)).collect();
         drop(list);
         self.changed()?;
         Ok(ids)
+    }
+
+    /// Seeds of users who learnt a task or are about to: one more of the same seed would be the same user again.
+    fn taken_seeds(&self, text: &str) -> Result<Vec<u64>, Refusal> {
+        let runs = compare::runs_of(&self.workspace, &self.workspace.read(text)?.task)?;
+        let list = self.list();
+        let ordered = list.entries.iter().filter(|entry| entry.order.text == text).map(|entry| entry.job.seed);
+        Ok(runs.iter().map(|run| run.config().seed).chain(ordered).collect())
+    }
+
+    /// Trainings of a task as it is that have not ended, with this goal.
+    pub fn on_the_way(&self, text: &str, until: &str) -> Vec<u32> {
+        let list = self.list();
+        let is_of = |entry: &&Entry| {
+            let is_open = entry.is_under_way() || entry.job.state == JobState::Waiting;
+            is_open && entry.order.text == text && entry.order.until == until && entry.order.from.is_none()
+        };
+        list.entries.iter().filter(is_of).map(|entry| entry.job.id).collect()
     }
 
     fn refuse_what_cannot_be_trained(&self, text: &str) -> Result<(), Refusal> {
@@ -180,21 +204,38 @@ impl Jobs {
     pub fn relearn(&self, id: u32, text: String, settings: Option<Changes>) -> Result<(), Refusal> {
         self.refuse_what_cannot_be_trained(&text)?;
         settings.as_ref().map_or(Ok(()), check_settings)?;
+        if let Some(settings) = &settings {
+            self.refuse_other_widths(id, settings)?;
+        }
         let mut list = self.list();
         let entry = list.entries.iter_mut().find(|entry| entry.job.id == id);
         let entry = entry.ok_or_else(|| Refusal::sentence("this training is not in the list any more"))?;
         if !entry.job.live && !entry.is_under_way() {
             return Err(Refusal::sentence("this training is over, and its run stays as it is; train another user"));
         }
-        if let Some(settings) = settings {
-            entry.order.settings = settings;
-        }
+        entry.next_settings = settings.or(entry.next_settings.take());
         entry.next = Some(text);
         if !entry.is_under_way() {
             entry.job.state = JobState::Waiting;
         }
         drop(list);
         self.changed()
+    }
+
+    /// What has been learnt lies in layers of the widths that it was learnt with.
+    fn refuse_other_widths(&self, id: u32, settings: &Changes) -> Result<(), Refusal> {
+        let run = self.list().entries.iter().find(|entry| entry.job.id == id).and_then(|entry| entry.job.run.clone());
+        let Some(run) = run else { return Ok(()) };
+        let own = RunFolder::open(&self.workspace.run(&run)?)?.config().ppo.clone();
+        let wanted = changed_settings(&PpoConfig::default(), changes(settings))?;
+        if (&own.policy_hidden, &own.value_hidden) == (&wanted.policy_hidden, &wanted.value_hidden) {
+            return Ok(());
+        }
+        Err(Refusal::sentence(format!(
+            "the widths of hidden layers cannot change while a user learns: it has {:?} (policy_hidden) and {:?} (value_hidden); train \
+             another user",
+            own.policy_hidden, own.value_hidden
+        )))
     }
 
     /// Takes up a run again that was stopped, whoever trained there.
@@ -217,7 +258,7 @@ impl Jobs {
             steps: None,
             from: None,
             live: false,
-            settings: Changes::new(),
+            settings: changed_in(&RunFolder::open(&folder)?.config().ppo)?,
         };
         let id = list.add(order, Some(run.to_owned()));
         drop(list);
@@ -397,7 +438,10 @@ impl Jobs {
         loop {
             self.wait_while_paused(id);
             if self.has_next(id) {
-                return Ok(Over::Changed(Box::new(session.trainer().save()?)));
+                let heir = session.trainer().save()?;
+                // Should what comes next not begin, nothing of this is lost.
+                session.conclude(End::Interrupted, &|| false)?;
+                return Ok(Over::Changed(Box::new(heir)));
             }
             let progress = session.advance(&stop)?;
             following.doubling = session.trend().map(doubling);
@@ -462,23 +506,29 @@ impl Jobs {
         entry.job.state = JobState::Preparing;
         // What it was told was about the task of before, unless it was to end.
         entry.told = entry.told.filter(|told| matches!(told, Step::Stop | Step::Dismiss));
-        let (order, run) = (entry.order.clone(), entry.job.run.clone());
+        let (mut order, run) = (entry.order.clone(), entry.job.run.clone());
+        order.settings = entry.next_settings.clone().unwrap_or(order.settings);
         drop(list);
         self.changed()?;
         let run = run.ok_or_else(gone)?;
         let heir_to = Some(Heritage { run: self.workspace.run(&run)?, checkpoint });
         let mut notices = Vec::new();
-        let training = self.begin(&order, &text, heir_to, &run, &mut notices)?;
-        self.has_begun(id, text);
+        let training = self.begin(&order, &text, heir_to, &run, &mut notices);
+        let order = training.is_ok().then_some(JobOrder { text: text.clone(), ..order });
+        self.has_begun(id, &text, order);
+        let training = training?;
         self.update_and_keep(id, |job| job.news.append(&mut notices));
         Ok(training)
     }
 
-    /// A task waits no longer once its training is whole: a studio that is killed before begins it again.
-    fn has_begun(&self, id: u32, text: String) {
+    /// A task waits no longer once its training is whole, or cannot be: a studio that is killed before begins it again. Without an order
+    /// all stays as it was before.
+    fn has_begun(&self, id: u32, text: &str, order: Option<JobOrder>) {
         if let Some(entry) = self.list().entries.iter_mut().find(|entry| entry.job.id == id) {
-            entry.next = entry.next.take().filter(|next| *next != text);
-            entry.order.text = text;
+            if entry.next.as_deref() == Some(text) {
+                (entry.next, entry.next_settings) = (None, None);
+            }
+            entry.order = order.unwrap_or_else(|| entry.order.clone());
         }
     }
 
@@ -527,8 +577,21 @@ fn is_unfinished(state: &JobState) -> bool {
 
 /// Refuses settings that no learner can have.
 fn check_settings(settings: &Changes) -> Result<(), Refusal> {
-    let changes = settings.iter().map(|(name, value)| (&**name, value.clone()));
-    Ok(changed_settings(&PpoConfig::default(), changes).map(drop)?)
+    Ok(changed_settings(&PpoConfig::default(), changes(settings)).map(drop)?)
+}
+
+/// Settings by name, as the learner takes them.
+pub fn changes(settings: &Changes) -> impl Iterator<Item = (&str, serde_json::Value)> {
+    settings.iter().map(|(name, value)| (&**name, value.clone()))
+}
+
+/// What of the settings of a learner is not as it comes; the widths of its layers stay with the user.
+fn changed_in(ppo: &PpoConfig) -> Result<Changes, Refusal> {
+    let (own, default) = (serde_json::to_value(ppo)?, serde_json::to_value(PpoConfig::default())?);
+    let serde_json::Value::Object(own) = own else { return Ok(Changes::new()) };
+    let differs =
+        |name: &str, value: &serde_json::Value| default.get(name) != Some(value) && !name.ends_with("_hidden");
+    Ok(own.into_iter().filter(|(name, value)| differs(name, value)).collect())
 }
 
 fn doubling(trend: Trend) -> Doubling {

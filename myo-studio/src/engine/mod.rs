@@ -31,9 +31,9 @@ use serde_json::Value;
 use crate::protocol::{
     Answer, AnswersOne, AskBody, AskBodyOfRun, AskEfforts, AskReach, AskReport, AskReward, AskRewardMap, AskRun,
     AskSchema, AskSettings, AskUsersOf, BodyShape, CheckTask, CompareRuns, ConvertTask, DiscardRun, DiscardTask, Event,
-    Finding, GoOn, Hello, LayoutTable, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message, MotionHeader,
-    NoteRun, OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView, RunDetail,
-    RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
+    Finding, GoOn, Hello, LayoutTable, LayoutUsers, LearnerSetting, ListRuns, ListTasks, Look, LookAt, Message,
+    MotionHeader, NoteRun, OpenTask, Pose, Question, Refusal, Relearn, RenameRun, Replay, Reply, RewardMap, RewardView,
+    RunDetail, RunEntry, SaveTask, Surface, TaskFile, TaskText, TellJob, Train, Watch, Welcome, ask,
 };
 use bodies::Bodies;
 pub use hub::Hub;
@@ -304,8 +304,10 @@ impl AnswersOne<CompareRuns> for Engine {
 }
 
 impl AnswersOne<AskUsersOf> for Engine {
-    fn answer_one(&self, AskUsersOf { text }: AskUsersOf) -> Result<Vec<String>, Refusal> {
-        compare::users_of(&self.workspace, &self.workspace.read(&text)?.task)
+    fn answer_one(&self, AskUsersOf { text, until }: AskUsersOf) -> Result<LayoutUsers, Refusal> {
+        let task = self.workspace.read(&text)?.task;
+        let runs = compare::users_of(&self.workspace, &task, until.parse()?)?;
+        Ok(LayoutUsers { runs, on_the_way: self.jobs.on_the_way(&text, &until) })
     }
 }
 

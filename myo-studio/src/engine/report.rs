@@ -12,7 +12,7 @@ use myo_train::RunFolder;
 use super::workspace::seconds;
 use super::{compare, look, motion, replay, runs};
 use crate::pages;
-use crate::protocol::{Recorded, RecordedMotion, RecordedRun, Refusal, Replay};
+use crate::protocol::{LeftOut, Recorded, RecordedMotion, RecordedRun, Refusal, Replay};
 
 /// The episode that a report shows.
 const SEED: u32 = 1;
@@ -22,15 +22,28 @@ const PLACE: &str = "\"MYO_RECORDED\"";
 /// A page (HTML) on runs, each a name and a folder.
 ///
 /// # Errors
-/// A run cannot be read, or the pages are not in this program.
+/// None of the runs can be read, or the pages are not in this program.
 pub fn report(runs: &[(String, PathBuf)]) -> Result<String, Refusal> {
     let page = pages::report()?;
-    let recorded = Recorded {
-        version: env!("CARGO_PKG_VERSION").into(),
-        made_s: seconds(SystemTime::now()),
-        runs: runs.iter().map(|(name, folder)| recorded(name, folder)).collect::<Result<_, _>>()?,
-        table: compare::table(runs),
-    };
+    let mut table = compare::table(runs);
+    let (mut whole, mut first) = (Vec::new(), None);
+    for (name, folder) in runs {
+        match recorded(name, folder) {
+            Ok(run) => whole.push(run),
+            // One that cannot be read hides no other.
+            Err(refusal) => {
+                if table.left_out.iter().all(|left| left.run != *name) {
+                    table.left_out.push(LeftOut { run: name.clone(), reason: refusal.message.clone() });
+                }
+                first = first.or(Some(refusal));
+            }
+        }
+    }
+    if let (true, Some(refusal)) = (whole.is_empty(), first) {
+        return Err(refusal);
+    }
+    let (version, made_s) = (env!("CARGO_PKG_VERSION").into(), seconds(SystemTime::now()));
+    let recorded = Recorded { version, made_s, runs: whole, table };
     // No word of a task may end the script that holds it.
     let json = serde_json::to_string(&recorded)?.replace('<', "\\u003c");
     Ok(page.replacen(PLACE, &json, 1))

@@ -69,7 +69,7 @@ impl Training {
         let Beginning { task, model, backend, settings, seed, goal, heir_to } = beginning;
         let heritage = heir_to.as_ref().map(|heritage| &heritage.checkpoint);
         let base = heritage.map_or_else(PpoConfig::default, |checkpoint| checkpoint.config().with_default_learning());
-        let config = changed_settings(&base, settings.iter().map(|(name, value)| (&**name, value.clone())))?;
+        let config = changed_settings(&base, super::jobs::changes(settings))?;
         let start = Start::New { config: &config, seed, from: heritage };
         let envs = build(backend, model, std::slice::from_ref(task), (&config, seed), notice)?;
         let (device, looks) = (envs.device(), envs.for_looks(seed)?);

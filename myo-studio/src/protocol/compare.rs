@@ -105,3 +105,13 @@ pub struct Contrast {
     /// `higher`, `lower`, `within_training`, `no_difference` or `unknown`.
     pub verdict: String,
 }
+
+/// Users of a task as it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct LayoutUsers {
+    /// Names of the runs of those who have learnt it and are tested, each of another seed.
+    pub runs: Vec<String>,
+    /// Numbers of the trainings of those who learn it or wait for that.
+    pub on_the_way: Vec<u32>,
+}

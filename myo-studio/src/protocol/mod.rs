@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use body::{BodyPart, BodyShape, MOMENT, MotionLayout, MuscleShape, OBJECT, PART};
-pub use compare::{Against, Contrast, LayoutRow, LayoutTable, LeftOut, Mean, StepRow, UserRow};
+pub use compare::{Against, Contrast, LayoutRow, LayoutTable, LayoutUsers, LeftOut, Mean, StepRow, UserRow};
 pub use jobs::{Before, Bottleneck, Changes, Doubling, Job, JobOrder, JobProgress, JobState, LearnerSetting, Step};
 pub use report::{Recorded, RecordedMotion, RecordedRun};
 pub use reward::{Cut, RewardMap, RewardTerm, RewardView};
@@ -324,11 +324,13 @@ calls! {
         /// Names of the runs; the layout of the first is what others are held against.
         names: Vec<String>,
     } -> LayoutTable, "LayoutTable";
-    /// Runs whose users learnt a task as it is, by name.
+    /// Who has learnt a task as it is from nothing, with the settings as they come, and who is about to.
     "users_of" AskUsersOf {
         /// Text of the task.
         text: String,
-    } -> Vec<String>, "Array<string>";
+        /// When they stop: `plateau`, `off` or a share of successful episodes.
+        until: String,
+    } -> LayoutUsers, "LayoutUsers";
     /// A report on runs as one page (HTML) that needs nothing else.
     "report" AskReport {
         /// Names of the runs.

@@ -34,7 +34,7 @@ fn page() -> String {
         JobOrder Bottleneck Before Doubling JobProgress JobState Job Step LearnerSetting
         RewardTerm RewardView Cut RewardMap
         RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
-        Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable RecordedMotion RecordedRun Recorded
+        Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable LayoutUsers RecordedMotion RecordedRun Recorded
         Refusal Event Welcome Pose Replay
         Hello AskSchema LookAt ConvertTask CheckTask AskReach AskReward AskRewardMap AskSettings AskBody AskBodyOfRun ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns
         AskRun AskEfforts CompareRuns AskUsersOf AskReport NoteRun RenameRun DiscardRun

@@ -1004,6 +1004,9 @@ left_out: Array<LeftOut>, };
 /**
  * A motion in text.
  */
+/** Users of a task as it is. */
+export type LayoutUsers = { runs: Array<string>, on_the_way: Array<number>, };
+
 export type RecordedMotion = { 
 /**
  * How its numbers lie.
@@ -1364,7 +1367,7 @@ export type AskUsersOf = {
 /**
  * Text of the task.
  */
-text: string, };
+text: string, until: string, };
 
 /**
  * A report on runs as one page (HTML) that needs nothing else.
@@ -1440,7 +1443,7 @@ export interface Calls {
   run: { with: AskRun; reply: RunDetail };
   efforts: { with: AskEfforts; reply: Array<number | null> };
   compare: { with: CompareRuns; reply: LayoutTable };
-  users_of: { with: AskUsersOf; reply: Array<string> };
+  users_of: { with: AskUsersOf; reply: LayoutUsers };
   report: { with: AskReport; reply: string };
   note: { with: NoteRun; reply: null };
   rename_run: { with: RenameRun; reply: null };

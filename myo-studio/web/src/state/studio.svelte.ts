@@ -419,7 +419,9 @@ export class Studio {
     const { document } = this;
     if (!document) return;
     await this.save();
-    await this.try(() => this.engine.ask('relearn', { job, text: document.text, settings: this.learner }));
+    // Where nothing was changed here, the learner stays as it is.
+    const settings = Object.keys(this.learner).length > 0 ? this.learner : null;
+    await this.try(() => this.engine.ask('relearn', { job, text: document.text, settings }));
   }
 
   tell(job: number, step: Step) {
