@@ -284,11 +284,9 @@ mod tests {
         let scene = "scene:\n  left: {kind: sphere, at: [0.4, 0.2, -0.1], radius: 0.02}\n  right: {kind: sphere, at: [0.4, -0.2, -0.1], \
                      radius: 0.02}\n";
         let steps = "[dwell: {in: left, for_s: 0.1}, dwell: {in: right, for_s: 0.1}]";
-        for script in [
-            steps.to_owned(),
-            format!("[random_order: {steps}]"),
-            format!("[wait: [0.2, 0.5], {}", &steps[1..]),
-        ] {
+        for script in
+            [steps.to_owned(), format!("[random_order: {steps}]"), format!("[wait: [0.2, 0.5], {}", &steps[1..])]
+        {
             let text = format!("version: 2\nname: t\n{scene}script: {script}\ntime_limit_s: 4\n");
             let task = Task::from_yaml(&text, "t").unwrap();
             for (step, y) in [(0, 0.2), (1, -0.2)] {

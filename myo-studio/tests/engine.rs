@@ -404,7 +404,23 @@ fn users_are_held_against_each_other_by_layout_and_reported_in_one_file() {
     for id in ids {
         wait(&engine, id.as_u64().unwrap(), |job| job["state"]["is"] == "done");
     }
-    assert_eq!(ask(&engine, "users_of", json!({"text": easy(0.1)})).unwrap(), json!(["easy-1", "easy-2"]));
+    let users_of = |until: &str| ask(&engine, "users_of", json!({"text": easy(0.1), "until": until})).unwrap();
+    assert_eq!(users_of("0.5"), json!({"runs": ["easy-1", "easy-2"], "on_the_way": []}));
+    assert_eq!(users_of("plateau"), json!({"runs": [], "on_the_way": []}), "of the same goal alone");
+    // One more is another user, and one that has begun is on the way.
+    let more = ask(&engine, "train", order(&easy(0.1), "off", false)).unwrap()[0].as_u64().unwrap();
+    assert_eq!(job(&engine, more)["seed"], 5);
+    assert_eq!(users_of("off"), json!({"runs": [], "on_the_way": [more]}));
+    wait(&engine, more, |job| job["progress"]["env_steps"].as_u64() > Some(0));
+    let wide = json!({"job": more, "text": easy(0.1), "settings": {"policy_hidden": [64, 64]}});
+    assert!(refusal(&engine, "relearn", wide).contains("cannot change while a user learns"));
+    ask(&engine, "tell", json!({"job": more, "step": "dismiss"})).unwrap();
+    wait(&engine, more, Value::is_null);
+    // A copy of a run says nothing new.
+    let runs = folder.path().join("runs");
+    copy(&runs.join("easy-1"), &runs.join("twin"));
+    let twins = ask(&engine, "compare", json!({"names": ["easy-1", "twin"]})).unwrap();
+    assert!(twins["left_out"][0]["reason"].as_str().unwrap().contains("the same user as easy-1"), "{twins}");
     let names = json!({"names": ["easy-1", "easy-2", "far-1", "gone"]});
     let table = ask(&engine, "compare", names).unwrap();
     let (layouts, left_out) = (table["layouts"].as_array().unwrap(), table["left_out"].as_array().unwrap());
@@ -502,5 +518,17 @@ fn wait_again(engine: &Engine, id: u64) {
     while job(engine, id)["state"]["is"] != "done" {
         assert!(begun.elapsed() < PATIENCE, "{}", job(engine, id));
         std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let place = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &place);
+        } else {
+            std::fs::copy(entry.path(), &place).unwrap();
+        }
     }
 }

@@ -1002,11 +1002,21 @@ layouts: Array<LayoutRow>,
 left_out: Array<LeftOut>, };
 
 /**
+ * Users of a task as it is.
+ */
+export type LayoutUsers = { 
+/**
+ * Names of the runs of those who have learnt it and are tested, each of another seed.
+ */
+runs: Array<string>, 
+/**
+ * Numbers of the trainings of those who learn it or wait for that.
+ */
+on_the_way: Array<number>, };
+
+/**
  * A motion in text.
  */
-/** Users of a task as it is. */
-export type LayoutUsers = { runs: Array<string>, on_the_way: Array<number>, };
-
 export type RecordedMotion = { 
 /**
  * How its numbers lie.
@@ -1361,13 +1371,17 @@ export type CompareRuns = {
 names: Array<string>, };
 
 /**
- * Runs whose users learnt a task as it is, by name.
+ * Who has learnt a task as it is from nothing, with the settings as they come, and who is about to.
  */
 export type AskUsersOf = { 
 /**
  * Text of the task.
  */
-text: string, until: string, };
+text: string, 
+/**
+ * When they stop: `plateau`, `off` or a share of successful episodes.
+ */
+until: string, };
 
 /**
  * A report on runs as one page (HTML) that needs nothing else.
