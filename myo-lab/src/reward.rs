@@ -5,7 +5,8 @@
 
 use myo_scalar::{Counter, Scalar, Word, seed_words};
 use myo_tasks::logic::{
-    CompiledTask, Goal, Landmarks, Sensed, Stay, TaskState, begin_step, distance_to_goal, draw_objects, remaining_path,
+    CompiledTask, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal, draw_objects,
+    remaining_path, reward,
 };
 use myo_tasks::{InvalidTask, Reach, Task};
 
@@ -60,7 +61,7 @@ impl Trial {
         Ok(Self { task, episodes })
     }
 
-    /// How far the pointer is from what the reward counts, with the step of this number current.
+    /// How far (m) the pointer must still go, as the reward counts it.
     fn distance(&self, state: &TaskState<f64>, goal: &Goal<f64>, pointer: [f64; 3]) -> f64 {
         let (stay, now) = (Stay::new(state, goal), 0.0);
         let sensed = Sensed { body: Landmarks::unknown(), pointer, stay, now };
@@ -175,7 +176,7 @@ fn direction(number: u32) -> [f64; 3] {
 }
 
 /// Reward per second for distance and time of a pointer that stays at each place of a slice, row by row, with the step of this number
-/// current in the first drawn episode; and where its object is (m, from the shoulder centre).
+/// current in the first drawn episode; and the slice, which is laid by where the object of that step is (m, from the shoulder centre).
 ///
 /// # Errors
 /// The task has errors.
@@ -189,12 +190,13 @@ pub fn reward_slice(
     let goal = Goal::of(&trial.task, &state);
     let slice = slice(goal.centre);
     let Slice { corner, along, across, places: [columns, rows] } = slice;
-    let weights = &trial.task.weights;
+    // Nothing is done there, and no muscle pulls.
+    let nothing = Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
     let at = |row: usize, column: usize| {
         let share = |index: usize, count: usize| index as f64 / (count.max(2) - 1) as f64;
         let (x, y) = (share(column, columns), share(row, rows));
         let place = std::array::from_fn(|k| corner[k] + x * along[k] + y * across[k]);
-        -(weights.distance * trial.distance(&state, &goal, place) + weights.time_cost) / task.control_dt_s
+        reward(&trial.task, &nothing, trial.distance(&state, &goal, place), 0.0, 0.0).sum() / task.control_dt_s
     };
     let values = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
     Ok((slice, values.map(|(row, column)| at(row, column)).collect()))

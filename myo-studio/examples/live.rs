@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A user learns the preset `public-display`, and then the same with one button moved by 5 cm, and by 5 cm back, and so on. Of each change
-//! is told: when the first look came, when the user was as good again as before (within 1 % of success and 5 % of time of what it reached in
+//! is told: when the first look came, when 98 % of practice episodes succeeded, when the user was as good again as before (within 1 % of success and 5 % of time of what it reached in
 //! the end), and when further practice brought nothing more. Then one training goes on by turns with and without somebody who looks on.
 
 use std::sync::Arc;
@@ -92,12 +92,14 @@ fn tell(by: f64, total: f64, looked: Option<f64>, seen: &[(f64, JobProgress)], d
         let success = progress.success.zip(last.success).is_some_and(|(now, end)| now >= end - 0.01);
         success && progress.episode_s.zip(last.episode_s).is_some_and(|(now, end)| now <= 1.05 * end)
     };
-    let adapted = seen.iter().skip(1).find(|(_, progress)| is_as_good(progress));
+    let adapted = seen.iter().find(|(_, progress)| is_as_good(progress));
+    let again = seen.iter().find(|(_, progress)| progress.success.is_some_and(|success| success >= 0.98));
     println!(
-        "moved to {by:.2} m: first look after {:.2} s ({}), as good as in the end after {:.1} s ({} steps), plateau and \
+        "moved to {by:.2} m: first look after {:.2} s ({}), 98 % of practice succeeds after {:.1} s, as good as in the end after {:.1} s ({} steps), plateau and \
          evaluation after {total:.1} s ({} steps); fresh episodes: {}",
         looked.unwrap_or(f64::NAN),
         percent(before.and_then(|before| before.success)),
+        again.map_or(f64::NAN, |(at, _)| *at),
         adapted.map_or(f64::NAN, |(at, _)| *at),
         adapted.map_or(0, |(_, progress)| progress.env_steps),
         last.env_steps,

@@ -1,6 +1,6 @@
 //! Runs by what their users learnt, and what tells the layouts apart.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use myo_lab::{Comparison, Difference, Group, Quantity, RunDescription, find_runs};
 use myo_tasks::Task;
@@ -61,10 +61,15 @@ fn names(kin: &[Kin]) -> Vec<String> {
         let is_alone = kin.iter().filter(|other| layout(other) == layout(own)).count() == 1;
         let words = if is_alone { String::new() } else { own.way.words() };
         let name = if words.is_empty() { layout(own) } else { format!("{} ({words})", layout(own)) };
-        let numbered = |k: usize| if k == 1 { name.clone() } else { format!("{name} ({k})") };
-        names.extend((1..).map(numbered).find(|name| !names.contains(name)));
+        names.push(distinct(&names, name));
     }
     names
+}
+
+/// A name that none of the others has: what comes again has its number, `press l`, `press l (2)`.
+fn distinct(others: &[String], name: String) -> String {
+    let numbered = (2..).map(|k| format!("{name} ({k})"));
+    std::iter::once(name.clone()).chain(numbered).find(|name| !others.contains(name)).unwrap_or(name)
 }
 
 /// The layouts of these runs, each a name and a folder. What cannot be read or is not evaluated is left out, and told.
@@ -94,7 +99,7 @@ pub fn table(runs: &[(String, PathBuf)]) -> LayoutTable {
 }
 
 /// Puts a run to those that it may be compared with.
-fn sorted_in(kin: &mut Vec<Kin>, name: &str, folder: &std::path::Path) -> Result<(), Refusal> {
+fn sorted_in(kin: &mut Vec<Kin>, name: &str, folder: &Path) -> Result<(), Refusal> {
     let run = RunFolder::open(folder)?;
     let way = Way::of(&run)?;
     if run.evaluation()?.is_none() {
@@ -141,14 +146,10 @@ fn row(group: &Group, kin: &Kin, against: Option<Against>) -> LayoutRow {
 
 /// Each step over users; none where a run has several layouts, whose steps are not the same.
 fn steps(group: &Group) -> Vec<StepRow> {
-    let ([task], Ok(flat)) = (&group.run.layouts()[..], group.run.task.flat()) else { return vec![] };
-    debug_assert_eq!(task.name, group.run.task.name);
+    let (1, Ok(flat)) = (group.run.layouts().len(), group.run.task.flat()) else { return vec![] };
     let mut labels: Vec<String> = Vec::new();
     for index in 0..flat.steps.len() {
-        // A step that comes again has its number: `press l`, `press l (2)`.
-        let label = flat.label(index);
-        let numbered = |k: usize| if k == 1 { label.clone() } else { format!("{label} ({k})") };
-        labels.extend((1..).map(numbered).find(|label| !labels.contains(label)));
+        labels.push(distinct(&labels, flat.label(index)));
     }
     let step = |(index, label): (usize, String)| {
         let of = |value: fn(&TargetEvaluation) -> Option<f64>, most| {
@@ -197,7 +198,7 @@ pub fn runs_of(workspace: &Workspace, task: &Task) -> Result<Vec<RunFolder>, Ref
     if !folder.exists() {
         return Ok(vec![]);
     }
-    let of_task = |path: &std::path::Path| {
+    let of_task = |path: &Path| {
         let run = RunFolder::open(path).ok()?;
         let layouts = RunDescription::of(&run).ok()?.layouts();
         (layouts == std::slice::from_ref(task)).then_some(run)
