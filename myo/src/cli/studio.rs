@@ -2,6 +2,7 @@
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use myo_studio::engine::Engine;
@@ -10,10 +11,11 @@ use myo_studio::server::{PORT, Server};
 
 use super::backend::{BackendName, Options};
 use super::failure::{Failure, Result, complain};
+use super::interrupt::Interrupt;
 use super::output::print;
 
-/// Exit status of what Ctrl-C ended.
-const INTERRUPTED: i32 = 130;
+/// Ctrl-C is looked for so often.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// Arguments of `myo studio`.
 #[derive(Args)]
@@ -63,15 +65,11 @@ pub fn run(args: &Studio) -> Result<()> {
     {
         complain(&format!("warning: no browser could be opened ({error}); open the address above"));
     }
-    let (tell, told) = tokio::sync::oneshot::channel::<()>();
-    let mut tell = Some(tell);
-    // Whoever does not want to wait for the checkpoint presses it again.
-    ctrlc::set_handler(move || match tell.take() {
-        Some(tell) => drop(tell),
-        None => std::process::exit(INTERRUPTED),
-    })?;
-    server.serve(async {
-        let _ = told.await;
+    let interrupt = Interrupt::listen()?;
+    server.serve(async move {
+        while !interrupt.wanted() {
+            tokio::time::sleep(LOOK_EVERY).await;
+        }
     })?;
     Ok(())
 }
