@@ -37,7 +37,7 @@ enum Instead {
 
 fn measure_both(gpu: &Gpu, config: &PpoConfig) -> Result<(), Failure> {
     let data = RollOut::new(gpu, config)?;
-    let (envs, steps) = (config.num_envs, config.steps_per_update);
+    let (envs, steps) = (data.sizes.envs, data.sizes.steps);
     println!(
         "{envs} x {steps} samples, {} x {} minibatches, policy {:?}, value {:?}",
         config.epochs, config.minibatches, config.policy_hidden, config.value_hidden
@@ -162,7 +162,7 @@ fn main() -> Result<(), Failure> {
     for num_envs in samples {
         let config = PpoConfig {
             num_envs,
-            steps_per_update: 1,
+            rollout_s: 0.05,
             epochs: 1,
             minibatches: 1,
             policy_hidden: vec![128; 4],

@@ -44,7 +44,8 @@ fn measure_rollout(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result
     let make = || GpuEnv::new(gpu, &model, task, &config.envs(0));
     let card = DeviceRollout::new(make()?, &config)?;
     card.set_scaling(&Normalizer::new(card.sizes().observations, 5.0, 0.05))?;
-    let (groups, steps, spec) = (gpu.groups(), config.steps_per_update, card.env().spec());
+    let (groups, spec) = (gpu.groups(), card.env().spec());
+    let steps = config.steps_per_update(spec.control_dt);
     for group in 0..groups {
         card.of(group)?.set_clock(1 + group as u64, 0)?;
     }

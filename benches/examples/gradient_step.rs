@@ -35,7 +35,7 @@ const LEAST_S: f64 = 1.0;
 fn config(samples: usize) -> PpoConfig {
     PpoConfig {
         num_envs: samples,
-        steps_per_update: 1,
+        rollout_s: 0.05,
         epochs: 1,
         minibatches: 1,
         policy_hidden: vec![128; 4],

@@ -64,8 +64,8 @@ fn update(peak: f64) {
     let config = PpoConfig::default();
     let (policy, value) = networks(&config);
     let flops = policy.flops_per_sample() + value.flops_per_sample();
-    let passes = (config.batch_size() * config.epochs) as f64;
-    let samples = config.batch_size() as f64;
+    let samples = config.batch_size(0.05) as f64;
+    let passes = samples * config.epochs as f64;
     let mut trainer = Trainer::new(Box::new(Idle::new(&config)), config, 1).expect("the settings fit");
     let (mut learn, mut collect) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..25 {

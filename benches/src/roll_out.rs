@@ -19,10 +19,11 @@ pub struct RollOut {
 impl RollOut {
     /// Observations and actions of pointing with the built-in arm, as many as the settings ask for.
     pub fn new(gpu: &Gpu, config: &PpoConfig) -> Result<Self, Failure> {
-        let (envs, steps) = (config.num_envs, config.steps_per_update);
+        let (envs, steps) = (config.num_envs, config.steps_per_update(0.05));
         let (observations, actions, padded) = (Idle::OBSERVATIONS, Idle::ACTIONS, envs.next_multiple_of(4));
         let sizes = Sizes {
             steps,
+            noise_steps: 1,
             envs,
             counted: envs,
             noise_free: config.noise_free_envs(),

@@ -6,7 +6,7 @@ import pytest
 import myoenv
 import myoenv.sweep
 
-SHORT = {"until": None, "steps": 512, "num_envs": 32, "backend": "cpu", "settings": {"steps_per_update": 16}}
+SHORT = {"until": None, "steps": 512, "num_envs": 32, "backend": "cpu", "settings": {"rollout_s": 0.8}}
 
 
 def test_two_layouts_are_compared(tmp_path):

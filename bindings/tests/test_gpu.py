@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(
 
 # Named, as an adapter of software is not taken otherwise.
 GPU = {"backend": "gpu", "device": 0}
-SMALL = {"num_envs": 32, "settings": {"steps_per_update": 4, "policy_hidden": [16], "value_hidden": [16]}}
+SMALL = {"num_envs": 32, "settings": {"rollout_s": 0.2, "policy_hidden": [16], "value_hidden": [16]}}
 
 
 @pytest.fixture

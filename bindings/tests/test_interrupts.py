@@ -13,7 +13,7 @@ import pytest
 import myoenv
 
 SMALL = {
-    "settings": {"steps_per_update": 4, "policy_hidden": [16], "value_hidden": [16]},
+    "settings": {"rollout_s": 0.2, "policy_hidden": [16], "value_hidden": [16]},
     "num_envs": 32,
     "backend": "cpu",
 }

@@ -8,7 +8,7 @@ import pytest
 
 import myoenv
 
-SMALL = {"steps_per_update": 16, "policy_hidden": [16], "value_hidden": [16]}
+SMALL = {"rollout_s": 0.8, "policy_hidden": [16], "value_hidden": [16]}
 
 
 @pytest.fixture

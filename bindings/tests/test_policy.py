@@ -13,7 +13,7 @@ import myoenv
 @pytest.fixture(scope="module")
 def policy():
     """Trained for a moment, with layers of different widths, so that no axis can be mistaken for another."""
-    settings = {"steps_per_update": 4, "policy_hidden": [16, 24], "value_hidden": [16]}
+    settings = {"rollout_s": 0.2, "policy_hidden": [16, 24], "value_hidden": [16]}
     return myoenv.train("pointing-single", until=None, steps=512, num_envs=32, backend="cpu", settings=settings).policy
 
 

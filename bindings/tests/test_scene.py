@@ -191,7 +191,7 @@ def test_all_parts_are_read():
             s.Press("panel"),
         ],
         technique=s.Fingertip(),
-        reward=s.Reward(distance=1, inside_is_zero=False),
+        reward=s.Reward(distance_cost=20, inside_is_zero=False),
         observation=s.Observation(joint_velocity=False),
         reset=s.Reset(pose="near_zero"),
         noise=s.Noise(constant=0.185),

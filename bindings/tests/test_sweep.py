@@ -13,7 +13,7 @@ from myoenv.tasks import TaskError, load_task, to_dict
 # JAX, where other tests have imported it, warns of forks; Ray starts programs by them.
 pytestmark = pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")
 
-SHORT = {"steps": 512, "num_envs": 32, "settings": {"steps_per_update": 8}}
+SHORT = {"steps": 512, "num_envs": 32, "settings": {"rollout_s": 0.4}}
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from myoenv.runs import read_run
 from myoenv.session import Session
 
 SMALL = {
-    "settings": {"steps_per_update": 4, "policy_hidden": [16], "value_hidden": [16]},
+    "settings": {"rollout_s": 0.2, "policy_hidden": [16], "value_hidden": [16]},
     "num_envs": 32,
     "backend": "cpu",
 }
@@ -336,7 +336,7 @@ def test_learning_that_runs_away_is_told_and_healed():
 
 
 def test_a_training_begins_with_what_another_learned(run, tmp_path):
-    short = {"until": None, "steps": 128, "num_envs": 32, "settings": {"steps_per_update": 4}, "backend": "cpu"}
+    short = {"until": None, "steps": 128, "num_envs": 32, "settings": {"rollout_s": 0.2}, "backend": "cpu"}
     warm = myoenv.train("public-display", start_from=run.run, out=tmp_path / "warm", **short)
     config = json.loads((warm.run / "config.json").read_text())
     assert config["run"]["from"] == {"run": str(run.run), "env_steps": 1024}

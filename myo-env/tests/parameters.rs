@@ -41,7 +41,7 @@ fn other(task: &Task) -> Task {
     other.time_limit_s = 0.4;
     other.noise.constant = 0.1;
     other.reset.activation_max = 0.3;
-    other.reward.distance *= 2.0;
+    other.reward.distance_cost *= 2.0;
     other.reward.subtask_bonus += 1.0;
     other.reward.time_cost = 0.4;
     other

@@ -465,7 +465,7 @@ mod tests {
             (&|b| b.run.version = "0.0.1".into(), "trained by different versions"),
             (&|b| b.run.task = preset("pointing").unwrap(), "the tasks ask for different things"),
             (&|b| b.run.task.script.truncate(2), "targets: whole tasks are compared"),
-            (&|b| b.run.task.reward.distance *= 2.0, "rewarded differently"),
+            (&|b| b.run.task.reward.distance_cost *= 2.0, "rewarded differently"),
             (&|b| b.ppo.num_envs = 1, "different goals or settings"),
             (&|b| b.users[1].trend = None, "1 of 2 users of b had not finished learning"),
         ];

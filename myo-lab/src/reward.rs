@@ -102,7 +102,7 @@ fn at_step(task: &CompiledTask<f64>, (draws, state): &(Draws, TaskState<f64>), s
 /// The task has errors.
 pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Vec<RewardTerm>, InvalidTask> {
     let trial = Trial::new(task, EPISODES)?;
-    let ([near, far], w) = (distances(&trial, reach), &task.reward);
+    let ([near, far], w) = (distances(&trial, reach), task.reward.per_second(task.control_dt_s));
     let (steps, limit) = (trial.task.steps.len() as f64, f64::from(task.time_limit_steps()));
     let dt = task.control_dt_s;
     // A cost that is due in every control step: at best for as many as there are steps in the script, at worst to the time limit.
@@ -124,14 +124,14 @@ pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Ve
         let least = if weight == 0.0 { Some(0.0) } else { None };
         RewardTerm { field, weight, of, step: [least, Some(0.0)], episode: [least, Some(0.0)] }
     };
-    let distance = if w.remaining_path { "m to the target and over those to come" } else { "m to the target" };
+    let distance = if w.remaining_path { "s times m to the target and over those to come" } else { "s times m to the target" };
     let mut terms = vec![
-        running("distance", w.distance, distance, [near, far]),
+        running("distance_cost", w.distance_cost, distance, [near * dt, far * dt]),
         running("time_cost", w.time_cost, "s", [dt; 2]),
         once("subtask_bonus", w.subtask_bonus, "target done", steps),
         once("completion_bonus", w.completion_bonus, "task done", 1.0),
-        running("neural_effort", w.neural_effort, "sum of squared muscle controls", [0.0, muscles as f64]),
-        unbounded("acceleration_effort", w.acceleration_effort, "sum of squared joint accelerations (rad/s²)²"),
+        running("effort_cost", w.effort_cost, "s times the sum of squared muscle controls", [0.0, muscles as f64 * dt]),
+        unbounded("acceleration_cost", w.acceleration_cost, "s times the sum of squared joint accelerations (rad/s²)²"),
     ];
     if trial.task.kinds.press {
         terms.push(unbounded("wrong_press", w.wrong_press, "press that was not asked for"));
@@ -235,24 +235,24 @@ mod tests {
             "{time:?}"
         );
         // 26 muscles at full control in each of 80 control steps.
-        let effort = term(&found, "neural_effort");
-        assert!((effort.episode[0].unwrap() + 0.001 * 26.0 * 80.0).abs() < 1e-9, "{effort:?}");
+        let effort = term(&found, "effort_cost");
+        assert!((effort.episode[0].unwrap() + 0.02 * 26.0 * 4.0).abs() < 1e-9, "{effort:?}");
         // Inside nothing is to be paid; the farthest place of an arm of 0.7 m is behind the body.
-        let distance = term(&found, "distance");
+        let distance = term(&found, "distance_cost");
         assert_eq!(distance.step[1], Some(0.0));
-        let far = -distance.step[0].unwrap() / distance.weight;
+        let far = -distance.step[0].unwrap() / (distance.weight * 0.05);
         assert!((0.8..1.3).contains(&far), "{far}");
         // What has no bound says so only where it counts.
-        assert_eq!(term(&found, "acceleration_effort").step, [Some(0.0); 2]);
-        let dear = terms(&format!("{BALL}reward: {{acceleration_effort: 1.0e-5}}\n"));
-        assert_eq!(term(&dear, "acceleration_effort").step, [None, Some(0.0)]);
+        assert_eq!(term(&found, "acceleration_cost").step, [Some(0.0); 2]);
+        let dear = terms(&format!("{BALL}reward: {{acceleration_cost: 2.0e-4}}\n"));
+        assert_eq!(term(&dear, "acceleration_cost").step, [None, Some(0.0)]);
         // Without buttons nothing can be pressed by mistake.
         assert!(found.iter().all(|term| term.field != "wrong_press"));
     }
 
     #[test]
     fn a_target_out_of_reach_costs_something_at_best() {
-        let distance = term(&terms(&BALL.replace("0.5, 0, -0.1", "1.2, 0, -0.1")), "distance");
+        let distance = term(&terms(&BALL.replace("0.5, 0, -0.1", "1.2, 0, -0.1")), "distance_cost");
         assert!(distance.step[1].unwrap() < -0.05, "{distance:?}");
     }
 
@@ -277,7 +277,7 @@ mod tests {
     fn touching_a_button_costs_no_distance() {
         let button = "version: 2\nname: t\nscene: {ok: {kind: button, at: [0.45, 0, -0.1], size: [0.1, 0.1, 0.02], tilt_deg: 90}}\n\
                       script: [press: ok]\ntime_limit_s: 4\n";
-        assert!(term(&terms(button), "distance").step[1].unwrap().abs() < 1e-4, "{:?}", terms(button));
+        assert!(term(&terms(button), "distance_cost").step[1].unwrap().abs() < 1e-4, "{:?}", terms(button));
     }
 
     /// Each step of a task whose steps change places, and of one whose object is drawn, is about its own object.

@@ -346,12 +346,12 @@ fn weights_and_step_size_change_while_a_user_learns() {
         serde_json::from_str(&text).unwrap_or_default()
     };
     assert_eq!(config()["ppo"]["learning_rate"], 0.002);
-    let dear = format!("{}reward: {{neural_effort: 0.01}}\n", easy(0.1));
+    let dear = format!("{}reward: {{effort_cost: 0.2}}\n", easy(0.1));
     ask(&engine, "relearn", json!({"job": id, "text": dear, "settings": {"learning_rate": 0.0005}})).unwrap();
     let changed = wait(&engine, id, |job| job["progress"]["before"]["success"].is_f64());
     assert_eq!(changed["run"], "easy-1", "the same user goes on");
     assert_eq!(config()["ppo"]["learning_rate"], 0.0005);
-    assert_eq!(config()["run"]["task"]["reward"]["neural_effort"], 0.01);
+    assert_eq!(config()["run"]["task"]["reward"]["effort_cost"], 0.2);
     let wrong = refusal(&engine, "relearn", json!({"job": id, "text": dear, "settings": {"clip": -1}}));
     assert!(wrong.contains("clip is -1.0; it must be finite and greater than 0"), "{wrong}");
     ask(&engine, "tell", json!({"job": id, "step": "stop"})).unwrap();

@@ -169,18 +169,19 @@ pub enum Pose {
     Zero,
 }
 
-/// Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
+/// What the simulated user is rewarded for: costs per second, bonuses and fines per event. All weights are positive; costs are subtracted.
+/// They do not depend on the control step, so that a user who decides more often is not paid otherwise.
 ///
-/// The defaults are those that train soonest. The published system (MyoInteract) has `distance: 1`, `inside_is_zero: false`,
-/// `remaining_path: true`, `time_cost: 0`, `subtask_bonus: 0`, `completion_bonus: 10`, `neural_effort: 0`.
+/// The defaults are those that train soonest. The published system (MyoInteract) has, at 20 Hz, `distance_cost: 20`,
+/// `inside_is_zero: false`, `remaining_path: true`, `time_cost: 0`, `subtask_bonus: 0`, `completion_bonus: 10`, `effort_cost: 0`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Reward {
-    /// Cost per metre and control step of the distance from the fingertip to the current target. Default 0.3:
+    /// Cost per second and metre of the distance from the fingertip to the current target. Default 6:
     /// where the arm must first go away from a target to reach it, a larger cost makes stopping short pay.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
-    pub distance: f64,
+    pub distance_cost: f64,
 
     /// `true`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that dwelling anywhere in it
     /// costs nothing; for a button it counts from the pressed face. `false`: from the centre. Default true.
@@ -216,16 +217,34 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub exit: f64,
 
-    /// Cost of muscle control: times the sum over muscles of the squared control, per control step. Default 0.001.
+    /// Cost per second of muscle control: times the sum over muscles of the squared control. Default 0.02.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
-    pub neural_effort: f64,
+    pub effort_cost: f64,
 
-    /// Cost of jerky movement: times the sum over independent joints of the squared acceleration in rad/s2, per control
-    /// step. Default 0; accelerations are large: the published weight is 6.67e-6.
+    /// Cost per second of jerky movement: times the sum over independent joints of the squared acceleration in rad/s2.
+    /// Default 0; accelerations are large: the published weight is 1.33e-4.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
-    pub acceleration_effort: f64,
+    pub acceleration_cost: f64,
+
+    /// Until costs were per second: per metre and control step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(custom(optional_weight))]
+    #[schemars(skip)]
+    pub distance: Option<f64>,
+
+    /// Until costs were per second: `effort_cost` per control step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(custom(optional_weight))]
+    #[schemars(skip)]
+    pub neural_effort: Option<f64>,
+
+    /// Until costs were per second: `acceleration_cost` per control step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(custom(optional_weight))]
+    #[schemars(skip)]
+    pub acceleration_effort: Option<f64>,
 }
 
 /// Which parts the observation has, in this order; at least one. All of them by default, accelerations aside.
@@ -319,6 +338,12 @@ impl Task {
             observation: Observation::default(),
             noise: Noise::default(),
         }
+    }
+
+    /// The same with costs as files have them now; see [`Reward::per_second`].
+    #[must_use]
+    pub fn with_costs_per_second(self) -> Self {
+        Self { reward: self.reward.per_second(self.control_dt_s), ..self }
     }
 
     /// Control steps until the time limit.
@@ -442,6 +467,27 @@ impl Noise {
     pub const LITERATURE_CONSTANT: f64 = 0.185;
 }
 
+fn optional_weight(weight: &Option<f64>, context: &()) -> garde::Result {
+    weight.map_or(Ok(()), |weight| WEIGHT.rule()(&weight, context))
+}
+
+impl Reward {
+    /// With all costs per second; those of old files were per control step of `control_dt_s` seconds.
+    #[must_use]
+    pub fn per_second(&self, control_dt_s: f64) -> Self {
+        let rate = |old: Option<f64>, new: f64| old.map_or(new, |per_step| per_step / control_dt_s);
+        Self {
+            distance_cost: rate(self.distance, self.distance_cost),
+            effort_cost: rate(self.neural_effort, self.effort_cost),
+            acceleration_cost: rate(self.acceleration_effort, self.acceleration_cost),
+            distance: None,
+            neural_effort: None,
+            acceleration_effort: None,
+            ..self.clone()
+        }
+    }
+}
+
 impl Default for Reset {
     fn default() -> Self {
         Self { pose: Pose::RangeUniform, pose_spread_rad: 0.05, velocity_spread_rad_s: 0.05, activation_max: 1.0 }
@@ -451,7 +497,7 @@ impl Default for Reset {
 impl Default for Reward {
     fn default() -> Self {
         Self {
-            distance: 0.3,
+            distance_cost: 6.0,
             inside_is_zero: true,
             remaining_path: false,
             time_cost: 0.6,
@@ -459,8 +505,11 @@ impl Default for Reward {
             completion_bonus: 6.0,
             wrong_press: 0.0,
             exit: 0.0,
-            neural_effort: 0.001,
-            acceleration_effort: 0.0,
+            effort_cost: 0.02,
+            acceleration_cost: 0.0,
+            distance: None,
+            neural_effort: None,
+            acceleration_effort: None,
         }
     }
 }

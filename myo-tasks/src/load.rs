@@ -107,7 +107,7 @@ impl Source {
         // Wrong values may ask for millions of copies.
         let repeats = |i: usize| if values.is_empty() { task.targets[i].repeat() as usize } else { 1 };
         let origin = (0..task.targets.len()).flat_map(|i| std::iter::repeat_n(i, repeats(i))).collect();
-        let task = if values.is_empty() { task.expanded() } else { task };
+        let task = if values.is_empty() { task.expanded().with_costs_per_second() } else { task };
         Ok((Self { name: name.to_owned(), text: text.to_owned(), task, layout, origin }, values))
     }
 

@@ -172,7 +172,7 @@ fn absurd_numbers_are_refused_wherever_they_stand() {
         edited("dwell_s: 0.25", "dwell_s: 0.25\n    min_distance_from_previous: 0.1"),
         "control_dt_s: 0.05
 reset: { pose_spread_rad: 0.1, velocity_spread_rad_s: 0.1, activation_max: 0.5 }
-reward: { distance: 1, time_cost: 1, subtask_bonus: 1, completion_bonus: 1, neural_effort: 1, acceleration_effort: 1 }
+reward: { distance_cost: 1, time_cost: 1, subtask_bonus: 1, completion_bonus: 1, effort_cost: 1, acceleration_cost: 1 }
 noise: { signal_dependent: 0.1, constant: 0.1 }
 "
     );

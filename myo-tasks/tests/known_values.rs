@@ -134,18 +134,18 @@ fn the_remaining_path_goes_over_the_centres_still_to_come() {
 #[test]
 fn every_term_of_the_reward() {
     let weights = Reward {
-        distance: 2.0,
+        distance_cost: 40.0,
         time_cost: 0.4,
         subtask_bonus: 5.0,
         completion_bonus: 11.0,
-        neural_effort: 0.25,
-        acceleration_effort: 0.001,
+        effort_cost: 5.0,
+        acceleration_cost: 0.02,
         wrong_press: 0.5,
         exit: 0.75,
         ..Reward::default()
     };
     let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
-    // 0.4 a second at 20 steps a second is 0.02 a step.
+    // 40 a second and metre, 0.4 a second, at 20 steps a second: 2 and 0.02 a step.
     for (target_done, task_done, bonuses) in
         [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 11.0])]
     {

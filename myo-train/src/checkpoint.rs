@@ -3,13 +3,14 @@
 //! File: 8 bytes `MYOCKPT\n`, version (u32), length of the payload (u64), CRC-32C of the payload (u32), payload. Little
 //! endian throughout. The payload holds the fields of [`Checkpoint`] in order; lists begin with their length (u64); the
 //! configuration, the names and what a session remembers are JSON. Version 1 ended before the session; up to version 2 points of
-//! its learning curve were other means.
+//! its learning curve were other means; up to version 3 settings were per control step, whose length was not told.
 
 use std::path::Path;
 
 use crc32c::crc32c;
 use thiserror::Error;
 
+use crate::config::OLD_CONTROL_DT;
 use crate::files::{IoError, write_atomically};
 use crate::learn::Optimizer;
 use crate::networks::Networks;
@@ -18,7 +19,7 @@ use crate::session::{Memory, Trend};
 use crate::{Mlp, Policy, PpoConfig};
 
 const MAGIC: &[u8; 8] = b"MYOCKPT\n";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// The oldest version that can be read.
 const OLDEST: u32 = 1;
 const HEADER: usize = 24;
@@ -27,6 +28,8 @@ const HEADER: usize = 24;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     pub(crate) config: PpoConfig,
+    /// Seconds per control step.
+    pub(crate) control_dt: f64,
     pub(crate) seed: u64,
     pub(crate) updates: u64,
     pub(crate) wall_s: f64,
@@ -127,7 +130,7 @@ impl Checkpoint {
 
     /// Control steps of all environments done.
     pub fn env_steps(&self) -> u64 {
-        self.updates * self.config.batch_size() as u64
+        self.updates * self.config.batch_size(self.control_dt) as u64
     }
 
     /// What the last doubling of the training brought and more would, if a session wrote it and that can be told.
@@ -162,6 +165,7 @@ impl Checkpoint {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Writer(vec![0; HEADER]);
         out.json(&self.config);
+        out.f64s(&[self.control_dt]);
         out.u64(self.seed);
         out.u64(self.updates);
         out.f64s(&[self.wall_s, self.learning_rate]);
@@ -217,13 +221,13 @@ impl Checkpoint {
         if got != expected {
             return Err(CheckpointError::Checksum { got, expected });
         }
-        let checkpoint = Self::from_payload(Reader(payload), with_session && version > 1)?;
+        let checkpoint = Self::from_payload(Reader(payload), version, with_session)?;
         checkpoint.check()?;
         Ok(checkpoint)
     }
 
-    fn from_payload(mut payload: Reader<'_>, with_session: bool) -> Result<Self, CheckpointError> {
-        let config: PpoConfig = payload.json()?;
+    fn from_payload(mut payload: Reader<'_>, version: u32, with_session: bool) -> Result<Self, CheckpointError> {
+        let (config, control_dt) = if version > 3 { (payload.json()?, payload.f64_array::<1>()?[0]) } else { payload.old_config()? };
         let (seed, updates) = (payload.u64()?, payload.u64()?);
         let [wall_s, learning_rate] = payload.f64_array()?;
         let (observation_names, action_names) = (payload.json()?, payload.json()?);
@@ -233,9 +237,10 @@ impl Checkpoint {
         let (mean, m2) = (payload.f64s()?, payload.f64s()?);
         let normalizer = Normalizer::from_parts(limit as f32, std_floor, count, mean, m2);
         let (observation, env_state) = (payload.f32s()?, payload.bytes()?.to_vec());
-        let session = if with_session { payload.session()? } else { None };
+        let session = if with_session && version > 1 { payload.session()? } else { None };
         Ok(Self {
             config,
+            control_dt,
             seed,
             updates,
             wall_s,
@@ -254,7 +259,10 @@ impl Checkpoint {
     /// Refuses sizes that do not fit together, so that nothing later can run out of bounds.
     fn check(&self) -> Result<(), CheckpointError> {
         let inconsistent = |reason| Err(CheckpointError::Inconsistent { reason });
-        if let Err(error) = self.config.validate() {
+        if !(self.control_dt.is_finite() && self.control_dt > 0.0) {
+            return inconsistent(format!("its control step is {} s", self.control_dt));
+        }
+        if let Err(error) = self.config.validate_for(self.control_dt) {
             return inconsistent(error.to_string());
         }
         let (observations, parameters) = (self.observation_names.len(), self.networks().len());
@@ -272,7 +280,7 @@ impl Checkpoint {
         }
         if let Some(good) = self.session.as_ref().and_then(|session| session.good.as_ref()) {
             let sizes =
-                |checkpoint: &Self| (checkpoint.networks(), checkpoint.config.batch_size(), checkpoint.config.num_envs);
+                |checkpoint: &Self| (checkpoint.networks(), checkpoint.env_steps() / checkpoint.updates.max(1), checkpoint.config.num_envs);
             if sizes(good) != sizes(self) {
                 return inconsistent("the state to go back to has other sizes".into());
             }
@@ -387,6 +395,12 @@ impl<'a> Reader<'a> {
         let good = if good.is_empty() { None } else { Some(Box::new(Checkpoint::parse(good, false)?)) };
         Ok(memory.map(|memory| SessionState { memory, good }))
     }
+    /// Settings up to version 3, and the control step that they are taken to have had.
+    fn old_config(&mut self) -> Result<(PpoConfig, f64), CheckpointError> {
+        let config = serde_json::from_value(PpoConfig::modernised(self.json()?))
+            .map_err(|error| CheckpointError::Inconsistent { reason: error.to_string() })?;
+        Ok((config, OLD_CONTROL_DT))
+    }
     fn json<T: serde::de::DeserializeOwned>(&mut self) -> Result<T, CheckpointError> {
         serde_json::from_slice(self.bytes()?)
             .map_err(|error| CheckpointError::Inconsistent { reason: error.to_string() })
@@ -398,11 +412,13 @@ mod tests {
     use super::*;
 
     fn checkpoint() -> Checkpoint {
-        let config = PpoConfig { num_envs: 2, policy_hidden: vec![], value_hidden: vec![], ..PpoConfig::default() };
+        let small = PpoConfig { num_envs: 2, minibatches: 1, ..PpoConfig::default() };
+        let config = PpoConfig { policy_hidden: vec![], value_hidden: vec![], ..small };
         // Two weights of the policy and its bias, the logarithm of its standard deviation, and as many of the values.
         let parameters = vec![0.1; 2 + 1 + 1 + 2 + 1];
         Checkpoint {
             config,
+            control_dt: 0.05,
             seed: 1,
             updates: 0,
             wall_s: 0.0,

@@ -2,7 +2,9 @@
 
 use myo_env::EnvConfig;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 use thiserror::Error;
 
 /// Settings of PPO. The defaults train the built-in arm to point on two processor cores.
@@ -14,9 +16,9 @@ pub struct PpoConfig {
     /// Environments stepped side by side (default 4,096). More of them give steadier gradients per update and need
     /// more control steps in all.
     pub num_envs: usize,
-    /// Control steps of every environment between two updates (default 4). Longer roll-outs lean less on the value
-    /// network, and update less often.
-    pub steps_per_update: usize,
+    /// Simulated seconds of every environment between two updates (default 0.2), rounded to whole control steps, at least one.
+    /// Longer roll-outs lean less on the value network, and update less often.
+    pub rollout_s: f64,
     /// Share of the environments, at most 0.9, whose episodes begin in the middle of the task (default 0.75): in one of many
     /// poses, with any of the targets, mostly with the one that the environment failed at before. Otherwise a target that is
     /// not done hides all that come after it, and a posture in which the arm rests near a target hides the one in which it
@@ -36,8 +38,9 @@ pub struct PpoConfig {
     /// 20 Hz: a reward counts half after a second). Lower learns sooner, higher plans further: with 0.36 the arm stops short
     /// of targets that it must go round to reach. Per second, so that a task with other control steps looks as far ahead.
     pub discount_per_s: f64,
-    /// Decay of the advantage estimate, in [0, 1] (default 0.9). 0 trusts the value network alone, 1 the returns alone.
-    pub gae_lambda: f64,
+    /// What is left of the advantage estimate's weight after one second, in [0, 1] (default 0.12, that is a decay of 0.9 per
+    /// control step at 20 Hz). 0 trusts the value network alone, 1 the returns alone.
+    pub gae_lambda_per_s: f64,
     /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2).
     pub clip: f64,
     /// Weight of the policy's entropy, summed over actions, in nats (default 0.005). Higher keeps exploring longer.
@@ -75,6 +78,10 @@ pub struct PpoConfig {
     /// Logarithm of the standard deviation of the policy at the start, in units of the policy's output (default -0.7,
     /// that is 0.5). One learned number per action, the same in every state.
     pub log_std_initial: f64,
+    /// Seconds for which an action's noise stays in the actions after it (default 0.05), rounded to whole control steps, at least
+    /// one. The noise of an action is the sum of its own draw and those that are left, and has the standard deviation above. Noise
+    /// that changed with every one of many small steps would cancel out before muscles feel it.
+    pub exploration_s: f64,
     /// The logarithm of the standard deviation never falls below this (default -1.6, that is 0.2). Steps of a given divergence
     /// are as short as the spread is small, so learning stands still where it vanishes.
     pub log_std_min: f64,
@@ -103,14 +110,14 @@ impl Default for PpoConfig {
     fn default() -> Self {
         Self {
             num_envs: 4096,
-            steps_per_update: 4,
+            rollout_s: 0.2,
             exploring_starts: 0.75,
             epochs: 2,
             minibatches: 8,
             policy_hidden: vec![128, 128],
             value_hidden: vec![128, 128],
             discount_per_s: 0.5,
-            gae_lambda: 0.9,
+            gae_lambda_per_s: 0.12,
             clip: 0.2,
             entropy_coefficient: 0.005,
             value_coefficient: 0.5,
@@ -127,6 +134,7 @@ impl Default for PpoConfig {
             adam_epsilon: 1e-5,
             gradient_norm_max: 1.0,
             log_std_initial: -0.7,
+            exploration_s: 0.05,
             log_std_min: -1.6,
             log_std_max: 0.5,
             action_offset: -0.5,
@@ -136,6 +144,28 @@ impl Default for PpoConfig {
             matrix_units: true,
         }
     }
+}
+
+/// Logarithms of the standard deviations of one draw of exploration noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogStd {
+    /// At the start.
+    pub initial: f64,
+    /// Least.
+    pub min: f64,
+    /// Greatest.
+    pub max: f64,
+}
+
+/// Longest roll-out (s).
+const LONGEST_S: f64 = 600.0;
+
+/// Seconds per control step of settings that were given per control step.
+pub(crate) const OLD_CONTROL_DT: f64 = 0.05;
+
+/// A time in whole control steps, at least one.
+fn whole_steps(time_s: f64, control_dt: f64) -> usize {
+    ((time_s / control_dt).round() as usize).max(1)
 }
 
 /// Of so many environments one acts without noise.
@@ -154,9 +184,32 @@ pub struct ConfigError {
 }
 
 impl PpoConfig {
+    /// Control steps of every environment between two updates, with control steps of `control_dt` seconds.
+    pub fn steps_per_update(&self, control_dt: f64) -> usize {
+        whole_steps(self.rollout_s, control_dt)
+    }
+
     /// Samples of one update.
-    pub fn batch_size(&self) -> usize {
-        self.num_envs * self.steps_per_update
+    pub fn batch_size(&self, control_dt: f64) -> usize {
+        self.num_envs * self.steps_per_update(control_dt)
+    }
+
+    /// Draws that the exploration noise of one action is the mean of.
+    pub fn exploration_steps(&self, control_dt: f64) -> usize {
+        whole_steps(self.exploration_s, control_dt)
+    }
+
+    /// What the logarithms of the standard deviations of a control step's own noise begin with and are kept within: with as many
+    /// draws in an action as [`exploration_steps`](Self::exploration_steps) says, their sum has the deviation that the settings say.
+    pub fn log_std(&self, control_dt: f64) -> LogStd {
+        let less = 0.5 * (self.exploration_steps(control_dt) as f64).ln();
+        let Self { log_std_initial, log_std_min, log_std_max, .. } = self;
+        LogStd { initial: log_std_initial - less, min: log_std_min - less, max: log_std_max - less }
+    }
+
+    /// Decay of the advantage estimate per control step, often called lambda.
+    pub fn gae_lambda(&self, control_dt: f64) -> f64 {
+        self.gae_lambda_per_s.powf(control_dt)
     }
 
     /// The first so many environments act without noise: how good the policy itself has become is told by them at no cost. Their
@@ -182,15 +235,40 @@ impl PpoConfig {
         self.discount_per_s.powf(control_dt)
     }
 
-    /// Refuses values with which training cannot work.
+    /// Settings as they were written up to format 3 of checkpoints, in today's words: control steps were those of 20 Hz.
+    pub fn modernised(mut saved: Value) -> Value {
+        let Some(fields) = saved.as_object_mut() else { return saved };
+        if let Some(steps) = fields.remove("steps_per_update").as_ref().and_then(Value::as_f64) {
+            fields.insert("rollout_s".into(), (steps * OLD_CONTROL_DT).into());
+        }
+        if let Some(lambda) = fields.remove("gae_lambda").as_ref().and_then(Value::as_f64) {
+            fields.insert("gae_lambda_per_s".into(), lambda.powf(OLD_CONTROL_DT.recip()).into());
+        }
+        saved
+    }
+
+    /// Refuses values with which no training can work.
     ///
     /// # Errors
     /// The first field whose value is out of its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
-        match self.checks().into_iter().find(|check| !check.is_met) {
-            Some(Check { name, value, range, .. }) => Err(ConfigError { name, value, range }),
-            None => Ok(()),
-        }
+        first_unmet(self.checks())
+    }
+
+    /// Refuses values with which a training with control steps of `control_dt` seconds cannot work.
+    ///
+    /// # Errors
+    /// The first field whose value is out of its range.
+    pub fn validate_for(&self, control_dt: f64) -> Result<(), ConfigError> {
+        self.validate()?;
+        let samples = self.num_envs.saturating_mul(self.steps_per_update(control_dt));
+        let check = |is_met, name, value: usize, range| Check { name, value: value.to_string(), range, is_met };
+        let most = "such that a batch has at most 2^30 samples";
+        let share = "from 1 to the samples of a batch";
+        first_unmet(vec![
+            check(samples <= 1 << 30, "num_envs", self.num_envs, most),
+            check(self.minibatches <= samples, "minibatches", self.minibatches, share),
+        ])
     }
 
     /// What is allowed for each field that has a range, in words.
@@ -204,14 +282,13 @@ impl PpoConfig {
         let mut check = |is_met: bool, name, value: &dyn std::fmt::Debug, range| {
             checks.push(Check { name, value: format!("{value:?}"), range, is_met });
         };
-        for (name, value) in [("steps_per_update", self.steps_per_update), ("epochs", self.epochs)] {
+        for (name, value) in [("epochs", self.epochs), ("minibatches", self.minibatches)] {
             check(value >= 1, name, &value, "at least 1");
         }
-        let samples = self.num_envs.saturating_mul(self.steps_per_update);
-        let range = "at least 1, and such that a batch has at most 2^30 samples";
-        check((1..=1 << 30).contains(&samples), "num_envs", &self.num_envs, range);
-        let range = "from 1 to the samples of a batch";
-        check((1..=samples).contains(&self.minibatches), "minibatches", &self.minibatches, range);
+        check((1..=1 << 30).contains(&self.num_envs), "num_envs", &self.num_envs, "from 1 to 2^30");
+        for (name, value) in [("rollout_s", self.rollout_s), ("exploration_s", self.exploration_s)] {
+            check((0.0..=LONGEST_S).contains(&value), name, &value, "from 0 to 600");
+        }
         for (name, widths) in [("policy_hidden", &self.policy_hidden), ("value_hidden", &self.value_hidden)] {
             let is_met = widths.iter().all(|&w| (1..=8192).contains(&w));
             check(is_met, name, widths, "a list of widths from 1 to 8192");
@@ -223,7 +300,8 @@ impl PpoConfig {
         }
         let starts = self.exploring_starts;
         check((0.0..=0.9).contains(&starts), "exploring_starts", &starts, "from 0 to 0.9");
-        check((0.0..=1.0).contains(&self.gae_lambda), "gae_lambda", &self.gae_lambda, "from 0 to 1");
+        let lambda = self.gae_lambda_per_s;
+        check((0.0..=1.0).contains(&lambda), "gae_lambda_per_s", &lambda, "from 0 to 1");
         for (name, value) in [
             ("entropy_coefficient", self.entropy_coefficient),
             ("value_coefficient", self.value_coefficient),
@@ -261,12 +339,28 @@ impl PpoConfig {
     }
 }
 
+/// Reads settings that a run keeps, for `deserialize_with`; see [`PpoConfig::modernised`].
+///
+/// # Errors
+/// They are no settings.
+pub fn saved_settings<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PpoConfig, D::Error> {
+    let saved = PpoConfig::modernised(Value::deserialize(deserializer)?);
+    serde_json::from_value(saved).map_err(D::Error::custom)
+}
+
 /// A field with a range.
 struct Check {
     name: &'static str,
     value: String,
     range: &'static str,
     is_met: bool,
+}
+
+fn first_unmet(checks: Vec<Check>) -> Result<(), ConfigError> {
+    match checks.into_iter().find(|check| !check.is_met) {
+        Some(Check { name, value, range, .. }) => Err(ConfigError { name, value, range }),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -292,10 +386,10 @@ mod tests {
                 plain.split(", ").map_while(|number| number.parse().ok()).collect()
             };
             let is_told = match default {
-                serde_json::Value::Array(list) => {
+                Value::Array(list) => {
                     numbers(told) == list.iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>()
                 }
-                serde_json::Value::Number(number) => numbers(told)[0] == number.as_f64().unwrap(),
+                Value::Number(number) => numbers(told)[0] == number.as_f64().unwrap(),
                 other => *other == told.parse::<bool>().unwrap(),
             };
             assert!(is_told, "{name}: {default}, described as {told}");

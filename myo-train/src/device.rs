@@ -32,7 +32,8 @@ impl TrainingDevice {
         check_env(env.as_ref(), config)?;
         check_memory(env.spec(), config)?;
         let rollout = Rollout::new(env.spec(), config);
-        let learner = Learner::new(&Networks::new(env.spec(), config), config);
+        let batch = config.batch_size(env.spec().control_dt);
+        let learner = Learner::new(&Networks::new(env.spec(), config), config, batch, env.spec().control_dt);
         Ok(Self::Host(Box::new(Host { env, rollout, learner })))
     }
 
@@ -80,10 +81,11 @@ impl TrainingDevice {
 /// partial gradients, which are the most.
 fn check_memory(spec: &EnvSpec, config: &PpoConfig) -> Result<(), TrainError> {
     let parameters = Networks::new(spec, config).len() as u64;
-    let (samples, columns) = (config.batch_size() as u64, (config.batch_size() + config.num_envs) as u64);
+    let batch = config.batch_size(spec.control_dt);
+    let (samples, columns) = (batch as u64, (batch + config.num_envs) as u64);
     let numbers = columns * spec.observation_size() as u64
         + samples * spec.action_size() as u64
-        + parameters * (3 + Learner::gradient_parts(config) as u64);
+        + parameters * (3 + Learner::gradient_parts(config, batch) as u64);
     let bytes = numbers * size_of::<f32>() as u64;
     // The system is asked for it, and given it back: it would end the process if it had to refuse later.
     let is_there = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
@@ -97,7 +99,7 @@ pub fn check_env(env: &dyn VectorEnv, config: &PpoConfig) -> Result<(), TrainErr
 
 /// The same of environments that need not be there.
 pub fn check_spec(spec: &EnvSpec, config: &PpoConfig) -> Result<(), TrainError> {
-    config.validate()?;
+    config.validate_for(spec.control_dt)?;
     let mismatch = |what, got: String, expected: String| Err(TrainError::Mismatch { what, got, expected });
     if spec.num_envs != config.num_envs {
         return mismatch("the number of environments", spec.num_envs.to_string(), config.num_envs.to_string());

@@ -30,7 +30,7 @@ pub enum TrainError {
     },
     /// The memory that training takes is not there.
     #[error(
-        "training with these settings takes {:.1} GB of memory, which cannot be had; lower num_envs, steps_per_update, or the \
+        "training with these settings takes {:.1} GB of memory, which cannot be had; lower num_envs, rollout_s, or the \
          widths of the networks",
         *bytes as f64 / 1e9
     )]

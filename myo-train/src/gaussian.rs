@@ -80,17 +80,19 @@ pub struct SurrogateSums {
 
 kernels! {
     /// Samples actions: `action <- mean + std noise`, `log_prob <- ln density(action)`,
-    /// `env_action <- clip(offset + scale action, -1, 1)`; `noise` has rows of `noise_width`.
+    /// `env_action <- clip(offset + scale (action + std held), -1, 1)`; `noise` and `held` have rows of `noise_width`.
     pub fn sample<const FMA: bool>(
-        mean: &[f32], noise: &[f32], noise_width: usize, std: &[f32], log_peak: f32, mapping: (f32, f32),
+        mean: &[f32], noise: &[f32], held: &[f32], noise_width: usize, std: &[f32], log_peak: f32, mapping: (f32, f32),
         action: &mut [f32], env_action: &mut [f32], log_prob: &mut [f32],
     ) {
         let n = std.len();
-        let rows = mean.chunks_exact(n).zip(noise.chunks_exact(noise_width)).zip(action.chunks_exact_mut(n));
-        for (((mean, noise), action), (env_action, log_prob)) in rows.zip(env_action.chunks_exact_mut(n).zip(log_prob)) {
+        let noise = noise.chunks_exact(noise_width).zip(held.chunks_exact(noise_width));
+        let rows = mean.chunks_exact(n).zip(noise).zip(action.chunks_exact_mut(n));
+        for (((mean, (noise, held)), action), (env_action, log_prob)) in rows.zip(env_action.chunks_exact_mut(n).zip(log_prob)) {
             for i in 0..n {
                 action[i] = madd::<FMA>(std[i], noise[i], mean[i]);
-                env_action[i] = clip(madd::<FMA>(mapping.1, action[i], mapping.0), -1.0, 1.0);
+                let done = madd::<FMA>(std[i], held[i], action[i]);
+                env_action[i] = clip(madd::<FMA>(mapping.1, done, mapping.0), -1.0, 1.0);
             }
             *log_prob = log_peak - 0.5 * row_sum(n, |i| noise[i] * noise[i]);
         }

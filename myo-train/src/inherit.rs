@@ -59,12 +59,15 @@ impl Heir<'_> {
         let own = (&here.value, &mut parameters[here.value_range()]);
         copy_network(own, (&there.value, &other.parameters[there.value_range()]), &observations, &vec![Some(0)]);
         let (log_std, known) = (&mut parameters[here.log_std_range()], &other.parameters[there.log_std_range()]);
+        let (own, others) = (self.config.log_std(self.spec.control_dt), other.config.log_std(other.control_dt));
+        // Of all noise in an action, as many draws as it may be the sum of.
+        let shift = (own.max - self.config.log_std_max) - (others.max - other.config.log_std_max);
         for (log_std, place) in log_std.iter_mut().zip(&actions) {
-            *log_std = place.map_or(*log_std, |place| known[place]);
+            *log_std = place.map_or(*log_std, |place| (f64::from(known[place]) + shift).clamp(own.min, own.max) as f32);
         }
         self.keep_actions(&other.config, parameters, &actions);
         // As much as one update's worth of observations, so that it soon follows the new ones.
-        *normalizer = inherit_scaling(normalizer, &other.normalizer, &observations, self.config.batch_size() as f64);
+        *normalizer = inherit_scaling(normalizer, &other.normalizer, &observations, self.config.batch_size(self.spec.control_dt) as f64);
         let (observations, actions) = (shared(&observations), shared(&actions));
         Ok(Inherited { env_steps: other.env_steps(), observations, actions })
     }
@@ -87,10 +90,10 @@ impl Heir<'_> {
                 (0..n_in).map(|input| weight + input * n_out + output).for_each(|i| policy[i] = scaled(policy[i], 0.0));
             }
         }
-        let log_std = &mut parameters[self.networks.log_std_range()];
+        let (log_std, bounds) = (&mut parameters[self.networks.log_std_range()], own.log_std(self.spec.control_dt));
         for output in known() {
             let wanted = f64::from(log_std[output]) + ratio.ln();
-            log_std[output] = wanted.clamp(own.log_std_min, own.log_std_max) as f32;
+            log_std[output] = wanted.clamp(bounds.min, bounds.max) as f32;
         }
     }
 
@@ -288,7 +291,7 @@ mod tests {
         let config = PpoConfig { action_offset, action_scale, ..hidden };
         let spec = spec(&["a", "b", "c"], &["x", "y"]);
         let networks = Networks::new(&spec, &config);
-        let mut parameters = networks.initialize(1, &config);
+        let mut parameters = networks.initialize(1, &config, 0.05);
         networks.policy.initialize(1, 0, 1.0, &mut parameters[networks.policy_range()]);
         let normalizer = Normalizer::from_parts(5.0, 0.05, 10.0, vec![0.2, 0.1, -0.3], vec![10.0, 40.0, 0.9]);
         Policy::new((&spec.observation_names, &spec.action_names), networks, &config, parameters, normalizer)

@@ -9,6 +9,7 @@ use crate::kernels;
 use crate::networks::{CHUNK_ROWS, ChunkWork, Lender, Networks};
 use crate::random::shuffle;
 use crate::rollout::Rollout;
+use crate::config::LogStd;
 use crate::{PpoConfig, TrainError};
 
 /// At most this many partial gradients per minibatch. Each sums its share of the samples in order, then they are summed in
@@ -54,6 +55,8 @@ pub struct Learner {
     words: Vec<u32>,
     part_sums: Vec<Sums>,
     block_squares: Vec<f64>,
+    /// Bounds of the logarithms of the standard deviations.
+    log_std: LogStd,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -76,18 +79,19 @@ struct Minibatch<'a> {
 
 impl Learner {
     /// Partial gradients that there is memory for.
-    pub fn gradient_parts(config: &PpoConfig) -> usize {
-        part_count(config.batch_size().div_ceil(config.minibatches))
+    pub fn gradient_parts(config: &PpoConfig, batch: usize) -> usize {
+        part_count(batch.div_ceil(config.minibatches))
     }
 
-    /// Memory for batches of `config`.
-    pub fn new(networks: &Networks, config: &PpoConfig) -> Self {
-        let parts = Self::gradient_parts(config);
+    /// Memory for batches of so many samples, with control steps of `control_dt` seconds.
+    pub fn new(networks: &Networks, config: &PpoConfig, batch: usize, control_dt: f64) -> Self {
+        let parts = Self::gradient_parts(config, batch);
         Self {
             gradients: vec![0.0; parts * networks.len()],
-            order: vec![0; config.batch_size()],
-            words: vec![0; config.batch_size()],
+            order: vec![0; batch],
+            words: vec![0; batch],
             part_sums: vec![Sums::default(); parts],
+            log_std: config.log_std(control_dt),
             block_squares: vec![0.0; networks.len().div_ceil(PARAMETER_BLOCK)],
         }
     }
@@ -107,7 +111,7 @@ impl Learner {
         optimizer: &mut Optimizer,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Option<LearnStats>, TrainError> {
-        let (mut stats, batch) = (LearnStats::default(), config.batch_size());
+        let (mut stats, batch) = (LearnStats::default(), self.order.len());
         let share = 1.0 / (config.epochs * config.minibatches) as f64;
         for epoch in 0..config.epochs {
             shuffle(seed, update * config.epochs as u64 + epoch as u64, &mut self.order, &mut self.words);
@@ -222,7 +226,7 @@ impl Learner {
                 kernels::adam(w, m, v, g, scale, step, inverse_bias, epsilon, beta1, beta2);
             });
         for log_std in &mut parameters[networks.log_std_range()] {
-            *log_std = log_std.clamp(config.log_std_min as f32, config.log_std_max as f32);
+            *log_std = log_std.clamp(self.log_std.min as f32, self.log_std.max as f32);
         }
     }
 }

@@ -62,7 +62,7 @@ mod trainer;
 mod weights;
 
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use config::{ConfigError, PpoConfig};
+pub use config::{ConfigError, PpoConfig, saved_settings};
 pub use error::TrainError;
 pub use evaluate::{Evaluation, TargetEvaluation, evaluate};
 pub use files::{IoError, write_whole};

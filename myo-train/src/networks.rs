@@ -52,11 +52,11 @@ impl Networks {
     }
 
     /// Initial parameters.
-    pub fn initialize(&self, seed: u64, config: &PpoConfig) -> Vec<f32> {
+    pub fn initialize(&self, seed: u64, config: &PpoConfig, control_dt: f64) -> Vec<f32> {
         let mut parameters = vec![0.0; self.len()];
         self.policy.initialize(seed, 0, 0.01, &mut parameters[self.policy_range()]);
         self.value.initialize(seed, 1, 1.0, &mut parameters[self.value_range()]);
-        parameters[self.log_std_range()].fill(config.log_std_initial as f32);
+        parameters[self.log_std_range()].fill(config.log_std(control_dt).initial as f32);
         parameters
     }
 
@@ -72,6 +72,7 @@ impl Networks {
             observation: vec![0.0; CHUNK_ROWS * observations],
             action: vec![0.0; CHUNK_ROWS * actions],
             noise: vec![0.0; CHUNK_ROWS * noise_width(actions)],
+            held: vec![0.0; CHUNK_ROWS * noise_width(actions)],
             scalars: [const { [0.0; CHUNK_ROWS] }; 3],
             policy: self.policy.work(CHUNK_ROWS),
             value: self.value.work(CHUNK_ROWS),
@@ -92,6 +93,8 @@ pub struct ChunkWork {
     pub action: Vec<f32>,
     /// Standard normal numbers.
     pub noise: Vec<f32>,
+    /// Sums of those of earlier steps.
+    pub held: Vec<f32>,
     /// Old log probability, advantage and value target.
     pub scalars: [[f32; CHUNK_ROWS]; 3],
     /// For the policy network.

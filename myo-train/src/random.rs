@@ -65,6 +65,23 @@ pub fn fill_normal(seed: u64, stream: Stream, step: u64, first_block: u32, out: 
     in_groups(seed, stream, step, first_block, out, normals);
 }
 
+/// Fills `out` with the exploration noise that is left of earlier control steps: the sum of the draws of [`Stream::Actions`] in the
+/// `steps - 1` steps before `step`, blocks counted from `first_block`.
+pub fn fill_held(seed: u64, (step, steps): (u64, usize), first_block: u32, out: &mut [f32]) {
+    out.fill(0.0);
+    if steps == 1 {
+        return;
+    }
+    let mut draw = [0.0; GROUPS * 4 * WIDTH];
+    for (out, first) in out.chunks_mut(draw.len()).zip((first_block..).step_by(GROUPS * WIDTH)) {
+        let draw = &mut draw[..out.len()];
+        for earlier in 1..steps as u64 {
+            fill_normal(seed, Stream::Actions, step.wrapping_sub(earlier), first, draw);
+            out.iter_mut().zip(&*draw).for_each(|(out, draw)| *out += draw);
+        }
+    }
+}
+
 /// Fills `out` with uniform 32-bit words.
 pub fn fill_words(seed: u64, stream: Stream, step: u64, out: &mut [u32]) {
     in_groups(seed, stream, step, 0, out, |groups, out| {

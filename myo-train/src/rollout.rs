@@ -7,7 +7,7 @@ use crate::gaussian;
 use crate::metrics::EpisodeSums;
 use crate::networks::{CHUNK_ROWS, ChunkWork, Lender, Networks, noise_width};
 use crate::normalizer::{Moments, Normalizer};
-use crate::random::{Stream, fill_normal};
+use crate::random::{Stream, fill_held, fill_normal};
 use crate::{PpoConfig, TrainError};
 
 /// The samples of one update; first axis time, second environment.
@@ -36,8 +36,12 @@ pub struct Rollout {
     truncated_value: Vec<f32>,
     /// An entry of a last observation that was not finite.
     bad_last: Option<usize>,
-    /// Discount per control step.
-    gamma: f32,
+    /// Control steps.
+    steps: usize,
+    /// Draws that the noise of an action is the mean of.
+    noise_steps: usize,
+    /// Discount per control step, and decay of the advantage.
+    decay: (f32, f32),
     /// Samples with which the task ended.
     terminated: Vec<u32>,
     env_action: Vec<f32>,
@@ -71,9 +75,9 @@ pub struct Actor<'a> {
 }
 
 impl Rollout {
-    /// Memory for `config.steps_per_update` steps.
+    /// Memory for [`PpoConfig::steps_per_update`] steps.
     pub fn new(spec: &EnvSpec, config: &PpoConfig) -> Self {
-        let (steps, envs) = (config.steps_per_update, spec.num_envs);
+        let (steps, envs) = (config.steps_per_update(spec.control_dt), spec.num_envs);
         let (observations, actions) = (spec.observation_size(), spec.action_size());
         let samples = steps * envs;
         Self {
@@ -90,7 +94,9 @@ impl Rollout {
             truncated_observation: Vec::new(),
             truncated_value: Vec::new(),
             bad_last: None,
-            gamma: config.gamma(spec.control_dt) as f32,
+            steps,
+            noise_steps: config.exploration_steps(spec.control_dt),
+            decay: (config.gamma(spec.control_dt) as f32, config.gae_lambda(spec.control_dt) as f32),
             terminated: Vec::with_capacity(samples),
             env_action: vec![0.0; envs * actions],
             step: StepStorage::new(spec),
@@ -102,7 +108,7 @@ impl Rollout {
         }
     }
 
-    /// Acts for `config.steps_per_update` steps from `observation`, the current raw observations, and leaves the next
+    /// Acts for [`PpoConfig::steps_per_update`] steps from `observation`, the current raw observations, and leaves the next
     /// ones there. `first_step` counts the control steps of one environment before. False if `go_on`, asked before every
     /// step, ended it early: the samples are of no use then.
     pub fn collect(
@@ -122,7 +128,7 @@ impl Rollout {
         self.noise_free.clear();
         self.layouts.iter_mut().for_each(EpisodeSums::clear);
         self.bad_last = None;
-        for t in 0..actor.config.steps_per_update {
+        for t in 0..self.steps {
             if !go_on() {
                 return Ok(false);
             }
@@ -134,7 +140,7 @@ impl Rollout {
         let width = observation.len() / envs;
         let last = self.reward.len() * width;
         actor.normalizer.apply(observation, &mut self.observation[last..]);
-        self.check(env.spec(), observation, first_step / actor.config.steps_per_update as u64)?;
+        self.check(env.spec(), observation, first_step / self.steps as u64)?;
         Ok(true)
     }
 
@@ -146,6 +152,7 @@ impl Rollout {
         let parameters = &actor.parameters[actor.networks.policy_range()];
         let mapping = (actor.config.action_offset as f32, actor.config.action_scale as f32);
         let (noise_width, noise_free) = (noise_width(n_act), actor.config.noise_free_envs());
+        let noise_steps = self.noise_steps;
         let at = t * envs;
         (observation.par_chunks(CHUNK_ROWS * n_obs))
             .zip(self.observation[at * n_obs..][..envs * n_obs].par_chunks_mut(CHUNK_ROWS * n_obs))
@@ -163,13 +170,16 @@ impl Rollout {
                         actor.normalizer.apply(raw, x);
                         let noise = &mut work.noise[..log_prob.len() * noise_width];
                         let first_block = chunk * CHUNK_ROWS * noise_width / 4;
+                        let held = &mut work.held[..noise.len()];
                         fill_normal(actor.seed, Stream::Actions, step, first_block as u32, noise);
+                        fill_held(actor.seed, (step, noise_steps), first_block as u32, held);
                         let quiet = noise_free.saturating_sub(chunk * CHUNK_ROWS) * noise_width;
-                        noise.iter_mut().take(quiet).for_each(|noise| *noise = 0.0);
+                        noise.iter_mut().take(quiet).chain(held.iter_mut().take(quiet)).for_each(|noise| *noise = 0.0);
                         let mean = actor.networks.policy.forward(parameters, x, &mut work.policy);
                         gaussian::sample(
                             mean,
                             noise,
+                            held,
                             noise_width,
                             &spread.std,
                             spread.log_peak,
@@ -254,8 +264,7 @@ impl Rollout {
     pub fn estimate(&mut self, config: &PpoConfig) {
         let envs = self.value.len() - self.reward.len();
         let value = &self.value[..self.reward.len()];
-        let decay = (self.gamma, config.gae_lambda as f32);
-        crate::gae::advantages(envs, decay, &self.reward, value, &self.next_value, &self.ended, &mut self.advantage);
+        crate::gae::advantages(envs, self.decay, &self.reward, value, &self.next_value, &self.ended, &mut self.advantage);
         for ((target, advantage), value) in self.target.iter_mut().zip(&self.advantage).zip(value) {
             *target = advantage + value;
         }

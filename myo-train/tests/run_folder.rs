@@ -12,7 +12,7 @@ use myo_train::{Checkpoint, Evaluation, PpoConfig, RunClaim, RunConfig, RunFolde
 fn config() -> PpoConfig {
     PpoConfig {
         num_envs: 32,
-        steps_per_update: 8,
+        rollout_s: 0.4,
         exploring_starts: 0.0,
         policy_hidden: vec![16],
         value_hidden: vec![16],

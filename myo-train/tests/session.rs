@@ -17,7 +17,7 @@ const ENVS: usize = 256;
 fn config() -> PpoConfig {
     PpoConfig {
         num_envs: ENVS,
-        steps_per_update: 16,
+        rollout_s: 0.8,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
         exploring_starts: 0.0,
@@ -269,7 +269,7 @@ fn learning_that_runs_away_goes_back_and_still_succeeds() {
     let [News::WentBack { reason, env_steps, to_env_steps, learning_rate }] = news(&told)[..] else {
         panic!("{:?}", news(&told));
     };
-    let batch = config().batch_size() as u64;
+    let batch = config().batch_size(0.05) as u64;
     assert_eq!((*env_steps, *to_env_steps), (70 * batch, 64 * batch));
     assert!(reason.contains("NaN") && *learning_rate <= config().learning_rate_max / 4.0, "{reason} {learning_rate}");
     assert_eq!(outcome.end, End::Steps);

@@ -10,7 +10,7 @@ use myo_train::{Checkpoint, PpoConfig, TrainError, Trainer, evaluate};
 fn config() -> PpoConfig {
     PpoConfig {
         num_envs: 256,
-        steps_per_update: 16,
+        rollout_s: 0.8,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32, 32],
         exploring_starts: 0.0,
@@ -52,9 +52,9 @@ fn ppo_learns_to_reach_two_targets() {
 }
 
 /// Settings for [`Constant`].
-fn small(num_envs: usize, steps_per_update: usize) -> PpoConfig {
+fn small(num_envs: usize, steps: usize) -> PpoConfig {
     let hidden = PpoConfig { policy_hidden: vec![4], value_hidden: vec![4], minibatches: 1, ..PpoConfig::default() };
-    PpoConfig { num_envs, steps_per_update, exploring_starts: 0.0, ..hidden }
+    PpoConfig { num_envs, rollout_s: steps as f64 * 0.05, exploring_starts: 0.0, ..hidden }
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn learned_value(terminates: bool, gamma: f64) -> f64 {
     let config = PpoConfig {
         num_envs: 64,
         exploring_starts: 0.0,
-        steps_per_update: 16,
+        rollout_s: 0.8,
         value_hidden: vec![16],
         policy_hidden: vec![4],
         discount_per_s: gamma.powf(1.0 / 0.05),

@@ -52,7 +52,7 @@ fn devices() -> Option<Value> {
 fn short_training<'a>(envs: &'a str, steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let fixed =
         ["train", "pointing-single", "--until", "off", "--envs", envs, "--steps", steps, "--out", "run", "--json"];
-    [&fixed[..], &["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"], more]
+    [&fixed[..], &["--set", "rollout_s=0.8", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"], more]
         .concat()
 }
 
@@ -241,7 +241,7 @@ fn measurements_on_the_gpu_give_rows() {
     assert!(["warm", "cold", "none"].contains(&rows[0]["kernel_cache"].as_str().unwrap()));
     let all = ["--seeds", "2", "--at-once", "--until", "off", "--steps", "1k", "--envs", "32", "--json"];
     let args = [&["bench", "train", "pointing-single", "--device", "0"], &all[..]].concat();
-    let small = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+    let small = ["--set", "rollout_s=0.8", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
     let bench = json(&myo(Path::new("."), &[&args[..], &small].concat()));
     let rows = bench["rows"].as_array().unwrap();
     assert_eq!(rows.iter().map(|row| row["seed"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2]);
@@ -274,7 +274,7 @@ fn write_layouts(folder: &Path, second_limit_s: f64) {
     }
 }
 
-const SMALL: [&str; 6] = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+const SMALL: [&str; 6] = ["--set", "rollout_s=0.8", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
 
 #[test]
 fn one_user_of_several_layouts_learns_and_goes_on_on_the_gpu() {

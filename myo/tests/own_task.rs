@@ -41,7 +41,7 @@ fn lanes_and_card_do_what_the_reference_does() {
 fn small() -> PpoConfig {
     PpoConfig {
         num_envs: 128,
-        steps_per_update: 8,
+        rollout_s: 0.4,
         minibatches: 4,
         policy_hidden: vec![32],
         value_hidden: vec![32],

@@ -50,7 +50,7 @@ fn users_of_several_layouts_learn_at_once_each_as_alone() {
     let Some(device) = card() else { return };
     let config = PpoConfig {
         num_envs: 24,
-        steps_per_update: 8,
+        rollout_s: 0.4,
         minibatches: 2,
         policy_hidden: vec![16],
         value_hidden: vec![16],

@@ -18,7 +18,7 @@ pub struct RewardView {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct RewardTerm {
-    /// Path of its weight in the task, such as `reward.distance`.
+    /// Path of its weight in the task, such as `reward.distance_cost`.
     pub path: String,
     /// The weight.
     pub weight: f64,

@@ -92,14 +92,14 @@ test('a reward is weighed, bounded and drawn, and a user goes on with other weig
   await expect(page.getByRole('heading', { name: /Learns/ })).toBeVisible({ timeout: 60_000 });
   await page.getByRole('button', { name: 'Reward', exact: true }).click();
   const effort = terms.getByRole('spinbutton', { name: 'Weight: Muscle effort' });
-  await effort.fill('0.002');
+  await effort.fill('0.04');
   await effort.press('Enter');
   await page.getByRole('button', { name: 'Training', exact: true }).click();
   await page.getByRole('button', { name: 'Go on with this' }).click();
   await expect(page.getByText(/At first sight: .* not adapted yet/)).toBeVisible({ timeout: 30_000 });
   const config = `${process.env.MYO_STUDIO_FOLDER}/runs/${name}-1/config.json`;
-  const weight = () => existsSync(config) && JSON.parse(readFileSync(config, 'utf8')).run.task.reward.neural_effort;
-  await expect.poll(weight).toBe(0.002);
+  const weight = () => existsSync(config) && JSON.parse(readFileSync(config, 'utf8')).run.task.reward.effort_cost;
+  await expect.poll(weight).toBe(0.04);
   await page.getByRole('button', { name: 'Stop', exact: true }).click();
   await expect(page.getByRole('heading', { name: /Stopped/ })).toBeVisible({ timeout: 30_000 });
 });

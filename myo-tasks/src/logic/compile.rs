@@ -82,11 +82,11 @@ pub struct Kinds {
     pub memory: bool,
 }
 
-/// [`Reward`] per control step.
+/// [`Reward`], with costs per control step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weights<T> {
     /// Per metre.
-    pub distance: T,
+    pub distance_cost: T,
     /// Count the distance from the surface.
     pub inside_is_zero: bool,
     /// Add the path over the targets still to come.
@@ -102,9 +102,9 @@ pub struct Weights<T> {
     /// Per time that a way was left.
     pub exit: T,
     /// Per squared control.
-    pub neural_effort: T,
+    pub effort_cost: T,
     /// Per squared acceleration.
-    pub acceleration_effort: T,
+    pub acceleration_cost: T,
 }
 
 /// Where a sphere may lie.
@@ -416,7 +416,7 @@ impl<T> Weights<T> {
     #[inline(always)]
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Weights<U> {
         Weights {
-            distance: f(&self.distance),
+            distance_cost: f(&self.distance_cost),
             inside_is_zero: self.inside_is_zero,
             remaining_path: self.remaining_path,
             time_cost: f(&self.time_cost),
@@ -424,26 +424,27 @@ impl<T> Weights<T> {
             completion_bonus: f(&self.completion_bonus),
             wrong_press: f(&self.wrong_press),
             exit: f(&self.exit),
-            neural_effort: f(&self.neural_effort),
-            acceleration_effort: f(&self.acceleration_effort),
+            effort_cost: f(&self.effort_cost),
+            acceleration_cost: f(&self.acceleration_cost),
         }
     }
 }
 
 impl<C: Real> Weights<C> {
     fn new(reward: &Reward, control_dt_s: f64) -> Self {
-        let c = C::from_f64;
+        let (c, reward) = (C::from_f64, reward.per_second(control_dt_s));
+        let per_step = |per_second: f64| c(per_second * control_dt_s);
         Self {
-            distance: c(reward.distance),
+            distance_cost: per_step(reward.distance_cost),
             inside_is_zero: reward.inside_is_zero,
             remaining_path: reward.remaining_path,
-            time_cost: c(reward.time_cost * control_dt_s),
+            time_cost: per_step(reward.time_cost),
             subtask_bonus: c(reward.subtask_bonus),
             completion_bonus: c(reward.completion_bonus),
             wrong_press: c(reward.wrong_press),
             exit: c(reward.exit),
-            neural_effort: c(reward.neural_effort),
-            acceleration_effort: c(reward.acceleration_effort),
+            effort_cost: per_step(reward.effort_cost),
+            acceleration_cost: per_step(reward.acceleration_cost),
         }
     }
 }

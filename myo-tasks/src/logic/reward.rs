@@ -110,11 +110,11 @@ pub fn reward<S: Scalar>(
 ) -> RewardTerms<S> {
     let w = &task.weights;
     RewardTerms {
-        distance: -(w.distance.mul_add(distance, w.time_cost)),
+        distance: -(w.distance_cost.mul_add(distance, w.time_cost)),
         subtask: w.subtask_bonus.only(progress.target_done),
         completion: w.completion_bonus.only(progress.task_done),
-        neural_effort: -(w.neural_effort * squared_control),
-        acceleration_effort: -(w.acceleration_effort * squared_acceleration),
+        neural_effort: -(w.effort_cost * squared_control),
+        acceleration_effort: -(w.acceleration_cost * squared_acceleration),
         wrong_press: -(w.wrong_press * progress.wrong_presses),
         exit: -(w.exit * progress.exits),
     }

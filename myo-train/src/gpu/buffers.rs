@@ -11,6 +11,8 @@ pub struct RolloutBuffers {
     pub observation: Buffer<f32>,
     /// Outputs of the policy before they are mapped and clipped, `(actions, samples)`. Holds noise before the step.
     pub action: Buffer<f32>,
+    /// Noise of earlier steps that is left in the actions of the environment, in standard deviations, `(actions, samples)`.
+    pub held: Buffer<f32>,
     /// Logarithms of their probability densities, `(samples)`.
     pub log_prob: Buffer<f32>,
     /// Values of the observations, `(columns)`.
@@ -43,6 +45,7 @@ impl RolloutBuffers {
         Ok(Self {
             observation: gpu.buffer("observation record", sizes.observations * columns)?,
             action: gpu.buffer("action record", sizes.actions * samples)?,
+            held: gpu.buffer("held noise", sizes.actions * samples)?,
             log_prob: gpu.buffer("log_prob record", samples)?,
             value: gpu.buffer("value record", columns)?,
             reward: gpu.buffer("reward record", samples)?,
@@ -59,6 +62,7 @@ impl RolloutBuffers {
         Self {
             observation: self.observation.of(group),
             action: self.action.of(group),
+            held: self.held.of(group),
             log_prob: self.log_prob.of(group),
             value: self.value.of(group),
             reward: self.reward.of(group),

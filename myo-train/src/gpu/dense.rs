@@ -103,8 +103,8 @@ pub struct Sampling<'a> {
     pub log_std: usize,
     /// Offset and scale from the policy's output to an action.
     pub mapping: (f32, f32),
-    /// Whether there is noise.
-    pub noisy: bool,
+    /// With noise: what is left of earlier noise, which lies as `Y` does.
+    pub held: Option<&'a Buffer<f32>>,
 }
 
 /// A kernel with its buffers, ready to be run.
@@ -153,6 +153,7 @@ impl DenseKernels {
         finish: Finish<'_>,
     ) -> Result<Dispatch, GpuError> {
         let sampling = finish.sampling();
+        let held = sampling.and_then(|sampling| sampling.held);
         fits(parameters, layer.bias + layer.outputs)?;
         fits(parameters, layer.weight + layer.inputs * layer.outputs)?;
         if let Some(sampling) = sampling {
@@ -161,12 +162,14 @@ impl DenseKernels {
         }
         x.check(layer.inputs, columns)?;
         y.check(layer.outputs, columns)?;
+        held.map_or(Ok(()), |buffer| Columns { buffer, ..y }.check(layer.outputs, columns))?;
         let tile = self.tile(layer.outputs, columns);
         let kernel = self.kernel(tile, finish.kind())?;
         let shape = self.gpu.buffer("shape", 16)?;
         self.gpu.write(&shape, 0, &words(layer, x, y, columns, sampling))?;
         let mut buffers = vec![parameters.binding(), x.buffer.binding(), y.buffer.binding(), shape.binding()];
         buffers.extend(sampling.map(|sampling| sampling.env_actions.binding()));
+        buffers.extend(held.map(Buffer::binding));
         let bindings = kernel.bind(&buffers)?;
         let threads = tile.workgroups(layer.outputs as u32, columns as u32) * tile.threads();
         Ok(Dispatch { kernel, bindings, threads })
@@ -244,7 +247,8 @@ fn recipe(tile: Tile, kind: Kind) -> Recipe {
     use Access::{Read, ReadWrite, Uniform};
     let access: &[Access] = match kind {
         Kind::Silu | Kind::Linear => &[Read, Read, ReadWrite, Uniform],
-        Kind::Sample | Kind::Act => &[Read, Read, ReadWrite, Uniform, ReadWrite],
+        Kind::Sample => &[Read, Read, ReadWrite, Uniform, ReadWrite, Read],
+        Kind::Act => &[Read, Read, ReadWrite, Uniform, ReadWrite],
     };
     let label = format!("layer {kind:?} {}x{} {:?}", tile.outputs, tile.columns, tile.per_thread).to_lowercase();
     // SAFETY: `DenseKernels::layer` checks that every buffer holds what the shape says, and what lies beyond the shape is

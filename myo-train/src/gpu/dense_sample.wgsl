@@ -1,5 +1,5 @@
-// Sums are means of actions. `y` gets the actions, and the environment gets them mapped and clipped. `action_of` comes from
-// dense_noisy.wgsl or dense_mean.wgsl.
+// Sums are means of actions. `y` gets the actions, and the environment gets them mapped and clipped. `action_of` and `held_of`
+// come from dense_noisy.wgsl or dense_mean.wgsl.
 
 @group(0) @binding(4) var<storage, read_write> env_actions: array<f32>;
 
@@ -7,7 +7,8 @@ fn keep(output: u32, group: u32, mean: vec4<f32>) {
     let place = output * shape.y_stride + shape.y_first + group;
     let action = action_of(output, place, mean);
     y[place] = action;
-    let mapped = clamp(fma(vec4<f32>(shape.scale), action, vec4<f32>(shape.offset)), vec4<f32>(-1.0), vec4<f32>(1.0));
+    let done = action + held_of(output, place);
+    let mapped = clamp(fma(vec4<f32>(shape.scale), done, vec4<f32>(shape.offset)), vec4<f32>(-1.0), vec4<f32>(1.0));
     let env = shape.first_env + 4u * group;
     let first = output * shape.num_envs + env;
     if env < shape.num_envs { env_actions[first] = mapped.x; }

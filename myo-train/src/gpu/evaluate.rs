@@ -320,7 +320,7 @@ fn pass(
         first_env: 0,
         log_std: layout.networks.log_std_range().start,
         mapping: layout.mapping,
-        noisy: false,
+        held: None,
     };
     let x = Columns { buffer: &between.observation, stride: padded, first: 0 };
     let y = Columns { buffer: &between.action, stride: padded, first: 0 };

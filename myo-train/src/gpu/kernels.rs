@@ -52,7 +52,7 @@ pub fn recipes() -> [Recipe; 4] {
     use Access::{Read, ReadWrite, Uniform};
     let outcome = [Read, ReadWrite, ReadWrite, ReadWrite, Uniform];
     [
-        Recipe::new("noise", noise::text(), [Read, Read, ReadWrite, ReadWrite, Uniform]),
+        Recipe::new("noise", noise::text(), [Read, Read, ReadWrite, ReadWrite, ReadWrite, Uniform]),
         observe(),
         Recipe::new("outcome", include_str!("outcome.wgsl"), outcome),
         sums(),

@@ -124,7 +124,7 @@ fn add_layers(
         let finish = match sampling {
             _ if index < last => Finish::Silu,
             None => Finish::Linear,
-            Some(sampling) if sampling.noisy => Finish::Sample(sampling),
+            Some(sampling) if sampling.held.is_some() => Finish::Sample(sampling),
             Some(sampling) => Finish::Act(sampling),
         };
         out.push(kernels.layer(buffers.parameters, layer, from, to, columns, finish)?);

@@ -15,6 +15,8 @@ struct Shape {
     log_std: u32,
     // The first so many environments act without.
     noise_free: u32,
+    // Draws that the noise of an action is the sum of.
+    noise_steps: u32,
 }
 
 @group(0) @binding(0) var<storage, read> parameters: array<f32>;
@@ -23,7 +25,9 @@ struct Shape {
 // (actions, columns)
 @group(0) @binding(2) var<storage, read_write> noise: array<f32>;
 @group(0) @binding(3) var<storage, read_write> log_prob: array<f32>;
-@group(0) @binding(4) var<uniform> shape: Shape;
+// What is left of earlier draws, as in `fill_held` of random.rs: (actions, columns)
+@group(0) @binding(4) var<storage, read_write> held: array<f32>;
+@group(0) @binding(5) var<uniform> shape: Shape;
 
 const STREAM = 2u;
 const HALF_LN_TAU = 0.9189385;
@@ -99,15 +103,20 @@ fn main(
     let blocks = (shape.actions + 3u) / 4u;
     var squares = 0.0;
     for (var block = 0u; block < blocks; block += 1u) {
-        var counter = array<u32, 4>(env * blocks + block, low, high, STREAM);
-        var units: array<f32, 4>;
-        open_units(&seed, &counter, &units);
-        var normal = vec4<f32>(normal_pair(units[0], units[1]), normal_pair(units[2], units[3]));
-        if env < shape.noise_free { normal = vec4<f32>(0.0); }
+        var normal = vec4<f32>(0.0);
+        var left = vec4<f32>(0.0);
+        for (var earlier = 0u; earlier < shape.noise_steps && env >= shape.noise_free; earlier += 1u) {
+            var counter = array<u32, 4>(env * blocks + block, low - earlier, high - select(0u, 1u, low < earlier), STREAM);
+            var units: array<f32, 4>;
+            open_units(&seed, &counter, &units);
+            let draw = vec4<f32>(normal_pair(units[0], units[1]), normal_pair(units[2], units[3]));
+            if earlier == 0u { normal = draw; } else { left += draw; }
+        }
         for (var i = 0u; i < 4u; i += 1u) {
             let action = 4u * block + i;
             if action < shape.actions {
                 noise[action * shape.columns + column] = normal[i];
+                held[action * shape.columns + column] = left[i];
                 squares += normal[i] * normal[i];
             }
         }

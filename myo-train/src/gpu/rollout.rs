@@ -57,7 +57,7 @@ struct Parts<'a> {
 }
 
 impl DeviceRollout {
-    /// Memory and kernels for roll-outs of `config.steps_per_update` steps.
+    /// Memory and kernels for roll-outs of [`PpoConfig::steps_per_update`] steps.
     ///
     /// # Errors
     /// Settings out of range, an environment that does not start its episodes again or is too large for one set of
@@ -171,7 +171,7 @@ impl DeviceRollout {
         self.gpu().write(&self.scaling, mean.len(), inverse_std)
     }
 
-    /// Says which noise the next roll-out draws: that of `steps_per_update` control steps from `first_step` on. Also
+    /// Says which noise the next roll-out draws: that of the control steps from `first_step` on. Also
     /// forgets observations that were not finite.
     ///
     /// # Errors
@@ -248,11 +248,13 @@ impl Parts<'_> {
     }
 
     fn noise(&self) -> Result<Dispatch, GpuError> {
-        let Sizes { envs, padded, actions, noise_free, .. } = self.sizes;
+        let Sizes { envs, padded, actions, noise_free, noise_steps, .. } = self.sizes;
         let samples = self.sizes.samples();
-        let shape = [envs, padded, samples, actions, self.networks.log_std_range().start, noise_free].map(|x| x as u32);
-        let RolloutBuffers { action, log_prob, .. } = self.buffers;
-        let buffers = [self.parameters.binding(), self.clock.binding(), action.binding(), log_prob.binding()];
+        let log_std = self.networks.log_std_range().start;
+        let shape = [envs, padded, samples, actions, log_std, noise_free, noise_steps].map(|x| x as u32);
+        let RolloutBuffers { action, log_prob, held, .. } = self.buffers;
+        let (parameters, clock) = (self.parameters.binding(), self.clock.binding());
+        let buffers = [parameters, clock, action.binding(), log_prob.binding(), held.binding()];
         self.kernels.prepare(&self.kernels.noise, &buffers, &shape, samples)
     }
 
@@ -295,7 +297,7 @@ impl Parts<'_> {
             first_env: 0,
             log_std: self.networks.log_std_range().start,
             mapping: (self.config.action_offset as f32, self.config.action_scale as f32),
-            noisy: true,
+            held: Some(&self.buffers.held),
         };
         let x = Columns { buffer: &self.buffers.observation, stride: sizes.columns(), first };
         let y = Columns { buffer: &self.buffers.action, stride: sizes.samples(), first };

@@ -159,7 +159,7 @@ fn trainings_that_do_not_fit_each_other_are_refused() {
         what
     };
     assert_eq!(refused(&[new(&config)]), "the number of trainings");
-    let other = PpoConfig { gae_lambda: 0.5, ..config.clone() };
+    let other = PpoConfig { gae_lambda_per_s: 0.5, ..config.clone() };
     assert_eq!(refused(&[new(&config), new(&other)]), "the settings of trainings on one card");
     let error = Trainer::on_card(env(&groups, 8), config.clone(), 1).err().unwrap();
     assert!(matches!(error, TrainError::Mismatch { what: "the number of trainings", .. }), "{error}");

@@ -12,6 +12,8 @@ use crate::rollout::told_layouts;
 pub struct Sizes {
     /// Control steps.
     pub steps: usize,
+    /// Draws that the exploration noise of an action is the mean of.
+    pub noise_steps: usize,
     /// Environments.
     pub envs: usize,
     /// The first so many of them, whose episodes are whole and count.
@@ -38,7 +40,8 @@ impl Sizes {
     /// For an environment and settings.
     pub fn new(spec: &EnvSpec, config: &PpoConfig) -> Self {
         Self {
-            steps: config.steps_per_update,
+            steps: config.steps_per_update(spec.control_dt),
+            noise_steps: config.exploration_steps(spec.control_dt),
             envs: spec.num_envs,
             counted: spec.whole_episodes(),
             noise_free: config.noise_free_envs(),
@@ -108,6 +111,7 @@ mod tests {
     fn last_observations_of_one_environment_never_share_a_column() {
         let sizes = Sizes {
             steps: 17,
+            noise_steps: 1,
             envs: 5,
             counted: 5,
             noise_free: 0,

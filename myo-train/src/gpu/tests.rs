@@ -25,7 +25,7 @@ pub fn task() -> Task {
     dwell_for(&mut task, 0.05);
     task.time_limit_s = 0.15;
     // In so few steps, coming nearer is all there is to learn.
-    task.reward.distance = 1.0;
+    task.reward.distance_cost = 20.0;
     task
 }
 
@@ -53,7 +53,7 @@ pub fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
 pub fn config(num_envs: usize) -> PpoConfig {
     PpoConfig {
         num_envs,
-        steps_per_update: STEPS,
+        rollout_s: STEPS as f64 * 0.05,
         exploring_starts: 0.25,
         policy_hidden: vec![33, 20],
         value_hidden: vec![17],
@@ -77,7 +77,7 @@ pub struct Brain {
 impl Brain {
     pub fn new(env: &GpuEnv, config: PpoConfig, rows: &[f32]) -> Self {
         let networks = Networks::new(env.spec(), &config);
-        let mut parameters = networks.initialize(SEED, &config);
+        let mut parameters = networks.initialize(SEED, &config, 0.05);
         networks.policy.initialize(SEED, 7, 1.0, &mut parameters[networks.policy_range()]);
         for (i, log_std) in parameters[networks.log_std_range()].iter_mut().enumerate() {
             *log_std = -1.0 + 0.05 * i as f32;
@@ -382,7 +382,7 @@ fn episodes_that_last_to_the_time_limit_end_at_different_times_on_the_card_too()
     task.time_limit_s = 1.2;
     let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
     let envs = EnvConfig { num_envs: 12, ..EnvConfig::default() };
-    let config = PpoConfig { steps_per_update: 4, exploring_starts: 0.0, ..config(12) };
+    let config = PpoConfig { rollout_s: 0.2, exploring_starts: 0.0, ..config(12) };
     let mut trainer = Trainer::on_card(GpuEnv::new(&gpu, &model, &task, &envs).unwrap(), config, 1).unwrap();
     let episodes: Vec<u64> = (0..18).map(|_| trainer.update().unwrap().episodes.count).collect();
     assert_eq!(episodes[..5], [0; 5]);
@@ -396,7 +396,7 @@ fn training_on_the_card_improves() {
     let config = PpoConfig {
         num_envs: envs,
         exploring_starts: 0.0,
-        steps_per_update: 16,
+        rollout_s: 0.8,
         policy_hidden: vec![32, 32],
         value_hidden: vec![32],
         ..PpoConfig::default()

@@ -44,6 +44,7 @@ pub struct RunConfig {
     /// The caller's description: task, model, backend.
     pub run: serde_json::Value,
     /// Settings of PPO.
+    #[serde(deserialize_with = "crate::saved_settings")]
     pub ppo: PpoConfig,
     /// Seed of the training.
     pub seed: u64,

@@ -102,7 +102,7 @@ impl Host {
         let (start, Brain { config, networks, lender, .. }) = (Instant::now(), brain);
         brain.stagger(self.env.as_mut(), update, &mut state.observation)?;
         let (rollout, actor) = (&mut self.rollout, brain.actor(&state.parameters));
-        let first_step = update * config.steps_per_update as u64;
+        let first_step = update * brain.steps_per_update() as u64;
         if !rollout.collect(self.env.as_mut(), &actor, first_step, &mut state.observation, go_on)? || !go_on() {
             return Ok(None);
         }

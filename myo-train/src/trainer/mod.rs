@@ -102,11 +102,15 @@ impl Brain {
         Actor { networks, parameters, normalizer, lender, config, seed: *seed }
     }
 
+    fn steps_per_update(&self) -> usize {
+        self.config.steps_per_update(self.spec.control_dt)
+    }
+
     /// Before an update of the first episode, begins the episodes of some environments anew, each environment's once. Otherwise
     /// those that all last to the time limit would begin and end together for ever, and an update learn from their beginnings
     /// alone, or from what comes after.
     fn stagger(&self, env: &mut dyn VectorEnv, update: u64, observation: &mut [f32]) -> Result<(), TrainError> {
-        let turns = self.spec.max_episode_steps / self.config.steps_per_update;
+        let turns = self.spec.max_episode_steps / self.steps_per_update();
         if !(1..turns as u64).contains(&update) {
             return Ok(());
         }
@@ -170,7 +174,7 @@ impl Trainer {
         let normalizer = first_scaling(&spec, &config, &observation)?;
         let learning_rate = config.learning_rate;
         let host_state = HostState {
-            parameters: networks.initialize(seed, &config),
+            parameters: networks.initialize(seed, &config, spec.control_dt),
             optimizer: Optimizer { mean: vec![0.0; networks.len()], square: vec![0.0; networks.len()], steps: 0 },
             observation,
             normalizer: normalizer.clone(),
@@ -195,7 +199,7 @@ impl Trainer {
         })
     }
 
-    /// Collects `num_envs * steps_per_update` samples and learns from them.
+    /// Collects a batch of samples and learns from them.
     ///
     /// # Errors
     /// The environment fails or returns what is not finite, or learning diverges. The trainer is of no more use then; resume
@@ -256,11 +260,12 @@ impl Trainer {
             episodes: Episodes::new(&spec.episode_names, &result.episodes),
             noise_free: Episodes::new(&spec.episode_names, &result.noise_free),
             layouts: result.layouts.iter().map(|sums| Episodes::new(&spec.episode_names, sums)).collect(),
-            reward_per_step: result.reward_sum / config.batch_size() as f64 / config.reward_scale,
+            reward_per_step: result.reward_sum / config.batch_size(spec.control_dt) as f64 / config.reward_scale,
             learn: result.learn,
             explained_variance: result.explained_variance,
             entropy: spread.entropy.into(),
-            action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64,
+            action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64
+                * (config.exploration_steps(spec.control_dt) as f64).sqrt(),
             learning_rate,
         }
     }
@@ -292,7 +297,7 @@ impl Trainer {
 
     /// Control steps of all environments since the start.
     pub fn env_steps(&self) -> u64 {
-        self.updates * self.brain.config.batch_size() as u64
+        self.updates * self.brain.config.batch_size(self.brain.spec.control_dt) as u64
     }
 
     /// Updates since the start.
@@ -362,6 +367,7 @@ impl Trainer {
         let (spec, config) = (&self.brain.spec, &self.brain.config);
         Ok(Checkpoint {
             config: config.clone(),
+            control_dt: spec.control_dt,
             seed: self.brain.seed,
             updates: host_state.updates,
             wall_s: host_state.wall_s,
@@ -392,6 +398,7 @@ impl Trainer {
         let spec = device.spec();
         check_names("the list of observations", &spec.observation_names, &checkpoint.observation_names)?;
         check_names("the list of actions", &spec.action_names, &checkpoint.action_names)?;
+        check_control_dt(spec, checkpoint)?;
         let mut trainer = Self::start(device, checkpoint.config.clone(), checkpoint.seed)?;
         trainer.load(checkpoint)?;
         Ok(trainer)
@@ -483,7 +490,7 @@ impl From<CardUpdate> for UpdateResult {
 
 /// Control steps between cuts of one environment, at least; more than an update has are all the same.
 fn between_cuts(spec: &EnvSpec, config: &PpoConfig) -> usize {
-    spec.steps_between_cuts().min(config.steps_per_update)
+    spec.steps_between_cuts().min(config.steps_per_update(spec.control_dt))
 }
 
 /// Refuses a task whose episodes are cut more often than the memory of a training is made for.
@@ -498,6 +505,16 @@ fn check_cuts(task: &Task, spec: &EnvSpec, config: &PpoConfig, least: usize) -> 
         got: wanted.max_episode_steps.to_string(),
         expected: "one whose episodes are cut no more often within an update than those before".into(),
     })
+}
+
+/// Refuses to go on in steps of another length: the samples of an update would not be as many.
+fn check_control_dt(spec: &EnvSpec, checkpoint: &Checkpoint) -> Result<(), TrainError> {
+    let (got, expected) = (spec.control_dt, checkpoint.control_dt);
+    if (got / expected - 1.0).abs() < 1e-6 {
+        return Ok(());
+    }
+    let seconds = |dt: f64| format!("{dt} s");
+    Err(TrainError::Mismatch { what: "the control step", got: seconds(got), expected: seconds(expected) })
 }
 
 /// The device of a training that has its card for itself.

@@ -8,7 +8,7 @@ const SHORT: [&str; 6] = ["--until", "off", "--steps", "1k", "--envs", "32"];
 fn two_tasks_are_compared_and_their_users_kept() {
     let folder = tempfile::tempdir().unwrap();
     let train = |more: &[&str]| {
-        let set = ["--set", "steps_per_update=16"];
+        let set = ["--set", "rollout_s=0.8"];
         myo(folder.path(), &[&["compare", "pointing-single", "public-display"][..], &SHORT, &set, more].concat())
     };
     let result = json(&train(&["--seeds", "2", "--json"]));

@@ -52,7 +52,7 @@ fn assert_refused(output: &Output, sentence: &str) {
 /// Arguments of a training of `updates` updates of 512 control steps each.
 fn short_training<'a>(steps: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let fixed = ["train", "pointing-single", "--until", "off", "--envs", "32", "--steps", steps];
-    let small = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+    let small = ["--set", "rollout_s=0.8", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
     [&fixed[..], &small, more].concat()
 }
 

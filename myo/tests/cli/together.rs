@@ -6,7 +6,7 @@ use serde_json::{Value, json as value};
 
 use crate::{assert_refused, description, here, json, myo, newest_checkpoint, stderr, stdout};
 
-const SMALL: [&str; 6] = ["--set", "steps_per_update=16", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
+const SMALL: [&str; 6] = ["--set", "rollout_s=0.8", "--set", "policy_hidden=[16]", "--set", "value_hidden=[16]"];
 
 /// Three layouts of a sphere near the hand, the last of which has another time limit, and one of two spheres.
 fn write_layouts(folder: &Path) {

@@ -15,7 +15,7 @@ targets:
 control_dt_s: 0.002
 time_limit_s: 0.04
 reset: {pose: zero}
-reward: {neural_effort: 0}
+reward: {effort_cost: 0}
 ";
 
 /// Operations of the last updates and of the end.

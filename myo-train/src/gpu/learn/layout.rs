@@ -157,6 +157,7 @@ mod tests {
         assert_eq!(block(100, 4), 1);
         let sizes = Sizes {
             steps: 7,
+            noise_steps: 1,
             envs: 37,
             counted: 37,
             noise_free: 0,
@@ -169,7 +170,7 @@ mod tests {
             control_dt: 0.05,
         };
         let networks = Networks { policy: Mlp::new(3, &[5], 2), value: Mlp::new(3, &[4], 1) };
-        let config = PpoConfig { num_envs: 37, steps_per_update: 7, minibatches: 3, ..PpoConfig::default() };
+        let config = PpoConfig { num_envs: 37, rollout_s: 0.35, minibatches: 3, ..PpoConfig::default() };
         let layout = Layout::new(&sizes, &networks, &config, 1000, Precision::Single);
         assert_eq!((layout.block, layout.blocks, layout.rows, layout.gradient_rows), (1, 280, 15, 18));
         assert_eq!((layout.chunk, layout.chunks), (12, 94usize.div_ceil(12)));

@@ -66,7 +66,7 @@ impl Context<'_> {
         let kernel = self.gpu.kernel(&advantages())?;
         let Sizes { envs, padded, steps, between_cuts, control_dt, noise_free, .. } = *self.sizes;
         // As on the processor, the decay is the product of two rounded numbers.
-        let (gamma, lambda) = (self.config.gamma(control_dt) as f32, self.config.gae_lambda as f32);
+        let (gamma, lambda) = (self.config.gamma(control_dt) as f32, self.config.gae_lambda(control_dt) as f32);
         let numbers = [gamma, gamma * lambda].map(f32::to_bits);
         let whole = [envs, padded, steps, between_cuts].map(|x| x as u32);
         let shape: Vec<_> = whole.into_iter().chain(numbers).chain([noise_free as u32]).collect();
@@ -189,13 +189,14 @@ impl Context<'_> {
             memory.square.binding(),
             memory.metrics.binding(),
         ];
+        let bounds = config.log_std(self.sizes.control_dt);
         let numbers = [
             config.gradient_norm_max,
             config.adam_beta1,
             config.adam_beta2,
             config.adam_epsilon,
-            config.log_std_min,
-            config.log_std_max,
+            bounds.min,
+            bounds.max,
         ]
         .map(|x| (x as f32).to_bits());
         let step = |step: usize| {

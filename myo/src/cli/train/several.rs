@@ -68,6 +68,7 @@ pub struct Plan {
     /// What the runs have in common.
     pub run: RunDescription,
     /// Settings of the learner.
+    #[serde(deserialize_with = "myo::train::saved_settings")]
     pub ppo: PpoConfig,
 }
 
