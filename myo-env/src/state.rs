@@ -31,6 +31,8 @@ pub struct EnvState<S: Scalar> {
     pub task: TaskState<S>,
     /// Accelerations of the last physics step (rad/s^2); zero after a reset.
     pub qacc: Vec<S>,
+    /// Motor noise of each muscle, in standard deviations; empty without.
+    pub noise: Vec<S>,
     /// Greatest force on the current button in the last control step (N).
     pub touch: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
@@ -70,6 +72,7 @@ impl<S: Scalar> EnvState<S> {
             body: State::new(&tables.plan),
             task: TaskState::new(&tables.parameters.task),
             qacc: vec![o; tables.plan.ndof()],
+            noise: vec![o; if tables.parameters.noise.is_some() { tables.plan.nmuscle() } else { 0 }],
             touch: o,
             pending: o,
             sums: [o; SUMS],
@@ -100,6 +103,7 @@ impl<S: Scalar> EnvState<S> {
             body: State { qpos, qvel, act },
             task,
             qacc,
+            noise,
             touch,
             pending,
             sums,
@@ -110,7 +114,7 @@ impl<S: Scalar> EnvState<S> {
             episode: _,
             step: _,
         } = self;
-        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc);
+        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise);
         body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed)
     }
 

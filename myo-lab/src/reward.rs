@@ -124,7 +124,8 @@ pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Ve
         let least = if weight == 0.0 { Some(0.0) } else { None };
         RewardTerm { field, weight, of, step: [least, Some(0.0)], episode: [least, Some(0.0)] }
     };
-    let distance = if w.remaining_path { "s times m to the target and over those to come" } else { "s times m to the target" };
+    let distance =
+        if w.remaining_path { "s times m to the target and over those to come" } else { "s times m to the target" };
     let mut terms = vec![
         running("distance_cost", w.distance_cost, distance, [near * dt, far * dt]),
         running("time_cost", w.time_cost, "s", [dt; 2]),

@@ -227,7 +227,8 @@ impl Checkpoint {
     }
 
     fn from_payload(mut payload: Reader<'_>, version: u32, with_session: bool) -> Result<Self, CheckpointError> {
-        let (config, control_dt) = if version > 3 { (payload.json()?, payload.f64_array::<1>()?[0]) } else { payload.old_config()? };
+        let (config, control_dt) =
+            if version > 3 { (payload.json()?, payload.f64_array::<1>()?[0]) } else { payload.old_config()? };
         let (seed, updates) = (payload.u64()?, payload.u64()?);
         let [wall_s, learning_rate] = payload.f64_array()?;
         let (observation_names, action_names) = (payload.json()?, payload.json()?);
@@ -279,8 +280,9 @@ impl Checkpoint {
             }
         }
         if let Some(good) = self.session.as_ref().and_then(|session| session.good.as_ref()) {
-            let sizes =
-                |checkpoint: &Self| (checkpoint.networks(), checkpoint.env_steps() / checkpoint.updates.max(1), checkpoint.config.num_envs);
+            let sizes = |checkpoint: &Self| {
+                (checkpoint.networks(), checkpoint.env_steps() / checkpoint.updates.max(1), checkpoint.config.num_envs)
+            };
             if sizes(good) != sizes(self) {
                 return inconsistent("the state to go back to has other sizes".into());
             }

@@ -16,7 +16,7 @@ pub struct PpoConfig {
     /// Environments stepped side by side (default 4,096). More of them give steadier gradients per update and need
     /// more control steps in all.
     pub num_envs: usize,
-    /// Simulated seconds of every environment between two updates (default 0.2), rounded to whole control steps, at least one.
+    /// Simulated seconds of every environment between two updates (default 0.1), rounded to whole control steps, at least one.
     /// Longer roll-outs lean less on the value network, and update less often.
     pub rollout_s: f64,
     /// Share of the environments, at most 0.9, whose episodes begin in the middle of the task (default 0.75): in one of many
@@ -41,7 +41,8 @@ pub struct PpoConfig {
     /// What is left of the advantage estimate's weight after one second, in [0, 1] (default 0.12, that is a decay of 0.9 per
     /// control step at 20 Hz). 0 trusts the value network alone, 1 the returns alone.
     pub gae_lambda_per_s: f64,
-    /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2).
+    /// The probability ratio of an action earns nothing beyond 1 plus or minus this (default 0.2), times the root of the steps for
+    /// which exploration noise stays.
     pub clip: f64,
     /// Weight of the policy's entropy, summed over actions, in nats (default 0.005). Higher keeps exploring longer.
     pub entropy_coefficient: f64,
@@ -57,7 +58,8 @@ pub struct PpoConfig {
     /// The step size never rises above this (default 1e-2).
     pub learning_rate_max: f64,
     /// Divergence from the collecting policy that one update should reach, mean over its last pass, in nats (default
-    /// 0.06). 0 keeps the step size fixed. Larger moves faster and may collapse.
+    /// 0.06). It is divided by the steps for which exploration noise stays, so that it tells of the same movement at any control
+    /// rate. 0 keeps the step size fixed. Larger moves faster and may collapse.
     pub kl_target: f64,
     /// The step size is divided by `kl_factor` when the divergence is above `kl_target * kl_tolerance`, multiplied by it
     /// below `kl_target / kl_tolerance` (default 1.5).
@@ -110,7 +112,7 @@ impl Default for PpoConfig {
     fn default() -> Self {
         Self {
             num_envs: 4096,
-            rollout_s: 0.2,
+            rollout_s: 0.1,
             exploring_starts: 0.75,
             epochs: 2,
             minibatches: 8,
@@ -197,6 +199,12 @@ impl PpoConfig {
     /// Draws that the exploration noise of one action is the mean of.
     pub fn exploration_steps(&self, control_dt: f64) -> usize {
         whole_steps(self.exploration_s, control_dt)
+    }
+
+    /// Greatest distance of a probability ratio from 1. A draw that stays in several actions is spread over as many samples, each of
+    /// which tells less of the policy's movement, and more of its own draw.
+    pub(crate) fn ratio_clip(&self, control_dt: f64) -> f32 {
+        (self.clip * (self.exploration_steps(control_dt) as f64).sqrt()) as f32
     }
 
     /// What the logarithms of the standard deviations of a control step's own noise begin with and are kept within: with as many
@@ -386,9 +394,7 @@ mod tests {
                 plain.split(", ").map_while(|number| number.parse().ok()).collect()
             };
             let is_told = match default {
-                Value::Array(list) => {
-                    numbers(told) == list.iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>()
-                }
+                Value::Array(list) => numbers(told) == list.iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>(),
                 Value::Number(number) => numbers(told)[0] == number.as_f64().unwrap(),
                 other => *other == told.parse::<bool>().unwrap(),
             };

@@ -67,7 +67,12 @@ impl Heir<'_> {
         }
         self.keep_actions(&other.config, parameters, &actions);
         // As much as one update's worth of observations, so that it soon follows the new ones.
-        *normalizer = inherit_scaling(normalizer, &other.normalizer, &observations, self.config.batch_size(self.spec.control_dt) as f64);
+        *normalizer = inherit_scaling(
+            normalizer,
+            &other.normalizer,
+            &observations,
+            self.config.batch_size(self.spec.control_dt) as f64,
+        );
         let (observations, actions) = (shared(&observations), shared(&actions));
         Ok(Inherited { env_steps: other.env_steps(), observations, actions })
     }

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::config::LogStd;
 use crate::gaussian::{self, Spread, Surrogate, SurrogateSums};
 use crate::kernels;
 use crate::networks::{CHUNK_ROWS, ChunkWork, Lender, Networks};
 use crate::random::shuffle;
 use crate::rollout::Rollout;
-use crate::config::LogStd;
 use crate::{PpoConfig, TrainError};
 
 /// At most this many partial gradients per minibatch. Each sums its share of the samples in order, then they are summed in
@@ -57,6 +57,8 @@ pub struct Learner {
     block_squares: Vec<f64>,
     /// Bounds of the logarithms of the standard deviations.
     log_std: LogStd,
+    /// Half width of the band of probability ratios.
+    clip: f32,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -74,6 +76,8 @@ struct Minibatch<'a> {
     samples: &'a [u32],
     advantage_mean: f32,
     advantage_scale: f32,
+    /// Half width of the band of probability ratios.
+    clip: f32,
     config: &'a PpoConfig,
 }
 
@@ -92,6 +96,7 @@ impl Learner {
             words: vec![0; batch],
             part_sums: vec![Sums::default(); parts],
             log_std: config.log_std(control_dt),
+            clip: config.ratio_clip(control_dt),
             block_squares: vec![0.0; networks.len().div_ceil(PARAMETER_BLOCK)],
         }
     }
@@ -165,6 +170,7 @@ impl Learner {
             samples,
             advantage_mean,
             advantage_scale,
+            clip: self.clip,
             config,
         };
         let parts = part_count(samples.len());
@@ -237,7 +243,7 @@ impl Minibatch<'_> {
         let (networks, rollout) = (self.networks, self.rollout);
         let (n_obs, n_act) = (networks.policy.inputs(), networks.policy.outputs());
         let weight = 1.0 / self.samples.len() as f32;
-        let settings = Surrogate { clip: self.config.clip as f32, weight };
+        let settings = Surrogate { clip: self.clip, weight };
         let (policy_gradient, rest) = gradient.split_at_mut(networks.policy.len());
         let (log_std_gradient, value_gradient) = rest.split_at_mut(n_act);
         log_std_gradient.fill(0.0);

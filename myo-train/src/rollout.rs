@@ -264,7 +264,15 @@ impl Rollout {
     pub fn estimate(&mut self, config: &PpoConfig) {
         let envs = self.value.len() - self.reward.len();
         let value = &self.value[..self.reward.len()];
-        crate::gae::advantages(envs, self.decay, &self.reward, value, &self.next_value, &self.ended, &mut self.advantage);
+        crate::gae::advantages(
+            envs,
+            self.decay,
+            &self.reward,
+            value,
+            &self.next_value,
+            &self.ended,
+            &mut self.advantage,
+        );
         for ((target, advantage), value) in self.target.iter_mut().zip(&self.advantage).zip(value) {
             *target = advantage + value;
         }

@@ -3,7 +3,7 @@
 use super::Scratch;
 use crate::parameters::World;
 use crate::state::EnvState;
-use myo_muscle::noisy_excitation;
+use myo_muscle::{MotorNoise, noisy_excitation};
 use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
 
 /// Random stream of motor noise.
@@ -15,27 +15,26 @@ pub fn excitation<S: Scalar>(action: S) -> S {
     action.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5))
 }
 
-/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise.
+/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise, which begins anew with each episode.
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
-    let Scratch { ctrl, noisy, .. } = ws;
+    let Scratch { ctrl, draws, .. } = ws;
     for u in ctrl.iter_mut() {
         *u = excitation(*u);
     }
     if let Some([signal_dependent, constant]) = world.parameters.noise {
-        let n = ctrl.len();
-        noisy[..n].copy_from_slice(ctrl);
         let counter = env.counter();
-        // One block of random words serves two muscles.
-        S::map_chunks(noisy, |pair, two: [S; 2]| {
-            let words = philox::<S>(Counter { stream: S::Word::splat(NOISE_STREAM) + pair, ..counter });
-            let add = |u, a, b| {
-                let (z1, z2) = normal_pair(a, b);
-                noisy_excitation(u, signal_dependent, constant, z1, z2)
-            };
-            [add(two[0], words[0], words[1]), add(two[1], words[2], words[3])]
+        // One block of random words serves four muscles.
+        S::map_chunks(draws, |block, _: [S; 4]| {
+            let words = philox::<S>(Counter { stream: S::Word::splat(NOISE_STREAM) + block, ..counter });
+            let ((a, b), (c, d)) = (normal_pair(words[0], words[1]), normal_pair(words[2], words[3]));
+            [a, b, c, d]
         });
-        ctrl.copy_from_slice(&noisy[..n]);
+        let (noise, begins) = (MotorNoise::new(world.tables.control_dt()), S::from_word(env.step).lt(S::lit(0.5)));
+        for ((u, z), &draw) in ctrl.iter_mut().zip(&mut env.noise).zip(&*draws) {
+            *z = S::select(begins, draw, noise.next(*z, draw));
+            *u = noisy_excitation(*u, signal_dependent, constant, *z);
+        }
     }
     env.step = env.step + S::Word::splat(1);
 }

@@ -32,8 +32,8 @@ pub struct Scratch<S: Scalar> {
     pub physics: Workspace<S>,
     /// Muscle excitations.
     pub ctrl: Vec<S>,
-    /// The same while noise is added, an even number.
-    noisy: Vec<S>,
+    /// Standard normal numbers for motor noise, a multiple of four.
+    draws: Vec<S>,
     /// Observation after the step, before any reset.
     pub observation: Vec<S>,
     /// Observation after resets.
@@ -49,7 +49,7 @@ impl<S: Scalar> Scratch<S> {
         Self {
             physics: Workspace::with_contacts(&tables.plan, tables.contacts),
             ctrl: vec![S::zero(); tables.plan.nmuscle()],
-            noisy: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(2)],
+            draws: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(4)],
             observation: vec![],
             next_observation: vec![],
             episode: vec![],

@@ -23,8 +23,8 @@ const SPACING_MAX: u64 = 1_000_000;
 /// Points that a forecast needs; it looks back on half of all steps.
 const FORECAST_POINTS: usize = 12;
 
-/// Control steps that must not have brought anything for a curve to be flat.
-const FLAT_STEPS: u64 = 6_000_000;
+/// Simulated seconds that must not have brought anything for a curve to be flat.
+const FLAT_S: f64 = 300_000.0;
 
 /// Share by which success, targets done or distance must have improved for it not to be flat.
 const WORTH: f64 = 0.03;
@@ -163,12 +163,12 @@ impl Curve {
         (all.episodes >= WINDOW_EPISODES).then_some(all.mean)
     }
 
-    /// Whether success, targets done and distance have not improved for long; since how many control steps.
-    pub fn flat_for(&self) -> Option<u64> {
-        let now = self.now()?;
-        let before = now.checked_sub(FLAT_STEPS)?;
+    /// Whether success, targets done and distance have not improved for long; since how many control steps of `control_dt` seconds.
+    pub fn flat_for(&self, control_dt: f64) -> Option<u64> {
+        let (now, long) = (self.now()?, (FLAT_S / control_dt) as u64);
+        let before = now.checked_sub(long)?;
         let since = self.points.iter().rfind(|point| point.env_steps <= before)?.env_steps;
-        let (older, newer) = (self.between(before..before + FLAT_STEPS / 3), self.between(now - FLAT_STEPS / 3..now));
+        let (older, newer) = (self.between(before..before + long / 3), self.between(now - long / 3..now));
         if older.is_empty() || newer.is_empty() {
             return None;
         }
@@ -248,10 +248,10 @@ mod tests {
 
     #[test]
     fn a_curve_is_flat_when_neither_success_nor_distance_improve() {
-        assert!(curve(7_000_000, |_| 0.6, |_| 0.1).flat_for().is_some_and(|steps| steps >= 6_000_000));
-        assert_eq!(curve(7_000_000, |x| 0.5 + x / 5e7, |_| 0.1).flat_for(), None, "success grows");
-        assert_eq!(curve(7_000_000, |_| 0.0, |x| 0.5 - x / 5e7).flat_for(), None, "it comes nearer");
-        assert_eq!(curve(5_000_000, |_| 0.0, |_| 0.5).flat_for(), None, "too early to tell");
+        assert!(curve(7_000_000, |_| 0.6, |_| 0.1).flat_for(0.05).is_some_and(|steps| steps >= 6_000_000));
+        assert_eq!(curve(7_000_000, |x| 0.5 + x / 5e7, |_| 0.1).flat_for(0.05), None, "success grows");
+        assert_eq!(curve(7_000_000, |_| 0.0, |x| 0.5 - x / 5e7).flat_for(0.05), None, "it comes nearer");
+        assert_eq!(curve(5_000_000, |_| 0.0, |_| 0.5).flat_for(0.05), None, "too early to tell");
     }
 
     /// The curve of a user who takes so many seconds after so many million steps, and can do nothing before two.

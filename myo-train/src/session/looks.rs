@@ -12,8 +12,8 @@ const CLOSE: f64 = 0.01;
 /// Control steps of training for each control step of evaluation at least, so that looking costs little.
 const STEPS_PER_LOOK: u64 = 4;
 
-/// Control steps after which a look is taken in any case: some policies act well only without their noise.
-const LONGEST_WAIT: u64 = 4_000_000;
+/// Simulated seconds after which a look is taken in any case: some policies act well only without their noise.
+const LONGEST_WAIT_S: f64 = 200_000.0;
 
 /// Decides by steps, not by the clock, so that a seed stops at the same update on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,13 +36,13 @@ impl Looks {
         until - self.lead
     }
 
-    /// Whether to look now if the goal is `until`; `recent` is the mean success of recent training episodes.
+    /// Whether to look now if the goal is `until`, after control steps of `control_dt` seconds; `recent` is the mean success of recent training episodes.
     ///
     /// It is not once a look was taken, so that a look that was cut off can be told from one that was not.
-    pub fn is_due(&self, until: f64, env_steps: u64, recent: Option<f64>) -> bool {
+    pub fn is_due(&self, until: f64, env_steps: u64, control_dt: f64, recent: Option<f64>) -> bool {
         let waited = env_steps.saturating_sub(self.last_look);
         let near = recent.is_some_and(|success| success >= self.threshold(until));
-        waited >= if near { self.wait } else { LONGEST_WAIT }
+        waited >= if near { self.wait } else { (LONGEST_WAIT_S / control_dt) as u64 }
     }
 
     /// Hears that a look was taken, how many control steps a quick one takes at most, and what it found.
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     fn due(looks: &Looks, env_steps: u64, recent: f64) -> bool {
-        looks.is_due(0.95, env_steps, Some(recent))
+        looks.is_due(0.95, env_steps, 0.05, Some(recent))
     }
 
     #[test]

@@ -243,14 +243,19 @@ impl Session {
             return None;
         }
         let (layout, curve) = self.memory.least()?;
-        let news = News::Flat { env_steps: curve.flat_for()?, layout, recent: curve.recent()?.clone() };
+        let news = News::Flat {
+            env_steps: curve.flat_for(self.trainer.spec().control_dt)?,
+            layout,
+            recent: curve.recent()?.clone(),
+        };
         self.memory.told_flat = true;
         Some(news)
     }
 
     /// Whether to look at the goal now.
     fn look_is_due(&self) -> bool {
-        let is_due = |until| self.memory.looks.is_due(until, self.trainer.env_steps(), self.memory.least_success());
+        let (steps, control_dt) = (self.trainer.env_steps(), self.trainer.spec().control_dt);
+        let is_due = |until| self.memory.looks.is_due(until, steps, control_dt, self.memory.least_success());
         self.confirmed().is_none() && self.goal.until.share().is_some_and(is_due)
     }
 

@@ -239,7 +239,8 @@ impl Trainer {
 
     /// Takes in what an update that began at `start` came to.
     fn take_in(&mut self, result: UpdateResult, start: Instant) -> UpdateMetrics {
-        let learning_rate = self.learning_rate;
+        let (learning_rate, mut result) = (self.learning_rate, result);
+        result.learn.kl /= self.brain.config.exploration_steps(self.brain.spec.control_dt) as f64;
         self.learning_rate = adapted_rate(learning_rate, result.learn.kl, &self.brain.config);
         // Only now, so that one update sees one scaling.
         self.brain.normalizer.merge(&result.moments);

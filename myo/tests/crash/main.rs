@@ -58,8 +58,7 @@ fn a_warm_start_that_is_stopped_at_any_file_operation_ends_as_one_left_alone() {
     assert!(scene.start(&source, &[]).status.success());
     // The networks are those of the source.
     scene.training.truncate(7);
-    let more =
-        ["--set", "rollout_s=3.2", "--until", "off", "--steps", "4096", "--from", source.to_str().unwrap()];
+    let more = ["--set", "rollout_s=3.2", "--until", "off", "--steps", "4096", "--from", source.to_str().unwrap()];
     scene.training.extend(more.map(String::from));
     scene.check_all();
 }

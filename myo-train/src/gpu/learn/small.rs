@@ -154,7 +154,8 @@ impl Context<'_> {
         let (sizes, layout) = (self.sizes, self.layout);
         let log_std = self.networks.log_std_range().start;
         let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
-        let numbers = [self.config.clip, self.config.value_coefficient].map(|x| (x as f32).to_bits());
+        let numbers =
+            [self.config.ratio_clip(sizes.control_dt), self.config.value_coefficient as f32].map(f32::to_bits);
         let shape: Vec<_> = places.map(|x| x as u32).into_iter().chain(numbers).collect();
         let memory = self.memory;
         let [activation, sample] = [memory.activation.binding(), memory.sample.binding()];

@@ -110,7 +110,7 @@ impl Passes<'_> {
         let [rows, gradient_rows] = [layout.rows, layout.gradient_rows];
         let log_std = networks.log_std_range().start;
         let places = [layout.chunk / 4, blocks, policy, value, rows, gradient_rows, sizes.actions, log_std];
-        let numbers = [config.clip as f32, config.value_coefficient as f32, layout.gradient_scale()];
+        let numbers = [config.ratio_clip(sizes.control_dt), config.value_coefficient as f32, layout.gradient_scale()];
         places.map(|x| x as u32).into_iter().chain(numbers.map(f32::to_bits)).collect()
     }
 
