@@ -3,7 +3,7 @@
 //! Over a sphere that is the plane through the centre and both ends. Over a cylinder it is the plane across its axis, and
 //! along the axis the path climbs evenly: on the cylinder rolled out flat it is a straight line.
 
-use super::around::{the_shorter_way, the_way_by};
+use super::around::around;
 use super::flat::{Bend, Flat};
 use super::within::touching;
 use crate::plan::RoundShape;
@@ -142,11 +142,11 @@ fn bent<S: Scalar>(round: &Round<S>, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> (
     };
     let (from, to) = (in_plane(round.shape, &plane, a), in_plane(round.shape, &plane, b));
     let bend = match side {
-        OnSide::Any => the_shorter_way(from, to, round.radius),
-        OnSide::Of(side) => the_way_by(in_plane(round.shape, &plane, side), from, to, round.radius),
+        OnSide::Any => around(None, from, to, round.radius),
+        OnSide::Of(side) => around(Some(in_plane(round.shape, &plane, side)), from, to, round.radius),
         OnSide::Inside => touching(from, to, round.radius),
         OnSide::Either(side, is_inside) => {
-            let around = the_way_by(in_plane(round.shape, &plane, side), from, to, round.radius);
+            let around = around(Some(in_plane(round.shape, &plane, side)), from, to, round.radius);
             Bend::select(is_inside, &touching(from, to, round.radius), &around)
         }
     };

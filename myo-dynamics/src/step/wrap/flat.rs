@@ -47,19 +47,15 @@ impl<S: Scalar> Flat<S> {
     }
 }
 
-/// Two points outside a circle about the origin, and the straight line between them.
+/// Two points, a circle about the origin, and the straight line between the points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ends<S: Scalar> {
     pub from: Flat<S>,
     pub to: Flat<S>,
     /// Squared distances from the centre (m^2).
     pub squares: [S; 2],
-    /// Lengths of the tangents to the circle (m).
+    /// Lengths of the tangents to the circle (m); zero from inside.
     pub tangents: [S; 2],
-    /// The point of the straight line that is nearest to the centre.
-    pub nearest: Flat<S>,
-    /// Where it lies between the ends.
-    pub is_between: S::Mask,
     /// Where the straight line cuts the circle between the ends.
     pub is_cut: S::Mask,
 }
@@ -78,9 +74,9 @@ impl<S: Scalar> Ends<S> {
         let between = to.minus(from);
         let share = -between.dot(from) * between.dot(between).max(S::lit(TINY)).recip();
         let is_between = S::zero().lt(share) & share.lt(S::lit(1.0));
-        let nearest = between.mul_add(share.clamp(0.0, 1.0), from);
+        let nearest = between.mul_add(share, from);
         let is_cut = is_between & nearest.dot(nearest).le(squared_radius);
-        Self { from, to, squares, tangents, nearest, is_between, is_cut }
+        Self { from, to, squares, tangents, is_cut }
     }
 }
 

@@ -1,0 +1,455 @@
+//! Muscle paths over spheres and cylinders: forces fit lengths, lengths are continuous, and every evaluator and plan agrees.
+
+mod common;
+
+use common::{arm, difference, draw, greatest, random_state};
+use myo_dynamics::spatial::{Frame, Rotation, Vec3, Wrench};
+use myo_dynamics::step::wrap::{Course, OnSide, Round, course};
+use myo_dynamics::step::{self, force, kinematics::kinematics, tendon};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
+use myo_model::description::{Over, PathElement, Wrap, WrapShape};
+use myo_model::{Model, ModelDescription, builtin};
+use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
+use myo_scalar::{LaneTask, Level, Scalar, dispatch};
+
+/// A body with every kind of path.
+fn wraps() -> Plan<f64> {
+    let text = include_str!("../examples/wraps.yaml");
+    let model = Model::new(&ModelDescription::from_yaml(text, "wraps.yaml").unwrap()).unwrap();
+    Plan::exact(&model, CouplingMode::Reduced).unwrap()
+}
+
+fn over(wrap: &str, side: Option<&str>) -> PathElement {
+    PathElement::Over(Over { over: wrap.into(), side: side.map(Into::into) })
+}
+
+/// The built-in arm with muscles over things on the shoulder girdle, the upper arm and the forearm.
+fn wrapped_arm() -> Model {
+    let mut arm = builtin("mobl-arms").unwrap();
+    let mut wrap = |name: &str, body: &str, shape, pos| {
+        arm.wraps.push(Wrap { name: name.into(), body: body.into(), shape, pos, quat: [0.9, 0.1, 0.3, -0.2] });
+    };
+    wrap("head", "humerus", WrapShape::Sphere { radius: 0.022 }, [0.0, 0.0, 0.0]);
+    wrap("blade", "scapula", WrapShape::Cylinder { radius: 0.012, half_length: 0.05 }, [-0.03, -0.02, -0.05]);
+    wrap("trunk", "thorax", WrapShape::Sphere { radius: 0.03 }, [0.0, 0.05, -0.03]);
+    wrap("elbow", "humerus", WrapShape::Cylinder { radius: 0.012, half_length: 0.05 }, [0.0, -0.29, 0.0]);
+    for (name, after, element) in [
+        ("DELT1", 1, over("head", None)),
+        ("DELT2", 1, over("head", Some("DELT1-P2"))),
+        ("SUPSP", 1, over("blade", None)),
+        ("PECM1", 2, over("trunk", None)),
+        ("LAT1", 1, over("trunk", Some("LAT2-P2"))),
+        ("TRIlong", 2, over("elbow", None)),
+        ("BIClong", 3, over("head", None)),
+    ] {
+        let muscle = arm.muscles.iter_mut().find(|muscle| muscle.name == name).unwrap();
+        muscle.path.insert(after, element);
+    }
+    Model::new(&arm).unwrap()
+}
+
+/// Whether each stretch bends: then it arrives in another direction than it leaves in.
+fn bends(ws: &Workspace<f64>) -> Vec<bool> {
+    ws.wrap_lines.iter().map(|[a, b]| a.lin.array() != b.lin.array()).collect()
+}
+
+fn paths(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) {
+    kinematics(plan, &state.qpos, &state.qvel, ws);
+    tendon::lengths(plan, ws);
+}
+
+/// Generalised forces of one newton along a muscle.
+fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) -> Vec<S> {
+    ws.muscle_force.fill(S::zero());
+    ws.muscle_force[muscle] = S::lit(1.0);
+    ws.torque.fill(S::zero());
+    ws.wrench.fill(Wrench::zero());
+    ws.joint_torque.fill(S::zero());
+    tendon::pull(plan, ws);
+    force::project(plan, ws);
+    ws.torque.clone()
+}
+
+#[test]
+fn every_stretch_bends_in_some_states_and_not_in_others() {
+    let plan = wraps();
+    let mut ws = Workspace::<f64>::new(&plan);
+    let mut counts = vec![0; ws.wrap_lines.len()];
+    for number in 0..1000 {
+        paths(&plan, &random_state(&plan, number), &mut ws);
+        counts.iter_mut().zip(bends(&ws)).for_each(|(count, bends)| *count += u32::from(bends));
+    }
+    assert!(counts.len() >= 18, "{}", counts.len());
+    assert!(counts.iter().all(|&count| count > 5 && count < 995), "{counts:?}");
+}
+
+#[test]
+fn forces_are_the_derivatives_of_lengths() {
+    const H: f64 = 1e-6;
+    let plan = wraps();
+    let mut ws = [0, 1, 2].map(|_| Workspace::<f64>::new(&plan));
+    let (mut compared, mut left_out) = (0, 0);
+    for number in 0..500 {
+        let state = random_state(&plan, number);
+        paths(&plan, &state, &mut ws[1]);
+        for muscle in 0..plan.nmuscle() {
+            let now = &mut ws[1];
+            let moments = moment_arms::<f64>(&plan, muscle, now);
+            let rate: f64 = moments.iter().zip(&state.qvel).map(|(moment, speed)| moment * speed).sum();
+            assert!((rate - now.tendon_velocity[muscle]).abs() < 1e-12, "state {number}, muscle {muscle}");
+            for (dof, &moment) in moments.iter().enumerate() {
+                for (ws, by) in ws.iter_mut().zip([-H, 0.0, H]) {
+                    let mut state = state.clone();
+                    state.qpos[dof] += by;
+                    paths(&plan, &state, ws);
+                }
+                if bends(&ws[0]) != bends(&ws[2]) {
+                    left_out += 1;
+                    continue;
+                }
+                let slope = (ws[2].tendon_length[muscle] - ws[0].tendon_length[muscle]) / (2.0 * H);
+                assert!((slope - moment).abs() < 1e-8, "state {number}, muscle {muscle}, {dof}: {slope} for {moment}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 40_000 && left_out < 100, "{compared} compared, {left_out} left out");
+}
+
+#[test]
+fn the_specialised_plan_equals_the_exact_one() {
+    // Lengths (m), rates (m/s) and forces as in `specialised.rs`.
+    let plans = [wraps(), Plan::exact(&wrapped_arm(), CouplingMode::Reduced).unwrap()];
+    for (plan, exact) in plans.iter().enumerate() {
+        let fast = exact.specialised();
+        assert!(!fast.tendons.wraps.is_empty());
+        let (mut a, mut b) = (Workspace::<f64>::new(exact), Workspace::<f64>::new(&fast));
+        let mut bent = vec![0; a.wrap_lines.len()];
+        let mut turned = 0;
+        for number in 0..1000 {
+            let state = random_state(exact, number);
+            step::forward(exact, &Obstacles::none(exact), &state, &mut a);
+            step::forward(&fast, &Obstacles::none(&fast), &state, &mut b);
+            if bends(&a) != bends(&b) {
+                turned += 1;
+                continue;
+            }
+            bent.iter_mut().zip(bends(&a)).for_each(|(count, bends)| *count += u32::from(bends));
+            let check = |what: &str, error: f64, bound: f64| {
+                assert!(error <= bound, "plan {plan}, state {number}: {what} differs by {error:e}");
+            };
+            check("tendon length", difference(&a.tendon_length, &b.tendon_length), 1e-8);
+            check("tendon velocity", difference(&a.tendon_velocity, &b.tendon_velocity), 5e-7);
+            check("torque", difference(&a.torque, &b.torque), 5e-5);
+            check("acceleration", difference(&a.qacc, &b.qacc), 5e-6 * greatest(&a.qacc));
+        }
+        assert!(turned <= 1, "plan {plan}: {turned} states");
+        assert!(bent.iter().all(|&count| count > 0), "plan {plan}: {bent:?}");
+    }
+}
+
+/// Lengths, rates and moment arms of all muscles, one after the other.
+fn quantities<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) -> Vec<S> {
+    kinematics(plan, qpos, qvel, ws);
+    tendon::lengths(plan, ws);
+    let mut out = [&ws.tendon_length[..], &ws.tendon_velocity[..]].concat();
+    for muscle in 0..plan.nmuscle() {
+        out.extend(moment_arms(plan, muscle, ws));
+    }
+    out
+}
+
+/// The same of states in lanes.
+struct Lanes<'a>(&'a Plan<f32>, &'a [State<f64>]);
+
+impl LaneTask for Lanes<'_> {
+    type Output = Vec<Vec<f32>>;
+    #[inline(always)]
+    fn run<S: Scalar<Const = f32>>(self) -> Self::Output {
+        let Self(plan, states) = self;
+        let (n, mut ws) = (plan.ndof(), Workspace::<S>::new(plan));
+        let mut out = vec![];
+        for block in states.chunks(S::LANES) {
+            let column = |of: fn(&State<f64>) -> &[f64], k: usize| {
+                let lane = |lane: usize| of(&block[lane.min(block.len() - 1)])[k] as f32;
+                S::load(&(0..S::LANES).map(lane).collect::<Vec<f32>>())
+            };
+            let qpos: Vec<S> = (0..n).map(|k| column(|state| &state.qpos, k)).collect();
+            let qvel: Vec<S> = (0..n).map(|k| column(|state| &state.qvel, k)).collect();
+            let found = quantities(plan, &qpos, &qvel, &mut ws);
+            let mut lanes = vec![0.0; S::LANES];
+            let first = out.len();
+            out.resize(first + block.len(), vec![]);
+            for number in found {
+                number.store(&mut lanes);
+                out[first..].iter_mut().zip(&lanes).for_each(|(out, &x)| out.push(x));
+            }
+        }
+        out
+    }
+}
+
+/// States around those where a stretch begins or ends to bend on the way of one coordinate: both sides of the place, and the
+/// place itself. Left out where the length jumps, because a path changes its way.
+fn onsets(plan: &Plan<f64>) -> Vec<State<f64>> {
+    let mut ws = Workspace::<f64>::new(plan);
+    let mut out = vec![];
+    let place = |step: usize| -1.0 + 0.02 * step as f64;
+    for number in 0..12 {
+        let state = random_state(plan, 5000 + number);
+        for dof in 0..plan.ndof() {
+            let mut at = |position: f64| {
+                let mut state = state.clone();
+                state.qpos[dof] = position;
+                paths(plan, &state, &mut ws);
+                (bends(&ws), ws.tendon_length.clone(), state)
+            };
+            for step in 0..100 {
+                let (mut low, mut high) = (place(step), place(step + 1));
+                let before = at(low).0;
+                let after = at(high).0;
+                let Some(stretch) = (0..before.len()).find(|&k| before[k] != after[k]) else { continue };
+                for _ in 0..45 {
+                    let middle = 0.5 * (low + high);
+                    *(if at(middle).0[stretch] == before[stretch] { &mut low } else { &mut high }) = middle;
+                }
+                if difference(&at(low).1, &at(high).1) < 1e-9 {
+                    out.extend([-1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3].map(|by| at(low + by).2));
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Greatest differences of lengths, rates and moment arms, muscle by muscle and state by state; muscles that go another way are
+/// counted instead.
+fn compare(plan: &Plan<f64>, states: &[State<f64>], found: &[Vec<f64>]) -> ([f64; 3], usize) {
+    let (mut ws, m) = (Workspace::<f64>::new(plan), plan.nmuscle());
+    let (mut worst, mut other_ways) = ([0.0_f64; 3], 0);
+    for (state, found) in states.iter().zip(found) {
+        let wanted = quantities(plan, &state.qpos, &state.qvel, &mut ws);
+        assert!(found.iter().all(|x| x.is_finite()), "{state:?}");
+        for muscle in 0..m {
+            let moments = |all: &[f64]| all[2 * m..].chunks(plan.ndof()).nth(muscle).unwrap().to_vec();
+            let errors = [
+                (found[muscle] - wanted[muscle]).abs(),
+                (found[m + muscle] - wanted[m + muscle]).abs(),
+                difference(&moments(found), &moments(&wanted)),
+            ];
+            if errors[2] > 0.01 {
+                other_ways += 1;
+                continue;
+            }
+            worst.iter_mut().zip(errors).for_each(|(worst, error)| *worst = worst.max(error));
+        }
+    }
+    (worst, other_ways)
+}
+
+#[test]
+fn lanes_equal_the_reference_also_where_paths_begin_to_bend() {
+    let (exact, arm) = (wraps(), Plan::exact(&wrapped_arm(), CouplingMode::Reduced).unwrap());
+    for (plan, onsets) in [(&exact, onsets(&exact)), (&arm, vec![])] {
+        let random: Vec<State<f64>> = (0..2000).map(|number| random_state(plan, number)).collect();
+        for level in Level::available() {
+            for (states, what) in [(&random, "random"), (&onsets, "onset")] {
+                let found = dispatch(level, Lanes(&plan.cast(), states));
+                let found: Vec<Vec<f64>> =
+                    found.into_iter().map(|row| row.into_iter().map(f64::from).collect()).collect();
+                let (worst, other_ways) = compare(plan, states, &found);
+                println!("{} {what}, {} states: {worst:.1e?}, {other_ways} other ways", level.name(), states.len());
+                // Lengths (m), rates (m/s at 5 rad/s), moment arms (m).
+                for (error, bound) in worst.into_iter().zip([2e-6, 1e-2, 2e-3]) {
+                    assert!(error < bound, "{} {what}: {worst:.1e?}", level.name());
+                }
+                assert!(other_ways <= states.len() / 500, "{} {what}: {other_ways} other ways", level.name());
+            }
+        }
+    }
+    assert!(onsets(&exact).len() > 500);
+}
+
+#[test]
+fn the_recorded_program_computes_what_the_reference_computes() {
+    let plan = wraps();
+    let n = plan.ndof();
+    let [input, output] = [0, 1].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
+    let mut count = 0;
+    let program = trace(|| {
+        let numbers: Vec<Sym> = (0..2 * n).map(|row| input.number(row)).collect();
+        let mut ws = Workspace::<Sym>::new(&plan.cast());
+        let out = quantities(&plan.cast(), &numbers[..n], &numbers[n..], &mut ws);
+        count = out.len();
+        out.into_iter().enumerate().for_each(|(row, x)| output.set_number(row, x));
+    });
+    let states: Vec<State<f64>> = (0..300).map(|number| random_state(&plan, number)).chain(onsets(&plan)).collect();
+    let found: Vec<Vec<f64>> = states
+        .iter()
+        .map(|state| {
+            let numbers = [&state.qpos[..], &state.qvel[..]].concat();
+            let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; count])];
+            program.interpret(&mut buffers);
+            let [_, Contents::Numbers(found)] = buffers else { unreachable!("made so") };
+            found
+        })
+        .collect();
+    let (worst, other_ways) = compare(&plan, &states, &found);
+    println!("{} states: {worst:.1e?}, {other_ways} other ways, {} operations", states.len(), program.operations());
+    // The program's numbers are those of the tables, and the short series of the angle, interpreted in double precision.
+    assert!(worst[0] < 1e-6 && worst[1] < 1e-3 && worst[2] < 1e-4, "{worst:.1e?}");
+    assert!(other_ways <= states.len() / 500, "{other_ways}");
+}
+
+/// A number in one lane of precision `S`.
+fn round<S: Scalar>(shape: WrapKind, radius: f64) -> Round<S> {
+    let frame = Frame { rotation: Rotation::identity(), position: Vec3::zero() };
+    Round { shape, radius: S::lit(radius), frame }
+}
+use myo_dynamics::plan::RoundShape as WrapKind;
+
+fn vector<S: Scalar>(v: [f64; 3]) -> Vec3<S> {
+    Vec3::new(S::lit(v[0]), S::lit(v[1]), S::lit(v[2]))
+}
+
+/// A path about the origin.
+fn path<S: Scalar>(shape: WrapKind, radius: f64, side: Option<[f64; 3]>, a: [f64; 3], b: [f64; 3]) -> Course<S> {
+    let ends = [vector(a), vector(b)];
+    let side = match side {
+        None => OnSide::Any,
+        Some(side) if side.iter().map(|x| x * x).sum::<f64>().sqrt() < radius => OnSide::Inside,
+        Some(side) => OnSide::Of(vector(side)),
+    };
+    course(&round(shape, radius), side, ends, ends)
+}
+
+const SHAPES: [WrapKind; 2] = [WrapKind::Sphere, WrapKind::Cylinder];
+
+#[test]
+fn known_paths() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let half = 2.0 * quarter;
+    let below = Some([0.0, -2.0, 0.0]);
+    for shape in SHAPES {
+        let length = |side, a, b| path::<f64>(shape, 1.0, side, a, b).length;
+        let near = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{shape:?}: {found} for {wanted}");
+        // A tangent, a quarter of the circle, a tangent.
+        let (a, b) = ([-1.0, -3.0, 0.0], [2.0, 1.0, 0.0]);
+        near(length(None, a, b), 3.0 + quarter + 2.0);
+        near(length(Some([-2.0, 2.0, 0.0]), a, b), 3.0 + quarter + 2.0);
+        // Forced on the other side, past an eighth.
+        let (a, b) = ([-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]);
+        let over = 2.0 * 3.0_f64.sqrt() + half - 2.0 * (0.5_f64).acos();
+        for side in [None, below, Some([0.5, 3.0, 0.0])] {
+            near(length(side, a, b), over);
+        }
+        // The line passes above; a side below pulls it round, three quarters of the circle.
+        let (a, b) = ([-1.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
+        near(length(None, a, b), 2.0);
+        near(length(below, a, b), 2.0 + half);
+        near(length(Some([0.0, 2.0, 0.0]), a, b), 2.0);
+        // From the surface to the surface.
+        let (a, b) = ([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        near(length(None, a, b), half);
+        near(length(below, a, b), half);
+        // Inside: straight.
+        near(length(None, [0.5, 0.0, 0.0], [3.0, 0.0, 0.0]), 2.5);
+        near(length(below, [0.5, 0.0, 0.0], [3.0, 0.0, 0.0]), 2.5);
+        // Through: to the top of the circle and back down.
+        let inside = Some([0.0, 0.1, 0.0]);
+        near(length(inside, [-2.0, 2.0, 0.0], [2.0, 2.0, 0.0]), 2.0 * 5.0_f64.sqrt());
+        near(length(inside, [-2.0, 0.5, 0.0], [2.0, 0.5, 0.0]), 4.0);
+        near(length(inside, [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]), 3.0);
+    }
+    // A helix: a half turn that climbs by two.
+    let found = path::<f64>(WrapKind::Cylinder, 1.0, None, [-1.0, 0.0, -1.0], [1.0, 0.0, 1.0]);
+    assert!((found.length - half.hypot(2.0)).abs() < 1e-12);
+}
+
+/// Positions with as many kinds of trouble as there are: at the centre, on the axis, on the surface, next to it, in line.
+fn awkward() -> Vec<[f64; 3]> {
+    let mut out = vec![];
+    for size in [0.0, 1e-30, 1e-9, 0.02, 0.999_999, 1.0, 1.0 + 1e-7, 1.000_001, 1.5, 300.0] {
+        let r = 0.03 * size;
+        for direction in [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.6, -0.8, 0.0], [-0.48, 0.64, 0.6]] {
+            out.push(direction.map(|x: f64| x * r));
+        }
+    }
+    out
+}
+
+#[test]
+fn nothing_is_ever_not_a_number() {
+    fn check<S: Scalar>(number: fn(S) -> f64) {
+        let sides = [None, Some([0.0; 3]), Some([0.01, 0.0, 0.0]), Some([0.0, 0.05, 0.0]), Some([0.0, 0.0, 0.05])];
+        for (shape, side) in SHAPES.into_iter().flat_map(|shape| sides.map(|side| (shape, side))) {
+            for (a, b) in awkward().into_iter().flat_map(|a| awkward().into_iter().map(move |b| (a, b))) {
+                let path = path::<S>(shape, 0.03, side, a, b);
+                let numbers = [path.leaving.array(), path.arriving.array()].concat();
+                let what = || format!("{shape:?} {side:?} from {a:?} to {b:?}: {path:?}");
+                assert!(numbers.iter().all(|&x| number(x).abs() < 1.0 + 1e-5), "{}", what());
+                let length = number(path.length);
+                let straight = (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
+                assert!(length.is_finite() && length > straight * (1.0 - 1e-5) - 1e-7, "{}", what());
+                // All around and the ways there.
+                assert!(length < straight + 2.0 * 0.03 * 7.0 + 0.01 * straight, "{}", what());
+            }
+        }
+    }
+    check::<f64>(|x| x);
+    check::<f32>(f64::from);
+}
+
+/// A path that begins to bend, comes off again and passes close by, its length as a function of time.
+fn sweep<S: Scalar>(shape: WrapKind, side: Option<[f64; 3]>, case: u32, time: f64, number: fn(S) -> f64) -> f64 {
+    let between = |entry: usize, lo: f64, hi: f64| lo + (hi - lo) * draw(7000 + case, entry);
+    let height = between(0, -0.06, -0.045) + 0.1 * time;
+    let a = [-between(1, 0.031, 0.09), height, between(2, -0.03, 0.03)];
+    let b = [between(3, 0.031, 0.09), height + between(4, -0.005, 0.005), between(5, -0.03, 0.03)];
+    number(path::<S>(shape, 0.03, side, a, b).length)
+}
+
+#[test]
+fn lengths_are_continuous_in_both_precisions() {
+    const STEPS: usize = 4000;
+    for (shape, case) in SHAPES.into_iter().flat_map(|shape| (0..40).map(move |case| (shape, case))) {
+        // Below the origin all the time, so that the ray opposite the side, where the path snaps off, is never crossed.
+        for side in [None, Some([0.0, 0.0, 0.001]), Some([0.0, -0.1, 0.0])] {
+            let mut last = None;
+            for step in 0..=STEPS {
+                let time = step as f64 / STEPS as f64;
+                let [double, single] =
+                    [sweep::<f64>(shape, side, case, time, |x| x), sweep::<f32>(shape, side, case, time, f64::from)];
+                let what = || format!("{shape:?} {side:?} case {case} at {time}");
+                if let Some(last) = last.replace(double) {
+                    // Both ends move by 0.1 m in all.
+                    let most = 0.2 / STEPS as f64;
+                    let jump: f64 = double - last;
+                    assert!(jump.abs() < 1.01 * most, "{}: jumps by {jump:e}", what());
+                }
+                assert!((single - double).abs() < 3e-7, "{}: {single} for {double}", what());
+            }
+        }
+    }
+}
+
+#[test]
+fn wraps_change_nothing_where_they_are_out_of_the_way() {
+    let mut far = builtin("mobl-arms").unwrap();
+    let shape = WrapShape::Sphere { radius: 0.01 };
+    let (name, body) = ("far".to_owned(), "world".to_owned());
+    far.wraps.push(Wrap { name, body, shape, pos: [5.0, 5.0, 5.0], quat: [1.0, 0.0, 0.0, 0.0] });
+    for muscle in &mut far.muscles {
+        muscle.path.insert(1, over("far", None));
+    }
+    let [plan, far] =
+        [arm("mobl-arms"), Model::new(&far).unwrap()].map(|model| Plan::exact(&model, CouplingMode::Reduced).unwrap());
+    let (mut a, mut b) = (Workspace::<f64>::new(&plan), Workspace::<f64>::new(&far));
+    for number in 0..200 {
+        let state = random_state(&plan, number);
+        step::forward(&plan, &Obstacles::none(&plan), &state, &mut a);
+        step::forward(&far, &Obstacles::none(&far), &state, &mut b);
+        assert!(difference(&a.tendon_length, &b.tendon_length) < 1e-14);
+        assert!(difference(&a.qacc, &b.qacc) < 1e-9 * greatest(&a.qacc));
+    }
+}
