@@ -26,7 +26,7 @@ const PRESSES: u32 = 60;
 const GADGETS: u32 = 300;
 const WRAPS: u32 = 1000;
 /// Poses from which every coordinate is swept in search of states where a path begins to bend, and steps of a sweep.
-const SWEEPS: u32 = 40;
+const SWEEPS: u32 = 12;
 const SWEEP_STEPS: usize = 120;
 /// How far from such a state (rad or m) states are compared.
 const ASIDE: [f64; 4] = [1e-8, 1e-5, 1e-3, 1e-2];

@@ -5,7 +5,7 @@ mod common;
 use common::{arm, difference, draw, greatest, random_state};
 use myo_dynamics::plan::RoundShape;
 use myo_dynamics::spatial::{Frame, Rotation, Vec3, Wrench};
-use myo_dynamics::step::wrap::{Course, OnSide, Round, course};
+use myo_dynamics::step::wrap::{Course, OnSide, Round, course, points};
 use myo_dynamics::step::{self, force, kinematics::kinematics, tendon};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
 use myo_model::description::{Over, PathElement, Wrap, WrapShape};
@@ -466,4 +466,42 @@ fn wraps_change_nothing_where_they_are_out_of_the_way() {
         assert!(difference(&a.tendon_length, &b.tendon_length) < 1e-14);
         assert!(difference(&a.qacc, &b.qacc) < 1e-9 * greatest(&a.qacc));
     }
+}
+
+#[test]
+fn points_lie_on_the_path() {
+    let near = |found: f64, wanted: f64, bound: f64| assert!((found - wanted).abs() < bound, "{found} for {wanted}");
+    let distance = |a: Vec3<f64>, b: Vec3<f64>| (b - a).dot(b - a).sqrt();
+    let (mut bent, mut straight) = (0, 0);
+    for case in 0..400 {
+        let between = |entry: usize, lo: f64, hi: f64| lo + (hi - lo) * draw(9000 + case, entry);
+        let place = |first: usize, size: f64| Vec3::splat([0, 1, 2].map(|k| between(first + k, -size, size)));
+        let turn = nalgebra::Rotation3::from_scaled_axis(nalgebra::Vector3::from(place(0, 3.0).array()));
+        let axes = [0, 1, 2].map(|k| Vec3::splat(turn.matrix().column(k).into_owned().into()));
+        let frame = Frame { rotation: Rotation { x: axes[0], y: axes[1], z: axes[2] }, position: place(3, 0.1) };
+        let (a, b, side) = (place(6, 0.3), place(9, 0.3), (case % 3 > 0).then(|| place(12, 0.1)));
+        let round = Round { shape: SHAPES[case as usize % 2], radius: 0.05, frame };
+        let local = |p: Vec3<f64>| frame.rotation.apply_inverse(p - frame.position);
+        let told = side.map_or(OnSide::Any, |side| OnSide::told_by(local(side), round.shape, round.radius));
+        let path = course(&round, told, [a, b], [local(a), local(b)]);
+        let found = points(&round, side, [a, b], 200);
+        let all: Vec<Vec3<f64>> = [a].into_iter().chain(found.iter().copied()).chain([b]).collect();
+        let length: f64 = all.windows(2).map(|ends| distance(ends[0], ends[1])).sum();
+        near(length, path.length, 2e-5);
+        if path.length > distance(a, b) + 1e-9 {
+            for point in found {
+                let p = local(point);
+                let off_axis = if round.shape == RoundShape::Sphere { p.dot(p).sqrt() } else { p.x.hypot(p.y) };
+                near(off_axis, round.radius, 1e-9);
+            }
+            // Ends in the directions that pull.
+            let [first, last] = [all[1] - a, b - all[all.len() - 2]];
+            near(first.dot(path.leaving), distance(a, all[1]), 1e-9);
+            near(last.dot(path.arriving), distance(b, all[all.len() - 2]), 1e-9);
+            bent += 1;
+        } else {
+            straight += 1;
+        }
+    }
+    assert!(bent > 50 && straight > 50, "{bent} bent, {straight} straight");
 }

@@ -7,16 +7,19 @@ use myo_model::description::WrapShape;
 use myo_model::model::Wrap;
 use nalgebra::{Matrix3, Vector3};
 
-/// A side point of a cylinder nearer to its axis than this (m) tells no side.
-const ON_AXIS: f64 = 1e-15;
+impl From<&WrapShape> for RoundShape {
+    fn from(shape: &WrapShape) -> Self {
+        match shape {
+            WrapShape::Sphere { .. } => Self::Sphere,
+            WrapShape::Cylinder { .. } => Self::Cylinder,
+        }
+    }
+}
 
 impl RoundThing<f64> {
     /// A wrap of a model, with nothing that runs over it yet.
     pub(super) fn new(wrap: &Wrap, frame: FixedFrame<f64>) -> Self {
-        let shape = match wrap.shape {
-            WrapShape::Sphere { .. } => RoundShape::Sphere,
-            WrapShape::Cylinder { .. } => RoundShape::Cylinder,
-        };
+        let shape = RoundShape::from(&wrap.shape);
         Self { frame, shape, radius: wrap.shape.radius(), stretches: vec![] }
     }
 
@@ -58,14 +61,10 @@ impl RoundThing<f64> {
     fn side(&self, point: Option<Point<f64>>) -> Side<f64> {
         let Some(point) = point else { return Side::Any };
         let Some(local) = self.local(&point) else { return Side::Moving(point) };
-        let [x, y, z] = local;
-        if Vector3::from(local).norm() < self.radius {
-            Side::Inside
-        } else if self.shape == RoundShape::Cylinder && x.hypot(y) < ON_AXIS {
-            // What tells no side is taken for the x axis, as in MuJoCo.
-            Side::Fixed([self.radius, 0.0, z])
-        } else {
-            Side::Fixed(local)
+        match OnSide::told_by(Vec3::splat(local), self.shape, self.radius) {
+            OnSide::Inside => Side::Inside,
+            OnSide::Of(local) => Side::Fixed(local.array()),
+            OnSide::Any | OnSide::Either(..) => Side::Any,
         }
     }
 

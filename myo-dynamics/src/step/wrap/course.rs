@@ -40,6 +40,23 @@ pub enum OnSide<S: Scalar> {
     Either(Vec3<S>, S::Mask),
 }
 
+/// A point of a cylinder nearer to its axis than this (m) tells no side.
+const ON_AXIS: f64 = 1e-15;
+
+impl OnSide<f64> {
+    /// The side that a point asks for (m, from the centre of the round thing and in its axes).
+    pub fn told_by(point: Vec3<f64>, shape: RoundShape, radius: f64) -> Self {
+        if point.dot(point) < radius * radius {
+            Self::Inside
+        } else if shape == RoundShape::Cylinder && point.x.hypot(point.y) < ON_AXIS {
+            // What tells no side is taken for the x axis, as in MuJoCo.
+            Self::Of(Vec3::new(radius, 0.0, point.z))
+        } else {
+            Self::Of(point)
+        }
+    }
+}
+
 /// A path between two points.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<S> {
@@ -161,10 +178,12 @@ fn in_plane<S: Scalar>(shape: RoundShape, plane: &Plane<S>, v: Vec3<S>) -> Flat<
     }
 }
 
-/// Points along the path from `a` to `b` (m, from O), as far as it bends: `count` of them from where it comes to the round
-/// thing to where it leaves it; along the straight line where it does not bend.
-pub fn points(round: &Round<f64>, side: OnSide<f64>, [a, b]: [Vec3<f64>; 2], count: usize) -> Vec<Vec3<f64>> {
-    let local = [a, b].map(|p| round.frame.rotation.apply_inverse(p - round.frame.position));
+/// Points between the ends of the path from `a` to `b` (m, from O): `count` of them from where it comes to the round thing to
+/// where it leaves it; along the straight line where it does not bend. `side` is a point on the side where it runs (from O).
+pub fn points(round: &Round<f64>, side: Option<Vec3<f64>>, [a, b]: [Vec3<f64>; 2], count: usize) -> Vec<Vec3<f64>> {
+    let to_local = |p: Vec3<f64>| round.frame.rotation.apply_inverse(p - round.frame.position);
+    let side = side.map_or(OnSide::Any, |side| OnSide::told_by(to_local(side), round.shape, round.radius));
+    let local = [to_local(a), to_local(b)];
     let (plane, bend) = bent(round, side, local);
     let share = |k: usize| (k as f64 + 0.5) / count as f64;
     if !bend.bends {
