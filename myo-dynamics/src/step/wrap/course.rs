@@ -8,7 +8,7 @@ use super::flat::{Bend, Flat};
 use super::within::touching;
 use crate::plan::RoundShape;
 use crate::spatial::{Frame, Vec3};
-use myo_scalar::Scalar;
+use myo_scalar::{Mask, Scalar};
 
 /// Shorter lines have no direction to speak of (m^2); keeps the reciprocal root finite.
 const SHORTEST_SQUARED: f64 = 1e-20;
@@ -158,14 +158,23 @@ fn bent<S: Scalar>(round: &Round<S>, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> (
         RoundShape::Cylinder => Plane::across(),
     };
     let (from, to) = (in_plane(round.shape, &plane, a), in_plane(round.shape, &plane, b));
-    let bend = match side {
-        OnSide::Any => around(None, from, to, round.radius),
-        OnSide::Of(side) => around(Some(in_plane(round.shape, &plane, side)), from, to, round.radius),
-        OnSide::Inside => touching(from, to, round.radius),
-        OnSide::Either(side, is_inside) => {
-            let around = around(Some(in_plane(round.shape, &plane, side)), from, to, round.radius);
-            Bend::select(is_inside, &touching(from, to, round.radius), &around)
-        }
+    let (past, through) = match side {
+        OnSide::Any => (Some(None), None),
+        OnSide::Of(side) => (Some(Some(side)), None),
+        OnSide::Inside => (None, Some(S::Mask::splat(true))),
+        OnSide::Either(side, is_inside) => (Some(Some(side)), Some(is_inside)),
+    };
+    // One call each: called from several places, the loop in `touching` would not be inlined.
+    let past = past.map(|side| {
+        let side = side.map(|side| in_plane(round.shape, &plane, side));
+        around(side, from, to, round.radius)
+    });
+    let through = through.map(|is_inside| (is_inside, touching(from, to, round.radius)));
+    let bend = match (past, through) {
+        (Some(past), Some((is_inside, through))) => Bend::select(is_inside, &through, &past),
+        (Some(past), None) => past,
+        (None, Some((_, through))) => through,
+        (None, None) => Bend::straight(),
     };
     (plane, bend)
 }

@@ -1,6 +1,6 @@
 //! Vectors in the plane in which a path bends.
 
-use myo_scalar::Scalar;
+use myo_scalar::{Mask, Scalar};
 
 /// A vector in the plane.
 #[derive(Clone, Copy, Debug)]
@@ -94,6 +94,13 @@ pub(super) struct Bend<S: Scalar> {
 }
 
 impl<S: Scalar> Bend<S> {
+    /// It does not.
+    #[inline(always)]
+    pub fn straight() -> Self {
+        let (o, zero) = (S::zero(), Flat::new(S::zero(), S::zero()));
+        Self { bends: S::Mask::splat(false), lengths: [o; 3], directions: [zero; 2], turn: o }
+    }
+
     #[inline(always)]
     pub fn select(mask: S::Mask, a: &Self, b: &Self) -> Self {
         let length = |k: usize| S::select(mask, a.lengths[k], b.lengths[k]);
