@@ -80,6 +80,12 @@ fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspa
 }
 
 #[test]
+fn bodies_with_wraps_do_not_run_away() {
+    wraps().try_out().unwrap();
+    Plan::exact(&wrapped_arm(), CouplingMode::Reduced).unwrap().try_out().unwrap();
+}
+
+#[test]
 fn every_stretch_bends_in_some_states_and_not_in_others() {
     let plan = wraps();
     let mut ws = Workspace::<f64>::new(&plan);
@@ -277,6 +283,21 @@ fn lanes_equal_the_reference_also_where_paths_begin_to_bend() {
         }
     }
     assert!(onsets(&exact).len() > 500);
+}
+
+#[test]
+fn lanes_do_not_depend_on_what_is_beside_them() {
+    let plan = wraps().cast();
+    let states: Vec<State<f64>> = (0..64).map(|number| random_state(&wraps(), number)).collect();
+    for level in Level::available() {
+        let all = dispatch(level, Lanes(&plan, &states));
+        let backwards: Vec<State<f64>> = states.iter().rev().cloned().collect();
+        let turned: Vec<Vec<f32>> = dispatch(level, Lanes(&plan, &backwards)).into_iter().rev().collect();
+        assert_eq!(all, turned, "{}", level.name());
+        for (state, found) in states.iter().zip(&all) {
+            assert_eq!(&dispatch(level, Lanes(&plan, std::slice::from_ref(state)))[0], found, "{}", level.name());
+        }
+    }
 }
 
 #[test]

@@ -70,7 +70,7 @@ pub struct SkeletonPose {
 /// A muscle at one moment.
 #[derive(Clone, Debug)]
 pub struct MusclePose {
-    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics. Where it
+    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics, short of arcs. Where it
     /// may bend over something, seven points lie on the arc, or on the straight line while it does not bend.
     pub points: Vec<[f64; 3]>,
     /// Its activation in [0, 1].
