@@ -65,11 +65,12 @@ impl<'py> Fields<'_, 'py> {
     fn muscles(&self) -> PyResult<()> {
         let (muscles, n) = (&self.skeleton.model().muscles, self.seen.len());
         self.rows("act", muscles.len(), |env, k| self.seen[env].0.body.act[k])?;
-        let path = |(k, muscle): (usize, &myo::model::model::Muscle)| {
+        let path = |k: usize| {
+            let points = self.skeleton.path_bodies(k).len();
             let entry = |(env, point, axis): (usize, usize, usize)| self.seen[env].1.muscles[k].points[point][axis];
-            Array3::from_shape_fn((n, muscle.path.len(), 3), entry).into_pyarray(self.py())
+            Array3::from_shape_fn((n, points, 3), entry).into_pyarray(self.py())
         };
-        self.out.set_item("muscle_paths", muscles.iter().enumerate().map(path).collect::<Vec<_>>())
+        self.out.set_item("muscle_paths", (0..muscles.len()).map(path).collect::<Vec<_>>())
     }
 
     fn objects(&self) -> PyResult<()> {

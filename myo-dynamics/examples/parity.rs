@@ -3,7 +3,9 @@
 //!
 //! `model.xml` and `press.xml` are the arm for MuJoCo, without and with a button; `states.json` holds every quantity of one
 //! evaluation in 1,000 random states, `rollouts.json` joint positions over one second of random excitations, `press.json`
-//! the force on the button; `keys.xml` and `keys.json` are a thick fingertip on several keys at once; `gadget.xml` and `gadget.json` are single steps of a body with what the arm lacks. Positions are those of all joints; forces have MuJoCo's sign.
+//! the force on the button; `keys.xml` and `keys.json` are a thick fingertip on several keys at once; `gadget.xml` and `gadget.json` are single steps of a body with what the arm lacks;
+//! `wraps.xml` and `wraps.json` are a body whose muscles run over spheres and cylinders, in random states and around those where
+//! paths begin to bend. Positions are those of all joints; forces have MuJoCo's sign.
 
 use myo_dynamics::spatial::Wrench;
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
@@ -22,6 +24,12 @@ const CONTROL_STEPS: usize = 20;
 const PHYSICS_STEPS: usize = 25;
 const PRESSES: u32 = 60;
 const GADGETS: u32 = 300;
+const WRAPS: u32 = 1000;
+/// Poses from which every coordinate is swept in search of states where a path begins to bend, and steps of a sweep.
+const SWEEPS: u32 = 12;
+const SWEEP_STEPS: usize = 120;
+/// How far from such a state (rad or m) states are compared.
+const ASIDE: [f64; 4] = [1e-8, 1e-5, 1e-3, 1e-2];
 /// How far joints may be beyond their limits (rad): four degrees.
 const BEYOND: f64 = 0.07;
 /// How far coupled joints may be from where their coupling holds them (rad).
@@ -64,7 +72,83 @@ fn main() -> Result<(), Box<dyn Error>> {
     write("gadget.xml", to_mjcf(&gadget, &MjcfOptions::default()))?;
     let plan = Plan::exact(&gadget, CouplingMode::Soft)?;
     write("gadget.json", Value::from_iter((0..GADGETS).map(|k| single_step(&plan, Draws::new(4, k)))).to_string())?;
+    let description = ModelDescription::from_yaml(include_str!("wraps.yaml"), "wraps.yaml")?;
+    let wraps = Model::new(&description)?;
+    write("wraps.xml", to_mjcf(&wraps, &MjcfOptions::default()))?;
+    let plan = Plan::exact(&wraps, CouplingMode::Soft)?;
+    let random = (0..WRAPS).map(|k| paths(&plan, random_state(&plan, &mut Draws::new(6, k)), None));
+    let onsets = (0..SWEEPS).flat_map(|k| onsets(&plan, Draws::new(7, k)));
+    write("wraps.json", Value::from_iter(random.chain(onsets)).to_string())?;
     Ok(())
+}
+
+/// Every quantity of muscle paths in one state. `onset` names the stretch that begins to bend nearby.
+fn paths(plan: &Plan<f64>, state: State<f64>, onset: Option<usize>) -> Value {
+    let mut ws = Workspace::<f64>::new(plan);
+    step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
+    let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force.clone());
+    let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| moment_arms(plan, muscle, &mut ws)).collect();
+    json!({
+        "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
+        "tendon_length": ws.tendon_length, "tendon_velocity": ws.tendon_velocity, "moments": moments,
+        "muscle_force": muscle_force, "qacc": qacc, "bends": bends(&ws), "onset": onset,
+    })
+}
+
+/// Generalised forces of one newton along a muscle.
+fn moment_arms(plan: &Plan<f64>, muscle: usize, ws: &mut Workspace<f64>) -> Vec<f64> {
+    ws.muscle_force.fill(0.0);
+    ws.muscle_force[muscle] = 1.0;
+    ws.torque.fill(0.0);
+    ws.wrench.fill(Wrench::zero());
+    ws.joint_torque.fill(0.0);
+    step::tendon::pull(plan, ws);
+    force::project(plan, ws);
+    ws.torque.clone()
+}
+
+/// Of each stretch, whether it bends: it arrives in another direction than it leaves in.
+fn bends(ws: &Workspace<f64>) -> Vec<bool> {
+    let differ = |a: Wrench<f64>, b: Wrench<f64>| a.lin.array() != b.lin.array();
+    ws.wrap_lines.iter().map(|&[leaving, arriving]| differ(leaving, arriving)).collect()
+}
+
+fn random_state(plan: &Plan<f64>, draws: &mut Draws) -> State<f64> {
+    let n = plan.ndof();
+    State {
+        qpos: draws.vector(n, -1.2, 1.2),
+        qvel: draws.vector(n, -3.0, 3.0),
+        act: draws.vector(plan.nmuscle(), 0.0, 1.0),
+    }
+}
+
+/// States around those where a stretch begins or ends to bend, on the way of one coordinate.
+fn onsets(plan: &Plan<f64>, mut draws: Draws) -> Vec<Value> {
+    let state = random_state(plan, &mut draws);
+    let mut ws = Workspace::<f64>::new(plan);
+    let mut at = |dof: usize, position: f64| {
+        let mut state = state.clone();
+        state.qpos[dof] = position;
+        kinematics(plan, &state.qpos, &state.qvel, &mut ws);
+        step::tendon::lengths(plan, &mut ws);
+        (bends(&ws), state)
+    };
+    let place = |step: usize| -1.3 + 2.6 * step as f64 / SWEEP_STEPS as f64;
+    let mut found = vec![];
+    for dof in 1..plan.ndof() {
+        for step in 0..SWEEP_STEPS {
+            let (before, after) = (at(dof, place(step)).0, at(dof, place(step + 1)).0);
+            let Some(stretch) = (0..before.len()).find(|&k| before[k] != after[k]) else { continue };
+            let (mut low, mut high) = (place(step), place(step + 1));
+            for _ in 0..48 {
+                let middle = 0.5 * (low + high);
+                *(if at(dof, middle).0[stretch] == before[stretch] { &mut low } else { &mut high }) = middle;
+            }
+            let aside = ASIDE.into_iter().flat_map(|by| [-by, by]);
+            found.extend(aside.map(|by| paths(plan, at(dof, low + by).1, Some(stretch))));
+        }
+    }
+    found
 }
 
 /// One step of a plan from a random state, some joints beyond their limits.

@@ -119,6 +119,8 @@ fn what_the_checks_accept_can_be_simulated() {
     let gadget = ModelDescription::from_yaml(include_str!("../examples/gadget.yaml"), "gadget.yaml").unwrap();
     let mut all = changes("mobl-arms", &builtin("mobl-arms").unwrap());
     all.extend(changes("gadget", &gadget));
+    let wraps = ModelDescription::from_yaml(include_str!("../examples/wraps.yaml"), "wraps.yaml").unwrap();
+    all.extend(changes("wraps", &wraps));
     assert!(all.len() > 10_000, "{}", all.len());
     let every = if std::env::var("MYO_TEST_ALL").is_ok_and(|x| x == "1") { 1 } else { all.len().div_ceil(SAMPLE) };
     let tried: Vec<&Change> = all.iter().step_by(every).collect();

@@ -4,13 +4,18 @@ use crate::config::BuildError;
 use crate::snapshot::Snapshot;
 use crate::vector::EnvError;
 use myo_dynamics::spatial::{Frame, Rotation, Vec3};
+use myo_dynamics::step::wrap::{Round, points};
 use myo_dynamics::{CouplingMode, Plan, Workspace, step};
-use myo_model::{Model, model::WORLD};
+use myo_model::Model;
+use myo_model::model::{Muscle, WORLD};
 use myo_tasks::logic::{self, CompiledTask, Goal, Landmarks, Point, TaskState};
 use myo_tasks::{Block, Direction, FlatTask, Object, Pointer, RayFrom, Shape, Slider, Stick, Task};
 
 /// Bodies lighter than this (kg) only carry joints.
 const LEAST_MASS: f64 = 0.05;
+
+/// Points that stand for the bend of a muscle path over something.
+const BEND_POINTS: usize = 7;
 
 /// A model and a task, ready to tell where everything is at a moment of an environment: what viewers draw, and nothing about
 /// drawing. Positions come from the kinematics of the physics, in double precision.
@@ -65,7 +70,8 @@ pub struct SkeletonPose {
 /// A muscle at one moment.
 #[derive(Clone, Debug)]
 pub struct MusclePose {
-    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics.
+    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics, short of arcs. Where it
+    /// may bend over something, seven points lie on the arc, or on the straight line while it does not bend.
     pub points: Vec<[f64; 3]>,
     /// Its activation in [0, 1].
     pub activation: f64,
@@ -153,6 +159,22 @@ impl Skeleton {
         &self.limb
     }
 
+    /// Of each point of a muscle's path, the body that it lies on.
+    ///
+    /// # Panics
+    /// There is no such muscle.
+    pub fn path_bodies(&self, muscle: usize) -> Vec<usize> {
+        let muscle = &self.model.muscles[muscle];
+        let mut bodies = vec![];
+        for (index, &site) in muscle.path.iter().enumerate() {
+            bodies.push(self.model.sites[site].body);
+            for over in muscle.over.iter().filter(|over| over.after == index) {
+                bodies.extend([self.model.wraps[over.wrap].body; BEND_POINTS]);
+            }
+        }
+        bodies
+    }
+
     /// Where everything is at a moment of an environment with this model and task.
     ///
     /// # Errors
@@ -234,12 +256,24 @@ impl Skeleton {
     }
 
     fn muscles(&self, ws: &Workspace<f64>, act: &[f64]) -> Vec<MusclePose> {
-        let point = |&site: &usize| ws.place(&self.plan.elements.sites[site]).array();
-        let pose = |(muscle, &activation): (&myo_model::model::Muscle, &f64)| MusclePose {
-            points: muscle.path.iter().map(point).collect(),
-            activation,
-        };
+        let pose = |(muscle, &activation): (&Muscle, &f64)| MusclePose { points: self.path(ws, muscle), activation };
         self.model.muscles.iter().zip(act).map(pose).collect()
+    }
+
+    fn path(&self, ws: &Workspace<f64>, muscle: &Muscle) -> Vec<[f64; 3]> {
+        let site = |site: usize| ws.place(&self.plan.elements.sites[site]);
+        let mut path = vec![];
+        for (index, &here) in muscle.path.iter().enumerate() {
+            path.push(site(here).array());
+            for over in muscle.over.iter().filter(|over| over.after == index) {
+                let shape = &self.model.wraps[over.wrap].shape;
+                let frame = ws.fixed(&self.plan.elements.wraps[over.wrap]);
+                let round = Round { shape: shape.into(), radius: shape.radius(), frame };
+                let ends = [site(here), site(muscle.path[index + 1])];
+                path.extend(points(&round, over.side.map(site), ends, BEND_POINTS).into_iter().map(Vec3::array));
+            }
+        }
+        path
     }
 
     fn landmarks(&self, ws: &Workspace<f64>, task: &TaskState<f64>) -> Landmarks<f64> {

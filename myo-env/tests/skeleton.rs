@@ -6,6 +6,8 @@ use common::{arm, entry, rollout, short, shuffled};
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Obstacles, Workspace, step};
 use myo_env::{EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, VectorEnv};
+use myo_model::Model;
+use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_tasks::{Task, preset_names};
 
 fn env(task: &Task, num_envs: usize) -> ReferenceEnv {
@@ -57,6 +59,43 @@ fn paths_of_muscles_are_as_long_as_in_the_physics_and_lie_on_bodies() {
     }
     let names: Vec<&str> = skeleton.limb().iter().map(|&body| &*model.bodies[body].name).collect();
     assert_eq!(names, ["humerus", "ulna", "radius", "hand"]);
+}
+
+#[test]
+fn bent_paths_have_points_on_the_arc() {
+    let task = short("pointing");
+    let mut description = myo_model::builtin(&task.model).unwrap();
+    let (muscle, sites) = (&mut description.muscles[3], 2);
+    assert_eq!((&*muscle.name, muscle.path.len()), ("SUPSP", sites + 1));
+    muscle.path.insert(1, PathElement::Over(Over { over: "head".into(), side: None }));
+    let shape = WrapShape::Sphere { radius: 0.02 };
+    let (name, body) = ("head".to_owned(), "humerus".to_owned());
+    description.wraps.push(Wrap { name, body, shape, pos: [0.0; 3], quat: [1.0, 0.0, 0.0, 0.0] });
+    let model = Model::new(&description).unwrap();
+    let config = myo_env::EnvConfig { num_envs: 20, seed: 4, ..Default::default() };
+    let mut env = ReferenceEnv::new(&model, &task, &config).unwrap();
+    let skeleton = Skeleton::new(&model, &task).unwrap();
+    rollout(&mut env, 3);
+    let plan = &env.tables().plan;
+    let mut ws = Workspace::<f64>::new(plan);
+    let humerus = model.bodies.iter().position(|body| body.name == "humerus").unwrap();
+    let on = skeleton.path_bodies(3);
+    assert_eq!(on.iter().filter(|&&body| body == humerus).count(), 8);
+    let mut bent = 0;
+    for moment in env.peek(0..20).unwrap() {
+        let pose = skeleton.pose(&moment).unwrap();
+        step::forward(plan, &Obstacles::none(plan), &moment.body, &mut ws);
+        let points = &pose.muscles[3].points;
+        assert_eq!(points.len(), on.len());
+        let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (b[k] - a[k]).powi(2)).sum::<f64>().sqrt();
+        let length: f64 = points.windows(2).map(|ends| distance(ends[0], ends[1])).sum();
+        // Chords of a sixth of the arc.
+        assert!((length - ws.tendon_length[3]).abs() < 1e-3, "{length} for {}", ws.tendon_length[3]);
+        let centre = pose.bodies[humerus].position.array();
+        let is_bent = points[1..8].iter().all(|&point| (distance(point, centre) - 0.02).abs() < 1e-9);
+        bent += u32::from(is_bent);
+    }
+    assert!(bent > 0);
 }
 
 /// A sphere somewhere, an obstacle, a button that is pressed twice, in this order.

@@ -1,9 +1,9 @@
 //! From description to model: names become indices, and what elements say about each other is checked.
 
 use crate::check::{Bound, Check};
-use crate::description::{self as source, ModelDescription, Shape};
+use crate::description::{self as source, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
-use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Site, WORLD};
+use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Over, Site, WORLD, Wrap};
 use crate::nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -17,13 +17,16 @@ const TIMESTEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.02;
 /// Mass (kg) and inertia (kg m^2) below which a moving body makes the mass matrix singular; MuJoCo's bound.
 const SMALLEST_MOVING: f64 = 1e-15;
 
+/// Smallest radius (m) of what muscles run over: single precision makes nothing of less.
+const SMALLEST_WRAP: f64 = 1e-5;
+
 /// How much (relative) a principal moment may exceed the sum of the others: figures are rounded where they are printed.
 const INERTIA_ROUNDING: f64 = 1e-6;
 
 impl Model {
     /// Checks a description and resolves its names.
     ///
-    /// Bodies are put in depth-first order (parents before children, siblings as written), joints, sites and geoms in the
+    /// Bodies are put in depth-first order (parents before children, siblings as written), joints, sites, geoms and wraps in the
     /// order of their bodies; this is the order that MuJoCo gives the same model. Couplings and muscles stay as written.
     pub fn new(description: &ModelDescription) -> Result<Self, ModelError> {
         if description.version != FORMAT_VERSION {
@@ -37,7 +40,9 @@ impl Model {
         let sites = sites(description, &body_index)?;
         let geoms = geoms(description, &body_index)?;
         let site_index = Index::new(ElementKind::Site, sites.iter().map(|site| site.name.as_str()))?;
-        let muscles = muscles(description, &site_index)?;
+        let wraps = wraps(description, &body_index)?;
+        let wrap_index = Index::new(ElementKind::Wrap, wraps.iter().map(|wrap| wrap.name.as_str()))?;
+        let muscles = muscles(description, &site_index, &wrap_index)?;
         let landmarks = Element::new(ElementKind::Landmarks, "");
         let body = |name: &Option<String>| name.as_deref().map(|name| body_index.find(name, &landmarks)).transpose();
         Ok(Self {
@@ -52,6 +57,7 @@ impl Model {
             couplings,
             sites,
             geoms,
+            wraps,
             muscles,
         })
     }
@@ -333,17 +339,81 @@ fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
     })
 }
 
-fn muscles(description: &ModelDescription, sites: &Index) -> Result<Vec<Muscle>, ModelError> {
+fn wraps(description: &ModelDescription, bodies: &Index) -> Result<Vec<Wrap>, ModelError> {
+    // In MuJoCo both are geoms.
+    let geoms = description.geoms.iter().map(|geom| geom.name.as_str());
+    Index::new(ElementKind::Wrap, geoms.chain(description.wraps.iter().map(|wrap| wrap.name.as_str())))?;
+    let mut wraps = Vec::with_capacity(description.wraps.len());
+    for written in &description.wraps {
+        wraps.push(wrap(written, bodies)?);
+    }
+    wraps.sort_by_key(|wrap: &Wrap| wrap.body);
+    Ok(wraps)
+}
+
+fn wrap(wrap: &source::Wrap, bodies: &Index) -> Result<Wrap, ModelError> {
+    let check = Check::new(ElementKind::Wrap, &wrap.name);
+    check.within("pos", &wrap.pos, &Bound::LENGTH)?;
+    let radius = wrap.shape.radius();
+    check.at_least("radius", radius, SMALLEST_WRAP, " m", "at least 0.00001 m")?;
+    check.within("radius", &[radius], &Bound::LENGTH)?;
+    if let source::WrapShape::Cylinder { half_length, .. } = wrap.shape {
+        check.above("half_length", half_length, 0.0, " m", "above 0 m")?;
+        check.within("half_length", &[half_length], &Bound::LENGTH)?;
+    }
+    Ok(Wrap {
+        name: wrap.name.clone(),
+        body: bodies.find(&wrap.body, &check.element)?,
+        shape: wrap.shape,
+        pos: wrap.pos.into(),
+        quat: check.rotation("quat", wrap.quat)?,
+    })
+}
+
+fn muscles(description: &ModelDescription, sites: &Index, wraps: &Index) -> Result<Vec<Muscle>, ModelError> {
     Index::new(ElementKind::Muscle, description.muscles.iter().map(|muscle| muscle.name.as_str()))?;
     let mut muscles = Vec::with_capacity(description.muscles.len());
     for muscle in &description.muscles {
         let check = Check::new(ElementKind::Muscle, &muscle.name);
-        if muscle.path.len() < 2 {
-            return Err(ModelError::ShortPath { element: check.element, sites: muscle.path.len() });
-        }
+        let path = path(muscle, sites, wraps, &check.element)?;
         check.muscle(&muscle.parameters, description.options.timestep)?;
-        let path: Result<Vec<_>, _> = muscle.path.iter().map(|site| sites.find(site, &check.element)).collect();
-        muscles.push(Muscle { name: muscle.name.clone(), path: path?, parameters: muscle.parameters.clone() });
+        muscles.push(Muscle { parameters: muscle.parameters.clone(), ..path });
     }
     Ok(muscles)
+}
+
+/// The muscle with its path, whose elements must make sense beside each other.
+fn path(muscle: &source::Muscle, sites: &Index, wraps: &Index, element: &Element) -> Result<Muscle, ModelError> {
+    let count = muscle.path.iter().filter(|step| matches!(step, PathElement::Site(_))).count();
+    if count < 2 {
+        return Err(ModelError::ShortPath { element: element.clone(), sites: count });
+    }
+    let loose = |wrap: &str, place| ModelError::LooseWrap { element: element.clone(), wrap: wrap.to_owned(), place };
+    let (mut path, mut over) = (Vec::with_capacity(count), vec![]);
+    let mut last: Option<&source::Over> = None;
+    for step in &muscle.path {
+        match (step, last) {
+            (PathElement::Site(site), _) => {
+                path.push(sites.find(site, element)?);
+                last = None;
+            }
+            (PathElement::Over(second), Some(first)) => {
+                return Err(ModelError::WrapsInRow {
+                    element: element.clone(),
+                    first: first.over.clone(),
+                    second: second.over.clone(),
+                });
+            }
+            (PathElement::Over(written), None) => {
+                let after = path.len().checked_sub(1).ok_or_else(|| loose(&written.over, "begins with"))?;
+                let side = written.side.as_deref().map(|site| sites.find(site, element)).transpose()?;
+                over.push(Over { after, wrap: wraps.find(&written.over, element)?, side });
+                last = Some(written);
+            }
+        }
+    }
+    match last {
+        Some(last) => Err(loose(&last.over, "ends with")),
+        None => Ok(Muscle { name: muscle.name.clone(), path, over, parameters: muscle.parameters.clone() }),
+    }
 }

@@ -12,6 +12,9 @@ use std::borrow::Cow;
 
 #[cfg(feature = "files")]
 mod flat;
+mod path;
+
+pub use path::{Over, PathElement};
 
 /// A whole model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +49,9 @@ pub struct ModelDescription {
     #[cfg_attr(feature = "files", serde(default))]
     #[cfg_attr(feature = "files", garde(dive))]
     pub geoms: Vec<Geom>,
+    /// What muscle paths may run over.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub wraps: Vec<Wrap>,
     /// Muscle-tendon actuators.
     #[cfg_attr(feature = "files", serde(default))]
     #[cfg_attr(feature = "files", garde(dive))]
@@ -256,6 +262,54 @@ pub struct Geom {
     pub softness: Softness,
 }
 
+/// Shape of what muscle paths run over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(rename_all = "lowercase", deny_unknown_fields))]
+pub enum WrapShape {
+    /// Sphere of a radius (m).
+    Sphere {
+        /// Radius (m).
+        radius: f64,
+    },
+    /// Cylinder about the local z axis. To muscles it has no ends.
+    Cylinder {
+        /// Radius (m).
+        radius: f64,
+        /// Half of the length (m) that pictures show.
+        #[cfg_attr(feature = "files", serde(default = "shown_half_length"))]
+        half_length: f64,
+    },
+}
+
+impl WrapShape {
+    /// Radius (m).
+    pub fn radius(&self) -> f64 {
+        match *self {
+            Self::Sphere { radius } | Self::Cylinder { radius, .. } => radius,
+        }
+    }
+}
+
+/// A sphere or cylinder fixed to a body, which muscle paths may run over. It collides with nothing.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+pub struct Wrap {
+    /// Unique name; no geom may have it either.
+    pub name: String,
+    /// The body it is fixed to, or `world`.
+    pub body: String,
+    /// Shape and size.
+    pub shape: WrapShape,
+    /// Position of its centre in the body frame (m).
+    #[cfg_attr(feature = "files", serde(default))]
+    pub pos: [f64; 3],
+    /// Orientation in the body frame (w, x, y, z).
+    #[cfg_attr(feature = "files", serde(default = "identity_quat"))]
+    pub quat: [f64; 4],
+}
+
 /// A muscle-tendon actuator. In a file, its parameters stand beside name and path.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "files", derive(Serialize, Deserialize))]
@@ -263,8 +317,8 @@ pub struct Geom {
 pub struct Muscle {
     /// Unique name.
     pub name: String,
-    /// Sites that the straight segments of the path run through, origin first.
-    pub path: Vec<String>,
+    /// Sites that the path runs through, origin first, and what it runs over between two of them.
+    pub path: Vec<PathElement>,
     /// Activation and force curves.
     pub parameters: MuscleParameters,
 }
@@ -287,6 +341,11 @@ impl JsonSchema for Muscle {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         flat::Muscle::json_schema(generator)
     }
+}
+
+#[cfg(feature = "files")]
+fn shown_half_length() -> f64 {
+    0.05
 }
 
 #[cfg(feature = "files")]

@@ -162,6 +162,26 @@ pub enum ModelError {
         /// The joint it follows.
         leader: String,
     },
+    /// What a muscle runs over does not stand between two sites.
+    #[error("{element}: its path {place} `{{over: {wrap}}}`; a site must stand before it and after it")]
+    LooseWrap {
+        /// The muscle.
+        element: Element,
+        /// What it runs over.
+        wrap: String,
+        /// Where that stands: a verb for the path.
+        place: &'static str,
+    },
+    /// A path is asked to bend round two things at once.
+    #[error("{element}: `{{over: {first}}}` and `{{over: {second}}}` follow each other; put a site between them")]
+    WrapsInRow {
+        /// The muscle.
+        element: Element,
+        /// What it runs over first.
+        first: String,
+        /// What it runs over then.
+        second: String,
+    },
     /// A muscle has nothing to pull between.
     #[error("{element}: its path has {sites} site(s); at least 2 are needed")]
     ShortPath {
@@ -190,6 +210,8 @@ pub enum ElementKind {
     Site,
     /// A collision shape.
     Geom,
+    /// What muscles run over.
+    Wrap,
     /// A muscle.
     Muscle,
 }
@@ -204,6 +226,7 @@ impl fmt::Display for ElementKind {
             Self::Coupling => "coupling of joint",
             Self::Site => "site",
             Self::Geom => "geom",
+            Self::Wrap => "wrap",
             Self::Muscle => "muscle",
         })
     }

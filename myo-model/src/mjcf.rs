@@ -4,8 +4,8 @@
 //! the same. Numbers are printed so that they read back bit for bit. What MuJoCo derives (inverse weights, automatic muscle
 //! force) is left to MuJoCo.
 
-use crate::description::{JointKind, Shape, Softness};
-use crate::model::{Body, Geom, Joint, Model, Muscle, WORLD};
+use crate::description::{JointKind, Shape, Softness, WrapShape};
+use crate::model::{Body, Geom, Joint, Model, Muscle, WORLD, Wrap};
 use myo_muscle::CurveParameters;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
@@ -162,6 +162,26 @@ fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {
     for geom in model.geoms.iter().filter(|geom| geom.body == body) {
         xml.leaf("geom", &geom_attributes(geom));
     }
+    for wrap in model.wraps.iter().filter(|wrap| wrap.body == body) {
+        xml.leaf("geom", &wrap_attributes(wrap));
+    }
+}
+
+/// What muscles run over is a geom that touches nothing.
+fn wrap_attributes(wrap: &Wrap) -> Vec<Attribute> {
+    let (kind, size) = match wrap.shape {
+        WrapShape::Sphere { radius } => ("sphere", vec![radius]),
+        WrapShape::Cylinder { radius, half_length } => ("cylinder", vec![radius, half_length]),
+    };
+    vec![
+        ("name", text(&wrap.name)),
+        ("type", text(kind)),
+        ("size", numbers(&size)),
+        ("pos", numbers(wrap.pos.as_slice())),
+        ("quat", rotation(&wrap.quat)),
+        ("contype", text("0")),
+        ("conaffinity", text("0")),
+    ]
 }
 
 fn geom_attributes(geom: &Geom) -> Vec<Attribute> {
@@ -215,8 +235,13 @@ fn contact(margin: f64, friction: &[f64; 3], softness: &Softness) -> Vec<Attribu
 fn tendons(xml: &mut Xml, model: &Model) {
     xml.section("tendon", &model.muscles, |xml, muscle| {
         xml.open("spatial", &[("name", text(&muscle.name))]);
-        for &site in &muscle.path {
+        for (index, &site) in muscle.path.iter().enumerate() {
             xml.leaf("site", &[("site", text(&model.sites[site].name))]);
+            for over in muscle.over.iter().filter(|over| over.after == index) {
+                let mut attributes = vec![("geom", text(&model.wraps[over.wrap].name))];
+                attributes.extend(over.side.map(|side| ("sidesite", text(&model.sites[side].name))));
+                xml.leaf("geom", &attributes);
+            }
         }
         xml.close("spatial");
     });

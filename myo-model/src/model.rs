@@ -1,6 +1,6 @@
 //! The checked model: indices instead of names, parents before children, everything in f64.
 
-use crate::description::{JointKind, Options, Shape, Softness};
+use crate::description::{JointKind, Options, Shape, Softness, WrapShape};
 use myo_muscle::MuscleParameters;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -24,6 +24,8 @@ pub struct Model {
     pub sites: Vec<Site>,
     /// Collision shapes.
     pub geoms: Vec<Geom>,
+    /// What muscle paths may run over.
+    pub wraps: Vec<Wrap>,
     /// Muscles.
     pub muscles: Vec<Muscle>,
     /// Index of the site that points and presses.
@@ -131,6 +133,32 @@ pub struct Geom {
     pub softness: Softness,
 }
 
+/// A sphere or cylinder (about its z axis, without ends) that muscle paths may run over.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wrap {
+    /// Name.
+    pub name: String,
+    /// Index of the body.
+    pub body: usize,
+    /// Shape and size.
+    pub shape: WrapShape,
+    /// Position of its centre in the body frame (m).
+    pub pos: Vector3<f64>,
+    /// Orientation in the body frame.
+    pub quat: UnitQuaternion<f64>,
+}
+
+/// A stretch of a muscle path that may bend round something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Over {
+    /// The stretch is the one from this element of the path to the next.
+    pub after: usize,
+    /// Index of what it bends round.
+    pub wrap: usize,
+    /// Index of the site on the side where it runs, if it is told.
+    pub side: Option<usize>,
+}
+
 /// A muscle-tendon actuator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Muscle {
@@ -138,6 +166,8 @@ pub struct Muscle {
     pub name: String,
     /// Indices of the sites on its path.
     pub path: Vec<usize>,
+    /// Stretches of the path that may bend round something, at most one for each, in the order of the path.
+    pub over: Vec<Over>,
     /// Activation and force curves.
     pub parameters: MuscleParameters,
 }

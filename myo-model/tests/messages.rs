@@ -1,5 +1,6 @@
 //! What a person is told when a model is wrong.
 
+use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_model::{Model, ModelDescription, builtin};
 
 const ARM: &str = include_str!("../models/mobl-arms.yaml");
@@ -193,4 +194,108 @@ fn elements_must_fit_together() {
         "joint `sternoclavicular_r2` follows joint `unrotscap_r2`, which is itself a dependent joint; couple it to a free joint",
     );
     check(|arm| arm.muscles[0].path.truncate(1), "muscle `DELT1`: its path has 1 site(s); at least 2 are needed");
+}
+
+/// A muscle of the built-in arm with this path, and a cylinder to run over.
+fn check_path(path: Vec<PathElement>, message: &str) {
+    check(
+        |arm| {
+            arm.wraps.push(elbow());
+            arm.muscles[0].path = path;
+        },
+        message,
+    );
+}
+
+fn elbow() -> Wrap {
+    Wrap {
+        name: "elbow".into(),
+        body: "humerus".into(),
+        shape: WrapShape::Cylinder { radius: 0.016, half_length: 0.03 },
+        pos: [0.0; 3],
+        quat: [1.0, 0.0, 0.0, 0.0],
+    }
+}
+
+fn over(wrap: &str, side: Option<&str>) -> PathElement {
+    PathElement::Over(Over { over: wrap.into(), side: side.map(Into::into) })
+}
+
+#[test]
+fn wraps_must_stand_between_two_sites() {
+    let site = || PathElement::from("DELT1-P2");
+    let elbow = || over("elbow", None);
+    check_path(
+        vec![elbow(), site(), site()],
+        "muscle `DELT1`: its path begins with `{over: elbow}`; a site must stand before it and after it",
+    );
+    check_path(
+        vec![site(), site(), elbow()],
+        "muscle `DELT1`: its path ends with `{over: elbow}`; a site must stand before it and after it",
+    );
+    check_path(
+        vec![site(), elbow(), elbow(), site()],
+        "muscle `DELT1`: `{over: elbow}` and `{over: elbow}` follow each other; put a site between them",
+    );
+    check_path(vec![elbow(), site()], "muscle `DELT1`: its path has 1 site(s); at least 2 are needed");
+    check_path(vec![site(), over("elbo", None), site()], "muscle `DELT1`: unknown wrap `elbo`; did you mean `elbow`?");
+    check_path(
+        vec![site(), over("elbow", Some("DELT1-P22")), site()],
+        "muscle `DELT1`: unknown site `DELT1-P22`; did you mean `DELT1-P2`, `DELT1-P4` or `DELT2-P2`?",
+    );
+}
+
+#[test]
+fn wraps_must_have_a_size_and_names_of_their_own() {
+    let check_wrap = |edit: fn(&mut Wrap), message: &str| {
+        let mut wrap = elbow();
+        edit(&mut wrap);
+        check(|arm| arm.wraps.push(wrap), message);
+    };
+    check_wrap(
+        |wrap| wrap.shape = WrapShape::Sphere { radius: 0.0 },
+        "wrap `elbow`: `radius` is 0 m; it must be at least 0.00001 m",
+    );
+    check_wrap(
+        |wrap| wrap.shape = WrapShape::Cylinder { radius: -0.01, half_length: 0.1 },
+        "wrap `elbow`: `radius` is -0.01 m; it must be at least 0.00001 m",
+    );
+    check_wrap(
+        |wrap| wrap.shape = WrapShape::Cylinder { radius: 0.01, half_length: 0.0 },
+        "wrap `elbow`: `half_length` is 0 m; it must be above 0 m",
+    );
+    check_wrap(
+        |wrap| wrap.shape = WrapShape::Sphere { radius: 16.0 },
+        "wrap `elbow`: `radius` is 16 m; it must be within 10 m; is it in millimetres?",
+    );
+    check_wrap(|wrap| wrap.pos[0] = f64::NAN, "wrap `elbow`: `pos` is NaN; a finite number is needed");
+    check_wrap(|wrap| wrap.quat = [0.0; 4], "wrap `elbow`: `quat` has length zero; a direction is needed");
+    check_wrap(|wrap| wrap.body = "humeros".into(), "wrap `elbow`: unknown body `humeros`; did you mean `humerus`?");
+    check_wrap(
+        |wrap| wrap.name = "fingertip".into(),
+        "wrap `fingertip` is declared twice; names of one kind must differ",
+    );
+}
+
+#[test]
+fn what_a_path_runs_over_is_read_with_its_place() {
+    let path = "path: [DELT1-P1, DELT1-P2,";
+    let wraps = "wraps:\n  - {name: elbow, body: humerus, shape: {cylinder: {radius: 0.02}}}\nmuscles:";
+    let with = |element: &str| ARM.replacen(path, &format!("path: [DELT1-P1, {element}, DELT1-P2,"), 1);
+    let with = |element: &str| with(element).replacen("muscles:", wraps, 1);
+    let read = |element: &str| ModelDescription::from_yaml(&with(element), "arm.yaml");
+    let description = read("{over: elbow, side: DELT1-P4}").unwrap();
+    assert_eq!(description.muscles[0].path[1], over("elbow", Some("DELT1-P4")));
+    let model = Model::new(&description).unwrap();
+    assert_eq!(model.muscles[0].over.len(), 1);
+    let again = ModelDescription::from_yaml(&description.to_yaml().unwrap(), "again.yaml").unwrap();
+    assert_eq!(again, description);
+    for (element, message) in [
+        ("{ovr: elbow}", "unknown key `ovr`; did you mean `over`?"),
+        ("{side: elbow}", "missing field `over`"),
+        ("[elbow]", "invalid type: sequence, expected the name of a site, or `{over: NAME}`"),
+    ] {
+        let error = read(element).unwrap_err().to_string();
+        assert!(error.starts_with("arm.yaml:") && error.ends_with(message), "{element}: {error}");
+    }
 }

@@ -1,5 +1,6 @@
 //! The exported file holds every element, with numbers that read back the same.
 
+use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_model::mjcf::{Button, MjcfOptions, to_mjcf};
 use myo_model::{Model, builtin};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -56,4 +57,24 @@ fn buttons_feel_touch() {
     let xml = to_mjcf(&arm(), &MjcfOptions { buttons: vec![button], ..MjcfOptions::default() });
     assert!(xml.contains("<touch name=\"button\" site=\"button\"/>"));
     assert!(xml.contains("size=\"0.025 0.025 0.01\" contype=\"1\" conaffinity=\"1\" condim=\"3\""));
+}
+
+#[test]
+fn what_muscles_run_over_is_a_geom_that_touches_nothing() {
+    let mut arm = builtin("mobl-arms").unwrap();
+    let shape = WrapShape::Cylinder { radius: 0.016, half_length: 0.03 };
+    let (name, body) = ("elbow".to_owned(), "humerus".to_owned());
+    arm.wraps.push(Wrap { name, body, shape, pos: [0.0, 0.1, 0.0], quat: [1.0, 0.0, 0.0, 0.0] });
+    let over = |side: Option<&str>| PathElement::Over(Over { over: "elbow".into(), side: side.map(Into::into) });
+    arm.muscles[0].path.insert(1, over(None));
+    arm.muscles[1].path.insert(1, over(Some("DELT1-P2")));
+    let xml = to_mjcf(&Model::new(&arm).unwrap(), &MjcfOptions::default());
+    for line in [
+        "<geom name=\"elbow\" type=\"cylinder\" size=\"0.016 0.03\" pos=\"0.0 0.1 0.0\" quat=\"1.0 0.0 0.0 0.0\" \
+         contype=\"0\" conaffinity=\"0\"/>",
+        "<geom geom=\"elbow\"/>",
+        "<geom geom=\"elbow\" sidesite=\"DELT1-P2\"/>",
+    ] {
+        assert!(xml.contains(line), "{line}");
+    }
 }

@@ -34,6 +34,7 @@
 //!
 //! This crate does not know muscles, bodies, tasks, threads or files.
 
+mod angle;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -49,6 +50,7 @@ pub mod symbolic;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+pub use angle::atan2;
 pub use carried::{Carried, Visitor};
 pub use level::{Instructions, LaneTask, Level, LevelError, dispatch};
 pub use philox::{Counter, normal_pair, open_unit, philox, philox_block, seed_words, unit};

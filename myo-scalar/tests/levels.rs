@@ -1,8 +1,8 @@
 //! Every level must agree with the standard library's f64, and all levels draw the same integers.
 
 use myo_scalar::{
-    Counter, LaneTask, Level, Mask, Scalar, Word, dispatch, normal_pair, open_unit, philox, philox_block, seed_words,
-    unit,
+    Counter, LaneTask, Level, Mask, Scalar, Word, atan2, dispatch, normal_pair, open_unit, philox, philox_block,
+    seed_words, unit,
 };
 use proptest::prelude::*;
 
@@ -49,6 +49,7 @@ function!(Rsqrt, |a, _b| a.rsqrt());
 function!(Recip, |a, _b| a.recip());
 function!(Sqrt, |a, _b| a.sqrt());
 function!(Floor, |a, _b| a.floor());
+function!(Angle, |a, b| atan2(a, b));
 function!(Fused, |a, b| a.mul_add(b, a - b));
 function!(Chosen, |a, b| S::select(a.lt(b) | !b.le(a), -a.abs(), b.min(a)));
 function!(Blend, |a, b| S::select(a.lt(b) & S::zero().lt(a), a.max(b), b));
@@ -81,6 +82,19 @@ proptest! {
         check(Recip, &positive, &positive, 3e-7, 0.0);
         check(Sqrt, &positive, &positive, 2e-7, 0.0);
         check(Floor, &angle, &angle, 0.0, 0.0);
+    }
+
+    #[test]
+    fn angles_agree_with_the_standard_library(
+        y in prop::collection::vec(-2.0f32..2.0, SIZE),
+        x in prop::collection::vec(-2.0f32..2.0, SIZE),
+        size in -12..12,
+    ) {
+        check(Angle, &y, &x, 0.0, 3e-7);
+        for (&y, &x) in y.iter().zip(&x) {
+            let (y, x) = (f64::from(y) * 10_f64.powi(size), f64::from(x));
+            prop_assert!((atan2(y, x) - y.atan2(x)).abs() < 1e-15, "{y} {x}: {} for {}", atan2(y, x), y.atan2(x));
+        }
     }
 
     #[test]
@@ -262,5 +276,25 @@ fn rows_are_gathered_lane_by_lane_and_kept_within_the_table() {
         for ((got, index), value) in out.iter().zip(&index).zip(&values) {
             assert_eq!(*got, value * index.clamp(0.0, 4.0), "{}", level.name());
         }
+    }
+}
+
+#[test]
+fn angles_of_the_axes_and_of_next_to_nothing() {
+    let along = [0.0_f64, 1.0, -1.0, 1e-20, -1e-20, 0.5];
+    for (y, x) in along.into_iter().flat_map(|y| along.map(|x| (y, x))).filter(|&(y, x)| y != 0.0 || x != 0.0) {
+        assert!((atan2(y, x) - y.atan2(x)).abs() < 4e-7 || y.hypot(x) < 1e-15, "{y} {x}: {}", atan2(y, x));
+        assert!(atan2(y, x).is_finite(), "{y} {x}");
+    }
+    assert_eq!(atan2(0.0, 0.0), 0.0);
+    for level in Level::available() {
+        let (y, x) = ([0.0_f32; SIZE], [0.0_f32; SIZE]);
+        assert_eq!(dispatch(level, Map { a: &y, b: &x, f: Angle }), [0.0; SIZE]);
+    }
+    // Small angles keep all their digits.
+    for power in 1..12 {
+        let y = 10_f64.powi(-power);
+        assert!((atan2(y, 1.0) / y.atan() - 1.0).abs() < 4e-16, "{y}");
+        assert!((f64::from(atan2(y as f32, 1.0_f32)) / f64::from(y as f32).atan() - 1.0).abs() < 2e-7, "{y}");
     }
 }

@@ -12,6 +12,9 @@ where that has been done already. The directory holds
     keys.json      [{qpos, qvel, act, ctrl, keys: their positions, quat: of all, touch_forces, qacc_soft}]
     gadget.xml     a small body with slides, curved couplings and implicit damping
     gadget.json    [{qpos, qvel, act, ctrl, qacc, muscle_force, qpos_next, qvel_next, act_next}]
+    wraps.xml      a small body with muscles over spheres and cylinders
+    wraps.json     [{qpos, qvel, act, ctrl, tendon_length, tendon_velocity, moments: one row per muscle, muscle_force, qacc,
+                    bends: of each stretch over something, onset: index of the one that begins to bend nearby, or null}]
 
 Positions are in full coordinates, joints in the order of the model; forces have MuJoCo's sign (a pull is negative).
 """
@@ -110,3 +113,13 @@ def gadget(data):
 @pytest.fixture(scope="session")
 def gadget_steps(data):
     return read(data / "gadget.json")
+
+
+@pytest.fixture(scope="session")
+def wraps(data):
+    return load(data / "wraps.xml")
+
+
+@pytest.fixture(scope="session")
+def wrap_states(data):
+    return read(data / "wraps.json")

@@ -2,7 +2,8 @@
 
 use super::{
     Body, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Equality, FixedFrame, Form, Limit, Link,
-    LinkMotion, Placement, Plan, PlanError, Point, Screw, Segment, SegmentPair, Tendons, reference_pose, sets,
+    LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Tendons, reference_pose,
+    sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -91,6 +92,7 @@ impl Plan<f64> {
         let mut used: BTreeSet<usize> = self.bodies.iter().map(|b| b.link).collect();
         used.extend(self.tendons.pairs.iter().flat_map(|pair| [pair.a, pair.b]));
         used.extend(self.contact_sphere.iter().map(|sphere| sphere.centre.link));
+        used.extend(self.tendons.wraps.iter().flat_map(RoundThing::pulled_links));
         used.remove(&0);
         sets::connect(self, &used);
     }
@@ -317,7 +319,13 @@ impl Tree {
         Elements {
             bodies: (0..model.bodies.len()).map(|body| self.frame(body)).collect(),
             sites: (0..model.sites.len()).map(|site| self.site(model, site)).collect(),
+            wraps: model.wraps.iter().map(|wrap| self.wrap(wrap)).collect(),
         }
+    }
+
+    fn wrap(&self, wrap: &myo_model::model::Wrap) -> FixedFrame<f64> {
+        let turn = (self.placement[wrap.body].1.rotation * wrap.quat).to_rotation_matrix();
+        FixedFrame { origin: self.point(wrap.body, wrap.pos), axes: turn.into_inner().into() }
     }
 
     fn site(&self, model: &Model, site: usize) -> Point<f64> {
@@ -423,11 +431,15 @@ fn tendons(model: &Model, tree: &Tree) -> Result<Tendons<f64>, PlanError> {
         hinge: vec![],
         double_hinge: vec![],
         profiles: vec![],
+        wraps: vec![],
     };
     for (muscle, m) in model.muscles.iter().enumerate() {
-        for ends in m.path.windows(2) {
+        for (after, ends) in m.path.windows(2).enumerate() {
             let [a, b] = [tree.site(model, ends[0]), tree.site(model, ends[1])];
-            if a.link == b.link {
+            if let Some(over) = m.over.iter().find(|over| over.after == after) {
+                let (wrap, side) = (&model.wraps[over.wrap], over.side.map(|site| tree.site(model, site)));
+                out.add_stretch(muscle, [a, b], &RoundThing::new(wrap, tree.wrap(wrap)), side);
+            } else if a.link == b.link {
                 out.constant[muscle] += (Vector3::from(b.position) - Vector3::from(a.position)).norm();
             } else {
                 out.add_segment(muscle, a, b);

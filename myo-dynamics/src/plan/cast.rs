@@ -3,7 +3,7 @@
 use super::{
     Body, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality, FixedFrame,
     HingeSegment, Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate,
-    Tendons,
+    RoundThing, Side, Stretch, Tendons,
 };
 use crate::cast::{Cast, cast};
 use myo_scalar::Real;
@@ -21,7 +21,7 @@ cast! {
         equalities, fingertip, arm, contact_sphere, joints, elements;
         implicit_damping, screws, sets, mass_terms, projections, smooth_activation
     }
-    Elements { bodies, sites }
+    Elements { bodies, sites, wraps }
     Dof { range, stiffness, spring_torque, damping, armature; name }
     Drive { poly; dof, form }
     Link { motion, drive; parent, screw_of_dof }
@@ -33,10 +33,12 @@ cast! {
     EnergyProfile { inertia, centrifugal, weight; coordinate }
     Point { position; link }
     FixedFrame { origin, axes }
-    Tendons { constant, points, hinge, double_hinge, profiles; pairs }
+    Tendons { constant, points, hinge, double_hinge, profiles, wraps; pairs }
     HingeSegment { square, half; muscle, link }
     DoubleHingeSegment { square; muscle, links }
     ProfileSegment { square, half_slope; muscle, coordinate }
+    RoundThing { frame, radius, stretches; shape }
+    Stretch { ends, local, side; muscle }
     Limit { drive, range, impedance, diagonal }
     Equality { drive, impedance, diagonal; dependent }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
@@ -50,6 +52,18 @@ impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for LinkMotion<C> {
             Self::Hinge(placement) => LinkMotion::Hinge(placement.cast()),
             Self::Slide(placement) => LinkMotion::Slide(placement.cast()),
             Self::Profile(profile) => LinkMotion::Profile(profile.cast()),
+        }
+    }
+}
+
+impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for Side<C> {
+    type Output = Side<D>;
+    fn cast(&self) -> Side<D> {
+        match self {
+            Self::Any => Side::Any,
+            Self::Inside => Side::Inside,
+            Self::Fixed(point) => Side::Fixed(point.cast()),
+            Self::Moving(point) => Side::Moving(point.cast()),
         }
     }
 }

@@ -9,6 +9,7 @@ mod mass;
 mod reference_pose;
 mod sets;
 mod specialise;
+mod wraps;
 
 use crate::impedance::Impedance;
 use crate::polynomial::{Domain, Polynomial};
@@ -87,6 +88,8 @@ pub struct Elements<C> {
     pub bodies: Vec<FixedFrame<C>>,
     /// Each site.
     pub sites: Vec<Point<C>>,
+    /// Each of what muscles run over.
+    pub wraps: Vec<FixedFrame<C>>,
 }
 
 /// A generalised coordinate and the passive forces that are linear in it:
@@ -308,6 +311,56 @@ pub struct Tendons<C> {
     pub double_hinge: Vec<DoubleHingeSegment<C>>,
     /// Segments whose length depends on one coordinate through several joints.
     pub profiles: Vec<ProfileSegment<C>>,
+    /// Stretches that may bend round something, grouped by what that is.
+    pub wraps: Vec<RoundThing<C>>,
+}
+
+/// What a path may bend round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RoundShape {
+    /// A sphere.
+    Sphere,
+    /// A cylinder about its z axis, without ends.
+    Cylinder,
+}
+
+/// A sphere or cylinder that paths may bend round.
+#[derive(Clone, Debug)]
+pub struct RoundThing<C> {
+    /// Its centre and axes.
+    pub frame: FixedFrame<C>,
+    /// Its kind.
+    pub shape: RoundShape,
+    /// Its radius (m).
+    pub radius: C,
+    /// The stretches.
+    pub stretches: Vec<Stretch<C>>,
+}
+
+/// A stretch of a path that may bend.
+#[derive(Clone, Debug)]
+pub struct Stretch<C> {
+    /// The muscle.
+    pub muscle: usize,
+    /// Its first and its last point.
+    pub ends: [Point<C>; 2],
+    /// The same from the centre of the round thing and in its axes (m), where they are fixed to the same link.
+    pub local: [Option<[C; 3]>; 2],
+    /// On which side it runs.
+    pub side: Side<C>,
+}
+
+/// The side of a sphere or cylinder on which a path runs.
+#[derive(Clone, Debug)]
+pub enum Side<C> {
+    /// The one with the shorter way.
+    Any,
+    /// That of a point, from the centre of the round thing and in its axes (m).
+    Fixed([C; 3]),
+    /// Through it, touching it from within.
+    Inside,
+    /// That of a point of another link; within the radius it asks for a way through.
+    Moving(Point<C>),
 }
 
 /// Segments between two links.

@@ -12,6 +12,7 @@ pub mod inertia;
 pub mod kinematics;
 pub mod nearby;
 pub mod tendon;
+pub mod wrap;
 
 use crate::obstacles::Obstacles;
 use crate::plan::Plan;

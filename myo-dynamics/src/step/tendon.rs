@@ -5,6 +5,7 @@
 
 use crate::plan::{DoubleHingeSegment, HingeSegment, Plan, ProfileSegment};
 use crate::spatial::{Frame, Vec3, Wrench};
+use crate::step::wrap;
 use crate::workspace::{JointState, ProfiledState, Workspace};
 use myo_scalar::Scalar;
 
@@ -62,6 +63,7 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
             rate[segment.muscle] += velocity.dot(*line);
         }
     }
+    wrap::lengths(plan, ws);
 }
 
 /// Adds the muscle forces to `wrench` and `joint_torque`; those along profiles are [`force::profiles`](super::force)'s.
@@ -88,6 +90,7 @@ pub fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
             wrenches[pair.a] -= wrench;
         }
     }
+    wrap::pull(plan, ws);
 }
 
 #[inline(always)]

@@ -2,6 +2,7 @@
 //!
 //! `#[serde(flatten)]` would do the same but reads through a buffer that forgets line and column.
 
+use super::PathElement;
 use myo_muscle::{CurveParameters, MuscleParameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,8 +13,8 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Muscle {
     /// Unique name.
     name: String,
-    /// Sites that the straight segments of the path run through, origin first.
-    path: Vec<String>,
+    /// Sites that the path runs through, origin first, and what it runs over between two of them.
+    path: Vec<PathElement>,
     /// Shortest and longest tendon length (m) that the normalised operating `range` of the curves is stretched over.
     length_range: [f64; 2],
     /// Active force: force-length and force-velocity curve.

@@ -11,17 +11,16 @@ pub fn shape(skeleton: &Skeleton) -> BodyShape {
     let model = skeleton.model();
     let part =
         |body: &myo_model::model::Body| BodyPart { name: body.name.clone(), parent: body.parent, mass_kg: body.mass };
-    let muscle = |muscle: &myo_model::model::Muscle| MuscleShape {
-        name: muscle.name.clone(),
-        points: muscle.path.len(),
-        on: muscle.path.iter().map(|&site| model.sites[site].body).collect(),
-        peak_force_n: muscle.parameters.gain.force,
+    let muscle = |(index, muscle): (usize, &myo_model::model::Muscle)| {
+        let on = skeleton.path_bodies(index);
+        let peak_force_n = muscle.parameters.gain.force;
+        MuscleShape { name: muscle.name.clone(), points: on.len(), on, peak_force_n }
     };
     BodyShape {
         name: model.name.clone(),
         parts: model.bodies.iter().map(part).collect(),
         limb: skeleton.limb().to_vec(),
-        muscles: model.muscles.iter().map(muscle).collect(),
+        muscles: model.muscles.iter().enumerate().map(muscle).collect(),
         joints: skeleton.joint_names().map(str::to_owned).collect(),
     }
 }
@@ -31,7 +30,7 @@ pub fn layout(skeleton: &Skeleton) -> MotionLayout {
     let model = skeleton.model();
     MotionLayout {
         parts: model.bodies.len(),
-        muscle_points: model.muscles.iter().map(|muscle| muscle.path.len()).collect(),
+        muscle_points: (0..model.muscles.len()).map(|muscle| skeleton.path_bodies(muscle).len()).collect(),
         joints: skeleton.joint_names().count(),
         objects: skeleton.task().objects.len(),
     }
