@@ -5,6 +5,7 @@ use crate::error::ModelError;
 use crate::nearest::Nearest;
 
 const MOBL_ARMS: &str = include_str!("../models/mobl-arms.yaml");
+const MYO_ARM: &str = include_str!("../models/myo-arm.yaml");
 
 /// Bodies between the joints of shoulder and scapula that stand for no anatomy.
 const PHANTOM_BODIES: [&str; 4] = ["clavphant", "scapphant", "humphant", "humphant1"];
@@ -14,16 +15,17 @@ const PUBLISHED_PHANTOM_INERTIA: f64 = 1.0;
 
 /// Names that [`builtin`] knows.
 pub fn builtin_names() -> &'static [&'static str] {
-    &["mobl-arms", "mobl-arms-uitb"]
+    &["mobl-arms", "mobl-arms-uitb", "myo-arm"]
 }
 
 /// Description of a built-in model.
 ///
 /// `mobl-arms` is the default arm; `mobl-arms-uitb` is the same arm with the heavy phantom bodies of the published
-/// systems, for comparison with them.
+/// systems, for comparison with them. `myo-arm` is a human arm with a wrist, whose muscles bend over its bones.
 pub fn builtin(name: &str) -> Result<ModelDescription, ModelError> {
     match name {
         "mobl-arms" => mobl_arms(),
+        "myo-arm" => ModelDescription::from_yaml(MYO_ARM, "myo-arm.yaml"),
         "mobl-arms-uitb" => mobl_arms().map(with_published_phantoms),
         _ => Err(ModelError::UnknownBuiltin { name: name.to_owned(), nearest: Nearest::to(name, builtin_names()) }),
     }

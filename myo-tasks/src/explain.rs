@@ -5,6 +5,9 @@ use serde_saphyr::{Error as YamlError, MessageFormatter, UserMessageFormatter};
 use crate::layout::{Layout, Position, SourceLocation};
 use crate::load_error::LoadError;
 
+/// Costs per control step, which are read in old files and offered to nobody.
+const OLD_COSTS: [&str; 3] = ["distance", "neural_effort", "acceleration_effort"];
+
 /// Turns the reader's errors into ours; inside a target the reader knows the target's place only, the layout the key's.
 pub(crate) struct Explain<'a> {
     pub(crate) name: &'a str,
@@ -18,12 +21,10 @@ impl Explain<'_> {
         match error {
             YamlError::SerdeUnknownField { field, expected, .. } => {
                 let (at, path) = self.layout.and_then(|l| l.key(field, at)).unwrap_or_else(|| (at, self.path(at)));
-                LoadError::UnknownKey {
-                    place: SourceLocation::new(self.name, at),
-                    key: field.clone(),
-                    path,
-                    valid: expected.clone(),
-                }
+                let is_old = |key: &str| path == "reward" && OLD_COSTS.contains(&key);
+                let valid = expected.iter().copied().filter(|key| !is_old(key)).collect();
+                let place = SourceLocation::new(self.name, at);
+                LoadError::UnknownKey { place, key: field.clone(), path, valid }
             }
             YamlError::SerdeUnknownVariant { variant, expected, .. } => {
                 let found = self.layout.and_then(|l| l.scalar("kind", variant, at));

@@ -54,8 +54,8 @@ fn unknown_keys_get_the_nearest_valid_ones() {
     refused("x: 0.4", "w: 0.4", "my.yaml:6:7: unknown key `w` in `position` of target 1; valid are `x`, `y`, `z`");
     refused(
         "time_limit_s: 4",
-        "reward: { distanc: 1 }",
-        "my.yaml:16:11: unknown key `distanc` in `reward`; did you mean `distance`?",
+        "reward: { distanc_cost: 1 }",
+        "my.yaml:16:11: unknown key `distanc_cost` in `reward`; did you mean `distance_cost`?",
     );
     refused(
         "kind: pressing",
