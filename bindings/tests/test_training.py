@@ -85,9 +85,9 @@ def test_the_table_has_one_entry_per_episode(run):
     assert np.array_equal(table["success"], myoenv.evaluate(run.run, 70, num_envs=32)["success"])
     done = table["target_1_success"] == 1
     assert np.isnan(table["target_1_time"][~done]).all() and np.isnan(table["target_1_movement_time"][~done]).all()
-    # The dwell of 0.25 s is five ends of control steps, four of them after the first.
+    # After the dwell of 0.25 s, to the physics step, comes what is left of its control step of 0.05 s.
     dwell = (table["target_1_time"] - table["target_1_movement_time"])[done]
-    assert ((dwell > 0.2 - 1e-4) & (dwell < 0.25 + 1e-4)).all()
+    assert ((dwell > 0.25 - 1e-4) & (dwell < 0.3 - 1e-4)).all()
     assert len(myoenv.evaluate(run.policy, 5, task="pointing-single")["return"]) == 5
 
 

@@ -211,6 +211,12 @@ impl<C: Real> Tables<C> {
         &self.layouts[env % self.layouts.len()]
     }
 
+    /// Share of a control step that a physics step is.
+    #[inline(always)]
+    pub fn share(&self) -> f64 {
+        1.0 / f64::from(self.substeps)
+    }
+
     /// Length of a control step (s).
     #[inline(always)]
     pub fn control_dt(&self) -> f64 {

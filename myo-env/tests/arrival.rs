@@ -102,14 +102,13 @@ fn watch(mut task: Task, first: &str, entries: usize) -> Vec<Vec<Vec<f64>>> {
 /// Force (N) that ends an episode only long after the press that is looked for.
 const WATCHED_FORCE: f64 = 1e3;
 
-/// Time and movement time of a dwell in the sphere, in physics steps, for an environment.
-fn dwell(inside: &[bool], looks: usize) -> Option<[usize; 2]> {
-    let ends: Vec<bool> = inside.iter().step_by(SUBSTEPS).copied().collect();
-    // The reset is no end of a control step.
-    let done = (looks..ends.len()).find(|&k| ends[k + 1 - looks..=k].iter().all(|&x| x) && k + 1 > looks)?;
-    let first = (done + 1 - looks) * SUBSTEPS;
-    let entry = (0..=first).rev().take_while(|&n| inside[n]).last()?;
-    Some([done * SUBSTEPS, entry])
+/// Time and movement time of a dwell of so many physics steps in the sphere, in physics steps, for an environment: it is over with the first
+/// so many in a row, and the episode with the control step in which that is.
+fn dwell(inside: &[bool], long: usize) -> Option<[usize; 2]> {
+    // Where the last step leads to is where none begins any more.
+    let begins = &inside[..inside.len() - 1];
+    let entry = begins.windows(long).position(|stay| stay.iter().all(|&x| x))?;
+    Some([(entry + long).next_multiple_of(SUBSTEPS), entry])
 }
 
 /// Time and movement time of a press of 1 N, in physics steps; step `n` of the forces acted from `n` to `n + 1`.
@@ -159,7 +158,7 @@ fn an_entry_is_where_the_fingertip_was_seen_to_enter() {
         let distance = |row: &Vec<f64>| row.iter().zip(centre).map(|(x, c)| (x - c) * (x - c)).sum::<f64>().sqrt();
         seen.iter().map(|rows| distance(&rows[i]) < radius).collect()
     };
-    let truth: Vec<_> = (0..ENVS).map(|i| dwell(&inside(i), 2)).collect();
+    let truth: Vec<_> = (0..ENVS).map(|i| dwell(&inside(i), 50)).collect();
     check(&task, &truth, 20);
 }
 

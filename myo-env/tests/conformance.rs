@@ -256,7 +256,7 @@ fn bad_calls_are_refused_and_change_nothing<E: Subject>() {
 }
 
 /// Hanging relaxed, with the fingertip inside a sphere around it: the dwell runs out after exactly so many steps.
-fn dwell_counts_rounded_steps<E: Subject>() {
+fn a_dwell_ends_after_its_seconds<E: Subject>() {
     let mut task = preset("pointing-single").unwrap();
     let text = task.to_yaml();
     assert!(text.contains("for_s: 0.25"), "{text}");
@@ -339,7 +339,7 @@ macro_rules! conformance {
             damaged_states_are_refused_and_change_nothing,
             states_of_another_task_or_body_are_refused_by_name,
             bad_calls_are_refused_and_change_nothing,
-            dwell_counts_rounded_steps,
+            a_dwell_ends_after_its_seconds,
             motor_noise_differs_between_muscles,
             every_preset_runs_with_finite_numbers,
         );)*

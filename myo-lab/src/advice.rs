@@ -51,7 +51,7 @@ pub fn likely_cause(task: &Task, body: &dyn Body, recent: &EpisodeMeans) -> Stri
     let label = flat.label(target);
     let report = check(task, body);
     let object = flat.steps[target].object;
-    let needs_hold = flat.steps[target].dwell_steps(task.control_dt_s) > 1;
+    let needs_hold = flat.steps[target].needs_hold();
     let findings = [Some(reach(&report, object)), hold(&report, object, needs_hold), time(task, &flat, body)];
     let (mut causes, mut lesser, mut fine) = (Vec::new(), Vec::new(), Vec::new());
     for finding in findings.into_iter().flatten() {
@@ -121,8 +121,7 @@ fn time(task: &Task, flat: &FlatTask, body: &dyn Body) -> Option<Finding> {
     if flat.pointer != Pointer::Fingertip {
         return None;
     }
-    let dwells = flat.steps.iter().filter(|step| step.dwell_s().is_some());
-    let dwells_s = dwells.map(|step| f64::from(step.dwell_steps(task.control_dt_s)) * task.control_dt_s).sum::<f64>();
+    let dwells_s = flat.steps.iter().filter_map(Step::dwell_s).sum::<f64>();
     let (way_m, speed) = (way(flat), body.fastest_m_per_s());
     let (needed_s, limit_s) = (dwells_s + way_m / speed, task.time_limit_s);
     let figures = format!(

@@ -3,7 +3,7 @@
 use garde::Validate;
 use nalgebra::Vector3;
 
-use crate::description::{Task, rounded_steps};
+use crate::description::Task;
 use crate::flat::{Action, Block, FlatTask, Object, Pointer, Shape, Shift, Sphere, Step};
 use crate::geometry::{distance, farthest, farthest_at_worst, spread};
 use crate::motion::Path;
@@ -18,6 +18,9 @@ use crate::weakness::weakness;
 
 /// Boxes that touch may overlap by what rounding makes of it (m).
 const ROUNDING: f64 = 1e-9;
+
+/// Times may differ by what rounding makes of them (s).
+const ROUNDING_S: f64 = 1e-6;
 
 /// A warning is given when fewer than this share of drawn positions keeps the least distance.
 pub const RARE_ACCEPTANCE: f64 = 0.05;
@@ -97,10 +100,11 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
     overlaps(&flat, &mut report);
     reachability(&flat, reach, &mut report);
     report.warnings.extend(runs(&flat).filter_map(|(element, object)| {
-        let dwell_s = flat.steps_of(element.first).filter_map(Step::dwell_s).reduce(f64::max)?;
+        let steps = flat.steps_of(element.first).filter(|step| step.needs_hold());
+        let dwell_s = steps.filter_map(Step::dwell_s).reduce(f64::max)?;
         // What moves is not held still.
         let sphere = object.sphere().filter(|sphere| sphere.path.is_none())?;
-        weakness(task, element, &Sphere { region: object.places(), ..sphere.clone() }, dwell_s, reach)
+        weakness(element, &Sphere { region: object.places(), ..sphere.clone() }, dwell_s, reach)
     }));
     report
 }
@@ -129,38 +133,33 @@ pub(crate) fn single_value_errors(task: &Task) -> Vec<TaskError> {
     parts.into_iter().chain(values.iter().flat_map(garde::Report::iter).map(error)).collect()
 }
 
-/// Dwells against the time limit, and times that are not whole control steps.
+/// The time limit, which is in whole control steps, and dwells and waits against it.
 fn times(task: &Task, flat: &FlatTask, report: &mut Report) {
-    let time_limit_s = task.time_limit_s;
-    warn_if_rounded(task, time_limit_s, "the time limit".into(), "time_limit_s".into(), report);
-    let (mut dwells, mut waits) = (0, 0);
+    let (given_s, steps) = (task.time_limit_s, task.time_limit_steps());
+    let used_s = f64::from(steps) * task.control_dt_s;
+    if (used_s - given_s).abs() > ROUNDING_S {
+        let (what, path) = ("the time limit".into(), "time_limit_s".into());
+        report.warnings.push(TaskWarning::Rounded { what, path, given_s, used_s, steps });
+    }
+    let is_too_long = |seconds: f64| seconds > used_s + ROUNDING_S;
+    let (mut dwells_s, mut waits_s) = (0.0, 0.0);
     let mut one_too_long = false;
     for (target, step) in step_runs(flat) {
+        let times = (target.last - target.first + 1) as f64;
         if let Some(cue) = step.cue {
-            let least = (cue.after_s.min / task.control_dt_s).round() as u32;
-            waits += least * (target.last - target.first + 1) as u32;
+            // Waits are in whole control steps.
+            waits_s += times * (cue.after_s.min / task.control_dt_s).round() * task.control_dt_s;
         }
         let Some(dwell_s) = step.dwell_s() else { continue };
-        warn_if_rounded(task, dwell_s, format!("the dwell of {target}"), target.field("for_s"), report);
-        let steps = step.dwell_steps(task.control_dt_s);
-        dwells += steps * (target.last - target.first + 1) as u32;
-        if steps > task.time_limit_steps() {
+        dwells_s += times * dwell_s;
+        if is_too_long(dwell_s) {
             one_too_long = true;
-            report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s, time_limit_s });
+            report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s, time_limit_s: given_s });
         }
     }
-    if !one_too_long && dwells + waits > task.time_limit_steps() {
-        let dwells_s = f64::from(dwells + waits) * task.control_dt_s;
-        report.errors.push(TaskError::DwellsBeyondLimit { dwells_s, waits: waits > 0, time_limit_s });
-    }
-}
-
-fn warn_if_rounded(task: &Task, given_s: f64, what: String, path: String, report: &mut Report) {
-    let steps = rounded_steps(given_s, task.control_dt_s);
-    let used_s = f64::from(steps) * task.control_dt_s;
-    // A dwell of 0 says "at once", which one step is.
-    if given_s > 0.0 && (used_s - given_s).abs() > 1e-6 {
-        report.warnings.push(TaskWarning::Rounded { what, path, given_s, used_s, steps });
+    if !one_too_long && is_too_long(dwells_s + waits_s) {
+        let (dwells_s, waits) = (dwells_s + waits_s, waits_s > 0.0);
+        report.errors.push(TaskError::DwellsBeyondLimit { dwells_s, waits, time_limit_s: given_s });
     }
 }
 

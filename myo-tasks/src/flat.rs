@@ -4,7 +4,7 @@ use myo_model::OrientedBox;
 use nalgebra::{Rotation3, Vector3};
 
 use crate::check::single_value_errors;
-use crate::description::{Stimulus, Task, rounded_steps};
+use crate::description::{Stimulus, Task};
 use crate::motion::Path;
 use crate::range::Range;
 use crate::report::InvalidTask;
@@ -13,6 +13,9 @@ use crate::slider::Slider;
 use crate::stick::Stick;
 use crate::target::{Region, Target};
 use crate::technique::RayFrom;
+
+/// The shortest dwell (s) that a hold is needed for.
+const HOLD_S: f64 = 0.1;
 
 /// All objects and all steps of a task.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -322,9 +325,9 @@ impl Step {
         }
     }
 
-    /// Control steps of `control_dt_s` seconds to stay; 1 where it is no dwell.
-    pub fn dwell_steps(&self, control_dt_s: f64) -> u32 {
-        self.dwell_s().map_or(1, |seconds| rounded_steps(seconds, control_dt_s))
+    /// Whether muscles must hold the pointer in a sphere for it: in shorter dwells it may as well pass through.
+    pub fn needs_hold(&self) -> bool {
+        self.dwell_s().is_some_and(|seconds| seconds >= HOLD_S)
     }
 }
 

@@ -12,7 +12,7 @@
 //! // One of the tasks that come with the library, slower.
 //! let text = preset_text("pointing-single").unwrap().replace("for_s: 0.25", "for_s: 0.5");
 //! let task = Task::from_yaml(&text, "my.yaml")?;
-//! assert_eq!(task.flat()?.steps[0].dwell_steps(task.control_dt_s), 10); // 0.5 s at 20 decisions a second
+//! assert_eq!(task.flat()?.steps[0].dwell_s(), Some(0.5));
 //! assert!(check(&task, &Anywhere).is_ok());
 //!
 //! // What is wrong is said where it stands.

@@ -151,7 +151,7 @@ pub enum TaskError {
         if *waits { " and waits" } else { "" }
     )]
     DwellsBeyondLimit {
-        /// Sum of the dwells and of the shortest waits, in whole control steps.
+        /// Sum of the dwells and of the shortest waits.
         dwells_s: f64,
         /// Whether there are waits.
         waits: bool,

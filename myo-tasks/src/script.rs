@@ -53,7 +53,7 @@ pub struct Dwell {
     /// Names of the spheres, or of groups of them, in the order in which to stay in them.
     #[serde(rename = "in")]
     pub within: Names,
-    /// How long in each without a break, in s, from 0 to 600. Rounded to whole control steps, at least one.
+    /// How long in each without a break, in s, from 0 to 600; to the physics step, at least one.
     pub for_s: f64,
 }
 
@@ -87,7 +87,7 @@ pub struct Swing {
 pub struct Follow {
     /// Names of the spheres that move, or of groups of them, in the order in which to follow them.
     pub target: Names,
-    /// How long inside each, in s, from 0 to 600: all the time inside is added up. Rounded to whole control steps, at least one.
+    /// How long inside each, in s, from 0 to 600: all the time inside is added up, to the physics step, at least one.
     pub for_s: f64,
 }
 

@@ -47,7 +47,7 @@ pub struct Pointing {
     #[schemars(transform = LENGTH.schema())]
     pub radius: Range,
 
-    /// How long the fingertip must stay inside without a break, in s. Rounded to whole control steps, at least one.
+    /// How long the fingertip must stay inside without a break, in s; to the physics step, at least one.
     #[garde(custom(DWELL.rule()))]
     #[schemars(transform = DWELL.schema())]
     pub dwell_s: f64,

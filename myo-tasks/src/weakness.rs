@@ -1,7 +1,6 @@
 //! Spheres in which muscles cannot hold the fingertip still.
 
 use crate::check::Reach;
-use crate::description::{Task, rounded_steps};
 use crate::flat::Sphere;
 use crate::geometry::spread;
 use crate::report::{Element, HeldPlace, TaskWarning};
@@ -22,18 +21,8 @@ const WAYS: [(usize, f64, &str); 6] = [
     (2, 1.0, "higher"),
 ];
 
-/// The warning about a sphere, where there is one. A sphere that is done in a single control step needs no hold, and what is
-/// out of reach is another finding.
-pub(crate) fn weakness(
-    task: &Task,
-    target: Element,
-    sphere: &Sphere,
-    dwell_s: f64,
-    reach: &dyn Reach,
-) -> Option<TaskWarning> {
-    if rounded_steps(dwell_s, task.control_dt_s) < 2 {
-        return None;
-    }
+/// The warning about a sphere that needs hold for a dwell of so many seconds, where there is one. What is out of reach is another finding.
+pub(crate) fn weakness(target: Element, sphere: &Sphere, dwell_s: f64, reach: &dyn Reach) -> Option<TaskWarning> {
     let place = |number| {
         let [x, y, z, radius] = spread(number);
         (sphere.region.at([x, y, z]), sphere.radius.at(radius))

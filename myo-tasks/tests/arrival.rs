@@ -38,23 +38,33 @@ fn touch(button: usize, force: f64) -> Contact<f64> {
 /// Moves through the targets; `body` says where the fingertip is and what it touches at a physics step since the reset.
 /// Returns, per target, the control step at which it was done and the physics step at which it was reached.
 fn run(targets: Vec<Target>, body: impl Fn(usize) -> (Point<f64>, Contact<f64>)) -> Vec<(f64, f64)> {
-    let task = Task { targets, time_limit_s: 2.0, ..version_1("ar") };
+    run_at(SUBSTEPS, targets, body)
+}
+
+/// The same with so many physics steps of 2 ms per control step.
+fn run_at(
+    substeps: usize,
+    targets: Vec<Target>,
+    body: impl Fn(usize) -> (Point<f64>, Contact<f64>),
+) -> Vec<(f64, f64)> {
+    let (control_dt_s, share) = (0.002 * substeps as f64, 1.0 / substeps as f64);
+    let task = Task { targets, control_dt_s, time_limit_s: 2.0, ..version_1("ar") };
     let compiled = CompiledTask::<f64>::new(&task).unwrap();
     let mut state = TaskState::new(&compiled);
     state.restart(true);
     for (index, sphere) in compiled.spheres.iter().enumerate() {
         (state.position[index], state.size[index]) = (sphere.lo, 0.05);
     }
-    for step in 0..40 {
+    for step in 0..1000 / substeps {
         let goal = Goal::of(&compiled, &state);
         let mut stay = Stay::new(&state, &goal);
-        for now in step * SUBSTEPS..(step + 1) * SUBSTEPS {
+        for now in step * substeps..(step + 1) * substeps {
             let (fingertip, contact) = body(now);
-            stay.follow(&compiled, &goal, fingertip, 1.0 / SUBSTEPS as f64, std::iter::once(contact));
+            stay.follow(&compiled, &goal, fingertip, share, std::iter::once(contact));
         }
-        let end = (step + 1) * SUBSTEPS;
+        let end = (step + 1) * substeps;
         let sensed = Sensed { body: Landmarks::unknown(), pointer: body(end).0, stay, now: end as f64 };
-        if advance(&compiled, &goal, &sensed, &mut state).task_done {
+        if advance(&compiled, &goal, &sensed, &mut state, share).task_done {
             break;
         }
     }
@@ -73,9 +83,9 @@ fn visits(x: f64, stays: &[(usize, usize)]) -> impl Fn(usize) -> Point<f64> {
 
 #[test]
 fn an_entry_is_known_to_the_physics_step() {
-    for entry in 1..=80_usize {
-        // Three ends of control steps must be inside; the first is the one at or after the entry.
-        let done = entry.div_ceil(SUBSTEPS) + 2;
+    for entry in 0..=80_usize {
+        // 75 physics steps must be inside; it is done at the end of the control step of the last.
+        let done = (entry + 75).div_ceil(SUBSTEPS);
         let reached = point(vec![sphere(0.4, 3)], visits(0.4, &[(entry, 1000)]));
         assert_eq!(reached, [(done as f64, entry as f64)]);
     }
@@ -85,37 +95,133 @@ fn an_entry_is_known_to_the_physics_step() {
 fn a_steady_movement_enters_where_it_crosses_the_surface() {
     // 1 mm a physics step towards a surface at 0.35 m: half a millimetre before it at 356, behind it at 357.
     let movement = |now: usize| [(now as f64 * 0.001 - 0.0065).min(0.4), 0.0, 0.0];
-    assert_eq!(point(vec![sphere(0.4, 5)], movement), [(19.0, 357.0)]);
+    // 125 steps more are 482, within the 20th control step.
+    assert_eq!(point(vec![sphere(0.4, 5)], movement), [(20.0, 357.0)]);
 }
 
 #[test]
 fn an_entry_that_leaves_before_the_dwell_is_over_does_not_count() {
-    // In at 30, out at 90: the ends at 50 and 75 are inside, that at 100 is not. In again at 112.
-    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 90), (112, 1000)])), [(7.0, 112.0)]);
-    // Out and in again before the first end inside: the last entry counts.
-    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 35), (40, 1000)])), [(4.0, 40.0)]);
-    // Between two ends inside the task sees no slip, so the dwell goes on, and the entry stays that of this dwell.
-    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 55), (60, 1000)])), [(4.0, 30.0)]);
-    // A passage between two ends is none.
+    // In at 30, out at 90: 60 steps of 75. In again at 112, over at 187.
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 90), (112, 1000)])), [(8.0, 112.0)]);
+    // Out and in again within a control step: the last entry counts, and it is over at 115.
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 35), (40, 1000)])), [(5.0, 40.0)]);
+    // A slip between two ends of control steps, both inside, is one: it is over at 135, not at 105.
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 55), (60, 1000)])), [(6.0, 60.0)]);
+    // So is one of a single physics step: it is over at 131.
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 55), (56, 1000)])), [(6.0, 56.0)]);
+    // A passage between two ends is none, and neither is a stay that is too short by one step.
     assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 45)])), [(-1.0, -1.0)]);
-    // Neither is a stay that is too short; it was reached, though.
-    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 80)])), [(-1.0, 30.0)]);
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 104)])), [(-1.0, -1.0)]);
+}
+
+#[test]
+fn a_dwell_that_is_over_stays_so() {
+    // In for 75 steps, over at 105, and out until the control step ends at 125, or in again.
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 105)])), [(5.0, 30.0)]);
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(30, 105), (108, 1000)])), [(5.0, 30.0)]);
+    // Out at the very end, where it is judged.
+    assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(50, 125)])), [(5.0, 50.0)]);
+}
+
+/// The sphere of a dwell of so many seconds.
+fn sphere_for(dwell_s: f64) -> Target {
+    let Target::Pointing(pointing) = sphere(0.4, 0) else { panic!("a sphere") };
+    Target::Pointing(Pointing { dwell_s, ..pointing })
+}
+
+#[test]
+fn a_movement_is_judged_the_same_at_any_control_step() {
+    // In at 33, a slip of four physics steps from 133 on, in again at 137; 0.25 s are 125 steps. Between the two entries are 104.
+    let movement = visits(0.4, &[(33, 133), (137, 1000)]);
+    for substeps in [50_usize, 25, 10, 5] {
+        let control_dt_s = 0.002 * substeps as f64;
+        // Over at 262, 0.524 s: known at the end of this control step, never a whole one later.
+        let done = 262_usize.div_ceil(substeps);
+        let [(done_at, reached_at)] = run_at(substeps, vec![sphere_for(0.25)], |now| (movement(now), NO_CONTACT))[..]
+        else {
+            panic!("one target")
+        };
+        assert_eq!((done_at, reached_at), (done as f64, 137.0), "every {control_dt_s} s");
+        // Where the movement ends decides it to the physics step.
+        for (end, is_done) in [(261, false), (262, true)] {
+            let stays = [(33, 133), (137, end)];
+            let until = visits(0.4, &stays);
+            let [(done_at, _)] = run_at(substeps, vec![sphere_for(0.25)], |now| (until(now), NO_CONTACT))[..] else {
+                panic!("one target")
+            };
+            assert_eq!(done_at > 0.0, is_done, "every {control_dt_s} s, until {end}");
+        }
+    }
+}
+
+#[test]
+fn a_dwell_is_as_long_as_it_says() {
+    // 0.25 s at 50 Hz are twelve and a half control steps, 125 physics steps.
+    let dwell = |substeps: usize, seconds: f64, stay: usize| {
+        let stays = [(7, 7 + stay)];
+        let until = visits(0.4, &stays);
+        run_at(substeps, vec![sphere_for(seconds)], |now| (until(now), NO_CONTACT))[0]
+    };
+    assert_eq!(dwell(10, 0.25, 124), (-1.0, -1.0));
+    // Over at 132.
+    assert_eq!(dwell(10, 0.25, 125), (14.0, 7.0));
+    // Less than a control step: 0.03 s at 20 Hz are 15 physics steps, over at 22.
+    assert_eq!(dwell(25, 0.03, 14), (-1.0, -1.0));
+    assert_eq!(dwell(25, 0.03, 15), (1.0, 7.0));
+    // The physics step nearest to what lies between two: 0.0312 s are 15.6.
+    assert_eq!(dwell(25, 0.0312, 15), (-1.0, -1.0));
+    assert_eq!(dwell(25, 0.0312, 16), (1.0, 7.0));
+    // At once: the first physics step inside.
+    for (substeps, done) in [(50, 1.0), (25, 1.0), (10, 1.0), (5, 2.0)] {
+        assert_eq!(dwell(substeps, 0.0, 1), (done, 7.0));
+        assert_eq!(dwell(substeps, 0.0, 0), (-1.0, -1.0));
+    }
+}
+
+/// Numbers of single precision, and dwells of any length, at every control step: as many physics steps as it says.
+#[test]
+fn no_rounding_adds_up() {
+    for substeps in [1_u32, 5, 10, 25, 50] {
+        let share = 1.0 / f64::from(substeps);
+        for steps in [2_u32, 25, 49, 125, 3001, 30_000, 299_999] {
+            let task = Task {
+                targets: vec![sphere_for(0.002 * f64::from(steps))],
+                control_dt_s: 0.002 * f64::from(substeps),
+                time_limit_s: 600.0,
+                ..version_1("ar")
+            };
+            let compiled = CompiledTask::<f32>::new(&task).unwrap();
+            let mut state = TaskState::new(&compiled);
+            state.size[0] = 0.05;
+            // Two steps before the last.
+            state.held = steps as f32 - 2.0;
+            let goal = Goal::of(&compiled, &state);
+            let mut stay = Stay::new(&state, &goal);
+            let inside = |stay: &mut Stay<f32>| {
+                stay.follow(&compiled, &goal, [0.0; 3], share, std::iter::empty());
+                stay.pressed
+            };
+            assert_eq!(inside(&mut stay), 0.0, "{steps} steps, {substeps} a control step");
+            assert_eq!(inside(&mut stay), steps as f32, "{steps} steps, {substeps} a control step");
+        }
+    }
 }
 
 #[test]
 fn who_is_there_at_the_start_has_not_moved() {
     assert_eq!(point(vec![sphere(0.4, 3)], visits(0.4, &[(0, 1000)])), [(3.0, 0.0)]);
-    // The second sphere overlaps the first. Inside both at the end of the first, at 125: the second is reached then.
+    // The second sphere overlaps the first, which is over at 135. Inside both at the end of its control step, at 150: the second is
+    // reached then, and over at 200.
     let both = vec![sphere(0.40, 3), sphere(0.44, 2)];
-    assert_eq!(point(both, visits(0.42, &[(60, 1000)])), [(5.0, 60.0), (7.0, 125.0)]);
-    // Within the second long before, but not at the end of the first: entered at 131.
+    assert_eq!(point(both, visits(0.42, &[(60, 1000)])), [(6.0, 60.0), (8.0, 150.0)]);
+    // Within the second long before, but not at the end of the first, at 150: entered at 156, over at 206.
     let apart = vec![sphere(0.4, 3), sphere(0.6, 2)];
     let there_and_back = |now: usize| match now {
-        20..60 | 131..1000 => [0.6, 0.0, 0.0],
-        60..126 => [0.4, 0.0, 0.0],
+        20..60 | 156..1000 => [0.6, 0.0, 0.0],
+        60..140 => [0.4, 0.0, 0.0],
         _ => AWAY,
     };
-    assert_eq!(point(apart, there_and_back), [(5.0, 60.0), (7.0, 131.0)]);
+    assert_eq!(point(apart, there_and_back), [(6.0, 60.0), (9.0, 156.0)]);
 }
 
 #[test]

@@ -366,12 +366,18 @@ fn dwells_that_do_not_fit_into_the_time_limit() {
 #[test]
 fn times_between_control_steps_are_told() {
     checked(
-        "dwell_s: 0.25",
-        "dwell_s: 0.27",
+        "time_limit_s: 4",
+        "time_limit_s: 4.02",
         &Anywhere,
-        &["my.yaml:10:14: warning: the dwell of target 1 (pointing) of 0.27 s is not a whole number of control steps \
-         and counts as 0.2500 s (5 steps)"],
+        &[
+            "my.yaml:16:15: warning: the time limit of 4.02 s is not a whole number of control steps and counts as 4.0000 s \
+         (80 steps)",
+        ],
     );
+    // Dwells are none of control steps, and may be as long as the limit.
+    checked("dwell_s: 0.25", "dwell_s: 0.27", &Anywhere, &[]);
+    checked("dwell_s: 0.25", "dwell_s: 4", &Anywhere, &[]);
+    checked("dwell_s: 0.25", "dwell_s: 0.8\n    repeat: 5", &Anywhere, &[]);
 }
 
 #[test]

@@ -66,14 +66,27 @@ fn pressing(task: &CompiledTask<f64>, state: &TaskState<f64>, button: usize, for
     let mut sensed = at([0.0; 3]);
     let contact = Contact { exists: true, number: button as f64, force };
     for _ in 0..5 {
-        sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], 0.04, std::iter::once(contact));
+        sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], SHARE, std::iter::once(contact));
     }
     sensed
 }
 
+/// The fingertip at a point for a whole control step, as it was followed.
+fn staying(task: &CompiledTask<f64>, state: &TaskState<f64>, fingertip: [f64; 3]) -> Sensed<f64> {
+    let (mut sensed, goal) = (at(fingertip), Goal::of(task, state));
+    sensed.stay = Stay::new(state, &goal);
+    for _ in 0..25 {
+        sensed.stay.follow(task, &goal, fingertip, SHARE, std::iter::empty());
+    }
+    sensed
+}
+
+/// Share of a control step that a physics step is.
+const SHARE: f64 = 0.04;
+
 /// A control step that ends so.
 fn step(task: &CompiledTask<f64>, sensed: &Sensed<f64>, state: &mut TaskState<f64>) -> Progress<f64> {
-    advance(task, &Goal::of(task, state), sensed, state)
+    advance(task, &Goal::of(task, state), sensed, state, SHARE)
 }
 
 fn distance_to(task: &CompiledTask<f64>, sensed: &Sensed<f64>, state: &TaskState<f64>) -> f64 {
@@ -171,14 +184,16 @@ fn a_dwell_is_counted_in_a_row_and_starts_again_outside() {
     let goal = Goal::of(&task, &state);
     assert!(inside(&near, &goal) && !inside(&far, &goal) && !inside(&at([0.3, 0.05, 0.0]), &goal));
     // 0.15 s are three steps at 20 a second.
-    for (count, (sensed, dwell)) in
+    for (count, (place, dwell)) in
         [(&near, 1.0), (&near, 2.0), (&far, 0.0), (&near, 1.0), (&near, 2.0)].iter().enumerate()
     {
-        let progress = step(&task, sensed, &mut state);
+        let sensed = staying(&task, &state, place.pointer);
+        let progress = step(&task, &sensed, &mut state);
         assert_eq!((state.dwell, progress.target_done, state.step), (*dwell, false, count as f64 + 1.0));
         assert_eq!(state.done_at, [-1.0]);
     }
-    let progress = step(&task, &near, &mut state);
+    let sensed = staying(&task, &state, near.pointer);
+    let progress = step(&task, &sensed, &mut state);
     assert!(progress.target_done && progress.task_done && !progress.timed_out);
     assert_eq!((state.phase, state.dwell, &state.done_at[..]), (1.0, 0.0, &[6.0][..]));
 }
@@ -209,6 +224,7 @@ fn the_time_limit_ends_what_is_not_done() {
     let ends: Vec<bool> = (0..10).map(|_| step(&task, &at([0.0; 3]), &mut state).timed_out).collect();
     assert_eq!(ends, [false, false, false, false, false, false, false, false, false, true]);
     state.step = 9.0;
-    let progress = step(&task, &at([0.3, 0.0, 0.0]), &mut state);
+    let sensed = staying(&task, &state, [0.3, 0.0, 0.0]);
+    let progress = step(&task, &sensed, &mut state);
     assert!(progress.task_done && !progress.timed_out, "done in the last step is done");
 }

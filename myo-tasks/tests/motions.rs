@@ -153,7 +153,20 @@ fn following_adds_up_the_time_inside_and_dwelling_does_not() {
     // Three in, one out: ten control steps inside take thirteen.
     let mut run = Run::new(&task(BALL, "  - follow: {target: ball, for_s: 0.5}"));
     assert!(run.run(20, inside));
-    assert_eq!(run.state.done_at, [13.0]);
+    assert_eq!((&run.state.done_at[..], &run.state.reached_at[..]), (&[13.0][..], &[0.0][..]));
+    // In for one physics step of every four, from 3 on: 30 physics steps of them come to 0.06 s at 119, and it was entered at 3.
+    let flickering = |goal: &Goal<f64>, now: usize| if now % 4 == 3 { inside(goal, now % SUBSTEPS) } else { OFF };
+    let mut run = Run::new(&task(BALL, "  - follow: {target: ball, for_s: 0.06}"));
+    assert!(!run.run(4, flickering));
+    // A quarter of 100 physics steps, of which 25 are a control step.
+    assert_eq!((run.state.dwell, &run.state.reached_at[..]), (1.0, &[3.0][..]));
+    assert!(run.run(20, flickering));
+    assert_eq!((&run.state.done_at[..], &run.state.reached_at[..]), (&[5.0][..], &[3.0][..]));
+    // Of no seconds: the first entry, at 75 of those from 75 to 99.
+    let mut run = Run::new(&task(BALL, "  - follow: {target: ball, for_s: 0}"));
+    assert!(!run.run(3, |_, _| OFF));
+    assert!(run.run(1, flickering));
+    assert_eq!(run.state.reached_at, [75.0]);
     let mut run = Run::new(&task(BALL, "  - dwell: {in: ball, for_s: 0.5}"));
     assert!(!run.run(40, inside));
 }

@@ -145,6 +145,23 @@ fn a_wrong_press_is_taken_back_before_the_script_goes_on() {
 }
 
 #[test]
+fn a_dwell_begins_again_after_a_correction() {
+    let scene = format!("{KEYS}\n  ball: {{kind: sphere, at: [0.4, 0, 0.1], radius: 0.02}}");
+    let text = text(&scene, "  - press: 1\n  - dwell: {in: ball, for_s: 0.2}") + "correction: back\n";
+    let mut run = Run::new(&myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap());
+    let inside = ([0.4, 0.0, 0.1], None);
+    run.run(1, tap(0));
+    // Three of four control steps inside, with a neighbour pressed at the end of the last, which breaks nothing by itself.
+    run.run(3, move |_, now| if now < 95 { inside } else { (inside.0, Some((1, 2.0))) });
+    assert_eq!((run.state.dwell, run.state.errors), (3.0, Some(1.0)));
+    assert!(!run.run(1, tap(4)));
+    assert_eq!((run.state.dwell, run.state.errors), (0.0, Some(0.0)));
+    assert!(run.run(4, move |_, _| inside));
+    // All four again, from the end of the correction on.
+    assert_eq!((run.state.done_at[1], run.state.reached_at[1]), (9.0, 125.0));
+}
+
+#[test]
 fn a_task_is_not_done_while_something_is_to_be_corrected() {
     let text = text(KEYS, "  - press: 1") + "correction: back\n";
     let mut run = Run::new(&myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap());

@@ -55,14 +55,14 @@ fn presets_have_the_published_values() {
     assert_eq!(pointing.object(9).name, "ball.10");
     assert_eq!(pointing.object(9).region(), Region { x: 0.55.into(), y, z });
     assert_eq!(pointing.object(9).sphere().unwrap().apart, Some((8, 0.3)));
-    assert_eq!(pointing.steps[9].dwell_steps(0.05), 5);
+    assert_eq!(pointing.steps[9].dwell_s(), Some(0.25));
 
     let ar = preset("ar").unwrap().flat().unwrap();
     for (step, y) in [(0, 0.15), (2, 0.15), (4, 0.1), (6, 0.15)] {
         assert_eq!(ar.object(step).region().y, Range::new(-y, y));
     }
     assert_eq!(ar.object(6).sphere().unwrap().apart, Some((5, 0.3)));
-    assert_eq!(preset("mobile-typing").unwrap().flat().unwrap().steps[0].dwell_steps(0.05), 1);
+    assert_eq!(preset("mobile-typing").unwrap().flat().unwrap().steps[0].dwell_s(), Some(0.05));
 }
 
 #[test]

@@ -113,13 +113,14 @@ fn what_is_wrong_with_equal_steps_in_a_row_is_said_once() {
         let source = Source::parse(&text(scene, script), "t.yaml").unwrap();
         source.messages(&source.check(&Anywhere))
     };
-    let rounded = "of 0.27 s is not a whole number of control steps and counts as 0.2500 s (5 steps)";
-    let all = "t.yaml:6:30: warning: the dwell of steps 1 to 3 (dwell in ball.1 to ball.3) ";
-    assert_eq!(said("  - dwell: {in: ball, for_s: 0.27}"), [format!("{all}{rounded}")]);
-    let one = "t.yaml:6:32: warning: the dwell of step 1 (dwell in ball.2) ";
-    assert_eq!(said("  - dwell: {in: ball.2, for_s: 0.27}"), [format!("{one}{rounded}")]);
-    let twice = "t.yaml:6:42: warning: the dwell of steps 1 to 2 (dwell in ball.2) ";
-    assert_eq!(said("  - dwell: {in: [ball.2, ball.2], for_s: 0.27}"), [format!("{twice}{rounded}")]);
+    let too_long = " needs a dwell of 13 s but the time limit is 12 s; raise the limit or shorten the dwell";
+    let all = "t.yaml:6:30: steps 1 to 3 (dwell in ball.1 to ball.3)";
+    assert_eq!(said("  - dwell: {in: ball, for_s: 13}"), [format!("{all}{too_long}")]);
+    let one = "t.yaml:6:32: step 1 (dwell in ball.2)";
+    assert_eq!(said("  - dwell: {in: ball.2, for_s: 13}"), [format!("{one}{too_long}")]);
+    let twice = "t.yaml:6:42: steps 1 to 2 (dwell in ball.2)";
+    assert_eq!(said("  - dwell: {in: [ball.2, ball.2], for_s: 13}"), [format!("{twice}{too_long}")]);
+    assert_eq!(said("  - dwell: {in: ball, for_s: 0.27}"), [""; 0], "no dwell is rounded to control steps");
 }
 
 #[test]
@@ -356,7 +357,7 @@ fn press(script: &str, contact: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)
         }
         let sensed =
             Sensed { body: Landmarks::unknown(), pointer: [0.0; 3], stay, now: ((step + 1) * SUBSTEPS) as f64 };
-        if advance(&task, &goal, &sensed, &mut state).task_done {
+        if advance(&task, &goal, &sensed, &mut state, 0.04).task_done {
             break;
         }
     }
@@ -423,7 +424,7 @@ fn wrong_presses(contact: impl Fn(usize) -> Vec<(f64, f64)>) -> Vec<f64> {
             stay.follow(&task, &goal, [0.0; 3], 0.04, contacts.into_iter());
         }
         let sensed = Sensed { body: Landmarks::unknown(), pointer: [0.0; 3], stay, now: ((step + 1) * 25) as f64 };
-        counted.push(advance(&task, &goal, &sensed, &mut state).wrong_presses);
+        counted.push(advance(&task, &goal, &sensed, &mut state, 0.04).wrong_presses);
     }
     counted
 }

@@ -477,7 +477,7 @@ class Dwell(Step):
 
     Args:
         in_: Names of the spheres, or of groups of them, in the order in which to stay in them.
-        for_s: How long in each without a break, in s, from 0 to 600. Rounded to whole control steps, at least one.
+        for_s: How long in each without a break, in s, from 0 to 600; to the physics step, at least one.
     """
 
     action: ClassVar[str] = "dwell"
@@ -547,8 +547,8 @@ class Follow(Step):
 
     Args:
         target: Names of the spheres that move, or of groups of them, in the order in which to follow them.
-        for_s: How long inside each, in s, from 0 to 600: all the time inside is added up. Rounded to whole control
-            steps, at least one.
+        for_s: How long inside each, in s, from 0 to 600: all the time inside is added up, to the physics step, at least
+            one.
     """
 
     action: ClassVar[str] = "follow"

@@ -133,7 +133,7 @@ fn judge<S: Scalar>(
     if task.weights.remaining_path {
         distance += logic::remaining_path(task, &env.task);
     }
-    let progress = logic::advance(task, goal, sensed, &mut env.task);
+    let progress = logic::advance(task, goal, sensed, &mut env.task, world.tables.share());
     // What comes next was not touched yet; the last one stays the current one.
     env.touch = sensed.stay.touch.only(!progress.target_done | progress.task_done);
     (distance, progress)

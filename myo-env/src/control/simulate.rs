@@ -44,7 +44,8 @@ pub fn offsets<S: Scalar>(task: &TaskState<S>) -> impl Iterator<Item = Vec3<S>> 
     task.shifts.iter().map(|&[x, y, z]| Vec3::new(x, y, z))
 }
 
-/// Follows what the pointer does with the current object, so that a short tap between two control steps counts.
+/// Follows what the pointer does with the current object, so that a short tap between two control steps counts, and a short slip breaks a
+/// dwell.
 pub struct Following<'a, S: Scalar> {
     /// The current step of the script.
     pub goal: &'a Goal<S>,
@@ -77,12 +78,9 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             passed,
             cursor,
         } = &mut self.stay;
-        visitor.number(held);
+        visitor.numbers([held, pressed]);
         if kinds.press {
             visitor.number(touch);
-        }
-        if kinds.press || kinds.steer || kinds.swing {
-            visitor.number(pressed);
         }
         if kinds.steer {
             let Steering { along, within, exits } = steering;
@@ -133,7 +131,7 @@ impl<S: Scalar> Stage<S> for Follow<'_, S> {
         let Self { world, goal, physics, stay } = self;
         // Positions and contact are those from which the step was made.
         let task = &world.parameters.task;
-        let share = 1.0 / f64::from(world.tables.substeps);
+        let share = world.tables.share();
         let at = goal.centre_after(stay.passed * S::lit(share));
         let body = landmarks(world, physics, stay.cursor);
         let pointer = task.pointer.place(&body, at);

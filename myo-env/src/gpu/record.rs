@@ -106,7 +106,7 @@ pub fn physics(tables: &Tables<f64>, form: Form) -> Program {
             let mut stay = Stay::new(&env.task, &goal);
             simulate(&world, &mut env, &mut ws, &mut Following { goal: &goal, stay: &mut stay });
             // Kept, so that following it counts.
-            (env.task.held, env.touch) = (stay.held, stay.touch);
+            (env.task.held, env.task.dwell, env.touch) = (stay.held, stay.pressed, stay.touch);
         }
         store(&mut env);
     })

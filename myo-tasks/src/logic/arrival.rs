@@ -1,7 +1,7 @@
 //! What the fingertip does with the current object between the ends of two control steps, to the physics step.
 //!
-//! Whether a dwell is over is judged at the ends of control steps. When the fingertip got there, and whether it pressed and
-//! let go, is followed in between, so that movement times are as fine as the physics and know nothing of the control step.
+//! When the fingertip got there, how long it stayed, and whether it pressed and let go, is followed at every physics step. So what
+//! counts, and when the fingertip came for it, knows nothing of the control step; only the next step of the task waits for its end.
 
 use super::{CompiledTask, Goal, GoalButton, Hold, Point, Steering, TaskState, difference, dot, is_same};
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
@@ -20,12 +20,14 @@ pub struct Contact<S: Scalar> {
 /// What the fingertip did with the current object, up to a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stay<S> {
-    /// Physics steps inside the sphere or in contact with the button, or with the knob held, without a break.
+    /// Physics steps inside the sphere or in contact with the button, or with the knob held, without a break; of what is followed, all
+    /// those inside. Whole numbers, so that no rounding adds up.
     pub held: S,
     /// Greatest force on the button within the control step (N).
     pub touch: S,
-    /// Physics steps from the onset of the contact that first pressed the button, or from the arrival at the end of a way or of a swing,
-    /// within the control step, until now; zero without one.
+    /// Physics steps from the arrival for what first counted within the control step until now, zero where nothing did: from the onset
+    /// of the contact that pressed the button, from the beginning of the stay that completed the dwell, from the end of a way or of a
+    /// swing, or from the first entry into what is followed.
     pub pressed: S,
     /// One where the button was pressed, and let go within the control step.
     pub let_go: S,
@@ -85,12 +87,12 @@ impl<S: Scalar> Stay<S> {
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
         let one = S::lit(1.0);
-        let mut on = S::Mask::splat(false);
+        let mut inside = S::Mask::splat(false);
         if task.kinds.dwell {
             let off = difference(pointer, goal.centre_after(self.passed * S::lit(share)));
-            on = dot(off, off).lt(goal.size * goal.size) & !goal.is_press;
+            inside = dot(off, off).lt(goal.size * goal.size) & !goal.is_press;
             if let Some(is_lit) = goal.is_lit {
-                on = on & is_lit;
+                inside = inside & is_lit;
             }
         }
         if task.kinds.motion {
@@ -102,21 +104,23 @@ impl<S: Scalar> Stay<S> {
             if let Some(is_lit) = goal.is_lit {
                 arrives = arrives & is_lit;
             }
+            inside = inside & !steer.is_steer;
         }
+        let mut on = inside;
         if let Some(swing) = &goal.swing {
             let [is_held, is_left] = self.hold.follow(swing, pointer, goal.lit());
-            on = is_held | (on & !swing.is_swing);
+            inside = inside & !swing.is_swing;
+            on = is_held | inside;
             arrives = arrives | is_left;
         }
         let Some(button) = &goal.button else {
-            self.held = (self.held + one).only(on);
-            if goal.steer.is_some() || goal.swing.is_some() {
-                self.press(S::indicator(arrives));
-            }
+            self.stay(goal, on);
+            let stayed = self.held.only(inside & self.counts(goal, share));
+            self.press(S::select(arrives, one, stayed));
             return;
         };
         let (touches, force) = touch(contacts.clone(), button.number);
-        self.held = (self.held + one).only(on | touches);
+        self.stay(goal, on | touches);
         self.touch = self.touch.max(force);
         let mut presses = touches & button.min_force.le(force);
         if task.kinds.release {
@@ -126,7 +130,8 @@ impl<S: Scalar> Stay<S> {
             let is_on_handle = (drag.share(pointer) - self.value).abs().le(drag.half);
             presses = presses & (is_on_handle | !drag.is_drag);
         }
-        self.press(S::select(arrives, one, self.held.only(presses)));
+        let counts = presses | (inside & self.counts(goal, share));
+        self.press(S::select(arrives, one, self.held.only(counts)));
         if task.kinds.release {
             self.down = S::select(presses, one, self.down);
             self.release(button, pointer, touches);
@@ -136,6 +141,23 @@ impl<S: Scalar> Stay<S> {
         }
         if let Some(is_lit) = goal.is_lit {
             self.rest(is_lit, contacts);
+        }
+    }
+
+    /// Counts a physics step on the object; being off it starts the count anew, but where all the time inside is added up.
+    #[inline(always)]
+    fn stay(&mut self, goal: &Goal<S>, on: S::Mask) {
+        let left = goal.follows.map_or(S::zero(), |follows| self.held.only(follows));
+        self.held = S::select(on, self.held + S::lit(1.0), left);
+    }
+
+    /// Where being inside a sphere now is what counts: it completes the dwell, or is the first that there is of what is followed.
+    #[inline(always)]
+    fn counts(&self, goal: &Goal<S>, share: f64) -> S::Mask {
+        let is_over = goal.is_stayed(self.held, share);
+        match goal.follows {
+            Some(follows) => (follows & self.held.lt(S::lit(1.5))) | (!follows & is_over),
+            None => is_over,
         }
     }
 
@@ -199,8 +221,8 @@ impl<S: Scalar> Stay<S> {
         self.wrong = self.wrong.only(touched);
     }
 
-    /// Physics steps from the arrival at the current object to the end of the control step: to where the last unbroken stay
-    /// in the sphere began, or to the onset of the contact that pressed the button.
+    /// Physics steps from the arrival at the current object until now: that of [`pressed`](Self::pressed), and where nothing counted yet,
+    /// that of the last stay without a break.
     #[inline(always)]
     pub fn since_arrival(&self) -> S {
         S::select(S::zero().lt(self.pressed), self.pressed, self.held)

@@ -7,6 +7,9 @@ use myo_model::StaticBox;
 use myo_scalar::Real;
 use std::borrow::Cow;
 
+/// Control steps of a dwell of no seconds: less than any physics step.
+const AT_ONCE: f64 = 1e-6;
+
 /// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
 /// shoulder centre, times in control steps, forces N.
 ///
@@ -151,7 +154,7 @@ pub struct TaskStep<T> {
     pub is_press: T,
     /// Number of the sphere or box.
     pub object: T,
-    /// Control steps to stay in a sphere.
+    /// Control steps to stay in a sphere, a real number, and never zero, so that shares of it can be told.
     pub dwell: T,
     /// One if the button must be let go, too.
     pub releases: T,
@@ -394,7 +397,7 @@ impl<C: Real> TaskStep<C> {
         Self {
             is_press: truth(step.dwell_s().is_none()),
             object: c(object as f64),
-            dwell: c(f64::from(step.dwell_steps(control_dt_s))),
+            dwell: c(step.dwell_s().map_or(1.0, |seconds| (seconds / control_dt_s).max(AT_ONCE))),
             releases: truth(matches!(step.action, Action::PressAndRelease | Action::Drag { .. })),
         }
     }

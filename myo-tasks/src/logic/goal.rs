@@ -17,7 +17,7 @@ pub struct Goal<S: Scalar> {
     pub moves: Option<Point<S>>,
     /// Radius of the sphere, half the width of the box (m).
     pub size: S,
-    /// Control steps to stay in the sphere.
+    /// Control steps to stay in the sphere, a real number; see [`is_stayed`](Self::is_stayed).
     pub dwell: S,
     /// Where all the time inside is added up; none where the task has no such step.
     pub follows: Option<S::Mask>,
@@ -176,7 +176,8 @@ impl<S: Scalar> Goal<S> {
         let follows = task.kinds.follow.then_some(&task.follows);
         let follows = follows.map(|follows| {
             let [follows] = S::gather(follows.len(), |k| [follows[k]], number);
-            S::lit(0.5).lt(follows)
+            let follows = S::lit(0.5).lt(follows);
+            corrects.map_or(follows, |corrects| follows & !corrects)
         });
         let (centre, size) = ([S::zero(); 3], S::zero());
         let mut goal = Self {
@@ -250,6 +251,14 @@ impl<S: Scalar> Goal<S> {
             }
         }
         centre
+    }
+
+    /// Where so many physics steps inside are long enough, `share` of a control step being one. A dwell ends with the physics step that is
+    /// nearest to its end, and takes one at least.
+    #[inline(always)]
+    pub(super) fn is_stayed(&self, held: S, share: f64) -> S::Mask {
+        // Whole numbers are compared half a step beside, where rounding decides nothing.
+        self.dwell.mul_add(S::lit(share.recip()), S::lit(-0.5)).max(S::lit(0.5)).le(held)
     }
 
     /// The handle to drag, in tasks with sliders.

@@ -74,9 +74,9 @@ pub struct TaskState<S> {
     pub cursor: Option<[S; 2]>,
     /// Number of steps done.
     pub phase: S,
-    /// Control steps inside the current sphere without a break.
+    /// Control steps inside the current sphere, to the physics step: what [`held`](Self::held) is of a dwell, and zero of all else.
     pub dwell: S,
-    /// Physics steps on the current object without a break, up to the end of the last control step.
+    /// Physics steps on the current object, up to the end of the last control step; see [`Stay::held`].
     pub held: S,
     /// One where the current step's press has counted and the button was not let go since.
     pub down: S,
@@ -88,7 +88,7 @@ pub struct TaskState<S> {
     pub step: S,
     /// Per step: the control step at which it was done; negative if it was not.
     pub done_at: Vec<S>,
-    /// Per step: the physics step, counted from the reset, at which the fingertip last came to its object, see [`advance`];
+    /// Per step: the physics step, counted from the reset, at which the fingertip came to its object for what counted, see [`advance`];
     /// negative if it did not.
     pub reached_at: Vec<S>,
 }

@@ -37,7 +37,7 @@ pub(super) fn draw_order<S: Scalar>(
 #[inline(always)]
 pub fn choose_nearest<S: Scalar>(task: &CompiledTask<S>, body: &Landmarks<S>, state: &mut TaskState<S>) {
     let half = S::lit(0.5);
-    let is_idle = state.dwell.lt(half) & state.held.lt(half) & state.down.lt(half);
+    let is_idle = state.held.lt(half) & state.down.lt(half);
     for order in task.orders.iter().filter(|order| order.is_any) {
         let far = S::lit(f64::from(f32::MAX));
         let (mut nearest, mut chosen) = (far, state.phase);

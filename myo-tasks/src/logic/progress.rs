@@ -32,48 +32,35 @@ pub struct Progress<S: Scalar> {
 }
 
 /// Counts the control step, judges the current step of the task or the correction of a wrong press, and moves on to the next one
-/// when it is done. The dwell counter
-/// starts again whenever the fingertip leaves and with every new step of the task.
+/// when it is done; `share` of a control step is a physics step. How long the fingertip stayed counts from zero again whenever it leaves, to
+/// the physics step, and with every new step of the task.
 ///
-/// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it, touches a
-/// button or a handle for the press or the drag that counts, comes into the knob that it leaves at the right angle, or to the end of a way. Where that dwell begins is judged with it, at the end of a control step: what
-/// the fingertip does between two such ends while a dwell goes on, a slip out and back in, breaks neither.
+/// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it, first enters what it
+/// follows, touches a button or a handle for the press or the drag that counts, comes into the knob that it leaves at the right angle, or to
+/// the end of a way. What was completed within the control step stays so, wherever the fingertip is at its end.
 #[inline(always)]
 pub fn advance<S: Scalar>(
     task: &CompiledTask<S>,
     goal: &Goal<S>,
     sensed: &Sensed<S>,
     state: &mut TaskState<S>,
+    share: f64,
 ) -> Progress<S> {
-    let one = S::lit(1.0);
-    let is_inside = inside_after(sensed, goal) & goal.lit();
-    // Where all the time inside is added up, leaving breaks nothing.
-    let left = goal.follows.map_or(S::zero(), |follows| state.dwell.only(follows));
-    let mut longer = S::select(is_inside, state.dwell + one, left);
-    if let Some(corrects) = goal.corrects {
-        longer = longer.only(!corrects);
+    let (one, half) = (S::lit(1.0), S::lit(0.5));
+    let arrived = S::zero().lt(sensed.stay.pressed);
+    let (mut reached, mut done) = (arrived, arrived);
+    if let Some(follows) = goal.follows {
+        // Entered long before it is done.
+        done = (follows & goal.is_stayed(sensed.stay.held, share)) | (!follows & arrived);
     }
-    let (mut reached, mut done) = (is_inside & state.dwell.lt(S::lit(0.5)), goal.dwell.le(longer));
     if let Some(button) = &goal.button {
-        let pressed = S::zero().lt(sensed.stay.pressed);
-        let let_go = S::lit(0.5).lt(sensed.stay.let_go);
-        let is_over = (button.releases & let_go) | (!button.releases & pressed);
-        reached = (goal.is_press & pressed) | (!goal.is_press & reached);
-        done = (goal.is_press & is_over) | (!goal.is_press & done);
-    }
-    if let Some(steer) = &goal.steer {
-        let arrived = S::zero().lt(sensed.stay.pressed);
-        longer = longer.only(!steer.is_steer);
-        reached = (steer.is_steer & arrived) | (!steer.is_steer & reached);
-        done = (steer.is_steer & arrived) | (!steer.is_steer & done);
+        let let_go = half.lt(sensed.stay.let_go);
+        done = (button.releases & let_go) | (!button.releases & done);
     }
     if let Some(swing) = &goal.swing {
-        let (is_left, half) = (S::zero().lt(sensed.stay.pressed), S::lit(0.5));
         // Where it is taken and left within one control step, it is left that counts.
-        let taken = half.lt(sensed.stay.held) | (is_left & state.held.lt(half));
-        longer = longer.only(!swing.is_swing);
+        let taken = half.lt(sensed.stay.held) | (arrived & state.held.lt(half));
         reached = (swing.is_swing & taken) | (!swing.is_swing & reached);
-        done = (swing.is_swing & is_left) | (!swing.is_swing & done);
     }
     state.step += one;
     let reached_at = sensed.now - sensed.stay.since_arrival();
@@ -92,8 +79,10 @@ pub fn advance<S: Scalar>(
             cue.shown_at[index] = S::select(current, cue.lit_at, cue.shown_at[index]);
         }
     }
-    state.dwell = S::select(is_over, S::zero(), longer);
     state.held = S::select(is_over, S::zero(), sensed.stay.held);
+    if task.kinds.dwell {
+        state.dwell = (state.held * S::lit(share)).only(is_stay(goal));
+    }
     if task.kinds.release {
         hand_over(goal, &sensed.stay, is_over, state);
         state.wrong = sensed.stay.wrong;
@@ -126,6 +115,13 @@ pub fn advance<S: Scalar>(
     Progress { target_done: done, task_done, timed_out, wrong_presses, exits: steering.exits }
 }
 
+/// Where the step is to stay in a sphere.
+#[inline(always)]
+fn is_stay<S: Scalar>(goal: &Goal<S>) -> S::Mask {
+    let is_stay = !goal.is_press;
+    goal.swing.as_ref().map_or(is_stay, |swing| is_stay & !swing.is_swing)
+}
+
 /// Every wrong press is to be corrected, by a press of its own. `corrected`: where one just was.
 #[inline(always)]
 fn count_errors<S: Scalar>(stay: &Stay<S>, corrected: S::Mask, state: &mut TaskState<S>) {
@@ -147,10 +143,4 @@ fn hand_over<S: Scalar>(goal: &Goal<S>, stay: &Stay<S>, done: S::Mask, state: &m
 #[inline(always)]
 pub fn inside<S: Scalar>(sensed: &Sensed<S>, goal: &Goal<S>) -> S::Mask {
     norm(difference(sensed.pointer, goal.centre)).lt(goal.size)
-}
-
-/// The same for a goal that was gathered at the beginning of the control step.
-#[inline(always)]
-fn inside_after<S: Scalar>(sensed: &Sensed<S>, goal: &Goal<S>) -> S::Mask {
-    norm(difference(sensed.pointer, goal.centre_after(S::lit(1.0)))).lt(goal.size)
 }

@@ -8,6 +8,8 @@ use myo_tasks::{Anywhere, Source, Task};
 
 /// Physics steps of a control step.
 pub const SUBSTEPS: usize = 25;
+/// What share of it one is.
+const SHARE: f64 = 1.0 / SUBSTEPS as f64;
 /// What the fingertip does: where it is, and which box it touches how hard.
 pub type Deed = ([f64; 3], Option<(usize, f64)>);
 /// In the air.
@@ -75,13 +77,13 @@ impl Run {
                 let (pointer, touch) = at(&goal, now);
                 let (number, force) = touch.unwrap_or((0, 0.0));
                 let contact = Contact { exists: touch.is_some(), number: number as f64, force };
-                stay.follow(&self.task, &goal, pointer, 1.0 / SUBSTEPS as f64, std::iter::once(contact));
+                stay.follow(&self.task, &goal, pointer, SHARE, std::iter::once(contact));
             }
             self.step += 1;
             let (pointer, _) = at(&goal, self.step * SUBSTEPS);
             let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, cursor: [0.0; 2] };
             let sensed = Sensed { body, pointer, stay, now: (self.step * SUBSTEPS) as f64 };
-            let progress = advance(&self.task, &goal, &sensed, &mut self.state);
+            let progress = advance(&self.task, &goal, &sensed, &mut self.state, SHARE);
             let begins = progress.target_done && !progress.task_done;
             begin_step(&self.task, begins, counter(self.step as u32), &mut self.state);
             choose_nearest(&self.task, &body, &mut self.state);
