@@ -68,8 +68,8 @@ mod workspace;
 
 pub use batch::Batch;
 pub use crowd::{MovedBox, most_at_once};
-pub use myo_model::StaticBox;
 pub use isometric::{Isometric, Pull};
+pub use myo_model::StaticBox;
 pub use obstacles::{Obstacles, Surface};
 pub use plan::{CouplingMode, Plan, PlanError};
 pub use reach::{BodyPlaces, Nearest, PointerPlace, ReachableSpace};

@@ -93,7 +93,7 @@ impl Scene {
             .expect("rustc starts");
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
         fs::write(place.path().join("crash.yaml"), task).unwrap();
-        let (envs, steps) = (envs.to_string(), format!("rollout_s={}", f64::from(steps) * 0.05));
+        let (envs, steps) = (envs.to_string(), format!("rollout_s={}", steps as f64 * 0.05));
         let fixed = ["crash.yaml", "--envs", &envs, "--checkpoint-every-s", "0", "--threads", "1"];
         let small = ["--set", &steps, "--set", "policy_hidden=[8]", "--set", "value_hidden=[8]"];
         let training = [&fixed[..], &small, more].concat().into_iter().map(String::from).collect();
