@@ -10,9 +10,21 @@ pub(crate) fn same_length(what: &'static str, found: usize, expected: usize) -> 
     if found == expected { Ok(()) } else { Err(MeasureError::UnequalLengths { what, found, expected }) }
 }
 
+/// No measurement is larger in any unit; squares and quotients of smaller numbers stay finite.
+const LARGEST: f64 = 1e60;
+
 pub(crate) fn finite(what: &'static str, values: &[f64]) -> Result<()> {
-    let wrong = values.iter().enumerate().find(|(_, value)| !value.is_finite());
-    wrong.map_or(Ok(()), |(index, &value)| Err(MeasureError::NotFinite { what, index, value }))
+    values.iter().enumerate().try_for_each(|(index, &value)| measurable(what, index, value))
+}
+
+fn measurable(what: &'static str, index: usize, value: f64) -> Result<()> {
+    if !value.is_finite() {
+        Err(MeasureError::NotFinite { what, index, value })
+    } else if value.abs() > LARGEST {
+        Err(MeasureError::OutOfRange { what, index: Some(index), value, right: "at most 1e60 in size" })
+    } else {
+        Ok(())
+    }
 }
 
 pub(crate) fn points(what: &'static str, points: &[Point]) -> Result<()> {
@@ -20,8 +32,7 @@ pub(crate) fn points(what: &'static str, points: &[Point]) -> Result<()> {
 }
 
 pub(crate) fn finite_point(what: &'static str, index: usize, point: Point) -> Result<()> {
-    let wrong = point.into_iter().find(|value| !value.is_finite());
-    wrong.map_or(Ok(()), |value| Err(MeasureError::NotFinite { what, index, value }))
+    point.into_iter().try_for_each(|value| measurable(what, index, value))
 }
 
 pub(crate) fn within(
@@ -44,7 +55,7 @@ pub(crate) fn setting(what: &'static str, value: f64, right: &'static str, is_ri
 }
 
 pub(crate) fn rate(rate_hz: f64) -> Result<()> {
-    setting("rate in Hz", rate_hz, "finite and greater than 0", rate_hz > 0.0)
+    setting("rate in Hz", rate_hz, "greater than 0 and at most 1e60", rate_hz > 0.0 && rate_hz <= LARGEST)
 }
 
 pub(crate) fn spread(what: &'static str, values: &[f64], right: &'static str) -> Result<()> {

@@ -32,7 +32,7 @@ impl Drive {
         let samples = check_activations(activations, muscles)?;
         check::setting("rate in Hz", rate_hz, "finite and at least 20", rate_hz >= 1.0 / CHANGE_S)?;
         let late = CHANGE_S * rate_hz;
-        check::at_least("samples of activation", samples, late.ceil() as usize + 1)?;
+        check::at_least("samples of activation", samples, (late.ceil() as usize).saturating_add(1))?;
         let of_muscle = |muscle: usize| activations[muscle..].iter().step_by(muscles).sum::<f64>() / samples as f64;
         let mean_of_muscles: Vec<f64> = (0..muscles).map(of_muscle).collect();
         let share =

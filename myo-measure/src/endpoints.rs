@@ -47,7 +47,7 @@ impl EndpointCloud {
         check::setting("distance from start to target in m", distance, "finite and greater than 0", distance > 0.0)?;
         let direction = movement / distance;
         let mean = point::centre(stops);
-        let covariance = covariance(stops, mean)?;
+        let covariance = covariance(stops, mean);
         let (axes, long) = axes(covariance);
         let along = direction.dot(&(covariance * direction));
         // Rounding may leave less than nothing of a cloud without width.
@@ -67,12 +67,10 @@ impl EndpointCloud {
     }
 }
 
-/// With one degree of freedom less than points; finite.
-pub(crate) fn covariance(points: &[Point], mean: Point) -> Result<Matrix3<f64>> {
+/// With one degree of freedom less than points.
+pub(crate) fn covariance(points: &[Point], mean: Point) -> Matrix3<f64> {
     let off = points.iter().map(|&point| Vector3::from(point::minus(point, mean)));
-    let covariance = off.map(|off| off * off.transpose()).sum::<Matrix3<f64>>() / (points.len() as f64 - 1.0);
-    check::setting("variance in m2", covariance.trace(), "finite; the coordinates are too large", true)?;
-    Ok(covariance)
+    off.map(|off| off * off.transpose()).sum::<Matrix3<f64>>() / (points.len() as f64 - 1.0)
 }
 
 /// Standard deviations along the axes of a covariance, the longest first, and the direction of that.

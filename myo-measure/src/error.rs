@@ -15,7 +15,7 @@ pub enum MeasureError {
         least: usize,
     },
     /// A number that is infinite or none at all.
-    #[error("{what}: {value} at index {index}; every number must be finite")]
+    #[error("{what}: {} at index {index}; every number must be finite", short(*.value))]
     NotFinite {
         /// What the number stands for.
         what: &'static str,
@@ -25,7 +25,7 @@ pub enum MeasureError {
         value: f64,
     },
     /// A number that cannot be.
-    #[error("{what}: {value}{}; it must be {right}", at(.index))]
+    #[error("{what}: {}{}; it must be {right}", short(*.value), at(.index))]
     OutOfRange {
         /// What the number stands for.
         what: &'static str,
@@ -74,7 +74,7 @@ pub enum MeasureError {
         right: &'static str,
     },
     /// All values are the same, so that their spread, direction or proportion does not exist.
-    #[error("{what}: all are {value}; {right}")]
+    #[error("{what}: all are {}; {right}", short(*.value))]
     NoSpread {
         /// What does not vary.
         what: &'static str,
@@ -99,6 +99,12 @@ impl MeasureError {
     pub(crate) fn within(self, what: &'static str, index: usize) -> Self {
         Self::Within { what, index, source: Box::new(self) }
     }
+}
+
+/// The number without hundreds of digits.
+fn short(value: f64) -> String {
+    let usual = value == 0.0 || (1e-6..1e9).contains(&value.abs());
+    if usual || !value.is_finite() { value.to_string() } else { format!("{value:e}") }
 }
 
 fn at(index: &Option<usize>) -> String {

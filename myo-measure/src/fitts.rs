@@ -175,9 +175,14 @@ fn check_condition(condition: &Condition) -> Result<()> {
         check::finite_point("target of a trial in m", index, trial.target)?;
         check::finite_point("end of a trial in m", index, trial.end)?;
         let value = point::length(point::minus(trial.target, trial.start));
-        if value == 0.0 {
+        if value == 0.0 || !value.is_finite() {
             let what = "distance from start to target in m";
-            return Err(MeasureError::OutOfRange { what, index: Some(index), value, right: "greater than 0" });
+            return Err(MeasureError::OutOfRange {
+                what,
+                index: Some(index),
+                value,
+                right: "finite and greater than 0",
+            });
         }
     }
     Ok(())

@@ -24,7 +24,8 @@ pub struct Hold {
     /// How far the straight line through the positions over time (least squares) leads during the hold, in m.
     pub drift: f64,
     /// Distance in m between the extremes of the tremor along the axis where it is largest. Tremor is the displacement without what
-    /// is below 2 Hz, from 4 to 15 Hz, by the filters of [`signal`](crate::signal); a quarter second at either end is left out.
+    /// is below 2 Hz ([`signal::high_pass`](crate::signal::high_pass)), from 4 to 15 Hz ([`signal::band`](crate::signal::band)); a
+    /// quarter second at either end is left out.
     pub tremor_peak_to_peak: f64,
     /// Root mean square of the tremor in all directions, in m.
     pub tremor_rms: f64,
@@ -38,7 +39,11 @@ impl Hold {
     pub fn of(positions: &[Point], rate_hz: f64) -> Result<Self> {
         check::points("positions in m", positions)?;
         check::setting("rate in Hz", rate_hz, "finite and greater than 30", rate_hz > 2.0 * TREMOR_HZ[1])?;
-        check::at_least("samples of one second", positions.len(), (SHORTEST_S * rate_hz).ceil() as usize + 1)?;
+        check::at_least(
+            "samples of one second",
+            positions.len(),
+            ((SHORTEST_S * rate_hz).ceil() as usize).saturating_add(1),
+        )?;
         let duration_s = (positions.len() - 1) as f64 / rate_hz;
         let steps = positions.windows(2).map(|pair| point::length(point::minus(pair[1], pair[0])));
         let path: f64 = steps.sum();
@@ -47,7 +52,7 @@ impl Hold {
             duration_s,
             mean_speed: path / duration_s,
             drift: duration_s * drift_speed(positions, rate_hz)?,
-            tremor_peak_to_peak: largest_extent(&tremor)?,
+            tremor_peak_to_peak: largest_extent(&tremor),
             tremor_rms: (tremor.iter().map(|&x| point::dot(x, x)).sum::<f64>() / tremor.len() as f64).sqrt(),
         })
     }
@@ -60,19 +65,18 @@ fn drift_speed(positions: &[Point], rate_hz: f64) -> Result<f64> {
 }
 
 fn tremor(positions: &[Point], rate_hz: f64) -> Result<Vec<Point>> {
-    let [lowest, highest] = TREMOR_HZ;
     let band = signal::per_axis(positions, |x| {
         let faster = signal::high_pass(x, rate_hz, DRIFT_HZ)?;
-        signal::low_pass(&signal::high_pass(&faster, rate_hz, lowest)?, rate_hz, highest)
+        signal::band(&faster, rate_hz, TREMOR_HZ[0], TREMOR_HZ[1])
     })?;
     let margin = (MARGIN_S * rate_hz).floor() as usize;
     Ok(band[margin..band.len() - margin].to_vec())
 }
 
 /// Between the extremes along the longest axis.
-fn largest_extent(points: &[Point]) -> Result<f64> {
-    let (_, long) = endpoints::axes(endpoints::covariance(points, point::centre(points))?);
+fn largest_extent(points: &[Point]) -> f64 {
+    let (_, long) = endpoints::axes(endpoints::covariance(points, point::centre(points)));
     let places = points.iter().map(|&point| long.dot(&Vector3::from(point)));
     let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    Ok(high - low)
+    high - low
 }

@@ -52,7 +52,7 @@ pub struct Movement {
 
 impl Movement {
     /// The movement in `positions`, (n), in m at a fixed rate in Hz. Recordings of people are to be smoothed before
-    /// ([`signal::low_pass_points`](crate::signal::low_pass_points), 10 Hz). The peak is the highest speed between samples that are
+    /// ([`signal::low_pass_points`], 10 Hz). The peak is the highest speed between samples that are
     /// given as edges, or of the recording: one recording holds one movement.
     ///
     /// # Errors

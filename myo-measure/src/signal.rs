@@ -1,6 +1,6 @@
 //! Recorded signals: even times, smoothing without delay, derivatives.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use crate::{MeasureError, Point, Result, check, statistics};
 
@@ -79,7 +79,7 @@ fn slopes(steps: &[f64], x: &[f64]) -> Vec<f64> {
 
 /// Low-pass filter without delay: a Butterworth filter of second order forwards and backwards, which is of fourth order in
 /// total effect. At the cut-off the gain is therefore 1/2; it is `1 / sqrt(2)` at 0.802 of the cut-off (Winter 2009,
-/// doi 10.1002/9780470549148, section 2.2.4.4 divides the wanted cut-off by this factor; that is left to the caller).
+/// doi 10.1002/9780470549148, divides the wanted cut-off by this factor; that is left to the caller).
 ///
 /// Both ends are continued by their reflection through the end point, over a period of the cut-off where there are so many
 /// samples, and the filter begins at rest at the first of them (Gustafsson 1996, doi 10.1109/78.492552, discusses ways to begin).
@@ -104,6 +104,39 @@ pub fn high_pass(x: &[f64], rate_hz: f64, cutoff_hz: f64) -> Result<Vec<f64>> {
 /// Those of [`low_pass`].
 pub fn low_pass_points(points: &[Point], rate_hz: f64, cutoff_hz: f64) -> Result<Vec<Point>> {
     per_axis(points, |x| low_pass(x, rate_hz, cutoff_hz))
+}
+
+/// What of the signal is from `lowest` to `highest` Hz, by its Fourier series: sharp, so that nothing within is weakened. The signal
+/// should begin and end alike (what is slow removed, [`high_pass`]); else the jump from its end to its begin rings near both.
+///
+/// # Errors
+/// Fewer than three samples, numbers that are not finite, frequencies that are not between 0 and half the rate or not in order.
+pub fn band(x: &[f64], rate_hz: f64, lowest: f64, highest: f64) -> Result<Vec<f64>> {
+    check::at_least("samples", x.len(), 3)?;
+    check::finite("samples", x)?;
+    check::rate(rate_hz)?;
+    check::setting("lowest frequency in Hz", lowest, "greater than 0", lowest > 0.0)?;
+    let right = "at least the lowest frequency and less than half the rate";
+    check::setting("highest frequency in Hz", highest, right, highest >= lowest && 2.0 * highest < rate_hz)?;
+    let n = x.len() as f64;
+    let (first, last) = ((lowest * n / rate_hz).ceil() as usize, (highest * n / rate_hz).floor() as usize);
+    let mut band = vec![0.0; x.len()];
+    for k in first..=last {
+        let angle = TAU * k as f64 / n;
+        let (re, im) = fourier(x, angle);
+        for (i, y) in band.iter_mut().enumerate() {
+            let (sine, cosine) = (angle * i as f64).sin_cos();
+            *y += 2.0 / n * (re * cosine + im * sine);
+        }
+    }
+    Ok(band)
+}
+
+/// Real and imaginary part of `sum x[n] exp(i angle n)`.
+pub(crate) fn fourier(x: &[f64], angle: f64) -> (f64, f64) {
+    let (sine, cosine) = angle.sin_cos();
+    // From the last sample to the first, each time turned by one angle (Horner).
+    x.iter().rev().fold((0.0, 0.0), |(re, im), x| (re * cosine - im * sine + x, re * sine + im * cosine))
 }
 
 /// What becomes of points when each coordinate goes through `change`.
@@ -146,7 +179,7 @@ struct Biquad {
 }
 
 impl Biquad {
-    /// Butterworth by the bilinear transform, with `k = tan(pi cutoff / rate)` (Oppenheim and Schafer 2010, section 7.3).
+    /// Butterworth by the bilinear transform, with `k = tan(pi cutoff / rate)` (Oppenheim and Schafer 2010, chapter 7).
     fn low_pass(k: f64) -> Self {
         let scale = 1.0 / (1.0 + SQRT_2 * k + k * k);
         let b = k * k * scale;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::{Result, check};
+use crate::{Result, check, signal};
 
 /// Highest frequency in Hz that the spectral arc length looks at.
 const HIGHEST_HZ: f64 = 10.0;
@@ -38,12 +38,7 @@ pub fn sparc(speed: &[f64], rate_hz: f64) -> Result<f64> {
 
 /// `|sum x[n] exp(-2 pi i k n / fine)|`
 fn amplitude(x: &[f64], k: usize, fine: usize) -> f64 {
-    let (sine, cosine) = (TAU * k as f64 / fine as f64).sin_cos();
-    let (mut re, mut im) = (0.0, 0.0);
-    // From the last sample to the first, each time turned by one angle (Horner).
-    for &x in x.iter().rev() {
-        (re, im) = (re * cosine - im * sine + x, re * sine + im * cosine);
-    }
+    let (re, im) = signal::fourier(x, TAU * k as f64 / fine as f64);
     re.hypot(im)
 }
 
