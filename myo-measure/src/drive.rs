@@ -23,8 +23,8 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Of `activations`, (n, muscles) row by row, in [0, 1] at a fixed rate in Hz. Between samples the change over 50 ms is taken from
-    /// straight lines.
+    /// Of `activations`, (n, muscles) row by row, in [0, 1] at a fixed rate in Hz. Between samples the change over 50 ms is
+    /// taken from straight lines.
     ///
     /// # Errors
     /// No muscles, a length that is no multiple of `muscles`, less than 50 ms, activations outside [0, 1], a rate below 20 Hz.

@@ -24,7 +24,7 @@ pub struct Hold {
     /// How far the straight line through the positions over time (least squares) leads during the hold, in m.
     pub drift: f64,
     /// Distance in m between the extremes of the tremor along the axis where it is largest. Tremor is the displacement without what
-    /// is below 2 Hz ([`signal::high_pass`](crate::signal::high_pass)), from 4 to 15 Hz ([`signal::band`](crate::signal::band)); a
+    /// is below 2 Hz ([`signal::high_pass`]), from 4 to 15 Hz ([`signal::band`]); a
     /// quarter second at either end is left out.
     pub tremor_peak_to_peak: f64,
     /// Root mean square of the tremor in all directions, in m.

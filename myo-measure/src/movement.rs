@@ -19,7 +19,7 @@ pub enum Edge {
     Sample(usize),
 }
 
-/// Figures of one movement of one point. Times count from its onset, in s.
+/// Figures of one movement of one point. Times are right to one sample, at 100 Hz to 10 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Movement {
     /// First sample that belongs to it.
@@ -44,16 +44,16 @@ pub struct Movement {
     pub chord: f64,
     /// Path over chord, at least 1; none where the movement came back to where it began.
     pub path_over_chord: Option<f64>,
-    /// Spectral arc length from onset to end, see [`smoothness::sparc`](crate::smoothness::sparc).
+    /// Spectral arc length from onset to end, see [`smoothness::sparc`].
     pub sparc: f64,
-    /// Logarithm of the dimensionless jerk from onset to end, see [`smoothness::ldlj`](crate::smoothness::ldlj).
+    /// Logarithm of the dimensionless jerk from onset to end, see [`smoothness::ldlj`].
     pub ldlj: f64,
 }
 
 impl Movement {
     /// The movement in `positions`, (n), in m at a fixed rate in Hz. Recordings of people are to be smoothed before
-    /// ([`signal::low_pass_points`], 10 Hz). The peak is the highest speed between samples that are
-    /// given as edges, or of the recording: one recording holds one movement.
+    /// ([`signal::low_pass_points`], 10 Hz). The peak is the highest speed between samples that are given as edges, or of the
+    /// recording: one recording holds one movement.
     ///
     /// # Errors
     /// Positions that are not finite, a rate of at most 20 Hz, fewer than seven samples from onset to end, no movement, a

@@ -106,8 +106,8 @@ pub fn low_pass_points(points: &[Point], rate_hz: f64, cutoff_hz: f64) -> Result
     per_axis(points, |x| low_pass(x, rate_hz, cutoff_hz))
 }
 
-/// What of the signal is from `lowest` to `highest` Hz, by its Fourier series: sharp, so that nothing within is weakened. The signal
-/// should begin and end alike (what is slow removed, [`high_pass`]); else the jump from its end to its begin rings near both.
+/// What of the signal is from `lowest` to `highest` Hz, by its Fourier series: sharp, so that nothing within is weakened. The
+/// signal should begin and end alike (what is slow removed, [`high_pass`]); else the jump from its end to its begin rings near both.
 ///
 /// # Errors
 /// Fewer than three samples, numbers that are not finite, frequencies that are not between 0 and half the rate or not in order.

@@ -45,8 +45,8 @@ pub struct Taps {
 }
 
 impl Taps {
-    /// Of a `force`, (n), in N at a fixed rate in Hz; none is a result too. Sampled as fast as the physics: at 500 Hz a contact time
-    /// is right to 2 ms.
+    /// Of a `force`, (n), in N at a fixed rate in Hz; none is a result too. Sampled as fast as the physics: at 500 Hz a
+    /// contact time is right to 2 ms.
     ///
     /// # Errors
     /// No samples, forces that are not finite or negative, a rate that is not positive, a release that is not below the press.

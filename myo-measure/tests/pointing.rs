@@ -173,8 +173,8 @@ fn what_gives_no_law_is_refused_by_reason() {
     assert!(same.starts_with("user 1: condition 0: SD of end points") && same.contains("motor noise"), "{same}");
 }
 
-/// NumPy 2.4.6: `cov` and `eigh` of `0.30 + 0.004 sin(1.7 k) + 0.002 cos(0.9 k), 0.003 sin(2.3 k), 0.002 cos(3.1 k)` for k from 0 to
-/// 11, and the angle of the long axis to the first.
+/// NumPy 2.4.6: `cov` and `eigh` of `0.30 + 0.004 sin(1.7 k) + 0.002 cos(0.9 k), 0.003 sin(2.3 k), 0.002 cos(3.1 k)`
+/// for k from 0 to 11, and the angle of the long axis to the first.
 #[test]
 fn clouds_are_those_of_numpy() {
     let stop = |k: f64| {

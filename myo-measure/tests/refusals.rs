@@ -120,13 +120,13 @@ fn measure_all(odd: &mut Odd, most: usize) -> [bool; 14] {
 }
 
 fn conditions(odd: &mut Odd, most: usize) -> Vec<Condition> {
-    let mut trial = |odd: &mut Odd| Trial {
+    let trial = |odd: &mut Odd| Trial {
         movement_time_s: odd.value(most),
         start: odd.point(most),
         target: odd.point(most),
         end: odd.point(most),
     };
-    let mut condition = |odd: &mut Odd| {
+    let condition = |odd: &mut Odd| {
         let trials = (0..4).map(|_| trial(odd)).collect();
         Condition { distance: odd.value(most), width: odd.value(most), trials }
     };
