@@ -87,44 +87,39 @@ impl Movement {
 
 /// Samples of onset, peak and end.
 fn edges(speed: &[f64], onset: Edge, end: Edge) -> Result<(usize, usize, usize)> {
-    let given = |what: &'static str, edge: Edge, otherwise: usize| match edge {
-        Edge::Threshold => Ok(otherwise),
-        Edge::Sample(sample) => {
-            let inside = sample < speed.len();
-            check::setting(what, sample as f64, "a sample of the recording", inside).map(|()| sample)
-        }
-    };
-    let first = given("onset", onset, 0)?;
-    let last = given("end", end, speed.len() - 1)?;
-    let right = "after the onset";
-    check::setting("end", last as f64, right, last > first)?;
+    let first = given("onset", onset, 0, speed)?;
+    let last = given("end", end, speed.len() - 1, speed)?;
+    check::setting("end", last as f64, "after the onset", last > first)?;
     let peak = first + highest(&speed[first..=last]);
     check::setting("peak speed in m/s", speed[peak], "greater than 0", speed[peak] > 0.0)?;
-    let below = |&v: &f64| v < THRESHOLD * speed[peak];
-    let no_edge = |what, index: usize, right| MeasureError::NoEdge {
-        what,
-        index,
-        share: speed[index] / speed[peak],
-        threshold: THRESHOLD,
-        right,
-    };
-    let onset = match onset {
-        Edge::Sample(sample) => sample,
-        Edge::Threshold => {
-            let rest = speed[..peak].iter().rposition(|v| *v <= THRESHOLD * speed[peak]);
-            let right = "let the recording begin earlier, or give the sample of the onset";
-            rest.ok_or_else(|| no_edge("onset of the movement", 0, right))? + 1
-        }
-    };
-    let end = match end {
-        Edge::Sample(sample) => sample,
-        Edge::Threshold => {
-            let rest = speed[peak..].iter().position(below);
-            let right = "let the recording last longer, or give the sample of the end";
-            rest.ok_or_else(|| no_edge("end of the movement", speed.len() - 1, right))? + peak
-        }
-    };
+    let onset = if onset == Edge::Threshold { onset_before(speed, peak)? } else { first };
+    let end = if end == Edge::Threshold { end_behind(speed, peak)? } else { last };
     Ok((onset, peak, end))
+}
+
+/// The sample that an edge gives, or another where it gives none.
+fn given(what: &'static str, edge: Edge, otherwise: usize, speed: &[f64]) -> Result<usize> {
+    let Edge::Sample(sample) = edge else { return Ok(otherwise) };
+    check::setting(what, sample as f64, "a sample of the recording", sample < speed.len())?;
+    Ok(sample)
+}
+
+/// First sample of the bell with the peak that is above the threshold.
+fn onset_before(speed: &[f64], peak: usize) -> Result<usize> {
+    let rest = speed[..peak].iter().rposition(|&v| v <= THRESHOLD * speed[peak]);
+    let right = "let the recording begin earlier, or give the sample of the onset";
+    rest.map(|rest| rest + 1).ok_or_else(|| no_edge("onset of the movement", speed, peak, 0, right))
+}
+
+/// First sample behind the peak that is below the threshold.
+fn end_behind(speed: &[f64], peak: usize) -> Result<usize> {
+    let rest = speed[peak..].iter().position(|&v| v < THRESHOLD * speed[peak]);
+    let right = "let the recording last longer, or give the sample of the end";
+    rest.map(|rest| peak + rest).ok_or_else(|| no_edge("end of the movement", speed, peak, speed.len() - 1, right))
+}
+
+fn no_edge(what: &'static str, speed: &[f64], peak: usize, index: usize, right: &'static str) -> MeasureError {
+    MeasureError::NoEdge { what, index, share: speed[index] / speed[peak], threshold: THRESHOLD, right }
 }
 
 /// Index of the first of the highest values.

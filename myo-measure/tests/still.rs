@@ -14,7 +14,7 @@ fn hold(drift: f64, sway: f64, tremor: f64, tremor_hz: f64) -> Hold {
     let place = |i: i32| {
         let t = f64::from(i) / 200.0;
         let shake = tremor * (TAU * tremor_hz * t + 0.4).sin();
-        [0.5 + drift * t + sway * (TAU * 0.5 * t).sin(), 0.6 * shake, 0.1 + 0.8 * shake]
+        [0.5 + drift * t + sway * (TAU * 0.7 * t).cos(), 0.6 * shake, 0.1 + 0.8 * shake]
     };
     Hold::of(&(0..=600).map(place).collect::<Vec<Point>>(), 200.0).unwrap()
 }
@@ -22,7 +22,7 @@ fn hold(drift: f64, sway: f64, tremor: f64, tremor_hz: f64) -> Hold {
 #[test]
 fn tremor_is_heard_through_drift_and_sway() {
     for tremor_hz in [6.0, 8.0, 8.37, 12.0] {
-        let hold = hold(0.002, 0.004, 0.000_15, tremor_hz);
+        let hold = hold(0.002, 0.010, 0.000_15, tremor_hz);
         assert_close(hold.tremor_peak_to_peak, 0.000_30, 0.000_012);
         assert_close(hold.tremor_rms, 0.000_15 / 2_f64.sqrt(), 0.000_006);
     }
