@@ -18,6 +18,7 @@ mod layouts;
 mod models;
 pub mod picture;
 pub mod progress;
+pub mod protocol;
 mod reach;
 mod reward;
 mod run_description;

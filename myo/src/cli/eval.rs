@@ -16,6 +16,7 @@ use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, name, print, print_json, rounded};
+use super::protocol::{self, Protocol};
 use super::run_folder::existing_checkpoint;
 use super::scenario::Scenario;
 use super::train::open_run;
@@ -48,6 +49,10 @@ pub struct Eval {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
+    /// Ask what people were asked, in place of the task
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["task", "checkpoint", "seed"])]
+    protocol: Option<Protocol>,
+
     #[command(flatten)]
     physics: Options,
 
@@ -62,6 +67,7 @@ Examples:
   myo eval runs/pointing-1 --episodes 10000 --seed 3 --json
   myo eval runs/phone-1 --task other-phone.yaml             how would this user do on another layout?
   myo eval runs/pointing-1 --checkpoint 1638400
+  myo eval runs/pointing-1 --protocol M1                    is the body of this user as strong as people?
 
 Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged.
 
@@ -73,6 +79,10 @@ A user of several layouts (`myo train --together`) does each of them; the table 
 
 Movement time is from the start of a target (the end of the one before, or the reset) to the last entry into it or the touch of
 a button: without dwell, to one physics step. With dwell it is the time to the end of the target.
+
+With --protocol the user is asked what people were asked in studies, and the answers stand beside theirs. M1 asks the body alone: isometric strength of
+elbow, shoulder and forearm, the share of it that holds the straight arm up, moment arms at the elbow, and muscles that change sides. Its JSON: `model`, `strength`,
+`holding`, `moment_arms`, `sign_changes`.
 
 JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
 and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
@@ -103,6 +113,9 @@ struct Results<'a> {
 pub fn run(args: &Eval) -> Result<()> {
     let folder = open_run(&args.run)?;
     let trained = RunDescription::of(&folder)?;
+    if let Some(protocol) = args.protocol {
+        return protocol::run(protocol, &Scenario::of(&trained)?.model, args.json);
+    }
     let scenario = match &args.task {
         Some(task) => elsewhere(&args.run, &trained, task)?,
         None => Scenario::of(&trained)?,

@@ -14,6 +14,7 @@ mod interrupt;
 mod model;
 mod output;
 mod parse;
+mod protocol;
 mod report;
 mod run_folder;
 mod runs;
