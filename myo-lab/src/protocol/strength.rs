@@ -21,7 +21,8 @@ struct People {
     source: &'static str,
 }
 
-const MEN: &str = "men, Holzbaur et al. 2007, doi 10.1016/j.jbiomech.2006.11.013, with the shape of isometric handbooks";
+const MEN: &str =
+    "men, Holzbaur et al. 2007, doi 10.1016/j.jbiomech.2006.11.013, with the shape of isometric handbooks";
 const HANDBOOK: &str = "men, isometric handbooks";
 const FORWARD: (&str, f64) = ("elv_angle", 90.0);
 const SIDEWAYS: (&str, f64) = ("elv_angle", 0.0);
@@ -35,7 +36,13 @@ const STRENGTH: &[People] = &[
         way: 1.0,
         posture: &[],
         over: "elbow_flexion",
-        range: &[(60.0, [55.0, 79.5]), (75.0, [70.0, 79.5]), (90.0, [79.5, 79.5]), (105.0, [70.0, 79.5]), (120.0, [55.7, 79.5])],
+        range: &[
+            (60.0, [55.0, 79.5]),
+            (75.0, [70.0, 79.5]),
+            (90.0, [79.5, 79.5]),
+            (105.0, [70.0, 79.5]),
+            (120.0, [55.7, 79.5]),
+        ],
         source: MEN,
     },
     People {
@@ -411,7 +418,11 @@ mod tests {
     fn a_body_without_the_joints_is_told_which() {
         let mut description = builtin("myo-arm").unwrap();
         description.name = "other".into();
-        description.joints.iter_mut().filter(|joint| joint.name == "pro_sup").for_each(|joint| joint.name = "twist".into());
+        description
+            .joints
+            .iter_mut()
+            .filter(|joint| joint.name == "pro_sup")
+            .for_each(|joint| joint.name = "twist".into());
         let error = Strength::of(&Model::new(&description).unwrap()).unwrap_err().to_string();
         assert!(error.starts_with("protocol M1 needs the joint pro_sup; the body `other` has elv_angle, "), "{error}");
     }

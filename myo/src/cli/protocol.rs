@@ -55,7 +55,9 @@ fn strength(found: &Strength) -> String {
         [] => "No muscle that was looked at changes sides.\n".to_owned(),
         changes => changes
             .iter()
-            .map(|change| format!("{} changes sides at {} degrees of {}: FAIL\n", change.muscle, change.at_deg, change.joint))
+            .map(|change| {
+                format!("{} changes sides at {} degrees of {}: FAIL\n", change.muscle, change.at_deg, change.joint)
+            })
             .collect(),
     };
     format!(
