@@ -35,6 +35,9 @@ pub struct Pull {
 
 impl Isometric {
     /// At the pose `qpos` of a plan with reduced coordinates (rad or m).
+    ///
+    /// # Panics
+    /// `qpos` has another number of entries than the plan has coordinates.
     pub fn at(plan: &Plan<f64>, qpos: &[f64]) -> Self {
         let weightless = Plan { gravity: [0.0; 3], ..plan.clone() };
         let mut bench = Bench::new(&weightless);
@@ -61,11 +64,11 @@ impl Isometric {
         [torques().filter(|&torque| torque > 0.0).sum(), torques().filter(|&torque| torque < 0.0).sum()]
     }
 
-    /// Share of the muscles' strength that holds coordinate `k` against gravity alone; infinite where no muscle does.
+    /// Share of the muscles' strength that holds coordinate `k` against gravity alone; zero without gravity, and infinite where no muscle does.
     pub fn holding_share(&self, k: usize) -> f64 {
         let [up, down] = self.strength(k);
         let against = if self.gravity[k] < 0.0 { up } else { -down };
-        self.gravity[k].abs() / against
+        if self.gravity[k] == 0.0 { 0.0 } else { self.gravity[k].abs() / against }
     }
 }
 

@@ -19,8 +19,13 @@ use crate::users::User;
 /// threads step 110 environments, and sixteen 300.
 pub const AUTO_ENVS_PER_THREAD: usize = 64;
 
-/// Control steps of all environments after which a training stops unless asked otherwise.
-pub const STEPS: u64 = 200_000_000;
+/// Simulated seconds of all environments together after which a training stops unless asked otherwise.
+const LONGEST_TRAINING_S: f64 = 1e7;
+
+/// Control steps of all environments after which a training stops unless asked otherwise: 200 million at 20 Hz.
+pub fn default_steps(control_dt_s: f64) -> u64 {
+    (LONGEST_TRAINING_S / control_dt_s).round() as u64
+}
 
 /// Environments for looks at a policy: on the processor enough to keep it busy, on a card as many as take no longer than one.
 const LOOK_ENVS: [usize; 2] = [256, 1024];

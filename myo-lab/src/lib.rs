@@ -27,7 +27,7 @@ mod settings;
 mod users;
 
 pub use advice::{Body, likely_cause, most_success};
-pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, STEPS, Start, auto_envs};
+pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs, default_steps};
 pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
 pub use fit::{Misfit, Setting, misfits};
 pub use layouts::{LayoutsError, layout_names, one_structure};

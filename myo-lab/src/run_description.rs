@@ -97,7 +97,8 @@ impl RunDescription {
         let RunConfig { run: value, .. } = run.config().clone();
         let description: Self = serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
         description.check().map_err(bad)?;
-        Ok(description)
+        let others = description.other_layouts.into_iter().map(Task::with_costs_per_second).collect();
+        Ok(Self { task: description.task.with_costs_per_second(), other_layouts: others, ..description })
     }
 
     fn check(&self) -> Result<(), String> {

@@ -9,32 +9,40 @@ pub const SIGNAL_DEPENDENT_NOISE: f64 = 0.103;
 /// Standard deviation of constant noise (same source).
 pub const CONSTANT_NOISE: f64 = 0.185;
 
-/// Time (s) in which motor noise forgets two thirds of what it was. Its power at low frequencies is that of noise which is drawn
-/// every 50 ms and held, as that of the published simulations at 20 Hz is.
-pub const NOISE_TIME_S: f64 = 0.025;
+/// Power of motor noise at low frequencies, in variances times seconds: that of noise which is drawn every 50 ms and held, as that of
+/// the published simulations at 20 Hz is.
+pub const NOISE_POWER_S: f64 = 0.05;
 
-/// Motor noise of a muscle after `dt` seconds more: `rho z + sqrt(1 - rho^2) draw`, `rho = exp(-dt / NOISE_TIME_S)`, a first-order
-/// autoregressive process of unit variance. `z` is what it was and `draw` a standard normal number, which it begins with.
+/// Motor noise of a muscle, which changes every `dt` seconds: `rho z + sqrt(1 - rho^2) draw`, a first-order autoregressive process.
+/// `z` is what it was and `draw` a standard normal number, which it begins with.
 ///
-/// So noise is the same at any rate of decisions: one that was drawn anew with each of many short steps would be gone before a
-/// muscle feels it.
+/// `rho` is such that the power at low frequencies, `dt (1 + rho) / (1 - rho)`, is the same at any rate: noise that was drawn
+/// anew with each of many short steps would be gone before a muscle feels it. With steps longer than 50 ms it is drawn for each and is
+/// smaller instead.
 #[derive(Clone, Copy, Debug)]
 pub struct MotorNoise {
     rho: f64,
     fresh: f64,
+    size: f64,
 }
 
 impl MotorNoise {
     /// For steps of `dt` seconds.
     pub fn new(dt: f64) -> Self {
-        let rho = (-dt / NOISE_TIME_S).exp();
-        Self { rho, fresh: (1.0 - rho * rho).sqrt() }
+        let rho = ((NOISE_POWER_S - dt) / (NOISE_POWER_S + dt)).max(0.0);
+        Self { rho, fresh: (1.0 - rho * rho).sqrt(), size: (NOISE_POWER_S / dt).min(1.0).sqrt() }
     }
 
     /// The noise after one more step.
     #[inline(always)]
     pub fn next<S: Scalar>(&self, z: S, draw: S) -> S {
         z.mul_add(S::lit(self.rho), draw * S::lit(self.fresh))
+    }
+
+    /// How far (in the standard deviations that a task names) noise of this number is from none.
+    #[inline(always)]
+    pub fn deviation<S: Scalar>(&self, z: S) -> S {
+        z * S::lit(self.size)
     }
 }
 

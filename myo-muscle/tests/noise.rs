@@ -1,6 +1,6 @@
 //! Motor noise: its formula, the bounds of excitations, and what it is at different rates.
 
-use myo_muscle::{CONSTANT_NOISE, MotorNoise, NOISE_TIME_S, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
+use myo_muscle::{CONSTANT_NOISE, MotorNoise, NOISE_POWER_S, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
 use myo_scalar::{Scalar, Word, normal_pair, philox_block};
 
 #[test]
@@ -36,31 +36,31 @@ fn draws() -> impl Iterator<Item = f64> {
 
 #[test]
 fn noise_is_as_strong_and_as_slow_at_any_rate() {
-    for rate in [20.0, 50.0, 100.0, 500.0] {
-        let dt = 1.0 / rate;
-        let noise = MotorNoise::new(dt);
-        let steps = (4000.0 * rate) as usize;
-        let (mut z, mut squares, mut lagged) = (0.0, 0.0, 0.0);
-        let lag = (0.1 * rate) as usize;
-        let mut past = vec![0.0; lag];
-        let (mut means, mut sum) = (Vec::new(), 0.0);
+    for rate in [10.0, 20.0, 50.0, 100.0, 500.0] {
+        let noise = MotorNoise::new(1.0 / rate);
+        let (mut z, mut squares, mut means, mut sum) = (0.0, 0.0, Vec::new(), 0.0);
+        let steps = (8000.0 * rate) as usize;
         for (step, draw) in draws().take(steps).enumerate() {
             z = noise.next(z, draw);
-            squares += z * z / steps as f64;
-            lagged += z * past[step % lag] / steps as f64;
-            past[step % lag] = z;
-            sum += z / rate;
-            if (step + 1) % rate as usize == 0 {
-                means.push(sum);
+            let deviation: f64 = noise.deviation(z);
+            squares += deviation * deviation / steps as f64;
+            sum += deviation / rate;
+            // What is left in the mean over two seconds is low frequencies.
+            if (step + 1) % (2.0 * rate) as usize == 0 {
+                means.push(sum / 2.0);
                 sum = 0.0;
             }
         }
-        assert!((squares - 1.0).abs() < 0.03, "variance {squares} at {rate} Hz");
-        assert!((lagged - (-0.1 / NOISE_TIME_S).exp()).abs() < 0.03, "{lagged} after a tenth of a second at {rate} Hz");
-        // The mean over a second has the variance of white noise of the power that is left at low frequencies: 2 NOISE_TIME_S.
-        let power: f64 = means.iter().map(|mean| mean * mean).sum::<f64>() / means.len() as f64;
-        // Held for a control step it is stronger by dt / 2 coth(dt / 2 NOISE_TIME_S) / NOISE_TIME_S; 1.31 at 20 Hz.
-        let held = dt / 2.0 / (dt / 2.0 / NOISE_TIME_S).tanh();
-        assert!((power / (2.0 * held) - 1.0).abs() < 0.12, "{power} against {} at {rate} Hz", 2.0 * held);
+        let power = 2.0 * means.iter().map(|mean| mean * mean).sum::<f64>() / means.len() as f64;
+        assert!((power / NOISE_POWER_S - 1.0).abs() < 0.08, "{power} at {rate} Hz");
+        let variance = if rate < 20.0 { 0.5 } else { 1.0 };
+        assert!((squares / variance - 1.0).abs() < 0.03, "variance {squares} at {rate} Hz");
     }
+}
+
+#[test]
+fn at_twenty_decisions_a_second_noise_is_drawn_for_each() {
+    let noise = MotorNoise::new(0.05);
+    assert_eq!(noise.next(3.0, 0.5), 0.5);
+    assert_eq!(noise.deviation(0.5), 0.5);
 }

@@ -301,7 +301,8 @@ pub struct Observation {
     pub nearest_obstacle: bool,
 }
 
-/// Gaussian motor noise on the muscle controls: independent for each muscle, drawn anew at each control step.
+/// Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any control step as noise
+/// that is drawn every 0.05 s and held.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
@@ -475,7 +476,9 @@ impl Reward {
     /// With all costs per second; those of old files were per control step of `control_dt_s` seconds.
     #[must_use]
     pub fn per_second(&self, control_dt_s: f64) -> Self {
-        let rate = |old: Option<f64>, new: f64| old.map_or(new, |per_step| per_step / control_dt_s);
+        // To twelve digits: 0.3 / 0.05 is meant to be 6.
+        let digits = |x: f64| format!("{x:.11e}").parse().unwrap_or(x);
+        let rate = |old: Option<f64>, new: f64| old.map_or(new, |per_step| digits(per_step / control_dt_s));
         Self {
             distance_cost: rate(self.distance, self.distance_cost),
             effort_cost: rate(self.neural_effort, self.effort_cost),

@@ -66,6 +66,17 @@ impl Layout {
         position(node)
     }
 
+    /// Whether there is a value at `path`.
+    pub(crate) fn has(&self, path: &str) -> bool {
+        let mut node = &self.0;
+        for part in parts(path) {
+            let Node::Map(entries) = &node.value else { return false };
+            let Some((_, child)) = entries.iter().find(|(key, _)| key.value == part) else { return false };
+            node = child;
+        }
+        true
+    }
+
     /// The first key called `name` at or after `from` in reading order, and the path of the map that holds it.
     pub(crate) fn key(&self, name: &str, from: Position) -> Option<(Position, String)> {
         find(&self.0, "", &mut |key, _, path| {

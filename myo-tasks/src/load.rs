@@ -6,7 +6,7 @@ use myo_model::builtin_names;
 use serde_saphyr::options::NonFiniteFloatPolicy;
 
 use crate::check::{Reach, check, value_errors};
-use crate::description::Task;
+use crate::description::{Reward, Task};
 use crate::explain::Explain;
 use crate::layout::{Layout, SourceLocation};
 use crate::load_error::{BadValue, LoadError};
@@ -103,7 +103,8 @@ impl Source {
             place: SourceLocation::new(name, (1, 1)),
             message: "the file cannot be read a second time to find positions".into(),
         })?;
-        let values = bad_values(&task, name, &layout);
+        let mut values = bad_values(&task, name, &layout);
+        values.extend(costs_twice(&task.reward, name, &layout));
         // Wrong values may ask for millions of copies.
         let repeats = |i: usize| if values.is_empty() { task.targets[i].repeat() as usize } else { 1 };
         let origin = (0..task.targets.len()).flat_map(|i| std::iter::repeat_n(i, repeats(i))).collect();
@@ -137,6 +138,26 @@ impl Source {
         });
         renumbered.unwrap_or_else(|| path.to_owned())
     }
+}
+
+/// Costs that a text has under their old name, per control step, and under their new one.
+fn costs_twice(reward: &Reward, name: &str, layout: &Layout) -> Vec<BadValue> {
+    let Reward { distance, neural_effort, acceleration_effort, .. } = reward;
+    let costs = [
+        (distance, "distance", "distance_cost"),
+        (neural_effort, "neural_effort", "effort_cost"),
+        (acceleration_effort, "acceleration_effort", "acceleration_cost"),
+    ];
+    let twice = costs.into_iter().filter(|(old, _, new)| old.is_some() && layout.has(&format!("reward.{new}")));
+    let bad = |(_, old, new): (_, &'static str, &'static str)| {
+        let error = TaskError::Value {
+            path: format!("reward.{old}"),
+            subject: format!("`{old}` of `reward`"),
+            problem: format!("is a cost per control step, and `{new}` the same per second; leave one of them out"),
+        };
+        BadValue { place: SourceLocation::new(name, layout.value(&error.path())), error }
+    };
+    twice.map(bad).collect()
 }
 
 fn bad_values(task: &Task, name: &str, layout: &Layout) -> Vec<BadValue> {

@@ -228,3 +228,23 @@ fn the_time_limit_ends_what_is_not_done() {
     let progress = step(&task, &sensed, &mut state);
     assert!(progress.task_done && !progress.timed_out, "done in the last step is done");
 }
+
+#[test]
+fn costs_of_old_files_are_those_per_control_step() {
+    let text = |reward: &str, dt: f64| {
+        format!(
+            "version: 2\nname: t\nscene: {{ball: {{kind: sphere, at: [0.4, 0, 0], radius: 0.1}}}}\nscript: [{{dwell: {{in: ball, for_s: 0.2}}}}]\ncontrol_dt_s: {dt}\nreward: {reward}\n"
+        )
+    };
+    let read = |reward: &str, dt| Task::from_yaml(&text(reward, dt), "t.yaml");
+    let old = read("{distance: 0.3, neural_effort: 0.001, acceleration_effort: 1.0e-6}", 0.05).unwrap();
+    let new = read("{distance_cost: 6, effort_cost: 0.02, acceleration_cost: 2.0e-5}", 0.05).unwrap();
+    assert_eq!(old, new);
+    assert_eq!(read("{distance: 0.3}", 0.01).unwrap().reward.distance_cost, 30.0);
+    // A step of a tenth of a second costs ten times as much as one of a hundredth.
+    let cost = |dt| CompiledTask::<f64>::new(&read("{distance_cost: 6}", dt).unwrap()).unwrap().weights.distance_cost;
+    assert_close(cost(0.1), 0.6);
+    assert_close(cost(0.01), 0.06);
+    let error = read("{distance: 0.3, distance_cost: 6}", 0.05).unwrap_err().to_string();
+    assert!(error.contains("`distance_cost` the same per second; leave one of them out"), "{error}");
+}

@@ -281,7 +281,8 @@ impl Checkpoint {
         }
         if let Some(good) = self.session.as_ref().and_then(|session| session.good.as_ref()) {
             let sizes = |checkpoint: &Self| {
-                (checkpoint.networks(), checkpoint.env_steps() / checkpoint.updates.max(1), checkpoint.config.num_envs)
+                let Self { config, control_dt, .. } = checkpoint;
+                (checkpoint.networks(), config.batch_size(*control_dt), config.num_envs)
             };
             if sizes(good) != sizes(self) {
                 return inconsistent("the state to go back to has other sizes".into());

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 /// Settings of PPO. The defaults train the built-in arm to point on two processor cores.
 ///
-/// One "control step" is one action of one environment; times and rates refer to control steps unless said otherwise.
+/// One "control step" is one action of one environment. What has to do with time is in simulated seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PpoConfig {
@@ -159,6 +159,12 @@ pub struct LogStd {
     pub max: f64,
 }
 
+/// A band that grows with the steps of exploration still has a lower end.
+const WIDEST_CLIP: f64 = 0.9;
+
+/// Longest time for which noise stays (s): a card makes all draws of it again for each action.
+const LONGEST_EXPLORATION_S: f64 = 1.0;
+
 /// Longest roll-out (s).
 const LONGEST_S: f64 = 600.0;
 
@@ -196,7 +202,7 @@ impl PpoConfig {
         self.num_envs * self.steps_per_update(control_dt)
     }
 
-    /// Draws that the exploration noise of one action is the mean of.
+    /// Draws that the exploration noise of one action is the sum of.
     pub fn exploration_steps(&self, control_dt: f64) -> usize {
         whole_steps(self.exploration_s, control_dt)
     }
@@ -204,12 +210,12 @@ impl PpoConfig {
     /// Greatest distance of a probability ratio from 1. A draw that stays in several actions is spread over as many samples, each of
     /// which tells less of the policy's movement, and more of its own draw.
     pub(crate) fn ratio_clip(&self, control_dt: f64) -> f32 {
-        (self.clip * (self.exploration_steps(control_dt) as f64).sqrt()) as f32
+        (self.clip * (self.exploration_steps(control_dt) as f64).sqrt()).min(WIDEST_CLIP.max(self.clip)) as f32
     }
 
     /// What the logarithms of the standard deviations of a control step's own noise begin with and are kept within: with as many
     /// draws in an action as [`exploration_steps`](Self::exploration_steps) says, their sum has the deviation that the settings say.
-    pub fn log_std(&self, control_dt: f64) -> LogStd {
+    pub(crate) fn log_std(&self, control_dt: f64) -> LogStd {
         let less = 0.5 * (self.exploration_steps(control_dt) as f64).ln();
         let Self { log_std_initial, log_std_min, log_std_max, .. } = self;
         LogStd { initial: log_std_initial - less, min: log_std_min - less, max: log_std_max - less }
@@ -294,9 +300,9 @@ impl PpoConfig {
             check(value >= 1, name, &value, "at least 1");
         }
         check((1..=1 << 30).contains(&self.num_envs), "num_envs", &self.num_envs, "from 1 to 2^30");
-        for (name, value) in [("rollout_s", self.rollout_s), ("exploration_s", self.exploration_s)] {
-            check((0.0..=LONGEST_S).contains(&value), name, &value, "from 0 to 600");
-        }
+        check((0.0..=LONGEST_S).contains(&self.rollout_s), "rollout_s", &self.rollout_s, "from 0 to 600");
+        let stays = self.exploration_s;
+        check((0.0..=LONGEST_EXPLORATION_S).contains(&stays), "exploration_s", &stays, "from 0 to 1");
         for (name, widths) in [("policy_hidden", &self.policy_hidden), ("value_hidden", &self.value_hidden)] {
             let is_met = widths.iter().all(|&w| (1..=8192).contains(&w));
             check(is_met, name, widths, "a list of widths from 1 to 8192");
@@ -400,6 +406,43 @@ mod tests {
             };
             assert!(is_told, "{name}: {default}, described as {told}");
         }
+    }
+
+    #[test]
+    fn settings_mean_the_same_at_any_control_rate() {
+        let config = PpoConfig::default();
+        for (control_dt, steps, noise) in [(0.1, 1, 1), (0.05, 2, 1), (0.02, 5, 3), (0.01, 10, 5)] {
+            assert_eq!((config.steps_per_update(control_dt), config.exploration_steps(control_dt)), (steps, noise));
+            let per_second = config.gae_lambda(control_dt).powf(control_dt.recip());
+            assert!((per_second - config.gae_lambda_per_s).abs() < 1e-12);
+            // The deviations of all draws that lie in an action add up to the one that was asked for.
+            let own = config.log_std(control_dt).initial.exp();
+            assert!((own * (noise as f64).sqrt() - config.log_std_initial.exp()).abs() < 1e-12);
+            assert!((f64::from(config.ratio_clip(control_dt)) - 0.2 * (noise as f64).sqrt()).abs() < 1e-6);
+        }
+        let wide = PpoConfig { clip: 0.5, ..config };
+        assert_eq!(wide.ratio_clip(0.001), 0.9, "a ratio is clipped from below, too");
+    }
+
+    #[test]
+    fn settings_per_control_step_are_read_as_those_of_20_hz() {
+        let old = serde_json::json!({"num_envs": 8, "steps_per_update": 16, "gae_lambda": 0.9});
+        let config: PpoConfig = serde_json::from_value(PpoConfig::modernised(old)).unwrap();
+        assert_eq!((config.num_envs, config.steps_per_update(0.05)), (8, 16));
+        assert!((config.gae_lambda(0.05) - 0.9).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_a_batch_is_too_small_or_too_large_for_is_known_with_the_control_step() {
+        let few = PpoConfig { num_envs: 3, ..PpoConfig::default() };
+        few.validate().unwrap();
+        few.validate_for(0.01).unwrap();
+        assert_eq!(
+            few.validate_for(0.05).unwrap_err().to_string(),
+            "minibatches is 8; it must be from 1 to the samples of a batch"
+        );
+        let many = PpoConfig { num_envs: 1 << 29, rollout_s: 1.0, ..PpoConfig::default() };
+        assert_eq!(many.validate_for(0.05).unwrap_err().name, "num_envs");
     }
 
     #[test]

@@ -161,6 +161,27 @@ mod tests {
     }
 
     #[test]
+    fn noise_that_is_left_is_the_sum_of_the_draws_before() {
+        let draw = |step: u64| {
+            let mut out = vec![0.0; 3000];
+            fill_normal(7, Stream::Actions, step, 5, &mut out);
+            out
+        };
+        // Across the end of the low word of the step, and before the first step.
+        for step in [9, (1 << 32) + 1, 1] {
+            let mut held = vec![f32::NAN; 3000];
+            fill_held(7, (step, 4), 5, &mut held);
+            let before = [1, 2, 3].map(|earlier| draw(step.wrapping_sub(earlier)));
+            for (k, held) in held.iter().enumerate() {
+                assert!((held - before.iter().map(|draw| draw[k]).sum::<f32>()).abs() < 1e-5, "{k}: {held}");
+            }
+            let mut none = vec![f32::NAN; 8];
+            fill_held(7, (step, 1), 5, &mut none);
+            assert_eq!(none, [0.0; 8]);
+        }
+    }
+
+    #[test]
     fn shuffle_is_a_permutation_that_depends_on_seed_and_step() {
         let shuffled = |seed, step| {
             let (mut order, mut words) = (vec![0; 1000], vec![0; 1000]);

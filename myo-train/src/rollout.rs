@@ -38,7 +38,7 @@ pub struct Rollout {
     bad_last: Option<usize>,
     /// Control steps.
     steps: usize,
-    /// Draws that the noise of an action is the mean of.
+    /// Draws that the noise of an action is the sum of.
     noise_steps: usize,
     /// Discount per control step, and decay of the advantage.
     decay: (f32, f32),

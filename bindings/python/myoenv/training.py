@@ -61,7 +61,7 @@ def train(
             episode by less than 3 %, and success and return hardly; a share of fresh episodes in which the
             deterministic policy succeeds, such as 0.95, which is where it has just begun to be good; or None, to train
             all `steps`.
-        steps: Control steps of all environments after which to stop in any case; 200 million by default.
+        steps: Control steps of all environments after which to stop in any case; 200 million at 20 Hz by default.
         out: Run folder to make, as `myo train` makes it; without one nothing is written.
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
             training stops when it returns True. What it raises leaves `train`, after a checkpoint. A `myoenv.Callback`

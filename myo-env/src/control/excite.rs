@@ -33,7 +33,7 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
         let (noise, begins) = (MotorNoise::new(world.tables.control_dt()), S::from_word(env.step).lt(S::lit(0.5)));
         for ((u, z), &draw) in ctrl.iter_mut().zip(&mut env.noise).zip(&*draws) {
             *z = S::select(begins, draw, noise.next(*z, draw));
-            *u = noisy_excitation(*u, signal_dependent, constant, *z);
+            *u = noisy_excitation(*u, signal_dependent, constant, noise.deviation(*z));
         }
     }
     env.step = env.step + S::Word::splat(1);

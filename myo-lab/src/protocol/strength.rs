@@ -320,7 +320,7 @@ impl Body {
             let found = self.at(&[plane, ("shoulder_elv", at_deg)]);
             let (gravity_n_m, strength_n_m) = (-found.gravity[k], found.strength(k)[0]);
             let share = found.holding_share(k);
-            let passes = (SHARES[0]..=SHARES[1]).contains(&((share * 100.0).round() / 100.0));
+            let passes = (SHARES[0]..=SHARES[1]).contains(&share);
             HoldingShare { way, at_deg, gravity_n_m, strength_n_m, share, passes }
         };
         HELD_AT.into_iter().map(row).collect()
@@ -408,6 +408,8 @@ mod tests {
         let found = found("myo-arm");
         assert!(found.strength.iter().all(|row| row.passes), "{:#?}", found.strength);
         assert!(found.holding.iter().all(|row| row.passes), "{:#?}", found.holding);
+        let changes: Vec<_> = found.sign_changes.iter().map(|change| change.muscle).collect();
+        assert!(changes.iter().all(|muscle| *muscle == "DELT1"), "{changes:?}");
         // Biceps, brachialis and triceps within a centimetre of people's.
         for arm in found.moment_arms.iter().filter(|arm| arm.muscle != "brachioradialis") {
             assert!((arm.body_cm - arm.people_cm).abs() < 1.0, "{arm:?}");

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use myo_lab::{Backend, ModelReach, STEPS, changed_settings, likely_cause};
+use myo_lab::{Backend, ModelReach, changed_settings, default_steps, likely_cause};
 use myo_train::session::{Change, End, Goal, News, Outcome, Trend, Until};
 use myo_train::{Checkpoint, PpoConfig, RunFolder, write_whole};
 use serde::{Deserialize, Serialize};
@@ -541,7 +541,10 @@ impl Jobs {
         notices: &mut Vec<String>,
     ) -> Result<Training, Refusal> {
         let task = self.workspace.read(text)?.task;
-        let goal = Goal { until: order.until.parse()?, steps: order.steps.unwrap_or(STEPS) };
+        let goal = Goal {
+            until: order.until.parse()?,
+            steps: order.steps.unwrap_or_else(|| default_steps(task.control_dt_s)),
+        };
         let (model, settings, backend) = (self.bodies.model(&task.model)?, &order.settings, &self.backend);
         let beginning = Beginning { task: &task, model: &model, backend, settings, seed: order.seed, goal, heir_to };
         Training::begin(beginning, &self.workspace.run(run)?, &mut |notice| notices.push(notice))

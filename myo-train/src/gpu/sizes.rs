@@ -12,7 +12,7 @@ use crate::rollout::told_layouts;
 pub struct Sizes {
     /// Control steps.
     pub steps: usize,
-    /// Draws that the exploration noise of an action is the mean of.
+    /// Draws that the exploration noise of an action is the sum of.
     pub noise_steps: usize,
     /// Environments.
     pub envs: usize,

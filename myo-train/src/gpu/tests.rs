@@ -54,6 +54,8 @@ pub fn config(num_envs: usize) -> PpoConfig {
     PpoConfig {
         num_envs,
         rollout_s: STEPS as f64 * 0.05,
+        // Noise of three draws.
+        exploration_s: 0.15,
         exploring_starts: 0.25,
         policy_hidden: vec![33, 20],
         value_hidden: vec![17],

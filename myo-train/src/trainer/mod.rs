@@ -252,6 +252,8 @@ impl Trainer {
 
     fn metrics(&self, result: UpdateResult, learning_rate: f64, total_s: f64) -> UpdateMetrics {
         let (spec, config, spread) = (&self.brain.spec, &self.brain.config, &result.spread);
+        // Of all noise in an action, not of its own draw alone.
+        let held = config.exploration_steps(spec.control_dt) as f64;
         UpdateMetrics {
             env_steps: self.env_steps(),
             updates: self.updates,
@@ -264,9 +266,8 @@ impl Trainer {
             reward_per_step: result.reward_sum / config.batch_size(spec.control_dt) as f64 / config.reward_scale,
             learn: result.learn,
             explained_variance: result.explained_variance,
-            entropy: spread.entropy.into(),
-            action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64
-                * (config.exploration_steps(spec.control_dt) as f64).sqrt(),
+            entropy: f64::from(spread.entropy) + 0.5 * spread.std.len() as f64 * held.ln(),
+            action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64 * held.sqrt(),
             learning_rate,
         }
     }

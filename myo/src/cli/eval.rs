@@ -50,7 +50,7 @@ pub struct Eval {
     seed: Option<u64>,
 
     /// Ask what people were asked, in place of the task
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["task", "checkpoint", "seed"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["task", "checkpoint", "seed", "episodes", "backend", "device"])]
     protocol: Option<Protocol>,
 
     #[command(flatten)]

@@ -38,7 +38,7 @@ pub struct TrainArgs {
     #[arg(long, value_name = "GOAL", default_value = "0.95")]
     until: Until,
 
-    /// Control steps after which a seed has failed [default: 200M]
+    /// Control steps after which a seed has failed [default: 200M at 20 Hz, 10 million simulated seconds]
     #[arg(long, value_name = "N", value_parser = parse::count)]
     steps: Option<u64>,
 
@@ -125,7 +125,7 @@ pub fn run(args: &TrainArgs) -> Result<()> {
 fn measure_all(args: &TrainArgs, scenario: &Scenario, interrupt: &Interrupt) -> Result<Vec<Row>> {
     let config = args.learner.settings(&PpoConfig::default())?;
     let start = Instant::now();
-    let all = ready_at_once(scenario, &args.physics, &config, args.seeds, goal(args))?;
+    let all = ready_at_once(scenario, &args.physics, &config, args.seeds, goal(args, scenario))?;
     let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
     let seeds: Vec<u64> = all.iter().map(|ready| ready.session.trainer().seed()).collect();
     let mut rows = Vec::new();
@@ -138,15 +138,16 @@ fn measure_all(args: &TrainArgs, scenario: &Scenario, interrupt: &Interrupt) -> 
     Ok(rows)
 }
 
-fn goal(args: &TrainArgs) -> Goal {
-    Goal { until: args.until, steps: args.steps.unwrap_or(myo::STEPS) }
+fn goal(args: &TrainArgs, scenario: &Scenario) -> Goal {
+    let steps = args.steps.unwrap_or_else(|| myo::default_steps(scenario.task.control_dt_s));
+    Goal { until: args.until, steps }
 }
 
 fn measure(args: &TrainArgs, scenario: &Scenario, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = args.learner.settings(&PpoConfig::default())?;
     let start = Instant::now();
     let env = scenario.training_env(&args.physics.choice(BackendName::Cpu)?, &config, seed)?;
-    let ready = Ready::new(scenario, env, Start::New { config: &config, seed, from: None }, goal(args))?;
+    let ready = Ready::new(scenario, env, Start::New { config: &config, seed, from: None }, goal(args, scenario))?;
     let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
     let outcome = ready.run(interrupt)?;
     let wall_s = ready_s + outcome.wall_s;

@@ -31,7 +31,8 @@ pub fn train_both(how: &TrainingOptions, sides: &[Side; 2], count: usize, interr
     if !fit(sides, count)? || matches!(backend::device(&backend, config.num_envs)?, Device::Cpu) {
         return Ok(false);
     }
-    let goal = Goal { until: how.until.unwrap_or_default(), steps: how.steps.unwrap_or(myo::STEPS) };
+    let steps = myo::default_steps(sides[0].scenario.task.control_dt_s);
+    let goal = Goal { until: how.until.unwrap_or_default(), steps: how.steps.unwrap_or(steps) };
     let users: Vec<(&Scenario, u64)> =
         sides.iter().flat_map(|side| seeds.clone().map(move |seed| (&side.scenario, seed))).collect();
     let prepare = || {

@@ -85,7 +85,7 @@ pub struct TrainingOptions {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
-    /// Control steps of all environments after which to stop in any case; 60M is short for 60000000 [default: 200M]
+    /// Control steps of all environments after which to stop in any case; 60M is short for 60000000 [default: 200M at 20 Hz, 10 million simulated seconds]
     #[arg(long, value_name = "N", value_parser = parse::count)]
     steps: Option<u64>,
 
@@ -210,7 +210,8 @@ fn start(args: &Train, tasks: &[String], interrupt: &Interrupt) -> Result<()> {
     let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let (scenario, run_name) = (Scenario::open_together(tasks)?, run_name_of(tasks));
-    let goal = Goal { until: args.how.until.unwrap_or_default(), steps: args.how.steps.unwrap_or(myo::STEPS) };
+    let steps = args.how.steps.unwrap_or_else(|| myo::default_steps(scenario.task.control_dt_s));
+    let goal = Goal { until: args.how.until.unwrap_or_default(), steps };
     warn_of_goal(&scenario, goal.until.share());
     let backend = args.how.physics.choice(BackendName::Auto)?;
     let checkpoint_every = args.how.checkpoint_every();
