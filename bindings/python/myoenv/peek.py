@@ -29,7 +29,8 @@ class Peek:
         pointer: Position of what points (m), `(n, 3)`: the fingertip, or what the technique makes of the posture.
         body_positions: Origins of the bodies (m), `(n, nbody, 3)`.
         body_rotations: Their axes, `(n, nbody, 3, 3)`.
-        muscle_paths: Of each muscle the points that its path runs through, in straight lines (m), `(n, points, 3)`; seven of them for an arc.
+        muscle_paths: Of each muscle the points that its path runs through, in straight lines (m), `(n, points, 3)`;
+            seven of them for an arc.
         object_positions: Centres of the objects in this episode (m), `(n, nobject, 3)`.
         object_rotations: Their axes, `(n, nobject, 3, 3)`; those of a box are x up its upright face, y across it to the
             left, z out of it.

@@ -755,14 +755,16 @@ class RateCursor(Technique):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Reward(Described):
-    """Weights of the reward, given once per control step. Each term's weight is positive; costs are subtracted.
+    """What the simulated user is rewarded for: costs per second, bonuses and fines per event. All weights are positive;
+    costs are subtracted. They do not depend on the control step, so that a user who decides more often is not paid
+    otherwise.
 
-    The defaults are those that train soonest. The published system (MyoInteract) has `distance=1`,
+    The defaults are those that train soonest. The published system (MyoInteract) has, at 20 Hz, `distance_cost=20`,
     `inside_is_zero=False`, `remaining_path=True`, `time_cost=0`, `subtask_bonus=0`, `completion_bonus=10`,
-    `neural_effort=0`.
+    `effort_cost=0`.
 
     Args:
-        distance: Cost per metre and control step of the distance from the fingertip to the current target. Default 0.3:
+        distance_cost: Cost per second and metre of the distance from the fingertip to the current target. Default 6:
             where the arm must first go away from a target to reach it, a larger cost makes stopping short pay. From 0
             to 1,000,000.
         inside_is_zero: `True`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that
@@ -776,14 +778,14 @@ class Reward(Described):
             counted, and that is all. From 0 to 1,000,000.
         exit: Cost of leaving the way of a `steer`, each time. Default 0: it is counted, and that is all. From 0 to
             1,000,000.
-        neural_effort: Cost of muscle control: times the sum over muscles of the squared control, per control step.
-            Default 0.001. From 0 to 1,000,000.
-        acceleration_effort: Cost of jerky movement: times the sum over independent joints of the squared acceleration
-            in rad/s2, per control step. Default 0; accelerations are large: the published weight is 6.67e-6. From 0 to
+        effort_cost: Cost per second of muscle control: times the sum over muscles of the squared control. Default 0.02.
+            From 0 to 1,000,000.
+        acceleration_cost: Cost per second of jerky movement: times the sum over independent joints of the squared
+            acceleration in rad/s2. Default 0; accelerations are large: the published weight is 1.33e-4. From 0 to
             1,000,000.
     """
 
-    distance: float | None = None
+    distance_cost: float | None = None
     inside_is_zero: bool | None = None
     remaining_path: bool | None = None
     time_cost: float | None = None
@@ -791,8 +793,8 @@ class Reward(Described):
     completion_bonus: float | None = None
     wrong_press: float | None = None
     exit: float | None = None
-    neural_effort: float | None = None
-    acceleration_effort: float | None = None
+    effort_cost: float | None = None
+    acceleration_cost: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -881,7 +883,8 @@ class Reset(Described):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Noise(Described):
-    """Gaussian motor noise on the muscle controls: independent for each muscle, drawn anew at each control step.
+    """Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any
+    control step as noise that is drawn every 0.05 s and held.
 
     Args:
         signal_dependent: Standard deviation as a share of the control itself. Default 0 (off); the literature's level

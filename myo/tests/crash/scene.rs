@@ -25,7 +25,7 @@ targets:
   - kind: pointing
     position: {x: [0.3, 0.5], y: [-0.2, 0.3], z: [-0.3, 0.2]}
     radius: 0.15
-    dwell_s: 0.05
+    dwell_s: 0.01
 time_limit_s: 0.2
 ";
 
@@ -74,6 +74,12 @@ impl Fault {
     }
 }
 
+/// Seconds per control step of a task's text.
+fn control_dt(task: &str) -> f64 {
+    let written = task.lines().find_map(|line| line.strip_prefix("control_dt_s: "));
+    written.map_or(0.05, |seconds| seconds.parse().expect("a number"))
+}
+
 impl Scene {
     /// A training with these further arguments.
     pub fn new(more: &[&str]) -> Self {
@@ -93,7 +99,7 @@ impl Scene {
             .expect("rustc starts");
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
         fs::write(place.path().join("crash.yaml"), task).unwrap();
-        let (envs, steps) = (envs.to_string(), format!("rollout_s={}", steps as f64 * 0.05));
+        let (envs, steps) = (envs.to_string(), format!("rollout_s={}", steps as f64 * control_dt(task)));
         let fixed = ["crash.yaml", "--envs", &envs, "--checkpoint-every-s", "0", "--threads", "1"];
         let small = ["--set", &steps, "--set", "policy_hidden=[8]", "--set", "value_hidden=[8]"];
         let training = [&fixed[..], &small, more].concat().into_iter().map(String::from).collect();

@@ -600,7 +600,7 @@ range: string | null, };
  */
 export type RewardTerm = { 
 /**
- * Path of its weight in the task, such as `reward.distance`.
+ * Path of its weight in the task, such as `reward.distance_cost`.
  */
 path: string, 
 /**
