@@ -177,7 +177,8 @@ fn a_checkpoint_whose_weights_are_not_finite_is_not_read() {
 fn first_parameter(bytes: &[u8]) -> usize {
     let length = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap()) as usize;
     let mut at = 24;
-    at += 8 + length(at) + 16 + 24;
+    // Settings, control step, seed and updates, times; names of observations and of actions.
+    at += 8 + length(at) + 16 + 16 + 24;
     at += 8 + length(at);
     at += 8 + length(at);
     at + 8
@@ -225,7 +226,7 @@ fn a_checkpoint_that_cannot_be_read_is_not_taken_for_a_damaged_one() {
     newer[8] = 9;
     fs::write(&newest, newer).unwrap();
     assert!(
-        error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 3"),
+        error().ends_with("512.ckpt: the checkpoint has format 9; this program reads formats 1 to 4"),
         "{}",
         error()
     );
@@ -332,7 +333,7 @@ fn no_damage_to_a_checkpoint_goes_unnoticed_or_panics() {
     let mut version = bytes.clone();
     version[8] = 9;
     let error = Checkpoint::from_bytes(&version).unwrap_err().to_string();
-    assert_eq!(error, "the checkpoint has format 9; this program reads formats 1 to 3");
+    assert_eq!(error, "the checkpoint has format 9; this program reads formats 1 to 4");
 }
 
 #[test]

@@ -25,8 +25,11 @@ fn is_only_parsed(words: &[String]) -> bool {
 }
 
 fn shortened(words: &[String]) -> Vec<String> {
-    let missing =
-        SHORT.iter().filter(|(command, option, _)| words[0] == *command && !words.iter().any(|w| w == option));
+    let has = |wanted: &str| words.iter().any(|word| word == wanted);
+    // A protocol says itself how much is asked.
+    let missing = SHORT.iter().filter(|(command, option, _)| {
+        words[0] == *command && !has(option) && !(has("--protocol") && *option == "--episodes")
+    });
     let mut words = words.to_vec();
     words.extend(missing.flat_map(|(_, option, value)| [option.to_string(), value.to_string()]));
     words
