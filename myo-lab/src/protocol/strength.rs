@@ -140,14 +140,33 @@ const ARMS: [(&str, &[&str], [f64; 6]); 4] = [
 /// Angles (degrees) of the elbow at which moment arms are told.
 const ARMS_AT: [f64; 6] = [0.0, 30.0, 60.0, 90.0, 105.0, 120.0];
 
-/// Muscles whose moment arm may not change its sign, the joint, the rest of the posture, and between which angles (degrees).
-const KEEP_SIGN: [(&str, &str, &[(&str, f64)], [f64; 2]); 6] = [
-    ("BRA", "elbow_flexion", &[], [0.0, 130.0]),
-    ("BIClong", "elbow_flexion", &[], [0.0, 130.0]),
-    ("BRD", "elbow_flexion", &[], [0.0, 130.0]),
-    ("TRIlat", "elbow_flexion", &[], [0.0, 130.0]),
-    ("DELT1", "shoulder_elv", &[FORWARD], [0.0, 120.0]),
-    ("DELT2", "shoulder_elv", &[SIDEWAYS], [0.0, 120.0]),
+/// A muscle whose moment arm may not change its sign.
+struct Kept {
+    muscle: &'static str,
+    joint: &'static str,
+    /// The rest of the posture.
+    posture: &'static [(&'static str, f64)],
+    /// The greatest angle from zero (degrees).
+    up_to: u32,
+}
+
+impl Kept {
+    const fn at_elbow(muscle: &'static str) -> Self {
+        Self { muscle, joint: "elbow_flexion", posture: &[], up_to: 130 }
+    }
+
+    const fn at_shoulder(muscle: &'static str, posture: &'static [(&'static str, f64)]) -> Self {
+        Self { muscle, joint: "shoulder_elv", posture, up_to: 120 }
+    }
+}
+
+const KEEP_SIGN: [Kept; 6] = [
+    Kept::at_elbow("BRA"),
+    Kept::at_elbow("BIClong"),
+    Kept::at_elbow("BRD"),
+    Kept::at_elbow("TRIlat"),
+    Kept::at_shoulder("DELT1", &[FORWARD]),
+    Kept::at_shoulder("DELT2", &[SIDEWAYS]),
 ];
 
 /// Moment arms (m) nearer to zero than this have no sign.
@@ -264,7 +283,7 @@ impl Strength {
             strength: STRENGTH.iter().flat_map(|people| body.strength(people)).collect(),
             holding: [("forward", FORWARD), ("sideways", SIDEWAYS)].iter().flat_map(|way| body.holding(*way)).collect(),
             moment_arms: ARMS.iter().flat_map(|arm| body.moment_arms(arm)).collect(),
-            sign_changes: KEEP_SIGN.iter().filter_map(|kept| body.sign_change(*kept)).collect(),
+            sign_changes: KEEP_SIGN.iter().filter_map(|kept| body.sign_change(kept)).collect(),
         })
     }
 
@@ -282,7 +301,8 @@ impl Body {
         let muscles: Vec<String> = model.muscles.iter().map(|muscle| muscle.name.clone()).collect();
         let joints: Vec<String> = plan.dofs.iter().map(|dof| dof.name.clone()).collect();
         let named = STRENGTH.iter().flat_map(|people| [people.joint, people.over]);
-        let needed = ARMS.iter().flat_map(|(_, heads, _)| *heads).copied().chain(KEEP_SIGN.iter().map(|kept| kept.0));
+        let needed =
+            ARMS.iter().flat_map(|(_, heads, _)| *heads).copied().chain(KEEP_SIGN.iter().map(|kept| kept.muscle));
         check("joint", named.chain([FORWARD.0]), &joints, model)?;
         check("muscle", needed, &muscles, model)?;
         Ok(Self { plan, muscles })
@@ -340,17 +360,15 @@ impl Body {
     }
 
     /// Where a muscle first pulls the other way than at the beginning, degree by degree.
-    fn sign_change(
-        &self,
-        (muscle, joint, posture, [from, to]): (&'static str, &'static str, &[(&str, f64)], [f64; 2]),
-    ) -> Option<SignChange> {
+    fn sign_change(&self, kept: &Kept) -> Option<SignChange> {
+        let Kept { muscle, joint, posture, up_to } = *kept;
         let (k, index) = (self.coordinate(joint), self.muscle(muscle));
         let arm = |at_deg: f64| {
             let posture = [posture, &[(joint, at_deg)]].concat();
             self.at(&posture).muscles[index].moment_arms[k]
         };
         let mut sign = 0.0;
-        for at_deg in (0..=(to - from) as u32).map(|degree| from + f64::from(degree)) {
+        for at_deg in (0..=up_to).map(f64::from) {
             let arm = arm(at_deg);
             if arm.abs() < NO_ARM {
                 continue;
