@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 
 def test_the_code_of_the_documents_runs(tmp_path):
     # The run that the document trains in its first lines, shortly.
-    myoenv.train("pointing-single", until=None, steps=1024, num_envs=64, backend="cpu", out=tmp_path / "runs/mine")
+    myoenv.train("pointing-single", until=None, steps=8192, num_envs=512, backend="cpu", out=tmp_path / "runs/mine")
     documents = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
     blocks = {path.name: re.findall(r"^```python\n(.*?)^```", path.read_text(), re.M | re.S) for path in documents}
     assert len(blocks["README.md"]) >= 2

@@ -87,24 +87,12 @@ fn paths(plan: &Plan<f64>, state: State<f64>, onset: Option<usize>) -> Value {
     let mut ws = Workspace::<f64>::new(plan);
     step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
     let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force.clone());
-    let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| moment_arms(plan, muscle, &mut ws)).collect();
+    let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| force::moment_arms(plan, muscle, &mut ws)).collect();
     json!({
         "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
         "tendon_length": ws.tendon_length, "tendon_velocity": ws.tendon_velocity, "moments": moments,
         "muscle_force": muscle_force, "qacc": qacc, "bends": bends(&ws), "onset": onset,
     })
-}
-
-/// Generalised forces of one newton along a muscle.
-fn moment_arms(plan: &Plan<f64>, muscle: usize, ws: &mut Workspace<f64>) -> Vec<f64> {
-    ws.muscle_force.fill(0.0);
-    ws.muscle_force[muscle] = 1.0;
-    ws.torque.fill(0.0);
-    ws.wrench.fill(Wrench::zero());
-    ws.joint_torque.fill(0.0);
-    step::tendon::pull(plan, ws);
-    force::project(plan, ws);
-    ws.torque.clone()
 }
 
 /// Of each stretch, whether it bends: it arrives in another direction than it leaves in.

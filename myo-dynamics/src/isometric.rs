@@ -2,12 +2,9 @@
 
 use crate::obstacles::Obstacles;
 use crate::plan::Plan;
+use crate::step::force::moment_arms;
 use crate::step::forward;
 use crate::workspace::{State, Workspace};
-
-/// Half the difference (rad or m) over which the slope of a path's length is taken. The error is about its square over the square of
-/// a path's curvature, and the rounding of a length over it: both under 1e-9 m.
-const HALF_STEP: f64 = 1e-5;
 
 /// A body at rest in one pose, held by nothing. All vectors have an entry for each coordinate of the plan, in its order.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,35 +24,33 @@ pub struct Pull {
     pub length: f64,
     /// Active force, without the passive one (N); positive when it pulls.
     pub force: f64,
-    /// Moment arms (m), minus the slope of the length over each coordinate: positive where it pulls the coordinate up.
+    /// Moment arms (m), by virtual work minus the slope of the length over each coordinate: positive where it pulls the coordinate up.
     pub moment_arms: Vec<f64>,
     /// Active torque on each coordinate (N m).
     pub torque: Vec<f64>,
 }
 
 impl Isometric {
-    /// At the pose `qpos` of a plan with reduced coordinates (rad or m).
+    /// At the pose `qpos` of an [exact](Plan::exact) plan with reduced coordinates (rad or m).
     ///
     /// # Panics
     /// `qpos` has another number of entries than the plan has coordinates.
     pub fn at(plan: &Plan<f64>, qpos: &[f64]) -> Self {
         let weightless = Plan { gravity: [0.0; 3], ..plan.clone() };
-        let mut bench = Bench::new(&weightless);
-        let (passive, resting) = bench.torque_and_forces(qpos, None);
-        let (loaded, _) = Bench::new(plan).torque_and_forces(qpos, None);
-        let slopes: Vec<Vec<f64>> = (0..plan.ndof()).map(|k| bench.slopes(qpos, k)).collect();
-        let length = bench.lengths(qpos);
-        let pull = |muscle: usize| {
-            let (torque, forces) = bench.torque_and_forces(qpos, Some(muscle));
-            Pull {
-                length: length[muscle],
-                force: resting[muscle] - forces[muscle],
-                moment_arms: slopes.iter().map(|slope| -slope[muscle]).collect(),
-                torque: difference(&torque, &passive),
-            }
+        let passive = at_rest(&weightless, qpos, 0.0);
+        let (loaded, mut active) = (at_rest(plan, qpos, 0.0), at_rest(&weightless, qpos, 1.0));
+        let (length, forces) = (active.tendon_length.clone(), active.muscle_force.clone());
+        let mut pull = |muscle: usize| {
+            // What a muscle does knows nothing of the others.
+            let force = passive.muscle_force[muscle] - forces[muscle];
+            let moment_arms: Vec<f64> =
+                moment_arms(plan, muscle, &mut active).into_iter().map(|slope| -slope).collect();
+            let torque = moment_arms.iter().map(|arm| arm * force).collect();
+            Pull { length: length[muscle], force, moment_arms, torque }
         };
-        let muscles = (0..plan.nmuscle()).map(pull).collect();
-        Self { gravity: difference(&loaded, &passive), passive, muscles }
+        let muscles = (0..plan.nmuscle()).map(&mut pull).collect();
+        let gravity = loaded.torque.iter().zip(&passive.torque).map(|(loaded, passive)| loaded - passive).collect();
+        Self { gravity, passive: passive.torque, muscles }
     }
 
     /// Torque (N m) of all muscles that pull coordinate `k` up, and of all that pull it down (negative), each fully active.
@@ -72,49 +67,11 @@ impl Isometric {
     }
 }
 
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
-/// A body to try poses on.
-struct Bench<'a> {
-    plan: &'a Plan<f64>,
-    obstacles: Obstacles<f64, f64>,
-    state: State<f64>,
-    ws: Workspace<f64>,
-}
-
-impl<'a> Bench<'a> {
-    fn new(plan: &'a Plan<f64>) -> Self {
-        Self { plan, obstacles: Obstacles::none(plan), state: State::new(plan), ws: Workspace::new(plan) }
-    }
-
-    fn look(&mut self, qpos: &[f64], active: Option<usize>) {
-        self.state.qpos.copy_from_slice(qpos);
-        self.state.act.fill(0.0);
-        active.into_iter().for_each(|muscle| self.state.act[muscle] = 1.0);
-        forward(self.plan, &self.obstacles, &self.state, &mut self.ws);
-    }
-
-    /// Torques on the coordinates, and forces of the muscles, negative where they pull.
-    fn torque_and_forces(&mut self, qpos: &[f64], active: Option<usize>) -> (Vec<f64>, Vec<f64>) {
-        self.look(qpos, active);
-        (self.ws.torque.clone(), self.ws.muscle_force.clone())
-    }
-
-    fn lengths(&mut self, qpos: &[f64]) -> Vec<f64> {
-        self.look(qpos, None);
-        self.ws.tendon_length.clone()
-    }
-
-    /// Slopes of all lengths over coordinate `k`.
-    fn slopes(&mut self, qpos: &[f64], k: usize) -> Vec<f64> {
-        let mut moved = |by: f64| {
-            let mut qpos = qpos.to_vec();
-            qpos[k] += by;
-            self.lengths(&qpos)
-        };
-        let [after, before] = [moved(HALF_STEP), moved(-HALF_STEP)];
-        difference(&after, &before).into_iter().map(|change| change / (2.0 * HALF_STEP)).collect()
-    }
+/// All that a body at rest in a pose feels with each muscle active as far.
+fn at_rest(plan: &Plan<f64>, qpos: &[f64], activation: f64) -> Workspace<f64> {
+    let (mut state, mut ws) = (State::new(plan), Workspace::new(plan));
+    state.qpos.copy_from_slice(qpos);
+    state.act.fill(activation);
+    forward(plan, &Obstacles::none(plan), &state, &mut ws);
+    ws
 }

@@ -18,8 +18,14 @@ fn pose(plan: &Plan<f64>, degrees: &[(&str, f64)]) -> Vec<f64> {
     qpos
 }
 
+fn moved(plan: &Plan<f64>, qpos: &[f64], k: usize, by: f64) -> Isometric {
+    let mut qpos = qpos.to_vec();
+    qpos[k] += by;
+    Isometric::at(plan, &qpos)
+}
+
 #[test]
-fn torques_are_moment_arms_times_forces() {
+fn torques_are_moment_arms_times_forces_and_these_the_slopes_of_lengths() {
     for name in ["mobl-arms", "myo-arm"] {
         let plan = plan(name);
         for number in 1..=40 {
@@ -27,6 +33,14 @@ fn torques_are_moment_arms_times_forces() {
             let at = |(k, range): (usize, [f64; 2])| range[0] + (range[1] - range[0]) * share(k);
             let qpos: Vec<f64> = plan.dofs.iter().map(|dof| dof.range.unwrap()).enumerate().map(at).collect();
             let found = Isometric::at(&plan, &qpos);
+            let [before, after] =
+                [-1e-5, 1e-5].map(|by| (0..plan.ndof()).map(|k| moved(&plan, &qpos, k, by)).collect::<Vec<_>>());
+            for (muscle, pull) in found.muscles.iter().enumerate() {
+                for (k, arm) in pull.moment_arms.iter().enumerate() {
+                    let slope = (after[k].muscles[muscle].length - before[k].muscles[muscle].length) / 2e-5;
+                    assert!((arm + slope).abs() < 1e-6, "{name}, muscle {muscle}, coordinate {k}: {arm}, {slope}");
+                }
+            }
             for (muscle, pull) in found.muscles.iter().enumerate() {
                 assert!(pull.force >= 0.0, "{name}, muscle {muscle} pushes with {} N", pull.force);
                 for (arm, torque) in pull.moment_arms.iter().zip(&pull.torque) {
@@ -55,6 +69,14 @@ fn the_straight_arm_is_held_as_in_mujoco() {
             assert!((found.holding_share(k) - got.0 / got.1).abs() < 1e-12);
         }
     }
+}
+
+#[test]
+fn the_wrist_is_as_strong_as_in_mujoco() {
+    let plan = plan("myo-arm");
+    let found = Isometric::at(&plan, &vec![0.0; plan.ndof()]);
+    let [flexion, extension] = found.strength(coordinate(&plan, "flexion"));
+    assert!((flexion - 16.6).abs() < 0.06 && (extension + 8.2).abs() < 0.06, "{flexion} {extension}");
 }
 
 #[test]

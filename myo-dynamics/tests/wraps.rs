@@ -4,7 +4,7 @@ mod common;
 
 use common::{arm, difference, draw, greatest, random_state};
 use myo_dynamics::plan::RoundShape;
-use myo_dynamics::spatial::{Frame, Rotation, Vec3, Wrench};
+use myo_dynamics::spatial::{Frame, Rotation, Vec3};
 use myo_dynamics::step::wrap::{Course, OnSide, Round, course, points};
 use myo_dynamics::step::{self, force, kinematics::kinematics, tendon};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
@@ -67,18 +67,6 @@ fn paths(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) {
     tendon::lengths(plan, ws);
 }
 
-/// Generalised forces of one newton along a muscle.
-fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) -> Vec<S> {
-    ws.muscle_force.fill(S::zero());
-    ws.muscle_force[muscle] = S::lit(1.0);
-    ws.torque.fill(S::zero());
-    ws.wrench.fill(Wrench::zero());
-    ws.joint_torque.fill(S::zero());
-    tendon::pull(plan, ws);
-    force::project(plan, ws);
-    ws.torque.clone()
-}
-
 #[test]
 fn bodies_with_wraps_do_not_run_away() {
     wraps().try_out().unwrap();
@@ -109,7 +97,7 @@ fn forces_are_the_derivatives_of_lengths() {
         paths(&plan, &state, &mut ws[1]);
         for muscle in 0..plan.nmuscle() {
             let now = &mut ws[1];
-            let moments = moment_arms::<f64>(&plan, muscle, now);
+            let moments = force::moment_arms::<f64>(&plan, muscle, now);
             let rate: f64 = moments.iter().zip(&state.qvel).map(|(moment, speed)| moment * speed).sum();
             assert!((rate - now.tendon_velocity[muscle]).abs() < 1e-12, "state {number}, muscle {muscle}");
             for (dof, &moment) in moments.iter().enumerate() {
@@ -169,7 +157,7 @@ fn quantities<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut
     tendon::lengths(plan, ws);
     let mut out = [&ws.tendon_length[..], &ws.tendon_velocity[..]].concat();
     for muscle in 0..plan.nmuscle() {
-        out.extend(moment_arms(plan, muscle, ws));
+        out.extend(force::moment_arms(plan, muscle, ws));
     }
     out
 }

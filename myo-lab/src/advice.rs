@@ -121,9 +121,7 @@ fn time(task: &Task, flat: &FlatTask, body: &dyn Body) -> Option<Finding> {
     if flat.pointer != Pointer::Fingertip {
         return None;
     }
-    // What comes next begins with the next control step.
-    let whole = |dwell_s: f64| (dwell_s / task.control_dt_s - 1e-6).ceil().max(0.0) * task.control_dt_s;
-    let dwells_s = flat.steps.iter().filter_map(Step::dwell_s).map(whole).sum::<f64>();
+    let dwells_s = flat.steps.iter().map(|step| step.least_dwell_s(task.control_dt_s)).sum::<f64>();
     let (way_m, speed) = (way(flat), body.fastest_m_per_s());
     let (needed_s, limit_s) = (dwells_s + way_m / speed, task.time_limit_s);
     let figures = format!(

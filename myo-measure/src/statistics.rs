@@ -1,5 +1,7 @@
 //! Medians, intervals and straight lines.
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
 use crate::{Result, check};
 
 /// What the intervals hold with 95 % confidence leaves out on either side.
@@ -72,33 +74,9 @@ impl Spread {
     }
 }
 
-/// Share of Student's distribution between `-t` and `t`, a finite sum for whole degrees of freedom (Abramowitz and Stegun 1964,
-/// 26.7.3 and 26.7.4).
-fn student_within(t: f64, freedom: usize) -> f64 {
-    let angle = (t / (freedom as f64).sqrt()).atan();
-    let (sine, cosine) = angle.sin_cos();
-    let odd = freedom % 2 == 1;
-    // cos + 2/3 cos^3 + 2*4/(3*5) cos^5 ... for odd freedom, 1 + 1/2 cos^2 + 1*3/(2*4) cos^4 ... for even.
-    let (mut term, mut sum) = (if odd { cosine } else { 1.0 }, 0.0);
-    let mut k = if odd { 1 } else { 0 };
-    while k + 2 <= freedom {
-        sum += term;
-        term *= cosine * cosine * (k + 1) as f64 / (k + 2) as f64;
-        k += 2;
-    }
-    if odd { (angle + sine * sum) / std::f64::consts::FRAC_PI_2 } else { sine * sum }
-}
-
-/// How many standard errors the 95 % confidence interval of a mean reaches to either side.
+/// How many standard errors the 95 % confidence interval of a mean reaches to either side; NaN without a degree of freedom.
 fn student_quantile(freedom: usize) -> f64 {
-    // The quantile of one degree of freedom, the greatest, is 12.7.
-    let (mut low, mut high) = (0.0, 13.0);
-    // Halving as often as a number has bits leaves no doubt.
-    for _ in 0..64 {
-        let middle = 0.5 * (low + high);
-        if student_within(middle, freedom) < 1.0 - 2.0 * TAIL { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
+    StudentsT::new(0.0, 1.0, freedom as f64).map_or(f64::NAN, |student| student.inverse_cdf(1.0 - TAIL))
 }
 
 /// Rise of `y` per unit of `x` by least squares, of at least two points; what is level has a slope of 0.

@@ -151,8 +151,7 @@ fn times(task: &Task, flat: &FlatTask, report: &mut Report) {
             waits_s += times * (cue.after_s.min / task.control_dt_s).round() * task.control_dt_s;
         }
         let Some(dwell_s) = step.dwell_s() else { continue };
-        // What comes next begins with the next control step.
-        dwells_s += times * (dwell_s / task.control_dt_s - 1e-6).ceil() * task.control_dt_s;
+        dwells_s += times * step.least_dwell_s(task.control_dt_s);
         if is_too_long(dwell_s) {
             one_too_long = true;
             report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s, time_limit_s: given_s });

@@ -325,6 +325,13 @@ impl Step {
         }
     }
 
+    /// The least time (s) that the dwell takes, zero where it is none: what comes next begins with the next control step of
+    /// `control_dt_s` seconds.
+    pub fn least_dwell_s(&self, control_dt_s: f64) -> f64 {
+        // A dwell of whole control steps is not made one longer by rounding.
+        self.dwell_s().map_or(0.0, |dwell_s| (dwell_s / control_dt_s - 1e-6).ceil().max(0.0) * control_dt_s)
+    }
+
     /// Whether muscles must hold the pointer in a sphere for it: in shorter dwells it may as well pass through.
     pub fn needs_hold(&self) -> bool {
         self.dwell_s().is_some_and(|seconds| seconds >= HOLD_S)

@@ -32,8 +32,7 @@ impl TrainingDevice {
         check_env(env.as_ref(), config)?;
         check_memory(env.spec(), config)?;
         let rollout = Rollout::new(env.spec(), config);
-        let batch = config.batch_size(env.spec().control_dt);
-        let learner = Learner::new(&Networks::new(env.spec(), config), config, batch, env.spec().control_dt);
+        let learner = Learner::new(&Networks::new(env.spec(), config), config, env.spec().control_dt);
         Ok(Self::Host(Box::new(Host { env, rollout, learner })))
     }
 
@@ -85,7 +84,7 @@ fn check_memory(spec: &EnvSpec, config: &PpoConfig) -> Result<(), TrainError> {
     let (samples, columns) = (batch as u64, (batch + config.num_envs) as u64);
     let numbers = columns * spec.observation_size() as u64
         + samples * spec.action_size() as u64
-        + parameters * (3 + Learner::gradient_parts(config, batch) as u64);
+        + parameters * (3 + Learner::gradient_parts(config, spec.control_dt) as u64);
     let bytes = numbers * size_of::<f32>() as u64;
     // The system is asked for it, and given it back: it would end the process if it had to refuse later.
     let is_there = usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());

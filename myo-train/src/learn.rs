@@ -83,13 +83,13 @@ struct Minibatch<'a> {
 
 impl Learner {
     /// Partial gradients that there is memory for.
-    pub fn gradient_parts(config: &PpoConfig, batch: usize) -> usize {
-        part_count(batch.div_ceil(config.minibatches))
+    pub fn gradient_parts(config: &PpoConfig, control_dt: f64) -> usize {
+        part_count(config.batch_size(control_dt).div_ceil(config.minibatches))
     }
 
-    /// Memory for batches of so many samples, with control steps of `control_dt` seconds.
-    pub fn new(networks: &Networks, config: &PpoConfig, batch: usize, control_dt: f64) -> Self {
-        let parts = Self::gradient_parts(config, batch);
+    /// Memory for batches of `config`, with control steps of `control_dt` seconds.
+    pub fn new(networks: &Networks, config: &PpoConfig, control_dt: f64) -> Self {
+        let (parts, batch) = (Self::gradient_parts(config, control_dt), config.batch_size(control_dt));
         Self {
             gradients: vec![0.0; parts * networks.len()],
             order: vec![0; batch],

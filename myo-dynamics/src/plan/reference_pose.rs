@@ -40,7 +40,9 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
     let joint_inverse_inertia = (0..n).map(|k| solve(&ws, unit(k))[k]).collect();
     let acc0 = (0..plan.nmuscle())
-        .map(|muscle| solve(&ws, moment_arms(plan, muscle, &mut ws.clone())).iter().map(|a| a * a).sum::<f64>().sqrt())
+        .map(|muscle| {
+            solve(&ws, force::moment_arms(plan, muscle, &mut ws.clone())).iter().map(|a| a * a).sum::<f64>().sqrt()
+        })
         .collect();
     Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass: sphere_inverse_mass(plan, &ws, solve), acc0 })
 }
@@ -48,18 +50,6 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
 /// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).
 pub(super) fn inertias(plan: &Plan<f64>) -> Result<Vec<f64>, PlanError> {
     Ok(measure(plan)?.joint_inverse_inertia.into_iter().map(f64::recip).collect())
-}
-
-/// Generalised force of one newton along a muscle: its moment arms (m).
-fn moment_arms(plan: &Plan<f64>, muscle: usize, ws: &mut Workspace<f64>) -> Vec<f64> {
-    ws.muscle_force.fill(0.0);
-    ws.muscle_force[muscle] = 1.0;
-    ws.torque.fill(0.0);
-    ws.wrench.fill(Wrench::zero());
-    ws.joint_torque.fill(0.0);
-    tendon::pull(plan, ws);
-    force::project(plan, ws);
-    ws.torque.clone()
 }
 
 fn sphere_inverse_mass(

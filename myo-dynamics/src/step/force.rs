@@ -3,6 +3,7 @@
 use crate::plan::{LinkSet, Plan};
 use crate::spatial::Wrench;
 use crate::step::kinematics::joint_state;
+use crate::step::tendon;
 use crate::workspace::{ProfiledState, State, Workspace};
 use myo_scalar::Scalar;
 
@@ -73,4 +74,17 @@ fn set_wrench<S: Scalar>(set: &LinkSet, ws: &Workspace<S>) -> Wrench<S> {
         sum += wrench;
     }
     sum
+}
+
+/// Moment arms (m or 1) of a muscle on every coordinate of an exact plan, whose paths [`tendon::lengths`] has worked out: the generalised
+/// force of one newton along it, as which MuJoCo has the slope of its length, by virtual work: positive where moving up lengthens it. Muscle forces, torques and wrenches of `ws` are of no use afterwards.
+pub fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) -> Vec<S> {
+    ws.muscle_force.fill(S::zero());
+    ws.muscle_force[muscle] = S::lit(1.0);
+    ws.torque.fill(S::zero());
+    ws.wrench.fill(Wrench::zero());
+    ws.joint_torque.fill(S::zero());
+    tendon::pull(plan, ws);
+    project(plan, ws);
+    ws.torque.clone()
 }

@@ -93,7 +93,7 @@ fn on_card_within(
 }
 
 fn on_host(rollout: &Rollout, brain: &Brain, config: &PpoConfig, warm: bool) -> Learned {
-    let mut learner = Learner::new(&brain.networks, config, rollout.reward.len(), 0.05);
+    let mut learner = Learner::new(&brain.networks, config, 0.05);
     let (mut parameters, mut optimizer) = (brain.parameters.clone(), optimizer(brain.parameters.len(), warm));
     let (address, rate) = ((SETTINGS.seed, SETTINGS.update), SETTINGS.learning_rate);
     let stats = learner
