@@ -13,6 +13,7 @@ use crate::snapshot::Snapshot;
 use crate::state::StateRows;
 use crate::storage::{Storage, WORDS};
 use crate::tables::Tables;
+use crate::trace::TraceShape;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_dynamics::{Plan, SolverCount};
 use myo_model::Model;
@@ -118,6 +119,59 @@ impl<C: Precision> BatchEnv<C> {
     /// What the constraint solver did in each environment since it was built; resets and loaded states do not change it.
     pub fn solver_counts(&self) -> &[SolverCount] {
         &self.storage.solver
+    }
+
+    /// Sizes of what [`step_traced`](Self::step_traced) writes.
+    pub fn trace_shape(&self) -> TraceShape {
+        TraceShape::new(&self.tables.plan, self.tables.substeps, self.tables.timestep)
+    }
+
+    /// A [`step`](VectorEnv::step) that writes every physics step into `trace`, `(num_envs, samples, columns)` as
+    /// [`trace_shape`](Self::trace_shape) says. Where an episode ends, the last of them is its last.
+    ///
+    /// # Errors
+    /// As for [`step`](VectorEnv::step), or `trace` has another length.
+    pub fn step_traced(&mut self, actions: &[f32], out: StepBuffers<'_>, trace: &mut [f32]) -> Result<(), EnvError> {
+        check::trace(&self.spec, &self.trace_shape(), trace)?;
+        self.run_step(actions, out, Some(trace))
+    }
+
+    fn run_step(&mut self, actions: &[f32], out: StepBuffers<'_>, trace: Option<&mut [f32]>) -> Result<(), EnvError> {
+        check::step(&self.spec, actions, &out)?;
+        self.finished.check()?;
+        let (nobs, nact, nepisode) = (self.spec.observation_size(), self.spec.action_size(), self.spec.episode_size());
+        let (per_task, traced) = (self.envs_per_task(), self.trace_shape().len_per_env());
+        let (tables, level, autoreset) = (&self.tables, self.level, self.spec.autoreset);
+        let StepBuffers { observation, reward, terminated, truncated, final_observation, episode } = out;
+        let mut actions = actions.chunks(per_task * nact.max(1));
+        let mut observation = observation.chunks_mut(per_task * nobs.max(1));
+        let mut final_observation = final_observation.chunks_mut(per_task * nobs.max(1));
+        let mut episode = episode.chunks_mut(per_task * nepisode);
+        let mut trace = trace.map(|trace| trace.chunks_mut(per_task * traced));
+        let rows = reward.chunks_mut(per_task).zip(terminated.chunks_mut(per_task)).zip(truncated.chunks_mut(per_task));
+        let jobs: Vec<StepJob<'_, C>> = self
+            .storage
+            .split(per_task)
+            .zip(rows)
+            .map(|(storage, ((reward, terminated), truncated))| StepJob {
+                tables,
+                storage,
+                autoreset,
+                actions: actions.next().unwrap_or(&[]),
+                trace: trace.as_mut().and_then(Iterator::next),
+                out: StepBuffers {
+                    observation: observation.next().unwrap_or(&mut []),
+                    reward,
+                    terminated,
+                    truncated,
+                    final_observation: final_observation.next().unwrap_or(&mut []),
+                    episode: episode.next().unwrap_or(&mut []),
+                },
+            })
+            .collect();
+        run_all(self.pool.as_ref(), jobs, |job| self.judge.step(level, job));
+        self.finished.note(terminated, truncated);
+        Ok(())
     }
 
     /// Header of its states.
@@ -244,39 +298,7 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
     }
 
     fn step(&mut self, actions: &[f32], out: StepBuffers<'_>) -> Result<(), EnvError> {
-        check::step(&self.spec, actions, &out)?;
-        self.finished.check()?;
-        let (nobs, nact, nepisode) = (self.spec.observation_size(), self.spec.action_size(), self.spec.episode_size());
-        let per_task = self.envs_per_task();
-        let (tables, level, autoreset) = (&self.tables, self.level, self.spec.autoreset);
-        let StepBuffers { observation, reward, terminated, truncated, final_observation, episode } = out;
-        let mut actions = actions.chunks(per_task * nact.max(1));
-        let mut observation = observation.chunks_mut(per_task * nobs.max(1));
-        let mut final_observation = final_observation.chunks_mut(per_task * nobs.max(1));
-        let mut episode = episode.chunks_mut(per_task * nepisode);
-        let rows = reward.chunks_mut(per_task).zip(terminated.chunks_mut(per_task)).zip(truncated.chunks_mut(per_task));
-        let jobs: Vec<StepJob<'_, C>> = self
-            .storage
-            .split(per_task)
-            .zip(rows)
-            .map(|(storage, ((reward, terminated), truncated))| StepJob {
-                tables,
-                storage,
-                autoreset,
-                actions: actions.next().unwrap_or(&[]),
-                out: StepBuffers {
-                    observation: observation.next().unwrap_or(&mut []),
-                    reward,
-                    terminated,
-                    truncated,
-                    final_observation: final_observation.next().unwrap_or(&mut []),
-                    episode: episode.next().unwrap_or(&mut []),
-                },
-            })
-            .collect();
-        run_all(self.pool.as_ref(), jobs, |job| self.judge.step(level, job));
-        self.finished.note(terminated, truncated);
-        Ok(())
+        self.run_step(actions, out, None)
     }
 
     fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {

@@ -1,6 +1,7 @@
 //! Whether a call is right, the same for every backend.
 
 use crate::saved::{Header, Saved};
+use crate::trace::TraceShape;
 use crate::vector::{Autoreset, EnvError, EnvSpec, StepBuffers};
 use std::ops::Range;
 
@@ -28,6 +29,11 @@ pub fn step(spec: &EnvSpec, actions: &[f32], out: &StepBuffers<'_>) -> Result<()
         None => Ok(()),
         Some(at) => Err(EnvError::NonFiniteAction { env: at / nact, index: at % nact, value: actions[at] }),
     }
+}
+
+/// Memory for a trace.
+pub fn trace(spec: &EnvSpec, shape: &TraceShape, trace: &[f32]) -> Result<(), EnvError> {
+    length("trace", trace.len(), spec.num_envs * shape.len_per_env())
 }
 
 /// Environments to look at.

@@ -44,6 +44,8 @@ pub struct StepJob<'a, C> {
     pub actions: &'a [f32],
     /// Results of these environments.
     pub out: StepBuffers<'a>,
+    /// Where every physics step is written, if it is wanted.
+    pub trace: Option<&'a mut [f32]>,
 }
 
 impl<C: Real, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
@@ -55,6 +57,7 @@ impl<C: Real, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
         let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
         let mut world = tables.world::<S>(first);
         let nact = ws.ctrl.len();
+        ws.trace = job.trace.is_some().then(Vec::new);
         let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
         for (block, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(S::LANES)).enumerate() {
             if block > 0 && tables.own_numbers {
@@ -65,6 +68,9 @@ impl<C: Real, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
             read_rows(&job.actions[start..], &mut ws.ctrl);
             let outcome = step_and_autoreset(judge, &world, job.autoreset, &mut env, &mut ws);
             write_step(&outcome, &ws, block, &mut job.out);
+            if let (Some(trace), Some(out)) = (&ws.trace, &mut job.trace) {
+                write_rows(trace, &[true; MAX_LANES], rows!(out, block, S::LANES, trace.len()));
+            }
             ws.physics.tally.take(tables.substeps as usize, solver);
             store(&mut env, numbers, words);
         }

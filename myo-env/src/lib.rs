@@ -49,6 +49,7 @@ mod snapshot;
 mod state;
 mod storage;
 mod tables;
+mod trace;
 mod vector;
 
 pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
@@ -67,4 +68,5 @@ pub use single::{Env, Step};
 pub use skeleton::{MusclePose, ObjectPose, Role, Skeleton, SkeletonPose};
 pub use snapshot::Snapshot;
 pub use tables::Tables;
+pub use trace::{TraceSample, TraceShape};
 pub use vector::{Autoreset, EnvError, EnvSpec, StepBuffers, StepStorage, VectorEnv};

@@ -39,6 +39,7 @@
 pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
+pub use myo_measure as measure;
 pub use myo_model as model;
 pub use myo_muscle as muscle;
 pub use myo_scalar as scalar;

@@ -34,6 +34,8 @@ pub struct Scratch<S: Scalar> {
     pub ctrl: Vec<S>,
     /// Standard normal numbers for motor noise, a multiple of four.
     draws: Vec<S>,
+    /// Every physics step of the control step, where somebody wants to know, as [`TraceShape`](crate::TraceShape) says.
+    pub trace: Option<Vec<S>>,
     /// Observation after the step, before any reset.
     pub observation: Vec<S>,
     /// Observation after resets.
@@ -50,6 +52,7 @@ impl<S: Scalar> Scratch<S> {
             physics: Workspace::with_contacts(&tables.plan, tables.contacts),
             ctrl: vec![S::zero(); tables.plan.nmuscle()],
             draws: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(4)],
+            trace: None,
             observation: vec![],
             next_observation: vec![],
             episode: vec![],

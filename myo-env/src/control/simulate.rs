@@ -3,6 +3,7 @@
 use super::Scratch;
 use crate::parameters::World;
 use crate::state::EnvState;
+use crate::trace::record;
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
@@ -24,16 +25,20 @@ pub fn simulate<S: Scalar>(
     ws: &mut Scratch<S>,
     watch: &mut impl Watch<S>,
 ) {
-    let Scratch { physics, ctrl, .. } = ws;
+    let Scratch { physics, ctrl, trace, .. } = ws;
+    trace.iter_mut().for_each(Vec::clear);
     physics.tally = SolverTally::new();
     physics.clearance = Clearance::unknown();
     physics.nearby.forget();
     physics.offsets.clear();
     physics.offsets.extend(offsets(&env.task));
-    let mut carried = Substep { world, env, physics, watch };
-    S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, watch, .. }| {
+    let mut carried = Substep { world, env, physics, watch, trace };
+    S::repeat(world.tables.substeps as usize, &mut carried, |Substep { env, physics, watch, trace, .. }| {
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
         watch.look(world, physics);
+        if let Some(trace) = trace {
+            record(&world.tables.plan, physics, &env.body.act, trace);
+        }
     });
     env.qacc.copy_from_slice(&ws.physics.qacc);
 }
@@ -161,6 +166,8 @@ struct Substep<'a, S: Scalar, W> {
     env: &'a mut EnvState<S>,
     physics: &'a mut Workspace<S>,
     watch: &'a mut W,
+    /// Of processors alone: nothing of it is handed on.
+    trace: &'a mut Option<Vec<S>>,
 }
 
 impl<S: Scalar, W: Watch<S>> Carried<S> for Substep<'_, S, W> {

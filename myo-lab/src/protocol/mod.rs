@@ -1,5 +1,26 @@
-//! Protocols: what is asked of a simulated user as it was asked of people, and how the answer compares.
+//! What people were asked in studies, asked of a simulated user.
+//!
+//! A user learns the tasks of a protocol first ([`Practice`]), with its own body, rhythm, reward and noise. Then it is [recorded](record) at every
+//! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5)
+//! and [`KeyPresses`] (T1). [`Strength`] (M1) asks the body alone. What they found stands beside figures of people in
+//! [`myo_measure::bands`].
 
+mod error;
+mod holding;
+mod keys;
+mod pointing;
+mod practice;
+mod reach;
+mod recording;
 mod strength;
 
-pub use strength::{HoldingShare, MomentArm, SignChange, Strength, StrengthRow};
+pub use error::ProtocolError;
+pub use holding::{DriveRow, MuscleDrive, Stillness, StillnessRow};
+pub use keys::KeyPresses;
+pub use pointing::{
+    FittsCondition, FittsFit, FittsLaw, KinematicRow, Kinematics, OverUsers, Scatter, ScatterRow, UserReaches,
+};
+pub use practice::{HOLD_DEG, Practice, SELECTIONS, circle_targets, conditions};
+pub use reach::{Reach, reaches};
+pub use recording::{Done, Recording, record};
+pub use strength::{HoldingShare, MomentArm, SignChange, Strength, StrengthError, StrengthRow};

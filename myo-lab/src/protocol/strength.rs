@@ -4,9 +4,13 @@
 //! without passive forces. Postures name the joints that are not at zero; *forward* is `elv_angle` 90, *sideways* `elv_angle` 0.
 
 use myo_dynamics::{CouplingMode, Isometric, Plan, PlanError};
+use myo_measure::bands::{BANDS, Figure, Figures};
 use myo_model::Model;
 use serde::Serialize;
 use thiserror::Error;
+
+use super::ProtocolError;
+use super::pointing::set_all;
 
 /// What a strength is measured against.
 struct People {
@@ -124,9 +128,6 @@ const WEAK: f64 = 0.5;
 
 /// Elevations (degrees) at which the straight arm is held.
 const HELD_AT: [f64; 5] = [60.0, 75.0, 90.0, 105.0, 120.0];
-
-/// People hold the straight arm with 0.15 (men) to 0.35 (women) of their strength.
-const SHARES: [f64; 2] = [0.12, 0.35];
 
 /// Muscles whose moment arms at the elbow are known, and polynomials of the angle (rad) that give them in cm: regressions after
 /// Pigeon, Yahia and Feldman 1996, doi 10.1016/0021-9290(96)00057-7.
@@ -287,6 +288,17 @@ impl Strength {
         })
     }
 
+    /// What of it people's bands are about: the share that holds the arm forward at 90 degrees.
+    ///
+    /// # Errors
+    /// A body without any strength there.
+    pub fn figures(&self, figures: &mut Figures) -> Result<(), ProtocolError> {
+        let level = |row: &&HoldingShare| row.way == "forward" && row.at_deg == 90.0;
+        let share = self.holding.iter().find(level).map(|row| (Figure::HoldingShare, row.share));
+        let changes = (Figure::MomentArmSignChanges, self.sign_changes.len() as f64);
+        set_all(figures, share.into_iter().chain([changes]))
+    }
+
     /// Whether everything passes.
     pub fn passes(&self) -> bool {
         self.strength.iter().all(|row| row.passes)
@@ -340,7 +352,7 @@ impl Body {
             let found = self.at(&[plane, ("shoulder_elv", at_deg)]);
             let (gravity_n_m, strength_n_m) = (-found.gravity[k], found.strength(k)[0]);
             let share = found.holding_share(k);
-            let passes = (SHARES[0]..=SHARES[1]).contains(&share);
+            let passes = is_within_band(Figure::HoldingShare, share);
             HoldingShare { way, at_deg, gravity_n_m, strength_n_m, share, passes }
         };
         HELD_AT.into_iter().map(row).collect()
@@ -380,6 +392,12 @@ impl Body {
         }
         None
     }
+}
+
+/// Whether a figure is as people's.
+fn is_within_band(figure: Figure, value: f64) -> bool {
+    let bounds = BANDS.iter().flat_map(|band| band.bounds);
+    bounds.filter(|bound| bound.figure == figure).all(|bound| bound.holds(value))
 }
 
 /// Refuses a body that lacks one of the names.

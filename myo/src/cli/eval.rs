@@ -50,8 +50,16 @@ pub struct Eval {
     seed: Option<u64>,
 
     /// Ask what people were asked, in place of the task
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["task", "checkpoint", "seed", "episodes", "backend", "device"])]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["task", "checkpoint", "seed", "episodes"])]
     protocol: Option<Protocol>,
+
+    /// Users who are asked: the one of the run and others who differ in nothing but their seed [default: 3]
+    #[arg(long, value_name = "N", value_parser = parse::positive, requires = "protocol")]
+    seeds: Option<usize>,
+
+    /// Control steps after which they stop to practise what the protocol asks, in any case [default: 200M at 20 Hz, 10 million simulated seconds]
+    #[arg(long, value_name = "N", value_parser = parse::count, requires = "protocol")]
+    steps: Option<u64>,
 
     #[command(flatten)]
     physics: Options,
@@ -80,9 +88,15 @@ A user of several layouts (`myo train --together`) does each of them; the table 
 Movement time is from the start of a target (the end of the one before, or the reset) to the last entry into it or the touch of
 a button: without dwell, to one physics step. With dwell it is the time to the end of the target.
 
-With --protocol the user is asked what people were asked in studies, and the answers stand beside theirs. M1 asks the body alone: isometric strength of
-elbow, shoulder and forearm, the share of it that holds the straight arm up, moment arms at the elbow, and muscles that change sides. Its JSON: `model`, `strength`,
-`holding`, `moment_arms`, `sign_changes`.
+With --protocol the user is asked what people were asked in studies, and the answers stand beside theirs. It practises first what is asked, as its
+task was learnt, and so do others with other seeds; they are kept in the folder `protocols` of the run. F1 is Fitts' law, K1 speeds and shapes of movements, K2 where
+movements end before they are corrected, K3 how still the arm is held, K5 what muscles do, T1 presses of keys; M1 asks the body alone: isometric strength of
+elbow, shoulder and forearm, the share of it that holds the straight arm up, moment arms at the elbow, and muscles that change sides. `bands` does all of them and tells
+which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
+confidence interval of the mean over users), of K1 `rows`, of K2 `rows`, `elongation`, `growth_along`, `direction_deg`, of K3 and K5 `rows`, of T1
+`peak_force_n`, `contact_time_s`, `impulse_n_s`, `interval_s`, `rate_hz`; of M1 `model`, `strength`, `holding`, `moment_arms`, `sign_changes`; of all but M1 `users`. Of `bands`
+`users`, `bands`, a list with `number`, `what`, `verdict` (`passed`, `failed`, `not_measured`, `reported`) and `figures` (`figure`, `value`, `should_be`, `verdict`), and the
+answers under their names.
 
 JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
 and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
@@ -114,7 +128,15 @@ pub fn run(args: &Eval) -> Result<()> {
     let folder = open_run(&args.run)?;
     let trained = RunDescription::of(&folder)?;
     if let Some(protocol) = args.protocol {
-        return protocol::run(protocol, &Scenario::of(&trained)?.model, args.json);
+        let asked = protocol::Asked {
+            folder: &args.run,
+            scenario: Scenario::of(&trained)?,
+            config: folder.config().ppo.clone(),
+            users: (args.seeds.unwrap_or(protocol::USERS), folder.config().seed),
+            steps: args.steps,
+            physics: &args.physics,
+        };
+        return protocol::run(protocol, &asked, args.json);
     }
     let scenario = match &args.task {
         Some(task) => elsewhere(&args.run, &trained, task)?,

@@ -3,6 +3,7 @@
 mod ahead;
 mod both;
 mod drive;
+mod practise;
 mod progress;
 mod resume;
 mod settings;
@@ -31,11 +32,12 @@ use several::{Plan, Report};
 
 pub use both::{Side, train_both};
 pub use drive::Ready;
+pub use practise::{Practising, practise};
 pub use settings::LearnerOptions;
 pub use several::{Several, open_run};
 
 /// Arguments of `myo train`.
-#[derive(Args)]
+#[derive(Args, Default)]
 #[command(after_help = HELP)]
 pub struct Train {
     /// Name of a task (see `myo task list`), or a task file; several with --together
@@ -79,7 +81,7 @@ pub struct Train {
 }
 
 /// How users are trained, whoever asks for it.
-#[derive(Clone, Args)]
+#[derive(Clone, Debug, Default, Args)]
 pub struct TrainingOptions {
     /// Seed of everything random [default: 1]
     #[arg(long, value_name = "N")]

@@ -18,13 +18,13 @@ use crate::cli::scenario::Scenario;
 /// Goes on with what is in a folder.
 pub fn run(args: &Train, path: &Path, interrupt: &Interrupt) -> Result<()> {
     match Several::open(path)? {
-        Some(several) => resume_several(args, several, interrupt),
+        Some(several) => self::several(args, several, interrupt),
         None => resume_run(args, path, None, |scenario, ready| conclude(args, scenario, ready, interrupt)),
     }
 }
 
 /// Goes on with the trainings of several seeds: with those that have begun, and with those that have not.
-fn resume_several(args: &Train, mut several: Several, interrupt: &Interrupt) -> Result<()> {
+pub fn several(args: &Train, mut several: Several, interrupt: &Interrupt) -> Result<()> {
     several.aim(goal(args, &several.plan().run))?;
     let Plan { run, ppo, .. } = several.plan().clone();
     let scenario = Scenario::of(&run)?;

@@ -9,7 +9,7 @@ use crate::cli::failure::{Failure, Result};
 use crate::cli::parse;
 
 /// Settings of the learner that a command may change.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct LearnerOptions {
     /// Environments side by side [default: from the learner's settings]
     #[arg(long, value_name = "N", value_parser = parse::positive)]

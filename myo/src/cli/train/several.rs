@@ -196,7 +196,21 @@ impl Several {
 
     /// Folder of one of them.
     pub fn run_folder(&self, seed: u64) -> PathBuf {
-        self.folder.join(format!("seed-{seed}"))
+        Self::run_folder_in(&self.folder, seed)
+    }
+
+    /// The same, in a folder of several.
+    pub fn run_folder_in(folder: &Path, seed: u64) -> PathBuf {
+        folder.join(format!("seed-{seed}"))
+    }
+
+    /// Plans further ones, up to this seed.
+    pub fn reach(&mut self, last_seed: u64) -> Result<()> {
+        if last_seed > self.plan.last_seed {
+            self.plan.last_seed = last_seed;
+            write_json(&self.folder.join(PLAN), &self.plan)?;
+        }
+        Ok(())
     }
 
     /// The users who are trained, as far as they were evaluated, and how many there are to be.

@@ -1,0 +1,186 @@
+//! What a user practises before it is asked: the tasks of the protocols, done with its own body, rhythm, reward and noise.
+
+use std::f64::consts::{PI, TAU};
+
+use myo_tasks::{LoadError, Pose, Reset, Task};
+use serde_json::{Value, json};
+
+/// Targets on the circle of ISO 9241-411.
+pub const TARGETS: usize = 13;
+/// From each target to the one that is next: across the circle.
+const ACROSS: usize = 6;
+/// Selections of an episode; before the first one the arm hangs.
+pub const SELECTIONS: usize = TARGETS + 1;
+/// How long (s) the fingertip stays in a target for it to be selected.
+const DWELL_S: f64 = 0.25;
+/// Distances (m) from target to target, and widths (m).
+const DISTANCES: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
+const WIDTHS: [f64; 5] = [0.01, 0.015, 0.025, 0.05, 0.1];
+/// Indices of difficulty (bit) of the pairs that are asked for.
+const INDICES: [f64; 2] = [1.5, 5.0];
+/// The upright plane of the circle (m before the shoulder).
+const PLANE_X: f64 = 0.5;
+/// Distance (m) from the shoulder at which the arm is held, and for how long (s).
+const HOLD_AT: f64 = 0.55;
+const HOLD_S: f64 = 2.0;
+/// Angles (degrees) between the hanging arm and the one that is held.
+pub const HOLD_DEG: [f64; 2] = [45.0, 90.0];
+/// Keys: how many, from one to the next, width and height (m), and the force that presses them (N).
+const KEYS: usize = 5;
+const KEY_PITCH: f64 = 0.01;
+const KEY_SIZE: [f64; 2] = [0.006, 0.009];
+const KEY_FORCE_N: f64 = 0.3;
+/// Presses of an episode, of one key.
+const PRESSES: usize = 20;
+
+/// What is practised. Each is a training of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Practice {
+    /// Across a circle of 13 targets and back (ISO 9241-411), for 17 pairs of distance and width: F1, K1, K2, K5.
+    Pointing,
+    /// Holding the fingertip in a sphere of 10 cm with the arm raised by 45 and by 90 degrees: K3, K5.
+    Holding,
+    /// Pressing five keys of 6 by 9 mm in random orders: T1.
+    Keys,
+    /// Pressing one key as fast as possible: T1.
+    Tapping,
+}
+
+impl Practice {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Pointing, Self::Holding, Self::Keys, Self::Tapping];
+
+    /// Its name, also of the folder of its runs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pointing => "pointing",
+            Self::Holding => "holding",
+            Self::Keys => "keys",
+            Self::Tapping => "tapping",
+        }
+    }
+
+    /// Its tasks for the user of another task, layouts of one structure: what a user brings along (body, control step, reward, senses,
+    /// noise) is as there.
+    ///
+    /// # Errors
+    /// What that user brings along fits no such task.
+    pub fn layouts(self, user: &Task) -> Result<Vec<Task>, LoadError> {
+        let of_user = |layout: Layout| layout.task(user);
+        match self {
+            Self::Pointing => conditions().into_iter().map(|pair| of_user(circle(pair))).collect(),
+            Self::Holding => Ok(vec![of_user(holding())?]),
+            Self::Keys => Ok(vec![of_user(keys())?]),
+            Self::Tapping => Ok(vec![of_user(tapping())?]),
+        }
+    }
+}
+
+/// Distance and width (m) of each layout of [`Practice::Pointing`].
+pub fn conditions() -> Vec<[f64; 2]> {
+    let all = DISTANCES.into_iter().flat_map(|distance| WIDTHS.map(|width| [distance, width]));
+    let [least, most] = INDICES;
+    all.filter(|&[distance, width]| (least..=most).contains(&myo_measure::fitts::index_of_difficulty(distance, width)))
+        .collect()
+}
+
+/// Centres of the targets (m) in the order of their selection, for a distance (m) from each to the next.
+pub fn circle_targets(distance: f64) -> [[f64; 3]; SELECTIONS] {
+    let radius = 0.5 * distance / (PI / (2 * TARGETS) as f64).cos();
+    std::array::from_fn(|selection| {
+        let angle = TAU * ((selection * ACROSS) % TARGETS) as f64 / TARGETS as f64;
+        [PLANE_X, -radius * angle.sin(), radius * angle.cos()]
+    })
+}
+
+/// What is in the world and what is done there.
+struct Layout {
+    name: String,
+    scene: Value,
+    script: Value,
+    time_limit_s: f64,
+}
+
+impl Layout {
+    fn task(self, user: &Task) -> Result<Task, LoadError> {
+        let Self { name, scene, script, time_limit_s } = self;
+        let text = json!({
+            "version": 2, "name": name, "scene": scene, "script": script, "time_limit_s": time_limit_s,
+        });
+        let task = Task::from_yaml(&text.to_string(), &name)?;
+        Ok(Task {
+            model: user.model.clone(),
+            control_dt_s: user.control_dt_s,
+            reward: user.reward.clone(),
+            observation: user.observation.clone(),
+            noise: user.noise.clone(),
+            reset: Reset { pose: Pose::NearZero, activation_max: 0.0, ..Reset::default() },
+            ..task
+        })
+    }
+}
+
+fn sphere([x, y, z]: [f64; 3], radius: f64) -> Value {
+    json!({"kind": "sphere", "at": [x, y, z], "radius": radius})
+}
+
+fn circle([distance, width]: [f64; 2]) -> Layout {
+    let targets = circle_targets(distance);
+    let name = |selection: usize| format!("target{}", selection % TARGETS + 1);
+    let scene: serde_json::Map<String, Value> =
+        (0..TARGETS).map(|selection| (name(selection), sphere(targets[selection], 0.5 * width))).collect();
+    let order: Vec<String> = (0..SELECTIONS).map(name).collect();
+    Layout {
+        name: format!("{:.0} mm by {:.0} mm", 1e3 * width, 1e3 * distance),
+        scene: Value::Object(scene),
+        script: json!([{"dwell": {"in": order, "for_s": DWELL_S}}]),
+        time_limit_s: 24.0,
+    }
+}
+
+fn holding() -> Layout {
+    let at = |degrees: f64| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        sphere([HOLD_AT * sine, 0.0, -HOLD_AT * cosine], 0.05)
+    };
+    let [low, high] = HOLD_DEG.map(at);
+    Layout {
+        name: "holding".into(),
+        scene: json!({"low": low, "high": high}),
+        script: json!([{"dwell": {"in": ["low", "high"], "for_s": HOLD_S}}]),
+        time_limit_s: 12.0,
+    }
+}
+
+/// A key that lies level, 30 cm before and 30 cm below the shoulder, so many places to the left of the middle.
+fn key(place: f64) -> Value {
+    let [width, height] = KEY_SIZE;
+    json!({
+        "kind": "button", "at": [0.3, place * KEY_PITCH, -0.3], "size": [width, height, 0.005], "tilt_deg": 90,
+        "min_force_n": KEY_FORCE_N,
+    })
+}
+
+fn keys() -> Layout {
+    let name = |number: usize| format!("key{}", number + 1);
+    let middle = 0.5 * (KEYS - 1) as f64;
+    let scene: serde_json::Map<String, Value> =
+        (0..KEYS).map(|number| (name(number), key(middle - number as f64))).collect();
+    let names: Vec<String> = (0..KEYS).map(name).collect();
+    let round = json!({"random_order": [{"press_and_release": names}]});
+    Layout {
+        name: "keys".into(),
+        scene: Value::Object(scene),
+        script: json!([{"repeat": {"times": PRESSES / KEYS, "steps": [round]}}]),
+        time_limit_s: 24.0,
+    }
+}
+
+fn tapping() -> Layout {
+    Layout {
+        name: "tapping".into(),
+        scene: json!({"key": key(0.0)}),
+        script: json!([{"press_and_release": vec!["key"; PRESSES]}]),
+        time_limit_s: 12.0,
+    }
+}
