@@ -38,6 +38,7 @@ mod job;
 mod memory;
 mod observe;
 mod parameters;
+mod perceive;
 mod precision;
 mod reseed;
 mod rows;

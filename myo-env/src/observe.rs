@@ -83,6 +83,31 @@ impl ObservationPart {
 }
 
 impl ObservationPart {
+    /// How many entries it has, of a body with so many independent joints and so many muscles.
+    pub(crate) const fn width(self, [ndof, nmuscle]: [usize; 2]) -> usize {
+        match self {
+            Self::JointPosition | Self::JointVelocity | Self::JointAcceleration => ndof,
+            Self::Activation => nmuscle,
+            Self::FingertipPosition
+            | Self::PointerPosition
+            | Self::TargetPosition
+            | Self::TargetVector
+            | Self::TargetNormal
+            | Self::TargetVelocity
+            | Self::NextTargetVector
+            | Self::NearestObstacle => 3,
+            Self::TargetSize
+            | Self::TargetKind
+            | Self::Phase
+            | Self::DwellFraction
+            | Self::TimeLeft
+            | Self::Inside
+            | Self::Touch
+            | Self::Cue => 1,
+            Self::Drag | Self::Steer => 4,
+        }
+    }
+
     /// Its key in `observation` of a task file, with which the names of its entries begin.
     pub const fn name(self) -> &'static str {
         match self {

@@ -168,7 +168,7 @@ impl Parameters<()> {
         }
         if self.task.weights != other.task.weights {
             return Some(
-                "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path)".into(),
+                "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path, reward.distance_scale_m)".into(),
             );
         }
         if self.noise != other.noise {

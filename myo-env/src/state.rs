@@ -1,5 +1,6 @@
 //! Everything about one environment (or one per lane) that changes.
 
+use crate::perceive;
 use crate::tables::Tables;
 use crate::vector::EnvSpec;
 use myo_dynamics::State;
@@ -44,6 +45,8 @@ pub struct EnvState<S: Scalar> {
     pub remembered: Vec<S>,
     /// What they observed last: an observation that is asked for anew shows it as it was.
     pub observed: Vec<S>,
+    /// What was there to perceive lately, see [`perceive`](crate::perceive); empty without delays.
+    pub late: Vec<S>,
     /// Seed, low half first.
     pub seed: [S::Word; 2],
     /// Which environment, see [`env_number`].
@@ -78,6 +81,7 @@ impl<S: Scalar> EnvState<S> {
             sums: [o; SUMS],
             remembered: vec![o; tables.rules.as_ref().map_or(0, |rules| rules.remembered)],
             observed: vec![o; tables.rules.as_ref().map_or(0, |rules| rules.observed.len())],
+            late: vec![o; perceive::memory(&tables.delays)],
             seed: [w; 2],
             env: w,
             episode: w,
@@ -109,13 +113,14 @@ impl<S: Scalar> EnvState<S> {
             sums,
             remembered,
             observed,
+            late,
             seed: _,
             env: _,
             episode: _,
             step: _,
         } = self;
         let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise);
-        body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed)
+        body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed).chain(late)
     }
 
     /// Every integer, in a fixed order; see [`numbers`](Self::numbers).

@@ -3,6 +3,7 @@
 use crate::config::BuildError;
 use crate::observe::{self, ObservationPart};
 use crate::parameters::{JointRange, Parameters, World};
+use crate::perceive;
 use crate::rows::MAX_LANES;
 use crate::rules::Outline;
 use crate::saved::Identity;
@@ -34,6 +35,8 @@ pub struct Tables<C> {
     pub substeps: u32,
     /// Parts of the observation, in order.
     pub observation: Vec<ObservationPart>,
+    /// Of every entry of the observation that a part gives: how many control steps it is late.
+    pub delays: Vec<usize>,
     /// Rules that judge in place of the script.
     pub(crate) rules: Option<Outline>,
     /// Of every independent joint, unrounded.
@@ -124,6 +127,7 @@ impl<C: Real> Tables<C> {
             layouts: vec![],
             own_numbers: false,
             substeps: task.substeps(exact.timestep),
+            delays: perceive::delays(&task, &observation, [exact.ndof(), exact.nmuscle()]),
             observation,
             parameters,
             identity: Identity::new(model, &[task], rules.as_ref()),
@@ -176,6 +180,9 @@ impl<C: Real> Tables<C> {
         let parameters = Parameters::new(task, &flat, &self.ranges).in_place_of(&self.parameters).map_err(differs)?;
         if parts_of(task, &parameters, self.rules.as_ref()) != self.observation {
             return Err(differs("it is observed in another way".into()));
+        }
+        if perceive::delays(task, &self.observation, [self.plan.ndof(), self.plan.nmuscle()]) != self.delays {
+            return Err(differs("it is perceived with another delay".into()));
         }
         let (contacts, most) = (self.contacts_of(&parameters), self.contacts);
         if contacts > most {

@@ -13,12 +13,14 @@ use crate::scene::Scene;
 use crate::script::Instruction;
 use crate::target::{Pointing, Target};
 use crate::technique::Technique;
+use crate::user::{Perception, User};
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
 const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
 const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
+const SCALE: Quantity = Quantity::between(0.0, 10.0, "m");
 const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
 
 /// The newest version of the task format. Files of version 1 are read as well.
@@ -51,6 +53,12 @@ pub struct Task {
     #[garde(custom(model_rule))]
     #[schemars(length(min = 1, max = 4096))]
     pub model: String,
+
+    /// Who does it: what the simulated user is like where this task does not say. `human` moves as people do, `fastest` as fast as its muscles
+    /// allow. Default `fastest`.
+    #[serde(default)]
+    #[garde(skip)]
+    pub user: User,
 
     /// What stands there: objects by name, alone or in groups; up to 256.
     #[serde(default, skip_serializing_if = "Scene::is_empty")]
@@ -112,6 +120,11 @@ pub struct Task {
     #[serde(default)]
     #[garde(custom(observation_rule))]
     pub observation: Observation,
+
+    /// How late it is perceived.
+    #[serde(default)]
+    #[garde(dive)]
+    pub perception: Perception,
 
     /// Motor noise, off by default.
     #[serde(default)]
@@ -182,6 +195,12 @@ pub struct Reward {
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub distance_cost: f64,
+
+    /// Where distances count for less: the cost grows with `s (1 - e^(-d / s))` instead of the distance `d`, where `s` is this in m. Near the
+    /// target it is the same, far away no more than `s`. Default 0: the distance itself.
+    #[garde(custom(SCALE.rule()))]
+    #[schemars(transform = SCALE.schema())]
+    pub distance_scale_m: f64,
 
     /// `true`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that dwelling anywhere in it
     /// costs nothing; for a button it counts from the pressed face. `false`: from the centre. Default true.
@@ -326,6 +345,7 @@ impl Task {
             name: name.to_owned(),
             description: String::new(),
             model: default_model(),
+            user: User::Fastest,
             scene: Scene::default(),
             script: vec![],
             technique: Technique::default(),
@@ -337,6 +357,7 @@ impl Task {
             reset: Reset::default(),
             reward: Reward::default(),
             observation: Observation::default(),
+            perception: Perception::default(),
             noise: Noise::default(),
         }
     }
@@ -501,6 +522,7 @@ impl Default for Reward {
     fn default() -> Self {
         Self {
             distance_cost: 6.0,
+            distance_scale_m: 0.0,
             inside_is_zero: true,
             remaining_path: false,
             time_cost: 0.6,
@@ -554,6 +576,6 @@ fn default_time_limit() -> f64 {
     12.0
 }
 
-fn default_control_step() -> f64 {
+pub(crate) fn default_control_step() -> f64 {
     0.05
 }

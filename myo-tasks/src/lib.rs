@@ -58,6 +58,7 @@ mod stick;
 mod tagged;
 mod target;
 mod technique;
+mod user;
 mod weakness;
 
 pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check, places_apart};
@@ -82,3 +83,4 @@ pub use slider::{Direction, Slider, SliderItem};
 pub use stick::{Stick, StickItem};
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};
 pub use technique::{Cursor, GoGo, RateCursor, Ray, RayFrom, Technique};
+pub use user::{Perception, User};

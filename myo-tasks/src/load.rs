@@ -12,6 +12,7 @@ use crate::layout::{Layout, SourceLocation};
 use crate::load_error::{BadValue, LoadError};
 use crate::presets::preset_text;
 use crate::report::{Report, TaskError};
+use crate::user::User;
 
 /// First line of a task file: it lets an editor that knows the YAML language server complete and check the file.
 pub const SCHEMA_HINT: &str = "# yaml-language-server: $schema=./myo-task.schema.json";
@@ -96,13 +97,14 @@ impl Source {
     /// The text is no YAML, or has keys or types that no task has.
     pub fn draft(text: &str, name: &str) -> Result<(Self, Vec<BadValue>), LoadError> {
         let layout = Layout::of(text);
-        let task: Task = serde_saphyr::from_str_with_options(text, yaml_options())
+        let mut task: Task = serde_saphyr::from_str_with_options(text, yaml_options())
             .map_err(|error| Explain { name, layout: layout.as_ref() }.error(&error))?;
         // A text that yields a task is YAML, so it has a layout.
         let layout = layout.ok_or_else(|| LoadError::Syntax {
             place: SourceLocation::new(name, (1, 1)),
             message: "the file cannot be read a second time to find positions".into(),
         })?;
+        task.fill_in(|path| layout.has(path));
         let mut values = bad_values(&task, name, &layout);
         values.extend(costs_twice(&task.reward, name, &layout));
         // Wrong values may ask for millions of copies.
@@ -110,6 +112,14 @@ impl Source {
         let origin = (0..task.targets.len()).flat_map(|i| std::iter::repeat_n(i, repeats(i))).collect();
         let task = if values.is_empty() { task.expanded().with_costs_per_second() } else { task };
         Ok((Self { name: name.to_owned(), text: text.to_owned(), task, layout, origin }, values))
+    }
+
+    /// The same with another user, where the text does not say what it is like.
+    #[must_use]
+    pub fn done_by(mut self, user: User) -> Self {
+        self.task.user = user;
+        self.task.fill_in(|path| self.layout.has(path));
+        self
     }
 
     /// Everything that [`check`] finds.

@@ -2,6 +2,7 @@
 
 use super::{Scratch, choose, sense, stages};
 use crate::parameters::World;
+use crate::perceive;
 use crate::state::EnvState;
 use myo_scalar::{Counter, Mask, Scalar, Stage, Word, philox, unit};
 use myo_tasks::logic::{self, Goal, Stay};
@@ -39,6 +40,7 @@ pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
     let known = logic::remember(&goal, sensed.pointer, mask, &mut env.task);
     let known = known.as_ref().unwrap_or(&goal);
     S::outline(stages::Observe { world, goal: known, env, sensed: &sensed, out: &mut ws.next_observation });
+    perceive::after_reset(&world.tables.delays, mask, &mut env.late, &mut ws.next_observation);
 }
 
 /// Draws body and targets, and starts all counters.

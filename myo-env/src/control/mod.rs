@@ -19,6 +19,7 @@ pub use simulate::{Following, Unwatched, offsets};
 pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
 use crate::parameters::World;
+use crate::perceive;
 use crate::state::EnvState;
 use crate::tables::Tables;
 use crate::vector::Autoreset;
@@ -92,6 +93,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     let known = logic::remember(&goal, sensed.pointer, progress.target_done, &mut env.task);
     let known = known.as_ref().unwrap_or(&goal);
     S::outline(stages::Observe { world, goal: known, env, sensed: &sensed, out: &mut ws.observation });
+    perceive::after_step(&world.tables.delays, &mut env.late, &mut ws.observation);
     summary::summarise(world, &goal, env, &sensed, &progress, &mut ws.episode);
     Outcome { reward: terms.sum(), terminated: progress.task_done, truncated: progress.timed_out }
 }

@@ -4,6 +4,7 @@ use super::simulate::landmarks;
 use super::{Judge, Outcome, Scratch, Unwatched, stages, sum_of_squares, summary};
 use crate::observe::observe_body;
 use crate::parameters::World;
+use crate::perceive;
 use crate::rules::{Ball, Moment, Rules, Verdict};
 use crate::state::EnvState;
 use myo_dynamics::Workspace;
@@ -32,6 +33,7 @@ impl<R: Rules> Judge for Own<R> {
             out: observation,
             verdict: &mut verdict,
         });
+        perceive::after_step(&world.tables.delays, &mut env.late, observation);
         let Verdict { reward, done, failed } = verdict;
         let terminated = done | failed;
         let truncated = world.parameters.task.time_limit.le(env.task.step) & !terminated;
@@ -47,8 +49,10 @@ impl<R: Rules> Judge for Own<R> {
         }
         let controls = &vec![S::zero(); ws.ctrl.len()];
         let mut verdict = Verdict::goes_on(S::zero());
-        let Scratch { physics, next_observation: out, .. } = ws;
-        S::outline(Ask { rules: &self.0, world, mask, controls, env, physics, out, verdict: &mut verdict });
+        let Scratch { physics, next_observation, .. } = ws;
+        let (rules, out) = (&self.0, &mut *next_observation);
+        S::outline(Ask { rules, world, mask, controls, env, physics, out, verdict: &mut verdict });
+        perceive::after_reset(&world.tables.delays, mask, &mut env.late, next_observation);
     }
 }
 

@@ -19,7 +19,7 @@ const USUAL_DISTANCE: f64 = 0.3;
 /// The width (m) at which the time for it is told.
 const USUAL_WIDTH: f64 = 0.05;
 /// The width (m) of targets so small that stops scatter freely.
-const SMALL: f64 = 0.01;
+const SMALL: f64 = 0.015;
 
 /// A figure of several users.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -328,7 +328,7 @@ impl Kinematics {
     }
 }
 
-/// Protocol K2: where movements end that were aimed at targets of a centimetre, before they are corrected.
+/// Protocol K2: where movements end that were aimed at targets of 15 mm, before they are corrected.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scatter {
     /// How many users.

@@ -15,7 +15,7 @@ pub const SELECTIONS: usize = TARGETS + 1;
 const DWELL_S: f64 = 0.25;
 /// Distances (m) from target to target, and widths (m).
 const DISTANCES: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
-const WIDTHS: [f64; 5] = [0.01, 0.015, 0.025, 0.05, 0.1];
+const WIDTHS: [f64; 4] = [0.015, 0.025, 0.05, 0.1];
 /// Indices of difficulty (bit) of the pairs that are asked for.
 const INDICES: [f64; 2] = [1.5, 5.0];
 /// The upright plane of the circle (m before the shoulder).
@@ -36,7 +36,7 @@ const PRESSES: usize = 20;
 /// What is practised. Each is a training of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Practice {
-    /// Across a circle of 13 targets and back (ISO 9241-411), for 17 pairs of distance and width: F1, K1, K2, K5.
+    /// Across a circle of 13 targets and back (ISO 9241-411), for 15 pairs of distance and width: F1, K1, K2, K5.
     Pointing,
     /// Holding the fingertip in a sphere of 10 cm with the arm raised by 45 and by 90 degrees: K3, K5.
     Holding,
@@ -110,6 +110,8 @@ impl Layout {
         let task = Task::from_yaml(&text.to_string(), &name)?;
         Ok(Task {
             model: user.model.clone(),
+            user: user.user,
+            perception: user.perception.clone(),
             control_dt_s: user.control_dt_s,
             reward: user.reward.clone(),
             observation: user.observation.clone(),

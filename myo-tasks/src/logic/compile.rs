@@ -90,6 +90,8 @@ pub struct Kinds {
 pub struct Weights<T> {
     /// Per metre.
     pub distance_cost: T,
+    /// Where distances count for less (m); none where they count as they are.
+    pub distance_scale: Option<T>,
     /// Count the distance from the surface.
     pub inside_is_zero: bool,
     /// Add the path over the targets still to come.
@@ -420,6 +422,7 @@ impl<T> Weights<T> {
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Weights<U> {
         Weights {
             distance_cost: f(&self.distance_cost),
+            distance_scale: self.distance_scale.as_ref().map(&mut *f),
             inside_is_zero: self.inside_is_zero,
             remaining_path: self.remaining_path,
             time_cost: f(&self.time_cost),
@@ -439,6 +442,7 @@ impl<C: Real> Weights<C> {
         let per_step = |per_second: f64| c(per_second * control_dt_s);
         Self {
             distance_cost: per_step(reward.distance_cost),
+            distance_scale: (reward.distance_scale_m > 0.0).then(|| c(reward.distance_scale_m)),
             inside_is_zero: reward.inside_is_zero,
             remaining_path: reward.remaining_path,
             time_cost: per_step(reward.time_cost),

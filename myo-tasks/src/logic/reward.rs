@@ -98,6 +98,13 @@ pub fn remaining_path<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -
     path
 }
 
+/// A distance (m) as it is felt: far away it grows no more. After the proximity term of Selder et al. 2025, doi 10.1145/3746059.3747779.
+#[inline(always)]
+fn felt<S: Scalar>(distance: S, scale: Option<S>) -> S {
+    let Some(scale) = scale else { return distance };
+    scale * (S::lit(1.0) - (-distance * scale.recip()).exp())
+}
+
 /// The reward of a step. `distance` is what [`distance_to_goal`] and, if it counts, [`remaining_path`] gave before the
 /// step was judged; sums run over muscles and independent joints.
 #[inline(always)]
@@ -110,7 +117,7 @@ pub fn reward<S: Scalar>(
 ) -> RewardTerms<S> {
     let w = &task.weights;
     RewardTerms {
-        distance: -(w.distance_cost.mul_add(distance, w.time_cost)),
+        distance: -(w.distance_cost.mul_add(felt(distance, w.distance_scale), w.time_cost)),
         subtask: w.subtask_bonus.only(progress.target_done),
         completion: w.completion_bonus.only(progress.task_done),
         neural_effort: -(w.effort_cost * squared_control),

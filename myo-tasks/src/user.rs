@@ -1,0 +1,103 @@
+//! Who does a task: what a simulated user is like where the task does not say.
+
+use garde::Validate;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::description::{Noise, Reward, Task, default_control_step};
+use crate::quantity::Quantity;
+
+const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
+
+/// What the simulated user is like where the task says nothing else: how often it decides, what it perceives how late, its motor noise,
+/// and what speed and effort are worth to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum User {
+    /// Moves as people do: with motor noise, with senses that are late, and with regard to its effort. `docs/people.md` tells how far it does.
+    Human,
+    /// As fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose
+    /// speed is all that counts.
+    #[default]
+    Fastest,
+}
+
+/// How late the simulated user perceives, in ms, rounded to whole control steps.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields, default)]
+pub struct Perception {
+    /// What is seen: where objects are, what became of them, where a pointer other than the fingertip is. Default 0.
+    #[garde(custom(DELAY.rule()))]
+    #[schemars(transform = DELAY.schema())]
+    pub vision_delay_ms: f64,
+
+    /// What is felt of the own body: joints, fingertip, activations. Default 0.
+    #[garde(custom(DELAY.rule()))]
+    #[schemars(transform = DELAY.schema())]
+    pub body_delay_ms: f64,
+
+    /// The force of a touch. Default 0.
+    #[garde(custom(DELAY.rule()))]
+    #[schemars(transform = DELAY.schema())]
+    pub touch_delay_ms: f64,
+}
+
+/// All that users differ in.
+struct Traits {
+    control_dt_s: f64,
+    reward: Reward,
+    noise: Noise,
+    perception: Perception,
+}
+
+impl User {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Human, Self::Fastest];
+
+    /// Its name in a task file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Human => "human",
+            Self::Fastest => "fastest",
+        }
+    }
+
+    fn traits(self) -> Traits {
+        let fastest = Traits {
+            control_dt_s: default_control_step(),
+            reward: Reward::default(),
+            noise: Noise::default(),
+            perception: Perception::default(),
+        };
+        match self {
+            Self::Fastest => fastest,
+            Self::Human => fastest,
+        }
+    }
+}
+
+impl Task {
+    /// Gives a task what its user brings along, wherever `is_given` does not know the path of a value: what a text leaves out.
+    pub(crate) fn fill_in(&mut self, is_given: impl Fn(&str) -> bool) {
+        let Traits { control_dt_s, reward, noise, perception } = self.user.traits();
+        let fill = |value: &mut f64, usual: f64, paths: &[&str]| {
+            if !paths.iter().any(|path| is_given(path)) {
+                *value = usual;
+            }
+        };
+        fill(&mut self.control_dt_s, control_dt_s, &["control_dt_s"]);
+        let own = &mut self.reward;
+        fill(&mut own.distance_cost, reward.distance_cost, &["reward.distance_cost", "reward.distance"]);
+        fill(&mut own.distance_scale_m, reward.distance_scale_m, &["reward.distance_scale_m"]);
+        fill(&mut own.time_cost, reward.time_cost, &["reward.time_cost"]);
+        fill(&mut own.effort_cost, reward.effort_cost, &["reward.effort_cost", "reward.neural_effort"]);
+        let acceleration = ["reward.acceleration_cost", "reward.acceleration_effort"];
+        fill(&mut own.acceleration_cost, reward.acceleration_cost, &acceleration);
+        fill(&mut self.noise.signal_dependent, noise.signal_dependent, &["noise.signal_dependent"]);
+        fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
+        let own = &mut self.perception;
+        fill(&mut own.vision_delay_ms, perception.vision_delay_ms, &["perception.vision_delay_ms"]);
+        fill(&mut own.body_delay_ms, perception.body_delay_ms, &["perception.body_delay_ms"]);
+        fill(&mut own.touch_delay_ms, perception.touch_delay_ms, &["perception.touch_delay_ms"]);
+    }
+}
