@@ -74,7 +74,7 @@ fn the_straight_arm_is_held_as_in_mujoco() {
 #[test]
 fn the_wrist_is_as_strong_as_in_mujoco() {
     let plan = plan("myo-arm");
-    let found = Isometric::at(&plan, &vec![0.0; plan.ndof()]);
+    let found = Isometric::at(&plan, &pose(&plan, &[("elbow_flexion", 90.0)]));
     let [flexion, extension] = found.strength(coordinate(&plan, "flexion"));
     assert!((flexion - 16.6).abs() < 0.06 && (extension + 8.2).abs() < 0.06, "{flexion} {extension}");
 }

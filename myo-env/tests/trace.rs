@@ -28,7 +28,10 @@ fn steps_are_the_same_whether_somebody_looks_or_not() {
         let actions = actions(&seen, step);
         seen.step_traced(&actions, a.buffers(), &mut trace).unwrap();
         unseen.step(&actions, b.buffers()).unwrap();
-        assert_eq!((&a.observation, &a.reward, &a.episode), (&b.observation, &b.reward, &b.episode), "step {step}");
+        assert_eq!((&a.observation, &a.reward), (&b.observation, &b.reward), "step {step}");
+        // What was not done has no time: numbers that are none are equal as bits alone.
+        let bits = |out: &StepStorage| out.episode.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&a), bits(&b), "step {step}");
     }
     assert_eq!(seen.save_state().unwrap(), unseen.save_state().unwrap());
 }

@@ -5,7 +5,7 @@
 
 use myo_scalar::{Counter, Scalar, Word, seed_words};
 use myo_tasks::logic::{
-    CompiledTask, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal, draw_objects,
+    self, CompiledTask, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal, draw_objects,
     remaining_path, reward,
 };
 use myo_tasks::{InvalidTask, Reach, Task};
@@ -105,6 +105,7 @@ pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Ve
     let ([near, far], w) = (distances(&trial, reach), task.reward.per_second(task.control_dt_s));
     let (steps, limit) = (trial.task.steps.len() as f64, f64::from(task.time_limit_steps()));
     let dt = task.control_dt_s;
+    let [near, far] = [near, far].map(|distance| logic::felt(distance, trial.task.weights.distance_scale));
     // A cost that is due in every control step: at best for as many as there are steps in the script, at worst to the time limit.
     let running = |field, weight: f64, of, [least, most]: [f64; 2]| RewardTerm {
         field,

@@ -248,3 +248,20 @@ fn costs_of_old_files_are_those_per_control_step() {
     let error = read("{distance: 0.3, distance_cost: 6}", 0.05).unwrap_err().to_string();
     assert!(error.contains("`distance_cost` the same per second; leave one of them out"), "{error}");
 }
+
+#[test]
+fn far_distances_count_for_less_where_the_reward_says_so() {
+    let weights =
+        |distance_scale_m| Reward { distance_cost: 20.0, time_cost: 0.0, distance_scale_m, ..Reward::default() };
+    let progress: Progress<f64> =
+        Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
+    let cost = |scale: f64, distance: f64| {
+        let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights(scale)));
+        -reward(&task, &progress, distance, 0.0, 0.0).distance
+    };
+    // 20 a second and metre are 1 a step and metre; one minus e^-1 is 0.632.
+    assert_close(cost(0.0, 0.3), 0.3);
+    assert_close(cost(0.1, 0.1), 0.063_212_055_882_855_77);
+    assert_close(cost(0.1, 100.0), 0.1);
+    assert!((cost(0.1, 1e-4) / 1e-4 - 1.0).abs() < 1e-3, "{}", cost(0.1, 1e-4));
+}

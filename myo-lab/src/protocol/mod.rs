@@ -8,6 +8,7 @@
 mod error;
 mod holding;
 mod keys;
+mod plot;
 mod pointing;
 mod practice;
 mod reach;
@@ -17,8 +18,10 @@ mod strength;
 pub use error::ProtocolError;
 pub use holding::{DriveRow, MuscleDrive, Stillness, StillnessRow};
 pub use keys::KeyPresses;
+pub use plot::{Plot, PlotError, PlotLine, PlotPoint, PlotSeries};
 pub use pointing::{
-    FittsCondition, FittsFit, FittsLaw, KinematicRow, Kinematics, OverUsers, Scatter, ScatterRow, UserReaches,
+    FittsCondition, FittsFit, FittsLaw, KinematicRow, Kinematics, OverUsers, Scatter, ScatterRow, SpeedProfile,
+    UserReaches,
 };
 pub use practice::{HOLD_DEG, Practice, SELECTIONS, circle_targets, conditions};
 pub use reach::{Reach, reaches};

@@ -6,6 +6,7 @@ use myo_measure::{EndpointCloud, Line, Movement, Spread, statistics};
 use serde::Serialize;
 
 use super::ProtocolError;
+use super::plot::{Plot, PlotPoint, PlotSeries};
 use super::practice::{SELECTIONS, conditions};
 use super::reach::Reach;
 
@@ -178,6 +179,26 @@ impl FittsLaw {
         })
     }
 
+    /// Movement times over indices of difficulty, and the line through them.
+    pub fn plot(&self) -> Plot {
+        let points = self.conditions.iter().map(|condition| PlotPoint {
+            at: [condition.id_bit, condition.movement_time_s],
+            interval: condition.movement_time_s_interval,
+        });
+        let fit = &self.fitts;
+        let line = [1.0, 5.0].map(|index| [index, fit.intercept_s + fit.slope_s_per_bit * index]);
+        let name =
+            format!("{:.0} ms + {:.0} ms/bit, R2 {:.2}", 1e3 * fit.intercept_s, 1e3 * fit.slope_s_per_bit, fit.r2);
+        Plot {
+            title: "Fitts' law".into(),
+            axes: ["index of difficulty, bit".into(), "movement time, s".into()],
+            series: vec![
+                PlotSeries { name: "means of conditions".into(), points: points.collect(), line: vec![] },
+                PlotSeries { name, points: vec![], line: line.to_vec() },
+            ],
+        }
+    }
+
     /// What of it people's bands are about.
     pub fn figures(&self, figures: &mut Figures) -> Result<(), ProtocolError> {
         let usual = |c: &&FittsCondition| [c.distance_m, c.width_m] == [USUAL_DISTANCE, USUAL_WIDTH];
@@ -231,6 +252,33 @@ pub struct Kinematics {
     pub movements: usize,
     /// What they are like.
     pub rows: Vec<KinematicRow>,
+    /// Mean speed over 30 cm, by the width of the target.
+    pub profiles: Vec<SpeedProfile>,
+}
+
+/// Mean speed of movements of all users over 30 cm to a target.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SpeedProfile {
+    /// Diameter of the target (m).
+    pub width_m: f64,
+    /// Speed (m/s) at even shares of the duration, from its beginning to its end.
+    pub speed_m_s: Vec<f64>,
+}
+
+/// Means of profiles, place by place.
+fn mean_profile<'a>(profiles: impl Iterator<Item = &'a Vec<f64>>) -> Vec<f64> {
+    let (mut sum, mut count) = (vec![], 0.0);
+    for profile in profiles.filter(|profile| !profile.is_empty()) {
+        sum.resize(profile.len(), 0.0);
+        sum.iter_mut().zip(profile).for_each(|(sum, speed)| *sum += speed);
+        count += 1.0;
+    }
+    sum.iter().map(|sum| sum / count).collect()
+}
+
+fn profile_of(users: &[UserReaches], condition: usize) -> Vec<f64> {
+    let reaches = users.iter().flat_map(UserReaches::between).filter(|reach| reach.condition == condition);
+    mean_profile(reaches.map(|reach| &reach.profile))
 }
 
 type OfUser = fn(&UserReaches) -> Result<f64, ProtocolError>;
@@ -318,7 +366,31 @@ impl Kinematics {
             users: users.len(),
             movements: users.iter().map(|user| user.movements().count()).sum(),
             rows: KINEMATICS.into_iter().map(row).collect::<Result<_, ProtocolError>>()?,
+            profiles: conditions()
+                .iter()
+                .enumerate()
+                .filter(|(_, pair)| pair[0] == USUAL_DISTANCE)
+                .map(|(condition, pair)| SpeedProfile { width_m: pair[1], speed_m_s: profile_of(users, condition) })
+                .collect(),
         })
+    }
+
+    /// Mean speeds over 30 cm.
+    pub fn plot(&self) -> Plot {
+        let series = |profile: &SpeedProfile| {
+            let last = profile.speed_m_s.len().max(2) - 1;
+            let at = |(place, &speed): (usize, &f64)| [place as f64 / last as f64, speed];
+            PlotSeries {
+                name: format!("target of {:.0} mm", 1e3 * profile.width_m),
+                points: vec![],
+                line: profile.speed_m_s.iter().enumerate().map(at).collect(),
+            }
+        };
+        Plot {
+            title: "Mean speed over 30 cm".into(),
+            axes: ["share of the duration".into(), "speed, m/s".into()],
+            series: self.profiles.iter().map(series).collect(),
+        }
     }
 
     /// What of it people's bands are about.
@@ -391,6 +463,23 @@ impl Scatter {
             direction_deg: of_all(|cloud| cloud.direction_sd_deg, None)?,
             rows,
         })
+    }
+
+    /// Scatter over distance.
+    pub fn plot(&self) -> Plot {
+        let series = |name: &str, of: fn(&ScatterRow) -> f64| {
+            let at = |row: &ScatterRow| [100.0 * row.distance_m, 1e3 * of(row)];
+            let points = self.rows.iter().map(|row| PlotPoint { at: at(row), interval: None });
+            PlotSeries { name: name.into(), points: points.collect(), line: self.rows.iter().map(at).collect() }
+        };
+        Plot {
+            title: "End points before any correction".into(),
+            axes: ["distance, cm".into(), "standard deviation, mm".into()],
+            series: vec![
+                series("along the movement", |row| row.sd_along_m),
+                series("across it", |row| row.sd_across_m),
+            ],
+        }
     }
 
     /// What of it people's bands are about.

@@ -11,6 +11,8 @@ use super::recording::{Done, Recording};
 const CUT_OFF_HZ: f64 = 10.0;
 /// How long (s) before its signal a movement is looked for: users who know what comes next begin before the dwell is over.
 const BEFORE_S: f64 = 0.1;
+/// Places of a movement where its speed is told.
+const PROFILE: usize = 51;
 /// Fewest samples that are a movement.
 const LEAST_SAMPLES: usize = 12;
 
@@ -25,6 +27,8 @@ pub struct Reach {
     pub trial: Trial,
     /// Its figures; none where the fingertip was there already.
     pub movement: Option<Movement>,
+    /// Speed (m/s) at even shares of its duration, from its onset to its end; empty where there is none.
+    pub profile: Vec<f64>,
     /// Where the first bell of its speed ended (m): the end of the movement before anything was corrected.
     pub first_stop: Option<[f64; 3]>,
     /// First and last sample of the recording that it has.
@@ -71,19 +75,21 @@ fn reach(
         condition,
         selection,
         trial,
-        first_stop: found.map(|(_, stop)| smooth[first + stop]),
-        movement: found.map(|(movement, _)| movement),
+        first_stop: found.as_ref().map(|(_, stop, _)| smooth[first + stop]),
+        movement: found.as_ref().map(|(movement, ..)| *movement),
+        profile: found.map_or_else(Vec::new, |(.., profile)| profile),
         samples: [first, end],
     })
 }
 
-/// From 5 % of the peak speed to 5 % of it, or to the last entry into the target where that is later; and where the first bell ends.
+/// From 5 % of the peak speed to 5 % of it, or to the last entry into the target where that is later; where the first bell ends; and the speed
+/// at even shares of the duration.
 fn movement(
     positions: &[[f64; 3]],
     rate_hz: f64,
     signal_at: usize,
     entry: usize,
-) -> Result<(Movement, usize), MeasureError> {
+) -> Result<(Movement, usize, Vec<f64>), MeasureError> {
     let speed = signal::speed(positions, rate_hz)?;
     // Who never came to rest began with the signal, and ended where it was slowest within the target.
     let slowest = (entry..positions.len()).fold(entry, |best, at| if speed[at] < speed[best] { at } else { best });
@@ -92,8 +98,20 @@ fn movement(
             .or_else(|_| Movement::of(positions, rate_hz, onset, Edge::Sample(slowest)))
     };
     let bell = try_edges(Edge::Threshold).or_else(|_| try_edges(Edge::Sample(signal_at)))?;
-    if entry <= bell.end {
-        return Ok((bell, bell.end));
-    }
-    Ok((Movement::of(positions, rate_hz, Edge::Sample(bell.onset), Edge::Sample(entry))?, bell.end))
+    let whole = match entry <= bell.end {
+        true => bell,
+        false => Movement::of(positions, rate_hz, Edge::Sample(bell.onset), Edge::Sample(entry))?,
+    };
+    Ok((whole, bell.end, profile(&speed[whole.onset..=whole.end])))
+}
+
+/// A speed at even shares of its time, straight between samples.
+fn profile(speed: &[f64]) -> Vec<f64> {
+    let last = (speed.len() - 1) as f64;
+    let at = |place: usize| {
+        let sample = last * place as f64 / (PROFILE - 1) as f64;
+        let (below, above) = (speed[sample.floor() as usize], speed[sample.ceil() as usize]);
+        below + (above - below) * sample.fract()
+    };
+    (0..PROFILE).map(at).collect()
 }

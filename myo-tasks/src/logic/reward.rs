@@ -100,7 +100,7 @@ pub fn remaining_path<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -
 
 /// A distance (m) as it is felt: far away it grows no more. After the proximity term of Selder et al. 2025, doi 10.1145/3746059.3747779.
 #[inline(always)]
-fn felt<S: Scalar>(distance: S, scale: Option<S>) -> S {
+pub fn felt<S: Scalar>(distance: S, scale: Option<S>) -> S {
     let Some(scale) = scale else { return distance };
     scale * (S::lit(1.0) - (-distance * scale.recip()).exp())
 }

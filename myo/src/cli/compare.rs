@@ -84,7 +84,7 @@ fn train(args: &Compare, arguments: [&str; 2], trained: [Option<PathBuf>; 2]) ->
     // Nothing is trained for a comparison that cannot be.
     let open = |side: usize| match &trained[side] {
         Some(folder) => group(String::new(), folder).map(|_| None),
-        None => Scenario::open(arguments[side]).map(Some),
+        None => Scenario::open_for(arguments[side], args.how.user()).map(Some),
     };
     let scenarios = [open(0)?, open(1)?];
     let free = || free_folder(&format!("{}-{}", run_name(arguments[0]), run_name(arguments[1])));

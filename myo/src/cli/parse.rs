@@ -1,6 +1,7 @@
 //! Values of options.
 
 use myo::env::MOST_THREADS;
+use myo::tasks::User;
 
 /// A whole number, 1 or more.
 pub fn positive(text: &str) -> Result<usize, String> {
@@ -33,6 +34,12 @@ pub fn count(text: &str) -> Result<u64, String> {
         return Ok(number as u64);
     }
     Err("expected a whole number, 1 or more, such as 60000000, 60M or 200k".into())
+}
+
+/// Who does a task.
+pub fn user(text: &str) -> Result<User, String> {
+    let names = || User::ALL.map(|user| format!("`{}`", user.name())).join(" or ");
+    User::ALL.into_iter().find(|user| user.name() == text).ok_or_else(|| format!("expected {}", names()))
 }
 
 #[cfg(test)]

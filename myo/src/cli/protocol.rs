@@ -1,15 +1,15 @@
 //! `myo eval --protocol`: simulated users asked what people were asked.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use myo::measure::bands::{Figures, Verdict, judge};
 use myo::protocol::{
-    FittsLaw, KeyPresses, Kinematics, MuscleDrive, Practice, ProtocolError, Recording, Scatter, Stillness, Strength,
-    UserReaches, reaches, record,
+    FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Recording, Scatter, Stillness,
+    Strength, UserReaches, reaches, record,
 };
 use myo::train::session::evaluation_seed;
-use myo::train::{Checkpoint, PpoConfig};
+use myo::train::{Checkpoint, PpoConfig, write_whole};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -81,23 +81,43 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
             let found = Strength::of(&asked.scenario.model).map_err(ProtocolError::from)?;
             if json { print_json(&found) } else { print(&strength(&found)) }
         }
-        Protocol::F1 => tell("F1", &asking.fitts(figures)?, fitts, json),
-        Protocol::K1 => tell("K1", &asking.kinematics(figures)?, kinematics, json),
-        Protocol::K2 => tell("K2", &asking.scatter(figures)?, scatter, json),
-        Protocol::K3 => tell("K3", &asking.stillness(figures)?, stillness, json),
-        Protocol::K5 => tell("K5", &asking.drive(figures)?, drive, json),
-        Protocol::T1 => tell("T1", &asking.keys(figures)?, keys, json),
+        Protocol::F1 => tell(asked, "F1", &asking.fitts(figures)?, (fitts, Some(FittsLaw::plot)), json),
+        Protocol::K1 => tell(asked, "K1", &asking.kinematics(figures)?, (kinematics, Some(Kinematics::plot)), json),
+        Protocol::K2 => tell(asked, "K2", &asking.scatter(figures)?, (scatter, Some(Scatter::plot)), json),
+        Protocol::K3 => tell(asked, "K3", &asking.stillness(figures)?, (stillness, None), json),
+        Protocol::K5 => tell(asked, "K5", &asking.drive(figures)?, (drive, None), json),
+        Protocol::T1 => tell(asked, "T1", &asking.keys(figures)?, (keys, None), json),
         Protocol::Bands => bands(&mut asking, json),
     }
 }
 
-fn tell<T: Serialize>(protocol: &str, found: &T, text: fn(&T) -> String, json: bool) -> Result<()> {
+/// How an answer is told: as text, and as a plot if it has one.
+type Telling<T> = (fn(&T) -> String, Option<fn(&T) -> Plot>);
+
+fn tell<T: Serialize>(
+    asked: &Asked<'_>,
+    protocol: &str,
+    found: &T,
+    (text, plot): Telling<T>,
+    json: bool,
+) -> Result<()> {
+    let plots = plot.map_or_else(|| Ok(vec![]), |plot| draw(asked, protocol, &plot(found)))?;
     if !json {
-        return print(&text(found));
+        let lines: String = plots.iter().map(|path| format!("plot: {}\n", path.display())).collect();
+        return print(&format!("{}{lines}", text(found)));
     }
     let mut value = serde_json::to_value(found)?;
     value["protocol"] = protocol.into();
+    value["plots"] = serde_json::to_value(&plots)?;
     print_json(&value)
+}
+
+/// Writes a plot beside the users who practised, as SVG and as PNG.
+fn draw(asked: &Asked<'_>, protocol: &str, plot: &Plot) -> Result<Vec<PathBuf>> {
+    let path = |ending: &str| asked.folder.join("protocols").join(format!("{protocol}.{ending}"));
+    let files = [(path("svg"), plot.svg()?.into_bytes()), (path("png"), plot.png()?)];
+    let write = |(path, contents): (PathBuf, Vec<u8>)| write_whole(&path, &contents).map(|()| path);
+    Ok(files.into_iter().map(write).collect::<std::result::Result<_, _>>()?)
 }
 
 /// Users who practise what is asked of them, once.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use myo::env::EnvConfig;
 use myo::model::{Model, ModelDescription};
-use myo::tasks::{Report, Source, Task, load};
+use myo::tasks::{Report, Source, Task, User, load};
 use myo::train::PpoConfig;
 use myo::{
     Backend, Envs, LayoutsError, ModelReach, RunDescription, Setting, layout_names, most_success, one_structure,
@@ -35,7 +35,13 @@ pub struct Scenario {
 impl Scenario {
     /// Reads a preset or a task file, prints warnings, and refuses a task that cannot be done.
     pub fn open(name_or_file: &str) -> Result<Self> {
+        Self::open_for(name_or_file, None)
+    }
+
+    /// The same for a user who is like this where the task does not say.
+    pub fn open_for(name_or_file: &str, user: Option<User>) -> Result<Self> {
         let source = read(name_or_file)?;
+        let source = user.map_or_else(|| source.clone(), |user| source.clone().done_by(user));
         let (report, model) = examine(&source)?;
         let (errors, warnings) = mistakes(&source, &report);
         warnings.iter().for_each(Mistake::tell);
@@ -48,8 +54,8 @@ impl Scenario {
     }
 
     /// The same with several layouts, which must have one structure.
-    pub fn open_together(names_or_files: &[String]) -> Result<Self> {
-        let scenarios = names_or_files.iter().map(|name| Self::open(name)).collect::<Result<Vec<_>>>()?;
+    pub fn open_together(names_or_files: &[String], user: Option<User>) -> Result<Self> {
+        let scenarios = names_or_files.iter().map(|name| Self::open_for(name, user)).collect::<Result<Vec<_>>>()?;
         let most_success = scenarios.iter().map(|scenario| scenario.most_success).fold(1.0, f64::min);
         let layouts: Vec<Task> = scenarios.iter().map(|scenario| scenario.task.clone()).collect();
         let Some(first) = scenarios.into_iter().next() else { return Err(Failure::sentence("name a task")) };

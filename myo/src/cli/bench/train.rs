@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use clap::Args;
+use myo::tasks::User;
 use myo::train::PpoConfig;
 use myo::train::session::{End, Goal, Outcome, Until};
 use myo::{Device, Start};
@@ -25,6 +26,10 @@ use crate::cli::train::{LearnerOptions, Ready};
 pub struct TrainArgs {
     /// Name of a task, or a task file
     task: String,
+
+    /// What the user is like where the task does not say: `human` or `fastest` [default: as the task says]
+    #[arg(long, value_name = "USER", value_parser = parse::user)]
+    user: Option<User>,
 
     /// Seeds to train with: 1 to N
     #[arg(long, value_name = "N", default_value = "5", value_parser = parse::positive)]
@@ -88,7 +93,7 @@ struct Row {
 /// Runs `myo bench train`.
 pub fn run(args: &TrainArgs) -> Result<()> {
     args.learner.settings(&PpoConfig::default())?;
-    let scenario = Scenario::open(&args.task)?;
+    let scenario = Scenario::open_for(&args.task, args.user)?;
     let interrupt = Interrupt::listen()?;
     let mut rows = if args.at_once { measure_all(args, &scenario, &interrupt)? } else { Vec::new() };
     for seed in (1..=args.seeds as u64).filter(|_| !args.at_once) {

@@ -15,6 +15,7 @@ use std::thread::Scope;
 use std::time::Duration;
 
 use clap::Args;
+use myo::tasks::User;
 use myo::train::session::{End, Goal, Outcome, Until};
 use myo::train::{Checkpoint, Inherited, PpoConfig, RunError, RunWriter, Trainer};
 use myo::{Backend, Device, RunDescription, Start, WarmStart, layout_names};
@@ -68,7 +69,7 @@ pub struct Train {
 
     /// Continue a run, or the runs of --seeds, from the newest checkpoint on the same backend, bit for bit as if it had never
     /// stopped; on another --backend or --device, up to rounding
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "together", "out", "seed", "seeds", "from", "envs", "set"])]
+    #[arg(long, value_name = "RUN", conflicts_with_all = ["task", "together", "out", "seed", "seeds", "from", "envs", "set", "user"])]
     resume: Option<PathBuf>,
 
     /// Print the result as JSON on standard output; progress stays on standard error
@@ -83,6 +84,10 @@ pub struct Train {
 /// How users are trained, whoever asks for it.
 #[derive(Clone, Debug, Default, Args)]
 pub struct TrainingOptions {
+    /// What the user is like where the task does not say: `human` or `fastest` [default: as the task says]
+    #[arg(long, value_name = "USER", value_parser = parse::user)]
+    user: Option<User>,
+
     /// Seed of everything random [default: 1]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
@@ -110,6 +115,7 @@ pub struct TrainingOptions {
 const HELP: &str = "\
 Examples:
   myo train pointing                          until the user has finished learning, at most 200 M control steps
+  myo train pointing --user fastest           as fast as muscles allow, whatever the effort: for comparisons of learners
   myo train pointing --until 0.95             until 95 % of fresh episodes succeed, which is where it has just begun to be good
   myo train my.yaml --out runs/slow --seed 7
   myo train pointing --until off --steps 20M --set discount_per_s=0.7
@@ -144,6 +150,11 @@ of such objects, `reached`, the number of seeds that reached the goal, and `mean
 `success`, `episode_length_s` and `effort`.";
 
 impl TrainingOptions {
+    /// Who does the tasks where they do not say.
+    pub fn user(&self) -> Option<User> {
+        self.user
+    }
+
     fn checkpoint_every(&self) -> Duration {
         Duration::from_secs_f64(self.checkpoint_every_s)
     }
@@ -211,7 +222,7 @@ fn start(args: &Train, tasks: &[String], interrupt: &Interrupt) -> Result<()> {
     let config = args.how.learner.settings(&base)?;
     let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
-    let (scenario, run_name) = (Scenario::open_together(tasks)?, run_name_of(tasks));
+    let (scenario, run_name) = (Scenario::open_together(tasks, args.how.user)?, run_name_of(tasks));
     let steps = args.how.steps.unwrap_or_else(|| myo::default_steps(scenario.task.control_dt_s));
     let goal = Goal { until: args.how.until.unwrap_or_default(), steps };
     warn_of_goal(&scenario, goal.until.share());

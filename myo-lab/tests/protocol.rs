@@ -1,0 +1,208 @@
+//! Protocols on recordings whose figures are known, and on users who have learnt nothing.
+
+use myo_env::CpuEnv;
+use myo_lab::protocol::{
+    Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Recording, SELECTIONS, Scatter, Stillness,
+    UserReaches, circle_targets, conditions, reaches, record,
+};
+use myo_lab::{ModelReach, one_structure};
+use myo_measure::fitts::index_of_difficulty;
+use myo_model::{Model, builtin};
+use myo_tasks::{Task, check, preset};
+use myo_train::{Policy, PpoConfig, Trainer};
+
+const RATE_HZ: f64 = 500.0;
+/// A user of Fitts' law: intercept (s) and slope (s/bit).
+const LAW: [f64; 2] = [0.1, 0.15];
+/// How long it stays in a target.
+const DWELL_S: f64 = 0.25;
+
+fn arm(name: &str) -> Model {
+    Model::new(&builtin(name).unwrap()).unwrap()
+}
+
+/// Numbers spread evenly over (-1, 1), the same ones always.
+fn spread(number: usize) -> f64 {
+    let golden = 0.618_033_988_749_895 * number as f64;
+    2.0 * (golden - golden.floor()) - 1.0
+}
+
+/// Minimum jerk (Flash and Hogan 1985).
+fn minimum_jerk(share: f64) -> f64 {
+    let s = share.clamp(0.0, 1.0);
+    s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
+}
+
+/// How long the ideal user takes for a condition (s).
+fn movement_time(condition: usize) -> f64 {
+    let [distance, width] = conditions()[condition];
+    LAW[0] + LAW[1] * index_of_difficulty(distance, width)
+}
+
+/// Reaches for every target by minimum jerk, ends up off it by a share of the way, and rests.
+fn ideal(condition: usize, episode: usize) -> Recording {
+    let samples = |seconds: f64| (seconds * RATE_HZ).round() as usize;
+    let duration = samples(movement_time(condition));
+    let mut at = [0.2, 0.0, -0.5];
+    let (mut fingertip, mut done) = (vec![at; samples(0.2)], vec![]);
+    for (selection, target) in circle_targets(conditions()[condition][0]).into_iter().enumerate() {
+        let begin = if selection == 0 { 0 } else { fingertip.len() };
+        let off = 1.0 + 0.02 * spread(97 * condition + 31 * episode + selection);
+        let way: [f64; 3] = std::array::from_fn(|k| off * (target[k] - at[k]));
+        let place = |share: f64| std::array::from_fn::<f64, 3, _>(|k| at[k] + share * way[k]);
+        fingertip.extend((1..=duration).map(|sample| place(minimum_jerk(sample as f64 / duration as f64))));
+        let entry = fingertip.len();
+        fingertip.extend(vec![place(1.0); samples(DWELL_S)]);
+        done.push(Done { begin, entry, end: fingertip.len() });
+        at = place(1.0);
+    }
+    let n = fingertip.len();
+    Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], activations: vec![0.1; n], done }
+}
+
+fn ideal_user(episodes: usize) -> UserReaches {
+    let of = |condition| (0..episodes).map(|episode| ideal(condition, episode)).collect();
+    let layouts: Vec<Vec<Recording>> = (0..conditions().len()).map(of).collect();
+    UserReaches { reaches: reaches(&layouts).unwrap(), repeats: episodes }
+}
+
+#[test]
+fn fitts_law_comes_out_as_it_went_in() {
+    let found = FittsLaw::of(&[ideal_user(5), ideal_user(5)]).unwrap();
+    // To a sample of 2 ms.
+    assert!((found.fitts.slope_s_per_bit - LAW[1]).abs() < 2e-3, "{:?}", found.fitts);
+    assert!((found.fitts.intercept_s - LAW[0]).abs() < 4e-3 && found.fitts.r2 > 0.999, "{:?}", found.fitts);
+    assert!(found.fitts.distinct_indices >= 8 && found.users == 2);
+    assert!(found.conditions.iter().all(|condition| condition.missed == 0.0), "{:?}", found.conditions);
+    // Equal users differ in nothing.
+    let [low, high] = found.fitts.slope_s_per_bit_interval.unwrap();
+    assert!((high - low).abs() < 1e-12);
+    // Ends are spread evenly over 4 % of the way, so that effective widths and indices go by that alone.
+    let sd = 0.04 / 12_f64.sqrt();
+    let index = (1.0 / (4.133 * sd) + 1.0).log2();
+    let all = conditions().len();
+    let expected = (0..all).map(|condition| index / movement_time(condition)).sum::<f64>() / all as f64;
+    assert!(
+        (found.fitts.throughput_bit_s / expected - 1.0).abs() < 0.05,
+        "{} {expected}",
+        found.fitts.throughput_bit_s
+    );
+}
+
+#[test]
+fn movements_of_minimum_jerk_are_told_as_such() {
+    let found = Kinematics::of(&[ideal_user(3)]).unwrap();
+    let figure = |key: &str| found.rows.iter().find(|row| row.key == key).unwrap().median;
+    assert_eq!(found.movements, 3 * (SELECTIONS - 1) * conditions().len());
+    // From 5 % to 5 % of its peak it has a peak of 1.66 times its mean.
+    assert!((1.5..1.9).contains(&figure("peak_over_mean")), "{}", figure("peak_over_mean"));
+    assert!((figure("time_of_peak") - 0.5).abs() < 0.02, "{}", figure("time_of_peak"));
+    let maxima = ["speed_maxima_easy", "speed_maxima_hard", "speed_maxima_per_bit"].map(figure);
+    assert_eq!(maxima, [1.0, 1.0, 0.0]);
+    assert!((figure("path_over_chord") - 1.0).abs() < 1e-3, "{}", figure("path_over_chord"));
+    assert!((-1.65..-1.35).contains(&figure("sparc")), "{}", figure("sparc"));
+    // The peak is 1.875 times the mean over the whole duration, 30 cm over the times of the four widths.
+    let of_30 = (0..conditions().len()).filter(|&condition| conditions()[condition][0] == 0.3);
+    let peaks: Vec<f64> = of_30.map(|condition| 1.875 * 0.3 / movement_time(condition)).collect();
+    let [slowest, fastest] = [f64::min, f64::max].map(|of| peaks.iter().copied().reduce(of).unwrap());
+    assert!((slowest..fastest).contains(&figure("peak_speed_30_m_s")), "{}", figure("peak_speed_30_m_s"));
+}
+
+#[test]
+fn ends_that_scatter_along_the_way_are_told_as_such() {
+    let found = Scatter::of(&[ideal_user(12)]).unwrap();
+    assert!(found.elongation > 10.0, "{found:?}");
+    // 4 % of the way, spread evenly: 1.15 cm more for each metre.
+    assert!((found.growth_along - 0.04 / 12_f64.sqrt()).abs() < 2e-3, "{}", found.growth_along);
+    let error = Scatter::of(&[ideal_user(2)]).unwrap_err().to_string();
+    assert!(error.contains("end points over 100 mm") && error.contains("at least"), "{error}");
+}
+
+#[test]
+fn users_who_select_too_little_have_no_law() {
+    let mut user = ideal_user(4);
+    user.reaches.retain(|reach| reach.condition != 3 || reach.selection < 3);
+    let error = FittsLaw::of(&[user]).unwrap_err().to_string();
+    assert!(error.contains("the user did 8 of 52, and at least 26 are needed"), "{error}");
+}
+
+#[test]
+fn what_is_practised_can_be_done() {
+    for name in ["mobl-arms", "mobl-arms-uitb", "myo-arm"] {
+        let (user, model) = (Task { model: name.into(), ..preset("pointing").unwrap() }, arm(name));
+        for practice in Practice::ALL {
+            let layouts = practice.layouts(&user).unwrap();
+            one_structure(&model, &layouts).unwrap();
+            for layout in &layouts {
+                assert_eq!((&layout.reward, &layout.noise), (&user.reward, &user.noise));
+                assert_eq!(layout.control_dt_s, user.control_dt_s);
+                let report = check(layout, &ModelReach::for_task(&model, layout).unwrap());
+                assert!(report.errors.is_empty(), "{name}, {}: {:?}", layout.name, report.errors);
+            }
+        }
+    }
+}
+
+/// A user who has learnt nothing.
+fn untrained(model: &Model, layouts: &[Task]) -> Policy {
+    let config = PpoConfig { num_envs: 64, policy_hidden: vec![8], value_hidden: vec![8], ..PpoConfig::default() };
+    let env = CpuEnv::with_layouts(model, layouts, &config.envs(1)).unwrap();
+    Trainer::new(Box::new(env), config, 1).unwrap().policy()
+}
+
+#[test]
+fn recordings_are_whole_episodes_and_the_same_again() {
+    let (user, model) = (preset("pointing").unwrap(), arm("mobl-arms-uitb"));
+    let mut layouts = Practice::Pointing.layouts(&user).unwrap();
+    layouts.truncate(3);
+    layouts.iter_mut().for_each(|layout| layout.time_limit_s = 1.0);
+    let mut policy = untrained(&model, &layouts);
+    let found = record(&mut policy, &model, &layouts, (2, 7)).unwrap();
+    assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2]);
+    for recording in found.iter().flatten() {
+        // A second of 500 samples; nothing was done.
+        let counts = (recording.fingertip.len(), recording.force.len(), recording.done.len());
+        assert_eq!((counts, recording.rate_hz.round()), ((500, 500, 0), 500.0));
+        assert_eq!(recording.activations.len(), 500 * model.muscles.len());
+        assert!(recording.activations.iter().all(|act| (0.0..=1.0).contains(act)));
+    }
+    let again =
+        |policy: &mut Policy, seed| record(policy, &model, &layouts, (2, seed)).unwrap()[2][1].fingertip.clone();
+    assert_eq!(found[2][1].fingertip, again(&mut policy, 7));
+    assert_ne!(found[2][1].fingertip, again(&mut policy, 8));
+}
+
+#[test]
+fn holds_and_activations_of_users_who_do_not_hold_are_refused() {
+    let model = arm("myo-arm");
+    let user = Task { model: "myo-arm".into(), ..preset("pointing").unwrap() };
+    let layouts = Practice::Holding.layouts(&user).unwrap();
+    let found = record(&mut untrained(&model, &layouts), &model, &layouts, (6, 1)).unwrap().remove(0);
+    let still = Stillness::of(std::slice::from_ref(&found)).unwrap_err();
+    let drive = MuscleDrive::of(&model, &[(found.clone(), found)]).unwrap_err();
+    for error in [still, drive] {
+        assert!(matches!(error, ProtocolError::TooFew { found: 0, asked: 6, .. }), "{error}");
+    }
+}
+
+#[test]
+fn a_held_arm_is_as_still_as_it_was() {
+    // 3 s in the target, moving evenly with 5 mm/s and trembling by 0.1 mm at 8 Hz.
+    let n = 1500;
+    let at = |sample: usize| {
+        let t = sample as f64 / RATE_HZ;
+        [0.4 + 0.005 * t, 1e-4 * (std::f64::consts::TAU * 8.0 * t).sin(), -0.4]
+    };
+    let fingertip: Vec<[f64; 3]> = (0..n).map(at).collect();
+    let activations = vec![0.07; 32 * n];
+    let done = vec![Done { begin: 0, entry: 0, end: n }; 2];
+    let holds = vec![Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], activations, done }; 6];
+    let found = Stillness::of(std::slice::from_ref(&holds)).unwrap();
+    for row in &found.rows {
+        assert!((row.mean_speed_m_s - 0.0062).abs() < 5e-4, "{row:?}");
+        assert!((row.tremor_m - 2e-4).abs() < 2e-5, "{row:?}");
+    }
+    let drive = MuscleDrive::of(&arm("myo-arm"), &[(holds.clone(), holds)]).unwrap();
+    assert!((drive.rows[0].mean - 0.07).abs() < 1e-6 && drive.rows[0].share_saturated == 0.0, "{drive:?}");
+    assert!((drive.rows[0].elbow_co_contraction - 1.0).abs() < 1e-6, "all pull alike: {drive:?}");
+}
