@@ -2,7 +2,7 @@
 
 use myo_measure::bands::{Figure, Figures};
 use myo_measure::fitts::{Condition, Users, index_of_difficulty};
-use myo_measure::{EndpointCloud, Line, Movement, Spread, statistics};
+use myo_measure::{EndpointCloud, Movement, Spread, statistics};
 use serde::Serialize;
 
 use super::ProtocolError;
@@ -336,7 +336,7 @@ fn median<'a>(
 
 fn slope(points: impl Iterator<Item = (f64, f64)>) -> Result<f64, ProtocolError> {
     let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
-    Line::through(&x, &y).map(|line| line.slope).map_err(ProtocolError::measuring("a change per bit"))
+    statistics::slope(&x, &y).map_err(ProtocolError::measuring("a change per bit"))
 }
 
 /// The mean over distances: difficulty by smaller widths alone.
