@@ -64,9 +64,11 @@ TASK_FIELDS = [
     "stimulus",
     "correction",
     "time_limit_s",
+    "user",
     "reward",
     "observation",
     "reset",
+    "perception",
     "noise",
     "control_dt_s",
     "model",
@@ -317,7 +319,7 @@ class Writer:
             self.base("Step", "Instruction", self.parts["Instruction"]["description"]),
             *(self.step(action) for action in self.steps),
             *self.kinds("Technique"),
-            *(self.plain_part(name) for name in ("Reward", "Observation", "Reset", "Noise")),
+            *(self.plain_part(name) for name in ("Reward", "Observation", "Reset", "Perception", "Noise")),
             self.build_task(),
         ]
         listed = "".join(f'    "{name}",\n' for name in sorted([*self.names, "Place"]))

@@ -105,6 +105,7 @@ def test_classes_have_the_fields_of_the_schema():
         "Reward",
         "Observation",
         "Reset",
+        "Perception",
         "Noise",
     )
     for name, part in [*((name, parts[name]) for name in same), ("Type", parts["Text"])]:
@@ -194,6 +195,8 @@ def test_all_parts_are_read():
         reward=s.Reward(distance_cost=20, inside_is_zero=False),
         observation=s.Observation(joint_velocity=False),
         reset=s.Reset(pose="near_zero"),
+        user="human",
+        perception=s.Perception(vision_delay_ms=80),
         noise=s.Noise(constant=0.185),
         control_dt_s=0.02,
         model="mobl-arms",
@@ -202,6 +205,7 @@ def test_all_parts_are_read():
     assert task.num_targets == 4 + 2 + 6
     described = myoenv.to_dict(task)
     assert described["scene"]["ball2"]["moves"]["waves"][1] == {"by": [0, 0, 0.05], "period_s": 3}
+    assert (described["user"], described["perception"]["vision_delay_ms"]) == ("human", 80)
     assert not described["reward"]["inside_is_zero"] and not described["observation"]["joint_velocity"]
     for technique in (s.GoGo(gain=10), s.Cursor(onto="wall", at=(0.3, 0, -0.3), gain=2), "fingertip"):
         scene = {

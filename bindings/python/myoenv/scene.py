@@ -60,6 +60,7 @@ __all__ = [
     "Object",
     "Observation",
     "Obstacle",
+    "Perception",
     "Place",
     "Press",
     "PressAndRelease",
@@ -767,6 +768,9 @@ class Reward(Described):
         distance_cost: Cost per second and metre of the distance from the fingertip to the current target. Default 6:
             where the arm must first go away from a target to reach it, a larger cost makes stopping short pay. From 0
             to 1,000,000.
+        distance_scale_m: Where distances count for less: the cost grows with `s (1 - e^(-d / s))` instead of the
+            distance `d`, where `s` is this in m. Near the target it is the same, far away no more than `s`. Default 0:
+            the distance itself. From 0 to 10 m.
         inside_is_zero: `True`: the fingertip's distance counts from the sphere's surface and is 0 inside, so that
             dwelling anywhere in it costs nothing; for a button it counts from the pressed face. `False`: from the
             centre. Default True.
@@ -786,6 +790,7 @@ class Reward(Described):
     """
 
     distance_cost: float | None = None
+    distance_scale_m: float | None = None
     inside_is_zero: bool | None = None
     remaining_path: bool | None = None
     time_cost: float | None = None
@@ -882,6 +887,22 @@ class Reset(Described):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
+class Perception(Described):
+    """How late the simulated user perceives, in ms, rounded to whole control steps.
+
+    Args:
+        vision_delay_ms: What is seen: where objects are, what became of them, where a pointer other than the fingertip
+            is. Default 0. From 0 to 1,000 ms.
+        body_delay_ms: What is felt of the own body: joints, fingertip, activations. Default 0. From 0 to 1,000 ms.
+        touch_delay_ms: The force of a touch. Default 0. From 0 to 1,000 ms.
+    """
+
+    vision_delay_ms: float | None = None
+    body_delay_ms: float | None = None
+    touch_delay_ms: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Noise(Described):
     """Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any
     control step as noise that is drawn every 0.05 s and held.
@@ -906,9 +927,11 @@ def build_task(
     stimulus: Literal["all", "current", "before_movement"] | None = None,
     correction: Name | None = None,
     time_limit_s: float | None = None,
+    user: Literal["human", "fastest"] | None = None,
     reward: Reward | None = None,
     observation: Observation | None = None,
     reset: Reset | None = None,
+    perception: Perception | None = None,
     noise: Noise | None = None,
     control_dt_s: float | None = None,
     model: str | None = None,
@@ -929,9 +952,15 @@ def build_task(
             goes on. Without it wrong presses are counted, and cost what `reward.wrong_press` says.
         time_limit_s: When an episode ends without success, in s. Rounded to whole control steps. Default 12. From 0.001
             to 600 s.
+        user: Who does it: what the simulated user is like where this task does not say. `human` moves as people do,
+            `fastest` as fast as its muscles allow. Default `fastest`. `human`: Moves as people do: with motor noise,
+            with senses that are late, and with regard to its effort. `docs/people.md` tells how far it does. `fastest`:
+            As fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of
+            learners, and of tasks whose speed is all that counts.
         reward: What the simulated user is rewarded for.
         observation: What the simulated user perceives.
         reset: How the body starts an episode.
+        perception: How late it is perceived.
         noise: Motor noise, off by default.
         control_dt_s: Time between two decisions of the simulated user, in s; muscle controls are held in between. From
             0.001 to 0.5; default 0.05 (20 Hz).
@@ -951,9 +980,11 @@ def build_task(
         "stimulus": stimulus,
         "correction": correction,
         "time_limit_s": time_limit_s,
+        "user": user,
         "reward": reward,
         "observation": observation,
         "reset": reset,
+        "perception": perception,
         "noise": noise,
         "control_dt_s": control_dt_s,
         "model": model,
