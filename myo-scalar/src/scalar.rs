@@ -198,6 +198,23 @@ pub trait Scalar:
         }
     }
 
+    /// Maps the rows of a table: `put(context, k, body(take(context, k)))`. A symbolic number may record the body once, for all rows:
+    /// then it takes of all rows first and puts all of them last. What is taken as a constant in every row becomes a table, and of the
+    /// rest only what the body reads is kept.
+    #[inline(always)]
+    fn map_rows<C, const I: usize, const O: usize>(
+        count: usize,
+        context: &mut C,
+        take: impl Fn(&C, usize) -> [Self; I],
+        mut body: impl FnMut([Self; I]) -> [Self; O],
+        mut put: impl FnMut(&mut C, usize, [Self; O]),
+    ) {
+        for k in 0..count {
+            let found = body(take(context, k));
+            put(context, k, found);
+        }
+    }
+
     /// Runs `body` for each of `count` rows of tables, whose entries [`Scalar::of_row`] reads. `vars` are what it changes and what
     /// is read afterwards. A symbolic number may record the body once.
     #[inline(always)]

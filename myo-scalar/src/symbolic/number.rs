@@ -152,6 +152,13 @@ impl Word for SymWord {
 }
 
 impl Sym {
+    /// Its value, if it is a constant.
+    pub(super) fn constant(self) -> Option<f64> {
+        with_graph(|graph| match graph.nodes[self.0 as usize].op {
+            Op::Number(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        })
+    }
     fn one(op: Op, a: Self) -> Self {
         Self::apply(op, &[a.0])
     }
@@ -319,6 +326,25 @@ impl Scalar for Sym {
         }
         for (k, value) in output.iter_mut().enumerate() {
             *value = body(table[k].map(Self::splat), inputs.map(|input| input[k]), *value);
+        }
+    }
+    fn map_rows<C, const I: usize, const O: usize>(
+        count: usize,
+        context: &mut C,
+        take: impl Fn(&C, usize) -> [Self; I],
+        mut body: impl FnMut([Self; I]) -> [Self; O],
+        mut put: impl FnMut(&mut C, usize, [Self; O]),
+    ) {
+        if count < 2 || with_graph(|graph| graph.form) == Form::Straight {
+            for k in 0..count {
+                let found = body(take(context, k));
+                put(context, k, found);
+            }
+            return;
+        }
+        let rows: Vec<[Self; I]> = (0..count).map(|k| take(context, k)).collect();
+        for (k, found) in region::map_rows(&rows, body).into_iter().enumerate() {
+            put(context, k, found);
         }
     }
 }
