@@ -2,7 +2,8 @@
 
 use myo_scalar::symbolic::{Buffer, Contents, Entries, Form, Op, Program, Sharing, Sym, trace, trace_as};
 use myo_scalar::{
-    Carried, Counter, LaneTask, Level, Mask, Scalar, Stage, Visitor, Word, dispatch, normal_pair, philox, seed_words,
+    Carried, Counter, LaneTask, Level, Mask, RowMap, Scalar, Stage, Visitor, Word, dispatch, normal_pair, philox,
+    seed_words,
 };
 use proptest::prelude::*;
 
@@ -358,30 +359,46 @@ fn a_row_beyond_its_table_is_counted_among_what_a_program_touches() {
     assert_eq!(program.entries(2), Entries { per_env: 0, shared: 102 });
 }
 
-/// Polynomials at places, one of them by its roots, and what a sum of all values is after each: constants that differ and one that does not,
-/// numbers that vary, a loop in the body, more outputs than are needed.
-fn mapped<S: Scalar>(table: &[[S::Const; 2]], places: &[S]) -> Vec<S> {
-    struct Power<S>(S);
-    impl<S: Scalar> Carried<S> for Power<S> {
-        #[inline(always)]
-        fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-            visitor.number(&mut self.0);
-        }
+/// Polynomials at places: constants that differ and one that does not, numbers that vary, a loop in the map, more outcomes than are
+/// needed.
+struct Polynomials<'a, S: Scalar> {
+    table: &'a [[S::Const; 2]],
+    places: &'a [S],
+    sums: Vec<S>,
+}
+
+impl<S: Scalar> RowMap<S, 5, 3> for Polynomials<'_, S> {
+    #[inline(always)]
+    fn take(&self, k: usize) -> [S; 5] {
+        let Self { table, places, .. } = self;
+        [S::splat(table[k][0]), places[k], S::lit(3.0), S::splat(table[k][1]), places[k] + places[0]]
     }
-    let mut sums = vec![S::zero()];
-    S::map_rows(
-        table.len(),
-        &mut sums,
-        |_, k| [S::splat(table[k][0]), places[k], S::lit(3.0), S::splat(table[k][1]), places[k] + places[0]],
-        |[slope, x, three, offset, _]| {
-            let mut power = Power(S::lit(1.0));
-            S::repeat(3, &mut power, |power| power.0 = power.0 * x);
-            let value = slope.mul_add(x, offset) * three + power.0;
-            [value, x.exp(), value - x]
-        },
-        |sums, k, [value, _, less]| sums.push(sums[k] + value * less),
-    );
-    sums
+    #[inline(always)]
+    fn map(&self, [slope, x, three, offset, _]: [S; 5]) -> [S; 3] {
+        struct Power<S>(S);
+        impl<S: Scalar> Carried<S> for Power<S> {
+            #[inline(always)]
+            fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+                visitor.number(&mut self.0);
+            }
+        }
+        let mut power = Power(S::lit(1.0));
+        S::repeat(3, &mut power, |power| power.0 = power.0 * x);
+        let value = slope.mul_add(x, offset) * three + power.0;
+        [value, x.exp(), value - x]
+    }
+    #[inline(always)]
+    fn put(&mut self, k: usize, [value, _, less]: [S; 3]) {
+        self.sums.push(self.sums[k] + value * less);
+    }
+}
+
+/// What the sum of all is after each row.
+#[inline(always)]
+fn mapped<S: Scalar>(table: &[[S::Const; 2]], places: &[S]) -> Vec<S> {
+    let mut rows = Polynomials { table, places, sums: vec![S::zero()] };
+    S::map_rows(table.len(), &mut rows);
+    rows.sums
 }
 
 /// The same in lanes, all alike.

@@ -4,7 +4,7 @@ use super::graph::{Form, Id, Kind, Op};
 use super::{region, with_graph};
 use crate::carried::{Carried, Visitor};
 use crate::elementary::{self, Bits};
-use crate::scalar::{Mask, Row, Scalar, Stage, Word};
+use crate::scalar::{Mask, Row, RowMap, Scalar, Stage, Word};
 use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Mul, Neg, Not, Shl, Shr, Sub, SubAssign};
 
 /// A node of the running trace as a value.
@@ -328,23 +328,17 @@ impl Scalar for Sym {
             *value = body(table[k].map(Self::splat), inputs.map(|input| input[k]), *value);
         }
     }
-    fn map_rows<C, const I: usize, const O: usize>(
-        count: usize,
-        context: &mut C,
-        take: impl Fn(&C, usize) -> [Self; I],
-        mut body: impl FnMut([Self; I]) -> [Self; O],
-        mut put: impl FnMut(&mut C, usize, [Self; O]),
-    ) {
+    fn map_rows<const I: usize, const O: usize>(count: usize, rows: &mut impl RowMap<Self, I, O>) {
         if count < 2 || with_graph(|graph| graph.form) == Form::Straight {
             for k in 0..count {
-                let found = body(take(context, k));
-                put(context, k, found);
+                let found = rows.map(rows.take(k));
+                rows.put(k, found);
             }
             return;
         }
-        let rows: Vec<[Self; I]> = (0..count).map(|k| take(context, k)).collect();
-        for (k, found) in region::map_rows(&rows, body).into_iter().enumerate() {
-            put(context, k, found);
+        let taken: Vec<[Self; I]> = (0..count).map(|k| rows.take(k)).collect();
+        for (k, found) in region::map_rows(&taken, |taken| rows.map(taken)).into_iter().enumerate() {
+            rows.put(k, found);
         }
     }
 }

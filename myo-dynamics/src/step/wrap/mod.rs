@@ -16,7 +16,7 @@ pub use course::{Course, OnSide, Round, course, points};
 use crate::plan::{Bundle, Plan, RoundShape, Side, Stretch, Way};
 use crate::spatial::{Frame, Rotation, Vec3, Wrench};
 use crate::workspace::Workspace;
-use myo_scalar::{Scalar, Stage};
+use myo_scalar::{RowMap, Scalar, Stage};
 
 /// Adds the lengths and rates of the stretches that may bend; fills their lines.
 #[inline(always)]
@@ -40,16 +40,31 @@ impl<S: Scalar> Stage<S> for Lengths<'_, S> {
         let Self { plan, ws } = self;
         let mut first = 0;
         for bundle in &plan.tendons.wraps {
-            let stretches = &bundle.stretches[..];
-            S::map_rows(
-                stretches.len(),
-                ws,
-                |ws, k| Given::of(&stretches[k], ws).array(),
-                |given| way(bundle, Given::from_array(given)),
-                |ws, k, found| take_in(bundle, k, first + k, found, ws),
-            );
-            first += stretches.len();
+            S::map_rows(bundle.stretches.len(), &mut Ways { bundle, first, ws });
+            first += bundle.stretches.len();
         }
+    }
+}
+
+/// The ways of a bundle's stretches, whose first one is the `first`-th of all.
+struct Ways<'a, S: Scalar> {
+    bundle: &'a Bundle<S::Const>,
+    first: usize,
+    ws: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> RowMap<S, GIVEN, FOUND> for Ways<'_, S> {
+    #[inline(always)]
+    fn take(&self, k: usize) -> [S; GIVEN] {
+        Given::of(&self.bundle.stretches[k], self.ws).array()
+    }
+    #[inline(always)]
+    fn map(&self, given: [S; GIVEN]) -> [S; FOUND] {
+        way(self.bundle, Given::from_array(given))
+    }
+    #[inline(always)]
+    fn put(&mut self, k: usize, found: [S; FOUND]) {
+        take_in(self.bundle, k, self.first + k, found, self.ws);
     }
 }
 
