@@ -346,7 +346,7 @@ pub enum Way {
     Either,
 }
 
-/// Stretches of paths that differ in numbers only.
+/// Stretches of paths that differ in numbers only. Round things that are passed around are all on one link.
 #[derive(Clone, Debug)]
 pub struct Bundle<C> {
     /// What they may bend round.

@@ -118,13 +118,25 @@ impl Tendons<f64> {
             self.constant[muscle] += length;
             return;
         }
-        let kind = (round.shape, stretch.side.way(), local.is_some());
-        match self.wraps.iter_mut().find(|bundle| (bundle.shape, bundle.way, bundle.is_moored) == kind) {
+        match self.wraps.iter_mut().find(|bundle| bundle.takes(&stretch)) {
             Some(bundle) => bundle.stretches.push(stretch),
-            None => {
-                let (shape, way, is_moored) = kind;
-                self.wraps.push(Bundle { shape, way, is_moored, stretches: vec![stretch] });
-            }
+            None => self.wraps.push(Bundle {
+                shape: round.shape,
+                way: stretch.side.way(),
+                is_moored: local.is_some(),
+                stretches: vec![stretch],
+            }),
         }
+    }
+}
+
+impl Bundle<f64> {
+    /// Whether a stretch belongs to it. One link for all saves a loop over them the frames of each; that through things has a
+    /// loop inside, too long to be there once more.
+    fn takes(&self, other: &Stretch<f64>) -> bool {
+        let link = |stretch: &Stretch<f64>| stretch.round.frame.origin.link;
+        let is_near = self.way != Way::Around || self.stretches.iter().all(|stretch| link(stretch) == link(other));
+        let kind = (other.round.shape, other.side.way(), other.local.is_some());
+        is_near && (self.shape, self.way, self.is_moored) == kind
     }
 }

@@ -237,28 +237,46 @@ pub fn record_rows<const K: usize, const I: usize>(
     }
 }
 
-/// Records a loop that maps rows: constants become a table, the other inputs entries of chunks, which the outputs take over.
+/// What a map takes of all rows.
+enum Column {
+    /// The same of each.
+    Same(Sym),
+    /// Constants.
+    Constants(Vec<f64>),
+    /// Anything else.
+    Varying,
+}
+
+impl Column {
+    fn of(all: &[Sym]) -> Self {
+        match all.iter().map(|x| x.constant()).collect() {
+            _ if all.iter().all(|x| x.is_same(all[0])) => Self::Same(all[0]),
+            Some(constants) => Self::Constants(constants),
+            None => Self::Varying,
+        }
+    }
+}
+
+/// Records a loop that maps rows: constants become a table, what varies entries of chunks, which the outcomes take over.
 pub fn map_rows<const I: usize, const O: usize>(
     rows: &[[Sym; I]],
-    mut body: impl FnMut([Sym; I]) -> [Sym; O],
+    mut map: impl FnMut([Sym; I]) -> [Sym; O],
 ) -> Vec<[Sym; O]> {
-    let constants: [Option<Vec<f64>>; I] =
-        std::array::from_fn(|column| rows.iter().map(|row| row[column].constant()).collect());
-    let varying: Vec<usize> = (0..I).filter(|&column| constants[column].is_none()).collect();
+    let columns: [Column; I] =
+        std::array::from_fn(|column| Column::of(&rows.iter().map(|row| row[column]).collect::<Vec<Sym>>()));
+    let varying: Vec<usize> = (0..I).filter(|&column| matches!(columns[column], Column::Varying)).collect();
     let size = varying.len().max(O);
-    let taken = |row: &[Sym; I]| {
-        let taken: Vec<Sym> = varying.iter().map(|&column| row[column]).collect();
-        taken.into_iter().chain(std::iter::repeat(Sym::zero())).take(size).collect::<Vec<Sym>>()
-    };
-    let mut values: Vec<Sym> = rows.iter().flat_map(taken).collect();
+    let entry = |row: &[Sym; I], k: usize| varying.get(k).map_or_else(Sym::zero, |&column| row[column]);
+    let mut values: Vec<Sym> = rows.iter().flat_map(|row| (0..size).map(move |k| entry(row, k))).collect();
     let count = with_graph(|graph| graph.put_in_table([rows.len() as f64]));
     record_counted_chunks(Some(count), &mut values, size, |index, chunk| {
         let mut entries = chunk.iter();
-        let inputs = std::array::from_fn(|column| match &constants[column] {
-            Some(constants) => looked_up(constants, index),
-            None => *entries.next().expect("a chunk holds all that varies"),
+        let taken = std::array::from_fn(|column| match &columns[column] {
+            Column::Same(x) => *x,
+            Column::Constants(constants) => looked_up(constants, index),
+            Column::Varying => *entries.next().expect("a chunk holds all that varies"),
         });
-        body(inputs).iter().chain(&chunk[O..]).copied().collect()
+        map(taken).iter().chain(&chunk[O..]).copied().collect()
     });
     values.chunks_exact(size).map(|chunk| std::array::from_fn(|k| chunk[k])).collect()
 }

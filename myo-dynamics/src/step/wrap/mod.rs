@@ -14,7 +14,7 @@ mod within;
 pub use course::{Course, OnSide, Round, course, points};
 
 use crate::plan::{Bundle, Plan, RoundShape, Side, Stretch, Way};
-use crate::spatial::{Frame, Rotation, Vec3, Wrench};
+use crate::spatial::{Frame, Motion, Rotation, Vec3, Wrench};
 use crate::workspace::Workspace;
 use myo_scalar::{RowMap, Scalar, Stage};
 
@@ -60,108 +60,183 @@ impl<S: Scalar> RowMap<S, GIVEN, FOUND> for Ways<'_, S> {
     }
     #[inline(always)]
     fn map(&self, given: [S; GIVEN]) -> [S; FOUND] {
-        way(self.bundle, Given::from_array(given))
+        way(self.bundle, &Given::from_array(given)).array()
     }
     #[inline(always)]
     fn put(&mut self, k: usize, found: [S; FOUND]) {
-        take_in(self.bundle, k, self.first + k, found, self.ws);
+        take_in(self.bundle, k, self.first + k, &Found::from_array(found), self.ws);
     }
 }
 
-/// What the way of a stretch follows from. Points are given in axes of the link of the round thing, except for those that are
-/// fixed to it.
+/// What the way of a stretch follows from; places and velocities from O.
 struct Given<S> {
     radius: S,
-    /// Of the round thing.
+    /// Of the link of the round thing.
+    link: Frame<S>,
+    /// Of the round thing on its link.
     frame: Frame<S>,
     /// First and last end. The first one of a moored stretch is given from the centre and in axes of the round thing.
     ends: [Vec3<S>; 2],
     /// On the side. One that does not move is given like a moored end.
     side: Vec3<S>,
+    /// Velocity of the last end's link against that of the round thing.
+    velocity: Motion<S>,
 }
 
 /// How many numbers that is.
-const GIVEN: usize = 22;
-/// Numbers that tell a way: its length, the directions of its last and its first line, and one where it bends.
-const FOUND: usize = 8;
+const GIVEN: usize = 40;
 
 impl<S: Scalar> Given<S> {
     #[inline(always)]
     fn of(stretch: &Stretch<S::Const>, ws: &Workspace<S>) -> Self {
         let frame = &stretch.round.frame;
-        let link = ws.frame(frame.origin.link);
-        let first = match &stretch.local {
-            Some(local) => Vec3::splat(*local),
-            None => link.seen(ws.place(&stretch.ends[0])),
-        };
         let [x, y, z] = &frame.axes;
+        let (middle, last) = (frame.origin.link, &stretch.ends[1]);
         Self {
             radius: S::splat(stretch.round.radius),
+            link: ws.frame(middle),
             frame: Frame {
                 rotation: Rotation { x: Vec3::splat(*x), y: Vec3::splat(*y), z: Vec3::splat(*z) },
                 position: Vec3::splat(frame.origin.position),
             },
-            ends: [first, link.seen(ws.place(&stretch.ends[1]))],
+            ends: [
+                match &stretch.local {
+                    Some(local) => Vec3::splat(*local),
+                    None => ws.place(&stretch.ends[0]),
+                },
+                ws.place(last),
+            ],
             side: match &stretch.side {
                 // It is on no side.
                 Side::Any | Side::Inside => Vec3::zero(),
                 Side::Fixed(local) => Vec3::splat(*local),
-                Side::Moving(point) => link.seen(ws.place(point)),
+                Side::Moving(point) => ws.place(point),
             },
+            velocity: ws.velocity[last.link] - ws.velocity[middle],
         }
     }
 
     #[inline(always)]
     fn array(self) -> [S; GIVEN] {
-        let Self { radius, frame: Frame { rotation: Rotation { x, y, z }, position: p }, ends: [a, b], side: s } = self;
-        [
-            radius, p.x, p.y, p.z, x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, a.x, a.y, a.z, b.x, b.y, b.z, s.x, s.y,
-            s.z,
-        ]
+        let mut out = [self.radius; GIVEN];
+        let (link, frame) = (&self.link, &self.frame);
+        set(&mut out, 1, link.rotation.x);
+        set(&mut out, 4, link.rotation.y);
+        set(&mut out, 7, link.rotation.z);
+        set(&mut out, 10, link.position);
+        set(&mut out, 13, frame.rotation.x);
+        set(&mut out, 16, frame.rotation.y);
+        set(&mut out, 19, frame.rotation.z);
+        set(&mut out, 22, frame.position);
+        set(&mut out, 25, self.ends[0]);
+        set(&mut out, 28, self.ends[1]);
+        set(&mut out, 31, self.side);
+        set(&mut out, 34, self.velocity.ang);
+        set(&mut out, 37, self.velocity.lin);
+        out
     }
 
     #[inline(always)]
-    fn from_array(numbers: [S; GIVEN]) -> Self {
-        let vector = Self::vector;
+    fn from_array(x: [S; GIVEN]) -> Self {
         Self {
-            radius: numbers[0],
-            frame: Frame {
-                rotation: Rotation { x: vector(&numbers, 4), y: vector(&numbers, 7), z: vector(&numbers, 10) },
-                position: vector(&numbers, 1),
+            radius: x[0],
+            link: Frame {
+                rotation: Rotation { x: vector(&x, 1), y: vector(&x, 4), z: vector(&x, 7) },
+                position: vector(&x, 10),
             },
-            ends: [vector(&numbers, 13), vector(&numbers, 16)],
-            side: vector(&numbers, 19),
+            frame: Frame {
+                rotation: Rotation { x: vector(&x, 13), y: vector(&x, 16), z: vector(&x, 19) },
+                position: vector(&x, 22),
+            },
+            ends: [vector(&x, 25), vector(&x, 28)],
+            side: vector(&x, 31),
+            velocity: Motion { ang: vector(&x, 34), lin: vector(&x, 37) },
         }
-    }
-
-    #[inline(always)]
-    fn vector(numbers: &[S; GIVEN], first: usize) -> Vec3<S> {
-        Vec3::new(numbers[first], numbers[first + 1], numbers[first + 2])
     }
 }
 
-/// The way of a stretch, in axes of the link of the round thing.
+/// What is found of a stretch.
+struct Found<S> {
+    length: S,
+    /// As far as the last end moves.
+    rate: S,
+    /// At the last end.
+    arriving: Wrench<S>,
+    /// At the first end, of a stretch that is not moored.
+    leaving: Wrench<S>,
+    /// One where it bends, else zero.
+    bends: S,
+}
+
+/// How many numbers that is.
+const FOUND: usize = 15;
+
+impl<S: Scalar> Found<S> {
+    #[inline(always)]
+    fn array(self) -> [S; FOUND] {
+        let mut out = [self.bends; FOUND];
+        (out[0], out[1]) = (self.length, self.rate);
+        set(&mut out, 2, self.arriving.ang);
+        set(&mut out, 5, self.arriving.lin);
+        set(&mut out, 8, self.leaving.ang);
+        set(&mut out, 11, self.leaving.lin);
+        out
+    }
+
+    #[inline(always)]
+    fn from_array(x: [S; FOUND]) -> Self {
+        Self {
+            length: x[0],
+            rate: x[1],
+            arriving: Wrench { ang: vector(&x, 2), lin: vector(&x, 5) },
+            leaving: Wrench { ang: vector(&x, 8), lin: vector(&x, 11) },
+            bends: x[14],
+        }
+    }
+}
+
 #[inline(always)]
-fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: Given<S>) -> [S; FOUND] {
-    let Given { radius, frame, ends: [a, b], side } = given;
+fn vector<S: Scalar, const N: usize>(numbers: &[S; N], first: usize) -> Vec3<S> {
+    Vec3::new(numbers[first], numbers[first + 1], numbers[first + 2])
+}
+
+#[inline(always)]
+fn set<S: Scalar, const N: usize>(numbers: &mut [S; N], first: usize, v: Vec3<S>) {
+    (numbers[first], numbers[first + 1], numbers[first + 2]) = (v.x, v.y, v.z);
+}
+
+/// The way of a stretch. Its line grows as the last end moves away from the round thing.
+#[inline(always)]
+fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> Found<S> {
+    let Given { radius, link, frame, ends: [first, last], .. } = given;
     let shape = bundle.shape;
-    let a = if bundle.is_moored { a } else { local(shape, &frame, a) };
-    let b = local(shape, &frame, b);
+    let a = if bundle.is_moored { *first } else { local(shape, frame, link.seen(*first)) };
+    let b = local(shape, frame, link.seen(*last));
     let side = match bundle.way {
-        Way::Around => OnSide::Of(side),
+        Way::Around => OnSide::Of(given.side),
         Way::Through => OnSide::Inside,
         Way::Either => {
-            let side = local(shape, &frame, side);
-            OnSide::Either(side, side.dot(side).lt(radius * radius))
+            let side = local(shape, frame, link.seen(given.side));
+            OnSide::Either(side, side.dot(side).lt(*radius * *radius))
         }
     };
-    let Course { length, leaving, arriving, bends } = course(shape, radius, side, [a, b]);
-    let [leaving, arriving] = match shape {
-        RoundShape::Sphere => [leaving, arriving],
-        RoundShape::Cylinder => [frame.rotation.apply(leaving), frame.rotation.apply(arriving)],
+    let course = course(shape, *radius, side, [a, b]);
+    let arriving = Wrench::at(*last, world(shape, given, course.arriving));
+    let leaving = match bundle.is_moored {
+        true => Wrench::zero(),
+        false => Wrench::at(*first, world(shape, given, course.leaving)),
     };
-    let (l, a) = (leaving, arriving);
-    [length, a.x, a.y, a.z, l.x, l.y, l.z, S::indicator(bends)]
+    let rate = given.velocity.dot(arriving);
+    Found { length: course.length, rate, arriving, leaving, bends: S::indicator(course.bends) }
+}
+
+/// A direction that is given in axes of the round thing.
+#[inline(always)]
+fn world<S: Scalar>(shape: RoundShape, given: &Given<S>, direction: Vec3<S>) -> Vec3<S> {
+    match shape {
+        RoundShape::Sphere => given.link.rotation.apply(direction),
+        RoundShape::Cylinder => given.link.rotation.apply(given.frame.rotation.apply(direction)),
+    }
 }
 
 /// A place in axes of the round thing.
@@ -173,30 +248,19 @@ fn local<S: Scalar>(shape: RoundShape, frame: &Frame<S>, place: Vec3<S>) -> Vec3
     }
 }
 
-/// Takes in what was found of stretch `k` of a bundle, the `number`-th of all. Both lines grow as their ends move apart, the round
-/// thing being one end of each.
+/// Takes in what was found of stretch `k` of a bundle, the `number`-th of all.
 #[inline(always)]
-fn take_in<S: Scalar>(
-    bundle: &Bundle<S::Const>,
-    k: usize,
-    number: usize,
-    [length, ax, ay, az, lx, ly, lz, bends]: [S; FOUND],
-    ws: &mut Workspace<S>,
-) {
+fn take_in<S: Scalar>(bundle: &Bundle<S::Const>, k: usize, number: usize, found: &Found<S>, ws: &mut Workspace<S>) {
     let stretch = &bundle.stretches[k];
-    let middle = stretch.round.frame.origin.link;
-    let rotation = ws.rotation[middle];
-    let [first, last] = &stretch.ends;
-    let arriving = Wrench::at(ws.place(last), rotation.apply(Vec3::new(ax, ay, az)));
-    let mut rate = (ws.velocity[last.link] - ws.velocity[middle]).dot(arriving);
+    let mut rate = found.rate;
     if !bundle.is_moored {
-        let leaving = Wrench::at(ws.place(first), rotation.apply(Vec3::new(lx, ly, lz)));
-        rate += (ws.velocity[middle] - ws.velocity[first.link]).dot(leaving);
-        ws.wrap_lines[number][0] = leaving;
+        let middle = stretch.round.frame.origin.link;
+        rate += (ws.velocity[middle] - ws.velocity[stretch.ends[0].link]).dot(found.leaving);
+        ws.wrap_lines[number][0] = found.leaving;
     }
-    ws.wrap_lines[number][1] = arriving;
-    ws.wrap_bends[number] = bends;
-    ws.tendon_length[stretch.muscle] += length;
+    ws.wrap_lines[number][1] = found.arriving;
+    ws.wrap_bends[number] = found.bends;
+    ws.tendon_length[stretch.muscle] += found.length;
     ws.tendon_velocity[stretch.muscle] += rate;
 }
 
