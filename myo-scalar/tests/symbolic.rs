@@ -420,7 +420,9 @@ impl LaneTask for MappedLanes<'_> {
 
 proptest! {
     #[test]
-    fn mapped_rows_are_those_of_plain_code_in_every_kind_of_number(rows in prop::collection::vec([-2.0..2.0f32, -2.0..2.0, -2.0..2.0], 1..9)) {
+    fn mapped_rows_are_those_of_plain_code_in_every_kind_of_number(
+        rows in prop::collection::vec([-2.0..2.0f32, -2.0..2.0, -2.0..2.0], 1..9)
+    ) {
         let places: Vec<f32> = rows.iter().map(|row| row[0]).collect();
         let table: Vec<[f32; 2]> = rows.iter().map(|row| [row[1], row[2]]).collect();
         let (wide_table, wide_places): (Vec<[f64; 2]>, Vec<f64>) =
