@@ -95,10 +95,9 @@ fn paths(plan: &Plan<f64>, state: State<f64>, onset: Option<usize>) -> Value {
     })
 }
 
-/// Of each stretch, whether it bends: it arrives in another direction than it leaves in.
+/// Of each stretch, whether it bends.
 fn bends(ws: &Workspace<f64>) -> Vec<bool> {
-    let differ = |a: Wrench<f64>, b: Wrench<f64>| a.lin.array() != b.lin.array();
-    ws.wrap_lines.iter().map(|&[leaving, arriving]| differ(leaving, arriving)).collect()
+    ws.wrap_bends.iter().map(|&bends| bends > 0.5).collect()
 }
 
 fn random_state(plan: &Plan<f64>, draws: &mut Draws) -> State<f64> {

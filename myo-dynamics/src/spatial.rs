@@ -141,6 +141,11 @@ pub struct Frame<S> {
 }
 
 impl<S: Scalar> Frame<S> {
+    /// Position in this frame (m) of a point given from O.
+    #[inline(always)]
+    pub fn seen(&self, place: Vec3<S>) -> Vec3<S> {
+        self.rotation.apply_inverse(place - self.position)
+    }
     /// Position of a point given in this frame (m, from O).
     #[inline(always)]
     pub fn place(&self, local: Vec3<S>) -> Vec3<S> {

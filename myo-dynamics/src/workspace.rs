@@ -250,9 +250,11 @@ pub struct Workspace<S: Scalar> {
     pub set_wrench: Vec<Wrench<S>>,
     /// Direction and moment of each straight segment, in the order of the plan's pairs.
     pub line: Vec<Wrench<S>>,
-    /// Of each stretch that may bend, in the order of the plan's wraps: the lines that leave its first point and arrive at its
-    /// second one.
+    /// Of each stretch that may bend, in the order of the plan's bundles: the lines that leave its first point and arrive at its
+    /// last one. That of a moored end is not worked out, since it pulls nothing.
     pub wrap_lines: Vec<[Wrench<S>; 2]>,
+    /// One where such a stretch bends, else zero.
+    pub wrap_bends: Vec<S>,
     /// Derivative of length per hinge segment.
     pub hinge_slope: Vec<S>,
     /// Derivatives of length per double-hinge segment.
@@ -319,7 +321,7 @@ impl<S: Scalar> Workspace<S> {
         let profiled = ProfiledState { argument: o, is_free: S::Mask::splat(true), speed: o, passive: o };
         let nscrew = nlink + plan.screws.len();
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
-        let nstretch = plan.tendons.wraps.iter().map(|thing| thing.stretches.len()).sum();
+        let nstretch = plan.tendons.wraps.iter().map(|bundle| bundle.stretches.len()).sum();
         let massless = Inertia::zero();
         Self {
             profiled: vec![profiled; plan.profiled.len()],
@@ -335,6 +337,7 @@ impl<S: Scalar> Workspace<S> {
             set_wrench: vec![Wrench::zero(); plan.sets.len()],
             line: vec![Wrench::zero(); nsegment],
             wrap_lines: vec![[Wrench::zero(); 2]; nstretch],
+            wrap_bends: vec![o; nstretch],
             hinge_slope: vec![o; plan.tendons.hinge.len()],
             double_hinge_slope: vec![[o; 2]; plan.tendons.double_hinge.len()],
             profile_slope: vec![o; plan.tendons.profiles.len()],

@@ -10,7 +10,7 @@ use myo_dynamics::step::{self, force, kinematics::kinematics, tendon};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
 use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_model::{Model, ModelDescription, builtin};
-use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
+use myo_scalar::symbolic::{Buffer, Contents, Form, Program, Sharing, Sym, trace_as};
 use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 
 /// A body with every kind of path.
@@ -57,9 +57,9 @@ fn wrapped_arm() -> Model {
     Model::new(&arm).unwrap()
 }
 
-/// Whether each stretch bends: then it arrives in another direction than it leaves in.
+/// Whether each stretch bends.
 fn bends(ws: &Workspace<f64>) -> Vec<bool> {
-    ws.wrap_lines.iter().map(|[a, b]| a.lin.array() != b.lin.array()).collect()
+    ws.wrap_bends.iter().map(|&bends| bends > 0.5).collect()
 }
 
 fn paths(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) {
@@ -291,38 +291,56 @@ fn lanes_do_not_depend_on_what_is_beside_them() {
 #[test]
 fn the_recorded_program_computes_what_the_reference_computes() {
     let plan = wraps();
-    let n = plan.ndof();
+    let states: Vec<State<f64>> = (0..300).map(|number| random_state(&plan, number)).chain(onsets(&plan)).collect();
+    for form in [Form::Straight, Form::Paths] {
+        let (program, count) = recorded(&plan, form);
+        let found: Vec<Vec<f64>> = states
+            .iter()
+            .map(|state| {
+                let numbers = [&state.qpos[..], &state.qvel[..]].concat();
+                let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; count])];
+                program.interpret(&mut buffers);
+                let [_, Contents::Numbers(found)] = buffers else { unreachable!("made so") };
+                found
+            })
+            .collect();
+        let (worst, other_ways) = compare(&plan, &states, &found);
+        let operations = program.operations();
+        println!("{form:?}: {} states: {worst:?}, {other_ways} other ways, {operations} operations", states.len());
+        // The program's numbers are those of the tables, and the short series of the angle, interpreted in double precision.
+        assert!(worst[0] < 2e-7 && worst[1] < 2e-6 && worst[2] < 5e-7, "{form:?}: {worst:?}");
+        assert!(other_ways <= states.len() / 500, "{form:?}: {other_ways}");
+    }
+}
+
+/// A program of [`quantities`], and how many these are.
+fn recorded(plan: &Plan<f64>, form: Form) -> (Program, usize) {
     let [input, output] = [0, 1].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
-    let mut count = 0;
-    let program = trace(|| {
+    let (n, mut count) = (plan.ndof(), 0);
+    let program = trace_as(form, || {
         let numbers: Vec<Sym> = (0..2 * n).map(|row| input.number(row)).collect();
         let mut ws = Workspace::<Sym>::new(&plan.cast());
         let out = quantities(&plan.cast(), &numbers[..n], &numbers[n..], &mut ws);
         count = out.len();
         out.into_iter().enumerate().for_each(|(row, x)| output.set_number(row, x));
     });
-    let states: Vec<State<f64>> = (0..300).map(|number| random_state(&plan, number)).chain(onsets(&plan)).collect();
-    let found: Vec<Vec<f64>> = states
-        .iter()
-        .map(|state| {
-            let numbers = [&state.qpos[..], &state.qvel[..]].concat();
-            let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; count])];
-            program.interpret(&mut buffers);
-            let [_, Contents::Numbers(found)] = buffers else { unreachable!("made so") };
-            found
-        })
-        .collect();
-    let (worst, other_ways) = compare(&plan, &states, &found);
-    println!("{} states: {worst:?}, {other_ways} other ways, {} operations", states.len(), program.operations());
-    // The program's numbers are those of the tables, and the short series of the angle, interpreted in double precision.
-    assert!(worst[0] < 2e-7 && worst[1] < 2e-6 && worst[2] < 5e-7, "{worst:?}");
-    assert!(other_ways <= states.len() / 500, "{other_ways}");
+    (program, count)
 }
 
-/// A round thing about the origin.
-fn round<S: Scalar>(shape: RoundShape, radius: f64) -> Round<S> {
-    let frame = Frame { rotation: Rotation::identity(), position: Vec3::zero() };
-    Round { shape, radius: S::lit(radius), frame }
+#[test]
+fn in_loops_another_stretch_is_hardly_any_code() {
+    let plan = Plan::exact(&arm("myo-arm"), CouplingMode::Reduced).unwrap().specialised();
+    let paths = |form| {
+        let counts = recorded(&plan, form).0.stage_counts();
+        counts
+            .iter()
+            .filter(|stage| stage.path.contains(&"muscle paths over wraps"))
+            .map(|stage| stage.operations)
+            .sum::<usize>()
+    };
+    let (straight, loops) = (paths(Form::Straight), paths(Form::Paths));
+    println!("{straight} operations, {loops} in loops");
+    assert!(3 * loops < straight, "{straight} and {loops}");
 }
 
 fn vector<S: Scalar>(v: [f64; 3]) -> Vec3<S> {
@@ -337,7 +355,7 @@ fn path<S: Scalar>(shape: RoundShape, radius: f64, side: Option<[f64; 3]>, a: [f
         Some(side) if side.iter().map(|x| x * x).sum::<f64>().sqrt() < radius => OnSide::Inside,
         Some(side) => OnSide::Of(vector(side)),
     };
-    course(&round(shape, radius), side, ends, ends)
+    course(shape, S::lit(radius), side, ends)
 }
 
 const SHAPES: [RoundShape; 2] = [RoundShape::Sphere, RoundShape::Cylinder];
@@ -492,7 +510,7 @@ fn points_lie_on_the_path() {
         let round = Round { shape: SHAPES[case as usize % 2], radius: 0.05, frame };
         let local = |p: Vec3<f64>| frame.rotation.apply_inverse(p - frame.position);
         let told = side.map_or(OnSide::Any, |side| OnSide::told_by(local(side), round.shape, round.radius));
-        let path = course(&round, told, [a, b], [local(a), local(b)]);
+        let path = course(round.shape, round.radius, told, [local(a), local(b)]);
         let found = points(&round, side, [a, b], 200);
         let all: Vec<Vec3<f64>> = [a].into_iter().chain(found.iter().copied()).chain([b]).collect();
         let length: f64 = all.windows(2).map(|ends| distance(ends[0], ends[1])).sum();
@@ -505,8 +523,8 @@ fn points_lie_on_the_path() {
             }
             // Ends in the directions that pull.
             let [first, last] = [all[1] - a, b - all[all.len() - 2]];
-            near(first.dot(path.leaving), distance(a, all[1]), 1e-9);
-            near(last.dot(path.arriving), distance(b, all[all.len() - 2]), 1e-9);
+            near(first.dot(frame.rotation.apply(path.leaving)), distance(a, all[1]), 1e-9);
+            near(last.dot(frame.rotation.apply(path.arriving)), distance(b, all[all.len() - 2]), 1e-9);
             bent += 1;
         } else {
             straight += 1;

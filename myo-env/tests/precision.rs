@@ -28,9 +28,10 @@ fn joint_angles_agree_to_single_precision_after_a_second() {
     if without_gpu() {
         return;
     }
-    for name in ["pointing", "ar"] {
+    for (name, model) in [("pointing", None), ("ar", None), ("pointing", Some("myo-arm"))] {
         let mut task = preset(name).unwrap();
         task.time_limit_s = 2.0;
+        task.model = model.map_or(task.model, Into::into);
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 64, seed: 5, ..Default::default() });
         let second = (1.0 / task.control_dt_s).round() as usize;
         rollout(&mut card, second);
@@ -38,8 +39,8 @@ fn joint_angles_agree_to_single_precision_after_a_second() {
         let (got, want) = (joint_positions(&card, &reference), joint_positions(&reference, &reference));
         let square: f64 = got.iter().zip(&want).map(|(a, b)| (a - b) * (a - b)).sum();
         let rms = (square / got.len() as f64).sqrt();
-        println!("{name}: rms {rms:.2e} rad after a second");
-        assert!(rms < 1e-5, "{name}: {rms:.2e} rad");
+        println!("{name}, {}: rms {rms:.2e} rad after a second", task.model);
+        assert!(rms < 1e-5, "{name}, {}: {rms:.2e} rad", task.model);
     }
 }
 
@@ -174,18 +175,20 @@ fn loops_over_tables_compute_what_straight_code_computes() {
     if without_gpu() {
         return;
     }
-    let task = short("pointing");
-    let config = EnvConfig { num_envs: 30, seed: 2, ..Default::default() };
-    let run = |form: Form| {
-        let options = GpuOptions { form: Some(form), ..Default::default() };
-        let mut env = GpuEnv::with_options(&gpu(), &arm(&task), &task, &config, &options).unwrap();
-        assert_eq!(env.kernels().form(), form);
-        rollout(&mut env, 12)
-    };
-    for (step, (a, b)) in run(Form::Straight).iter().zip(&run(Form::Loops)).enumerate() {
-        assert_eq!(a.truncated, b.truncated);
-        for (x, y) in a.observation.iter().zip(&b.observation) {
-            assert!((x - y).abs() <= 1e-3 * (1.0 + y.abs()), "step {step}: {x} and {y}");
+    let bent = Task { model: "myo-arm".into(), ..short("pointing") };
+    for (task, form) in [(short("pointing"), Form::Straight), (bent, Form::Paths)] {
+        let config = EnvConfig { num_envs: 30, seed: 2, ..Default::default() };
+        let run = |form: Form| {
+            let options = GpuOptions { form: Some(form), ..Default::default() };
+            let mut env = GpuEnv::with_options(&gpu(), &arm(&task), &task, &config, &options).unwrap();
+            assert_eq!(env.kernels().form(), form);
+            rollout(&mut env, 12)
+        };
+        for (step, (a, b)) in run(form).iter().zip(&run(Form::Loops)).enumerate() {
+            assert_eq!(a.truncated, b.truncated);
+            for (x, y) in a.observation.iter().zip(&b.observation) {
+                assert!((x - y).abs() <= 1e-3 * (1.0 + y.abs()), "{}, step {step}: {x} and {y}", task.model);
+            }
         }
     }
 }

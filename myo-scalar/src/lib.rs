@@ -55,4 +55,4 @@ pub use carried::{Carried, Visitor};
 pub use level::{Instructions, LaneTask, Level, LevelError, dispatch};
 pub use philox::{Counter, normal_pair, open_unit, philox, philox_block, seed_words, unit};
 pub use portable::F32x8;
-pub use scalar::{Mask, Real, Row, Scalar, Stage, Word};
+pub use scalar::{Mask, Real, Row, RowMap, Scalar, Stage, Word};

@@ -53,6 +53,17 @@ pub trait Stage<S> {
     fn run(self) -> Self::Output;
 }
 
+/// The same map of every row of a table: `put(k, map(take(k)))`. All of it must be `#[inline(always)]`, which closures cannot be:
+/// those of this size would be functions of their own, without a level's instructions.
+pub trait RowMap<S, const I: usize, const O: usize> {
+    /// What the map takes of a row.
+    fn take(&self, row: usize) -> [S; I];
+    /// The map.
+    fn map(&self, taken: [S; I]) -> [S; O];
+    /// What becomes of a row's outcome.
+    fn put(&mut self, row: usize, found: [S; O]);
+}
+
 /// A row of tables, within [`Scalar::for_each_row`].
 #[derive(Clone, Copy, Debug)]
 pub enum Row<W> {
@@ -195,6 +206,17 @@ pub trait Scalar:
         let inputs = inputs.map(|input| &input[..output.len()]);
         for (k, value) in output.iter_mut().enumerate() {
             *value = body(constants(k).map(Self::splat), inputs.map(|input| input[k]), *value);
+        }
+    }
+
+    /// Maps `count` rows, see [`RowMap`]. A symbolic number may record the map once, for all rows: then it takes of all rows first and
+    /// puts all of them last. What is taken as a constant in every row becomes a table, and of the rest only what the map reads is
+    /// kept.
+    #[inline(always)]
+    fn map_rows<const I: usize, const O: usize>(count: usize, rows: &mut impl RowMap<Self, I, O>) {
+        for k in 0..count {
+            let found = rows.map(rows.take(k));
+            rows.put(k, found);
         }
     }
 

@@ -1,7 +1,10 @@
 //! Recorded programs: what is simplified away, and that the rest computes what the code computes.
 
-use myo_scalar::symbolic::{Buffer, Contents, Entries, Program, Sharing, Sym, trace};
-use myo_scalar::{Carried, Counter, Mask, Scalar, Stage, Visitor, Word, normal_pair, philox, seed_words};
+use myo_scalar::symbolic::{Buffer, Contents, Entries, Form, Op, Program, Sharing, Sym, trace, trace_as};
+use myo_scalar::{
+    Carried, Counter, LaneTask, Level, Mask, RowMap, Scalar, Stage, Visitor, Word, dispatch, normal_pair, philox,
+    seed_words,
+};
 use proptest::prelude::*;
 
 const IN: Buffer = Buffer { binding: 0, sharing: Sharing::PerEnv };
@@ -9,7 +12,11 @@ const OUT: Buffer = Buffer { binding: 1, sharing: Sharing::PerEnv };
 
 /// Records a function of some numbers.
 fn record(arity: usize, f: impl FnOnce(&[Sym]) -> Vec<Sym>) -> Program {
-    trace(|| {
+    record_as(Form::Straight, arity, f)
+}
+
+fn record_as(form: Form, arity: usize, f: impl FnOnce(&[Sym]) -> Vec<Sym>) -> Program {
+    trace_as(form, || {
         let inputs: Vec<Sym> = (0..arity).map(|row| IN.number(row)).collect();
         for (row, &value) in f(&inputs).iter().enumerate() {
             OUT.set_number(row, value);
@@ -350,4 +357,111 @@ fn a_row_beyond_its_table_is_counted_among_what_a_program_touches() {
         OUT.set_number(0, x);
     });
     assert_eq!(program.entries(2), Entries { per_env: 0, shared: 102 });
+}
+
+/// Polynomials at places: constants that differ and one that does not, numbers that vary, a loop in the map, more outcomes than are
+/// needed.
+struct Polynomials<'a, S: Scalar> {
+    table: &'a [[S::Const; 2]],
+    places: &'a [S],
+    sums: Vec<S>,
+}
+
+impl<S: Scalar> RowMap<S, 5, 3> for Polynomials<'_, S> {
+    #[inline(always)]
+    fn take(&self, k: usize) -> [S; 5] {
+        let Self { table, places, .. } = self;
+        [S::splat(table[k][0]), places[k], S::lit(3.0), S::splat(table[k][1]), places[k] + places[0]]
+    }
+    #[inline(always)]
+    fn map(&self, [slope, x, three, offset, _]: [S; 5]) -> [S; 3] {
+        struct Power<S>(S);
+        impl<S: Scalar> Carried<S> for Power<S> {
+            #[inline(always)]
+            fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+                visitor.number(&mut self.0);
+            }
+        }
+        let mut power = Power(S::lit(1.0));
+        S::repeat(3, &mut power, |power| power.0 = power.0 * x);
+        let value = slope.mul_add(x, offset) * three + power.0;
+        [value, x.exp(), value - x]
+    }
+    #[inline(always)]
+    fn put(&mut self, k: usize, [value, _, less]: [S; 3]) {
+        self.sums.push(self.sums[k] + value * less);
+    }
+}
+
+/// What the sum of all is after each row.
+#[inline(always)]
+fn mapped<S: Scalar>(table: &[[S::Const; 2]], places: &[S]) -> Vec<S> {
+    let mut rows = Polynomials { table, places, sums: vec![S::zero()] };
+    S::map_rows(table.len(), &mut rows);
+    rows.sums
+}
+
+/// The same in lanes, all alike.
+struct MappedLanes<'a>(&'a [[f32; 2]], &'a [f32]);
+
+impl LaneTask for MappedLanes<'_> {
+    type Output = Vec<f32>;
+    #[inline(always)]
+    fn run<S: Scalar<Const = f32>>(self) -> Vec<f32> {
+        let places: Vec<S> = self.1.iter().map(|&x| S::splat(x)).collect();
+        let mut lanes = vec![0.0; S::LANES];
+        let mut last = |x: S| {
+            x.store(&mut lanes);
+            lanes[S::LANES - 1]
+        };
+        mapped(self.0, &places).into_iter().map(&mut last).collect()
+    }
+}
+
+proptest! {
+    #[test]
+    fn mapped_rows_are_those_of_plain_code_in_every_kind_of_number(
+        rows in prop::collection::vec([-2.0..2.0f32, -2.0..2.0, -2.0..2.0], 1..9)
+    ) {
+        let places: Vec<f32> = rows.iter().map(|row| row[0]).collect();
+        let table: Vec<[f32; 2]> = rows.iter().map(|row| [row[1], row[2]]).collect();
+        let (wide_table, wide_places): (Vec<[f64; 2]>, Vec<f64>) =
+            (table.iter().map(|row| row.map(f64::from)).collect(), places.iter().map(|&x| f64::from(x)).collect());
+        let want = mapped::<f64>(&wide_table, &wide_places);
+        for form in [Form::Straight, Form::Paths, Form::Loops] {
+            let program = record_as(form, rows.len(), |x| mapped(&wide_table, x));
+            for (got, want) in run(&program, &wide_places, want.len()).into_iter().zip(&want) {
+                prop_assert!((got - want).abs() <= 1e-9 * (1.0 + want.abs()), "{form:?}: {got} for {want}");
+            }
+        }
+        for level in Level::available() {
+            for (got, want) in dispatch(level, MappedLanes(&table, &places)).into_iter().zip(&want) {
+                prop_assert!((f64::from(got) - want).abs() <= 1e-4 * (1.0 + want.abs()), "{}: {got} for {want}", level.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_that_a_loop_maps_are_recorded_once_and_keep_only_what_is_needed() {
+    let table: Vec<[f64; 2]> = (0..20).map(|k| [f64::from(k), 1.0]).collect();
+    let count = |form| record_as(form, 20, |x| mapped(&table, x)).operations();
+    let (straight, loops) = (count(Form::Straight), count(Form::Paths));
+    // One sum per row stays.
+    assert!(straight > 60 && loops < 20 + 20, "{straight} and {loops}");
+    let program = record_as(Form::Paths, 20, |x| mapped(&table, x));
+    assert!(program.live_nodes().all(|id| program.nodes[id as usize].op != Op::Round), "the exponential is not needed");
+}
+
+/// Kernels of loops over rows are valid, and what they keep is there once per row.
+#[cfg(feature = "gpu")]
+#[test]
+fn a_kernel_keeps_the_rows_of_a_loop_in_an_array() {
+    let table: Vec<[f64; 2]> = (0..20).map(|k| [f64::from(k), 1.0]).collect();
+    let kernel = record_as(Form::Paths, 20, |x| mapped(&table, x)).to_kernel(&["numbers", "result"], 64);
+    let wgsl = kernel.to_wgsl().unwrap();
+    // Place in, value out; the difference out.
+    assert!(wgsl.contains("array<f32, 40>"), "{wgsl}");
+    // How many rows there are, and the slopes.
+    assert_eq!(kernel.table.len(), 21);
 }

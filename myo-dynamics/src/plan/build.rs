@@ -2,8 +2,8 @@
 
 use super::{
     Body, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Equality, FixedFrame, Form, Limit, Link,
-    LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Tendons, reference_pose,
-    sets,
+    LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, Tendons,
+    reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -92,7 +92,7 @@ impl Plan<f64> {
         let mut used: BTreeSet<usize> = self.bodies.iter().map(|b| b.link).collect();
         used.extend(self.tendons.pairs.iter().flat_map(|pair| [pair.a, pair.b]));
         used.extend(self.contact_sphere.iter().map(|sphere| sphere.centre.link));
-        used.extend(self.tendons.wraps.iter().flat_map(RoundThing::pulled_links));
+        used.extend(self.tendons.stretches().flat_map(Stretch::pulled_links));
         used.remove(&0);
         sets::connect(self, &used);
     }
@@ -438,7 +438,7 @@ fn tendons(model: &Model, tree: &Tree) -> Result<Tendons<f64>, PlanError> {
             let [a, b] = [tree.site(model, ends[0]), tree.site(model, ends[1])];
             if let Some(over) = m.over.iter().find(|over| over.after == after) {
                 let (wrap, side) = (&model.wraps[over.wrap], over.side.map(|site| tree.site(model, site)));
-                out.add_stretch(muscle, [a, b], &RoundThing::new(wrap, tree.wrap(wrap)), side);
+                out.add_stretch(muscle, [a, b], RoundThing::new(wrap, tree.wrap(wrap)), side);
             } else if a.link == b.link {
                 out.constant[muscle] += (Vector3::from(b.position) - Vector3::from(a.position)).norm();
             } else {

@@ -1,9 +1,9 @@
 //! The same plan in another precision.
 
 use super::{
-    Body, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality, FixedFrame,
-    HingeSegment, Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate,
-    RoundThing, Side, Stretch, Tendons,
+    Body, Bundle, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality,
+    FixedFrame, HingeSegment, Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment,
+    ProfiledCoordinate, RoundThing, Side, Stretch, Tendons,
 };
 use crate::cast::{Cast, cast};
 use myo_scalar::Real;
@@ -37,8 +37,9 @@ cast! {
     HingeSegment { square, half; muscle, link }
     DoubleHingeSegment { square; muscle, links }
     ProfileSegment { square, half_slope; muscle, coordinate }
-    RoundThing { frame, radius, stretches; shape }
-    Stretch { ends, local, side; muscle }
+    RoundThing { frame, radius; shape }
+    Bundle { stretches; shape, way, is_moored }
+    Stretch { round, ends, local, side; muscle }
     Limit { drive, range, impedance, diagonal }
     Equality { drive, impedance, diagonal; dependent }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }

@@ -311,8 +311,8 @@ pub struct Tendons<C> {
     pub double_hinge: Vec<DoubleHingeSegment<C>>,
     /// Segments whose length depends on one coordinate through several joints.
     pub profiles: Vec<ProfileSegment<C>>,
-    /// Stretches that may bend round something, grouped by what that is.
-    pub wraps: Vec<RoundThing<C>>,
+    /// Stretches that may bend round something, grouped by the code that finds their ways.
+    pub wraps: Vec<Bundle<C>>,
 }
 
 /// What a path may bend round.
@@ -325,14 +325,36 @@ pub enum RoundShape {
 }
 
 /// A sphere or cylinder that paths may bend round.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundThing<C> {
-    /// Its centre and axes.
+    /// Its centre and axes. Those of a sphere are its link's.
     pub frame: FixedFrame<C>,
     /// Its kind.
     pub shape: RoundShape,
     /// Its radius (m).
     pub radius: C,
+}
+
+/// How paths get past something round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Around it.
+    Around,
+    /// Through it.
+    Through,
+    /// As a moving point on the side tells.
+    Either,
+}
+
+/// Stretches of paths that differ in numbers only. Round things that are passed around are all on one link.
+#[derive(Clone, Debug)]
+pub struct Bundle<C> {
+    /// What they may bend round.
+    pub shape: RoundShape,
+    /// How.
+    pub way: Way,
+    /// Whether their first ends are on the links of the round things. Nothing then moves but the last ends.
+    pub is_moored: bool,
     /// The stretches.
     pub stretches: Vec<Stretch<C>>,
 }
@@ -342,10 +364,12 @@ pub struct RoundThing<C> {
 pub struct Stretch<C> {
     /// The muscle.
     pub muscle: usize,
-    /// Its first and its last point.
+    /// What it may bend round.
+    pub round: RoundThing<C>,
+    /// Its ends. That on the link of the round thing comes first, if one is.
     pub ends: [Point<C>; 2],
-    /// The same from the centre of the round thing and in its axes (m), where they are fixed to the same link.
-    pub local: [Option<[C; 3]>; 2],
+    /// The first one from the centre of the round thing and in its axes (m), if it is fixed to the same link.
+    pub local: Option<[C; 3]>,
     /// On which side it runs.
     pub side: Side<C>,
 }

@@ -9,7 +9,7 @@
 use super::build::assign_screws;
 use super::{
     DoubleHingeSegment, Drive, Elements, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Placement, Plan, Point,
-    PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Segment, SegmentPair, Tendons,
+    PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
 };
 use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
 use crate::spatial::{Motion, Rotation, Vec3};
@@ -76,7 +76,7 @@ impl Plan<f64> {
         let mut used = BTreeSet::from([0, self.fingertip.link]);
         used.extend(self.bodies.iter().map(|body| body.link));
         used.extend(self.tendons.points.iter().map(|point| point.link));
-        used.extend(self.tendons.wraps.iter().flat_map(RoundThing::links));
+        used.extend(self.tendons.stretches().flat_map(Stretch::links));
         used.extend(self.arm.iter().flatten().map(|point| point.link));
         used.extend(self.contact_sphere.iter().flat_map(|s| [s.centre.link, s.body_com.link]));
         // Parents of links that cannot themselves be dropped.
@@ -94,7 +94,9 @@ impl Plan<f64> {
             link.parent = new[&link.parent];
         }
         let points = self.tendons.points.iter_mut().chain([&mut self.fingertip]).chain(self.arm.iter_mut().flatten());
-        let points = points.chain(self.tendons.wraps.iter_mut().flat_map(RoundThing::points_mut));
+        let points = points.chain(
+            self.tendons.wraps.iter_mut().flat_map(|bundle| &mut bundle.stretches).flat_map(Stretch::points_mut),
+        );
         for point in points.chain(self.contact_sphere.iter_mut().flat_map(|s| [&mut s.centre, &mut s.body_com])) {
             point.link = new[&point.link];
         }

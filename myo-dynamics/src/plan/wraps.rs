@@ -1,8 +1,8 @@
 //! Stretches of muscle paths that may bend round something.
 
-use super::{FixedFrame, Point, RoundShape, RoundThing, Side, Stretch, Tendons};
-use crate::spatial::{Frame, Rotation, Vec3};
-use crate::step::wrap::{OnSide, Round, course};
+use super::{Bundle, FixedFrame, Point, RoundShape, RoundThing, Side, Stretch, Tendons, Way};
+use crate::spatial::Vec3;
+use crate::step::wrap::{OnSide, course};
 use myo_model::description::WrapShape;
 use myo_model::model::Wrap;
 use nalgebra::{Matrix3, Vector3};
@@ -17,37 +17,14 @@ impl From<&WrapShape> for RoundShape {
 }
 
 impl RoundThing<f64> {
-    /// A wrap of a model, with nothing that runs over it yet.
+    /// A wrap of a model.
     pub(super) fn new(wrap: &Wrap, frame: FixedFrame<f64>) -> Self {
         let shape = RoundShape::from(&wrap.shape);
-        Self { frame, shape, radius: wrap.shape.radius(), stretches: vec![] }
-    }
-
-    /// Links that feel forces.
-    pub(super) fn pulled_links(&self) -> impl Iterator<Item = usize> {
-        let ends = self.stretches.iter().flat_map(|stretch| &stretch.ends);
-        ends.map(|end| end.link).chain([self.frame.origin.link])
-    }
-
-    /// Every point whose place is asked for.
-    pub(super) fn points_mut(&mut self) -> impl Iterator<Item = &mut Point<f64>> {
-        let stretches = self.stretches.iter_mut().flat_map(|stretch| {
-            let side = match &mut stretch.side {
-                Side::Moving(point) => Some(point),
-                Side::Any | Side::Fixed(_) | Side::Inside => None,
-            };
-            stretch.ends.iter_mut().chain(side)
-        });
-        stretches.chain([&mut self.frame.origin])
-    }
-
-    /// The link of every such point.
-    pub(super) fn links(&self) -> impl Iterator<Item = usize> {
-        let side = |stretch: &Stretch<f64>| match &stretch.side {
-            Side::Moving(point) => Some(point.link),
-            Side::Any | Side::Fixed(_) | Side::Inside => None,
+        let axes = match shape {
+            RoundShape::Sphere => Matrix3::identity().into(),
+            RoundShape::Cylinder => frame.axes,
         };
-        self.pulled_links().chain(self.stretches.iter().filter_map(side))
+        Self { frame: FixedFrame { axes, ..frame }, shape, radius: wrap.shape.radius() }
     }
 
     /// A point of the same link, from the centre and in the own axes (m).
@@ -67,43 +44,99 @@ impl RoundThing<f64> {
             OnSide::Any | OnSide::Either(..) => Side::Any,
         }
     }
+}
 
-    /// Length (m) of a stretch that is fixed to the link of the round thing with all that tells its way.
-    fn constant_length(&self, stretch: &Stretch<f64>) -> Option<f64> {
-        let side = match stretch.side {
+impl<C> Side<C> {
+    fn way(&self) -> Way {
+        match self {
+            Self::Any | Self::Fixed(_) => Way::Around,
+            Self::Inside => Way::Through,
+            Self::Moving(_) => Way::Either,
+        }
+    }
+}
+
+impl Stretch<f64> {
+    /// Links that feel forces.
+    pub(super) fn pulled_links(&self) -> impl Iterator<Item = usize> {
+        self.ends.iter().map(|end| end.link).chain([self.round.frame.origin.link])
+    }
+
+    /// Every point whose place is asked for.
+    pub(super) fn points_mut(&mut self) -> impl Iterator<Item = &mut Point<f64>> {
+        let side = match &mut self.side {
+            Side::Moving(point) => Some(point),
+            Side::Any | Side::Fixed(_) | Side::Inside => None,
+        };
+        self.ends.iter_mut().chain(side).chain([&mut self.round.frame.origin])
+    }
+
+    /// The link of every such point.
+    pub(super) fn links(&self) -> impl Iterator<Item = usize> {
+        let side = match &self.side {
+            Side::Moving(point) => Some(point.link),
+            Side::Any | Side::Fixed(_) | Side::Inside => None,
+        };
+        self.pulled_links().chain(side)
+    }
+
+    /// Its length (m) where its last end is fixed to the link of the round thing, too, `local` from its centre, and with all that
+    /// tells its way.
+    fn constant_length(&self, local: [f64; 3]) -> Option<f64> {
+        let side = match self.side {
             Side::Any => OnSide::Any,
             Side::Inside => OnSide::Inside,
             Side::Fixed(local) => OnSide::Of(Vec3::splat(local)),
             Side::Moving(_) => return None,
         };
-        let [a, b] = [Vec3::splat(stretch.local[0]?), Vec3::splat(stretch.local[1]?)];
-        let frame = Frame { rotation: Rotation::identity(), position: Vec3::zero() };
-        let round = Round { shape: self.shape, radius: self.radius, frame };
-        Some(course(&round, side, [a, b], [a, b]).length)
+        let ends = [Vec3::splat(self.local?), Vec3::splat(local)];
+        Some(course(self.round.shape, self.round.radius, side, ends).length)
     }
 }
 
 impl Tendons<f64> {
-    /// Adds a stretch over `thing`, which has none itself, to those over the same one.
+    /// All stretches that may bend.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = &Stretch<f64>> {
+        self.wraps.iter().flat_map(|bundle| &bundle.stretches)
+    }
+
+    /// Adds a stretch to those of its kind.
     pub(super) fn add_stretch(
         &mut self,
         muscle: usize,
-        ends: [Point<f64>; 2],
-        thing: &RoundThing<f64>,
+        [a, b]: [Point<f64>; 2],
+        round: RoundThing<f64>,
         side: Option<Point<f64>>,
     ) {
-        let local = ends.each_ref().map(|end| thing.local(end));
-        let stretch = Stretch { muscle, ends, local, side: thing.side(side) };
-        if let Some(length) = thing.constant_length(&stretch) {
+        // A way is the same there and back.
+        let (ends, [local, last]) = match [round.local(&a), round.local(&b)] {
+            [None, Some(local)] => ([b, a], [Some(local), None]),
+            both => ([a, b], both),
+        };
+        let stretch = Stretch { muscle, round, ends, local, side: round.side(side) };
+        if let Some(length) = last.and_then(|last| stretch.constant_length(last)) {
             self.constant[muscle] += length;
             return;
         }
-        let is_same = |other: &RoundThing<f64>| {
-            (other.frame, other.shape, other.radius) == (thing.frame, thing.shape, thing.radius)
-        };
-        match self.wraps.iter_mut().find(|other| is_same(other)) {
-            Some(other) => other.stretches.push(stretch),
-            None => self.wraps.push(RoundThing { stretches: vec![stretch], ..thing.clone() }),
+        match self.wraps.iter_mut().find(|bundle| bundle.takes(&stretch)) {
+            Some(bundle) => bundle.stretches.push(stretch),
+            None => self.wraps.push(Bundle {
+                shape: round.shape,
+                way: stretch.side.way(),
+                is_moored: local.is_some(),
+                stretches: vec![stretch],
+            }),
         }
+    }
+}
+
+impl Bundle<f64> {
+    /// Whether a stretch belongs to it. One link for all saves a loop over them the frames of each; that through things has a
+    /// loop inside, too long to be there once more.
+    fn takes(&self, other: &Stretch<f64>) -> bool {
+        let link = |stretch: &Stretch<f64>| stretch.round.frame.origin.link;
+        let is_near = self.way != Way::Around || self.stretches.iter().all(|stretch| link(stretch) == link(other));
+        let kind = (other.round.shape, other.side.way(), other.local.is_some());
+        is_near && (self.shape, self.way, self.is_moored) == kind
     }
 }

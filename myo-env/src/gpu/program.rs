@@ -49,8 +49,9 @@ impl Compiled {
         let bindings: Vec<Access> = printed.bindings.iter().map(access).collect();
         let source = Source::Naga(Box::new(printed.module));
         // SAFETY: recorded programs access entry `row * environments + env` of a buffer, with `env` below the number of
-        // environments, or entry `row`; `bind` sees to it that all rows are there. They look up entries of their own table;
-        // their loops have constant bounds, and they divide no integers. The kernel does not leave this file.
+        // environments, or entry `row`; `bind` sees to it that all rows are there. They look up entries of their own table,
+        // which is written once, below; their loops have constant bounds or one of that table, and they divide no integers.
+        // The kernel does not leave this file.
         let kernel = unsafe { gpu.compile_trusted(label, source, ENTRY_POINT, &bindings)? };
         let table = match &printed.table[..] {
             [] => None,

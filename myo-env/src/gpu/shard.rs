@@ -10,7 +10,7 @@ use crate::vector::{Autoreset, EnvSpec};
 use myo_gpu::{Batch, Buffer, Cached, Gpu, GpuError};
 use myo_scalar::symbolic::Form;
 
-/// Operations above which tables become loops: the kernel outgrows the instruction cache of graphics cards.
+/// Operations above which more tables become loops: the kernel outgrows the instruction cache of graphics cards.
 const MAX_STRAIGHT: usize = 10_000;
 
 /// Choices that a caller need not make.
@@ -54,8 +54,8 @@ impl Kernels {
         form: Option<Form>,
     ) -> Result<Self, BuildError> {
         let form = form.unwrap_or_else(|| {
-            let straight = record::step_by(judge, tables, autoreset, Form::Straight).operations();
-            if straight > MAX_STRAIGHT { Form::Loops } else { Form::Straight }
+            let fits = |form: &Form| record::step_by(judge, tables, autoreset, *form).operations() <= MAX_STRAIGHT;
+            [Form::Straight, Form::Paths].into_iter().find(fits).unwrap_or(Form::Loops)
         });
         let (step, reset) = (record::step_by(judge, tables, autoreset, form), record::reset_by(judge, tables, form));
         [&step, &reset].into_iter().try_for_each(check_size)?;

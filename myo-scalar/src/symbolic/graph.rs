@@ -224,14 +224,17 @@ pub struct StageName {
     pub parent: u32,
 }
 
-/// What becomes of the rows of tables, [`Scalar::for_rows`](crate::Scalar::for_rows).
+/// What becomes of the rows of tables, [`Scalar::for_rows`](crate::Scalar::for_rows) and
+/// [`Scalar::map_rows`](crate::Scalar::map_rows).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Form {
     /// Each row's own code, its constants in place: fastest, as long as the program fits the instruction cache and the
     /// driver compiles it in time.
     #[default]
     Straight,
-    /// One loop over a table of constants.
+    /// A loop for the rows of `map_rows`, whose bodies are long.
+    Paths,
+    /// A loop for the rows of both.
     Loops,
 }
 
@@ -288,6 +291,13 @@ impl Graph {
 
     fn constant(&mut self, op: Op, kind: Kind) -> Id {
         self.share(op, [0; 3], kind, 0)
+    }
+
+    /// Adds constants to the table; returns where they begin.
+    pub fn put_in_table(&mut self, constants: impl IntoIterator<Item = f64>) -> u32 {
+        let base = self.table.len() as u32;
+        self.table.extend(constants);
+        base
     }
 
     /// A node without operands that belongs to the whole program.

@@ -147,17 +147,20 @@ impl Run<'_> {
     }
 
     fn run_chunks(&mut self, number: u32, each: &Chunks) {
-        let reads = self.program.reads_chunks(number);
-        let read = |&id: &Id| if reads { self.value(id) } else { Value::Number(f64::NAN) };
-        let mut array: Vec<Value> = each.init.iter().map(read).collect();
-        for (index, chunk) in array.chunks_exact_mut(each.start.len()).enumerate() {
+        let (program, size) = (self.program, each.start.len());
+        // What nothing needs keeps a stand-in.
+        let read = |(k, &id): (usize, &Id)| {
+            if program.reads_entry(each, k % size) { self.value(id) } else { Value::Number(f64::NAN) }
+        };
+        let mut array: Vec<Value> = each.init.iter().enumerate().map(read).collect();
+        for (index, chunk) in array.chunks_exact_mut(size).enumerate() {
             self.values[each.index as usize] = Some(Value::Word(index as u32));
             for (&id, &value) in each.start.iter().zip(&*chunk) {
                 self.values[id as usize] = Some(value);
             }
             self.region(each.body);
-            for (value, &id) in chunk.iter_mut().zip(&each.next) {
-                *value = self.value(id);
+            for entry in (0..size).filter(|&entry| program.writes_entry(number, each, entry)) {
+                chunk[entry] = self.value(each.next[entry]);
             }
         }
         self.variables[number as usize] = array;

@@ -4,7 +4,7 @@ use super::graph::{Form, Id, Kind, Op};
 use super::{region, with_graph};
 use crate::carried::{Carried, Visitor};
 use crate::elementary::{self, Bits};
-use crate::scalar::{Mask, Row, Scalar, Stage, Word};
+use crate::scalar::{Mask, Row, RowMap, Scalar, Stage, Word};
 use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Mul, Neg, Not, Shl, Shr, Sub, SubAssign};
 
 /// A node of the running trace as a value.
@@ -152,6 +152,13 @@ impl Word for SymWord {
 }
 
 impl Sym {
+    /// Its value, if it is a constant.
+    pub(super) fn constant(self) -> Option<f64> {
+        with_graph(|graph| match graph.nodes[self.0 as usize].op {
+            Op::Number(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        })
+    }
     fn one(op: Op, a: Self) -> Self {
         Self::apply(op, &[a.0])
     }
@@ -319,6 +326,19 @@ impl Scalar for Sym {
         }
         for (k, value) in output.iter_mut().enumerate() {
             *value = body(table[k].map(Self::splat), inputs.map(|input| input[k]), *value);
+        }
+    }
+    fn map_rows<const I: usize, const O: usize>(count: usize, rows: &mut impl RowMap<Self, I, O>) {
+        if count < 2 || with_graph(|graph| graph.form) == Form::Straight {
+            for k in 0..count {
+                let found = rows.map(rows.take(k));
+                rows.put(k, found);
+            }
+            return;
+        }
+        let taken: Vec<[Self; I]> = (0..count).map(|k| rows.take(k)).collect();
+        for (k, found) in region::map_rows(&taken, |taken| rows.map(taken)).into_iter().enumerate() {
+            rows.put(k, found);
         }
     }
 }

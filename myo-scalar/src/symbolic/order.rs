@@ -39,8 +39,10 @@ impl Program {
         match each {
             Statement::Loop(_) => {}
             Statement::Branch(x) => named.push(x.mask),
-            Statement::Chunks(x) if self.reads_chunks(statement) => named.extend(&x.init),
-            Statement::Chunks(_) => {}
+            Statement::Chunks(x) => {
+                let read = (0..x.start.len()).filter(|&entry| self.reads_entry(x, entry));
+                named.extend(read.flat_map(|entry| x.init_of(entry)));
+            }
             Statement::Store(x) => named.push(x.value),
         }
         let Some(body) = each.body() else { return };
@@ -61,7 +63,10 @@ impl Program {
         match &self.statements[statement as usize] {
             Statement::Loop(x) => self.live_carries(statement).map(|(_, carry)| carry.next).chain(x.again).collect(),
             Statement::Branch(_) => self.live_carries(statement).map(|(_, carry)| carry.next).collect(),
-            Statement::Chunks(x) => x.next.clone(),
+            Statement::Chunks(x) => {
+                let written = (0..x.next.len()).filter(|&entry| self.writes_entry(statement, x, entry));
+                written.map(|entry| x.next[entry]).collect()
+            }
             Statement::Store(_) => vec![],
         }
     }

@@ -50,7 +50,9 @@ impl Program {
         let nvar = |statement: &Statement| match statement {
             Statement::Loop(x) => x.vars.len(),
             Statement::Branch(x) => x.vars.len(),
-            Statement::Chunks(_) | Statement::Store(_) => 0,
+            // Entries of a chunk that are wanted afterwards.
+            Statement::Chunks(x) => x.start.len(),
+            Statement::Store(_) => 0,
         };
         let mut program = Self {
             live: vec![false; nodes.len()],
@@ -153,8 +155,17 @@ impl Program {
             todo.extend(node.operands());
             if let Op::Carried(statement, index) | Op::Outcome(statement, index) = node.op {
                 self.need(statement, &home, &enclosing, &mut todo);
-                if self.reads_chunks(statement) {
-                    todo.extend(self.chunks(statement).into_iter().flat_map(|x| &x.init));
+                if let Statement::Chunks(x) = &self.statements[statement as usize] {
+                    // What one chunk needs of its entries, all do. The body begins with its number and then the entries.
+                    match (node.op, index.checked_sub(1)) {
+                        (Op::Outcome(..), _) => {
+                            let entry = index as usize % x.start.len();
+                            self.live_vars[statement as usize][entry] = true;
+                            todo.push(x.next[entry]);
+                        }
+                        (_, Some(entry)) => todo.extend(x.init_of(entry as usize)),
+                        (_, None) => {}
+                    }
                 }
                 if let Some(carry) = self.carry(statement, index) {
                     let carry = *carry;
@@ -186,23 +197,20 @@ impl Program {
             match &self.statements[number as usize] {
                 Statement::Loop(x) => todo.extend(x.again),
                 Statement::Branch(x) => todo.push(x.mask),
-                Statement::Chunks(x) => todo.extend(&x.next),
-                Statement::Store(_) => {}
+                Statement::Chunks(_) | Statement::Store(_) => {}
             }
             next = enclosing[home[number as usize] as usize];
         }
     }
 
-    fn chunks(&self, statement: u32) -> Option<&Chunks> {
-        match &self.statements[statement as usize] {
-            Statement::Chunks(x) => Some(x),
-            _ => None,
-        }
+    /// Whether the body of a loop over chunks reads an entry as it was before.
+    pub fn reads_entry(&self, each: &Chunks, entry: usize) -> bool {
+        self.is_live(each.start[entry])
     }
 
-    /// Whether a statement is a loop over chunks whose body reads what was there before.
-    pub fn reads_chunks(&self, statement: u32) -> bool {
-        self.chunks(statement).is_some_and(|x| x.start.iter().any(|&id| self.is_live(id)))
+    /// Whether a loop over chunks changes an entry that something needs afterwards.
+    pub fn writes_entry(&self, statement: u32, each: &Chunks, entry: usize) -> bool {
+        self.is_live_var(statement, entry) && each.next[entry] != each.start[entry]
     }
 
     fn carry(&self, statement: u32, index: u32) -> Option<&Carry> {

@@ -72,6 +72,16 @@ pub struct Chunks {
     pub start: Vec<Id>,
     /// Entries of one chunk at its end.
     pub next: Vec<Id>,
+    /// Where the program's table tells how many chunks there are: a driver that knew it would unroll a loop that is one because its
+    /// body is long.
+    pub count: Option<u32>,
+}
+
+impl Chunks {
+    /// An entry of every chunk before the loop.
+    pub fn init_of(&self, entry: usize) -> impl Iterator<Item = Id> + '_ {
+        self.init.iter().copied().skip(entry).step_by(self.start.len())
+    }
 }
 
 /// A write to a buffer.
@@ -183,6 +193,15 @@ fn finish<V: Carried<Sym>>(statement: u32, vars: &mut V, carries: &mut [Carry]) 
 
 /// Records a loop over chunks of `size` values.
 pub fn record_chunks(values: &mut [Sym], size: usize, body: impl FnOnce(SymWord, &[Sym]) -> Vec<Sym>) {
+    record_counted_chunks(None, values, size, body);
+}
+
+fn record_counted_chunks(
+    count: Option<u32>,
+    values: &mut [Sym],
+    size: usize,
+    body: impl FnOnce(SymWord, &[Sym]) -> Vec<Sym>,
+) {
     let statement = reserve();
     let region = with_graph(|graph| graph.open_region(true));
     let carried = |k: usize, kind| with_graph(|graph| graph.fresh(Op::Carried(statement, k as u32), kind, region));
@@ -191,7 +210,7 @@ pub fn record_chunks(values: &mut [Sym], size: usize, body: impl FnOnce(SymWord,
     let next = body(SymWord::new(index), &start);
     with_graph(|graph| graph.close_region());
     let ids = |values: &[Sym]| values.iter().map(|x| x.id()).collect();
-    let made = Chunks { body: region, index, init: ids(values), start: ids(&start), next: ids(&next) };
+    let made = Chunks { body: region, index, init: ids(values), start: ids(&start), next: ids(&next), count };
     with_graph(|graph| graph.statements[statement as usize] = Statement::Chunks(made));
     for (k, value) in values.iter_mut().enumerate() {
         let op = Op::Outcome(statement, k as u32);
@@ -218,15 +237,62 @@ pub fn record_rows<const K: usize, const I: usize>(
     }
 }
 
-/// An entry of the current row; a constant if it is the same in all rows.
+/// What a map takes of all rows.
+enum Column {
+    /// The same of each.
+    Same(Sym),
+    /// Constants.
+    Constants(Vec<f64>),
+    /// Anything else.
+    Varying,
+}
+
+impl Column {
+    fn of(all: &[Sym]) -> Self {
+        match all.iter().map(|x| x.constant()).collect() {
+            _ if all.iter().all(|x| x.is_same(all[0])) => Self::Same(all[0]),
+            Some(constants) => Self::Constants(constants),
+            None => Self::Varying,
+        }
+    }
+}
+
+/// Records a loop that maps rows: constants become a table, what varies entries of chunks, which the outcomes take over.
+pub fn map_rows<const I: usize, const O: usize>(
+    rows: &[[Sym; I]],
+    mut map: impl FnMut([Sym; I]) -> [Sym; O],
+) -> Vec<[Sym; O]> {
+    let columns: [Column; I] =
+        std::array::from_fn(|column| Column::of(&rows.iter().map(|row| row[column]).collect::<Vec<Sym>>()));
+    let varying: Vec<usize> = (0..I).filter(|&column| matches!(columns[column], Column::Varying)).collect();
+    let size = varying.len().max(O);
+    let entry = |row: &[Sym; I], k: usize| varying.get(k).map_or_else(Sym::zero, |&column| row[column]);
+    let mut values: Vec<Sym> = rows.iter().flat_map(|row| (0..size).map(move |k| entry(row, k))).collect();
+    let count = with_graph(|graph| graph.put_in_table([rows.len() as f64]));
+    record_counted_chunks(Some(count), &mut values, size, |index, chunk| {
+        let mut entries = chunk.iter();
+        let taken = std::array::from_fn(|column| match &columns[column] {
+            Column::Same(x) => *x,
+            Column::Constants(constants) => looked_up(constants, index),
+            Column::Varying => *entries.next().expect("a chunk holds all that varies"),
+        });
+        map(taken).iter().chain(&chunk[O..]).copied().collect()
+    });
+    values.chunks_exact(size).map(|chunk| std::array::from_fn(|k| chunk[k])).collect()
+}
+
+/// An entry of the current row.
 fn entry<const K: usize>(table: &[[f64; K]], column: usize, index: SymWord) -> Sym {
-    let all = || table.iter().map(|row| row[column]);
-    if all().all(|x| x == table[0][column]) {
-        return Sym::splat(table[0][column]);
+    looked_up(&table.iter().map(|row| row[column]).collect::<Vec<f64>>(), index)
+}
+
+/// The constant of the current row; one for all if it is the same in all rows.
+fn looked_up(constants: &[f64], index: SymWord) -> Sym {
+    if constants.iter().all(|&x| x == constants[0]) {
+        return Sym::splat(constants[0]);
     }
     with_graph(|graph| {
-        let base = graph.table.len() as u32;
-        graph.table.extend(all());
+        let base = graph.put_in_table(constants.iter().copied());
         Sym::new(graph.apply(Op::Table(base), &[index.id()], Kind::Number))
     })
 }

@@ -57,15 +57,17 @@ impl OnSide<f64> {
     }
 }
 
-/// A path between two points.
+/// A path between two points, in axes of the round thing.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<S> {
+pub struct Course<S: Scalar> {
     /// Its length (m).
     pub length: S,
     /// Unit vector along it at its beginning.
     pub leaving: Vec3<S>,
     /// Unit vector along it at its end.
     pub arriving: Vec3<S>,
+    /// Where it bends.
+    pub bends: S::Mask,
 }
 
 /// A plane in axes of the round thing: two unit vectors.
@@ -113,24 +115,23 @@ fn any_normal<S: Scalar>(x: Vec3<S>) -> Vec3<S> {
     x.cross(Vec3::new(S::select(is_x, o, i), S::select(is_y, o, i), S::select(is_z, o, i)))
 }
 
-/// The path from `a` to `b` (from O), whose places in axes of the round thing are `local`.
+/// The path from `a` to `b`, both from the centre of the round thing and in its axes (m).
 #[inline(always)]
-pub fn course<S: Scalar>(round: &Round<S>, side: OnSide<S>, [a, b]: [Vec3<S>; 2], local: [Vec3<S>; 2]) -> Course<S> {
-    let (plane, bend) = bent(round, side, local);
+pub fn course<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> Course<S> {
+    let (plane, bend) = bent(shape, radius, side, [a, b]);
     let [before, along, after] = bend.lengths;
     let flat = before + along + after;
-    let rise = local[1].z - local[0].z;
-    let (length, level, climb) = match round.shape {
+    let between = b - a;
+    let (length, level, climb) = match shape {
         RoundShape::Sphere => (flat, S::lit(1.0), S::zero()),
         RoundShape::Cylinder => {
-            let square = flat.mul_add(flat, rise * rise).max(S::lit(SHORTEST_SQUARED));
+            let square = flat.mul_add(flat, between.z * between.z).max(S::lit(SHORTEST_SQUARED));
             let inverse = square.rsqrt();
-            (square * inverse, flat * inverse, rise * inverse)
+            (square * inverse, flat * inverse, between.z * inverse)
         }
     };
-    let leaving = in_world(round, &plane, bend.directions[0], level, climb);
-    let arriving = in_world(round, &plane, bend.directions[1], level, climb);
-    let between = b - a;
+    let leaving = lifted(shape, &plane, bend.directions[0], level, climb);
+    let arriving = lifted(shape, &plane, bend.directions[1], level, climb);
     let square = between.dot(between).max(S::lit(SHORTEST_SQUARED));
     let inverse = square.rsqrt();
     let straight = between.scale(inverse);
@@ -138,26 +139,26 @@ pub fn course<S: Scalar>(round: &Round<S>, side: OnSide<S>, [a, b]: [Vec3<S>; 2]
         length: S::select(bend.bends, length, square * inverse),
         leaving: Vec3::select(bend.bends, leaving, straight),
         arriving: Vec3::select(bend.bends, arriving, straight),
+        bends: bend.bends,
     }
 }
 
 #[inline(always)]
-fn in_world<S: Scalar>(round: &Round<S>, plane: &Plane<S>, flat: Flat<S>, level: S, climb: S) -> Vec3<S> {
-    let local = match round.shape {
+fn lifted<S: Scalar>(shape: RoundShape, plane: &Plane<S>, flat: Flat<S>, level: S, climb: S) -> Vec3<S> {
+    match shape {
         RoundShape::Sphere => plane.lift(flat),
         RoundShape::Cylinder => Vec3::new(flat.x * level, flat.y * level, climb),
-    };
-    round.frame.rotation.apply(local)
+    }
 }
 
 /// The plane in which the path bends, and how it does.
 #[inline(always)]
-fn bent<S: Scalar>(round: &Round<S>, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> (Plane<S>, Bend<S>) {
-    let plane = match round.shape {
+fn bent<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> (Plane<S>, Bend<S>) {
+    let plane = match shape {
         RoundShape::Sphere => Plane::through(a, b),
         RoundShape::Cylinder => Plane::across(),
     };
-    let (from, to) = (in_plane(round.shape, &plane, a), in_plane(round.shape, &plane, b));
+    let (from, to) = (in_plane(shape, &plane, a), in_plane(shape, &plane, b));
     let (past, through) = match side {
         OnSide::Any => (Some(None), None),
         OnSide::Of(side) => (Some(Some(side)), None),
@@ -166,10 +167,10 @@ fn bent<S: Scalar>(round: &Round<S>, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> (
     };
     // One call each: called from several places, the loop in `touching` would not be inlined.
     let past = past.map(|side| {
-        let side = side.map(|side| in_plane(round.shape, &plane, side));
-        around(side, from, to, round.radius)
+        let side = side.map(|side| in_plane(shape, &plane, side));
+        around(side, from, to, radius)
     });
-    let through = through.map(|is_inside| (is_inside, touching(from, to, round.radius)));
+    let through = through.map(|is_inside| (is_inside, touching(from, to, radius)));
     let bend = match (past, through) {
         (Some(past), Some((is_inside, through))) => Bend::select(is_inside, &through, &past),
         (Some(past), None) => past,
@@ -193,7 +194,7 @@ pub fn points(round: &Round<f64>, side: Option<Vec3<f64>>, [a, b]: [Vec3<f64>; 2
     let to_local = |p: Vec3<f64>| round.frame.rotation.apply_inverse(p - round.frame.position);
     let side = side.map_or(OnSide::Any, |side| OnSide::told_by(to_local(side), round.shape, round.radius));
     let local = [to_local(a), to_local(b)];
-    let (plane, bend) = bent(round, side, local);
+    let (plane, bend) = bent(round.shape, round.radius, side, local);
     let share = |k: usize| (k as f64 + 0.5) / count as f64;
     if !bend.bends {
         return (0..count).map(|k| (b - a).mul_add(share(k), a)).collect();

@@ -2,11 +2,11 @@
 //!
 //! With `A = radius / distance` of an end, the line from it meets the circle's radius at an angle psi at an angle
 //! `psi - asin(A sin psi)` from the end, seen from the centre. Both such angles add up to the angle between the ends, which
-//! is an equation for psi. Its left side is convex and rises, so Newton's method from the right, where the lines
-//! just touch the circle, never overshoots.
+//! is an equation for psi. Its left side is convex and rises, so Newton's method never overshoots from the right, and lands there
+//! from the left.
 
 use super::flat::{Bend, Ends, Flat, TINY};
-use myo_scalar::{Carried, Mask, Scalar, Visitor, atan2};
+use myo_scalar::{Carried, Scalar, Visitor, atan2};
 use std::f64::consts::FRAC_PI_2;
 
 /// Most rounds. The slope halves with each until psi is near; ends within a millionth of the circle take 15.
@@ -79,18 +79,34 @@ impl<S: Scalar> Carried<S> for Search<S> {
     }
 }
 
-/// The angle psi (rad).
+/// Where to begin: half the angle between the ends would be psi if both were far away, and this is one step nearer, Kepler's equation
+/// being what is left of the one to solve then.
 #[inline(always)]
-fn psi<S: Scalar>(ends: [End<S>; 2], between: Turn<S>) -> S {
+fn guess<S: Scalar>(ends: [End<S>; 2], between: Turn<S>) -> S {
+    let half = S::lit(0.5);
+    let mean = atan2(between.sin, between.cos) * half;
+    let square_cos = between.cos.mul_add(half, half).clamp(0.0, 1.0);
+    let (sin, cos) = ((S::lit(1.0) - square_cos).sqrt(), square_cos.sqrt());
+    let ratio = (ends[0].ratio + ends[1].ratio) * half;
+    let slope = (S::lit(1.0) - ratio * cos).max(S::lit(LEAST_SLOPE));
+    (ratio * sin).mul_add(slope.recip(), mean).clamp(0.0, FRAC_PI_2)
+}
+
+/// The angle psi (rad) where it is looked for.
+#[inline(always)]
+fn psi<S: Scalar>(wanted: S::Mask, ends: [End<S>; 2], between: Turn<S>) -> S {
     let [units, least] = [LEFT_OVER.0, LEFT_OVER.1];
     let left_over = S::lit((units * S::EPSILON).max(least));
-    let mut search = Search { psi: S::lit(FRAC_PI_2), goes_on: S::Mask::splat(true) };
+    // Where the straight line cuts the circle there is no such angle, and no end of rounds.
+    let mut search = Search { psi: guess(ends, between), goes_on: wanted };
     S::repeat_while(MOST_ROUNDS, &mut search, |search| {
         let (sin, cos) = search.psi.sin_cos();
         let (first, slope_first) = ends[0].turn(Turn { cos, sin });
         let (second, slope_second) = ends[1].turn(Turn { cos, sin });
         let error = first.and(second).and(between.back());
-        let error = atan2(error.sin, error.cos);
+        // The sine, and one beyond a quarter turn: less than the angle, and next to it where it is small.
+        let far = S::select(error.sin.lt(S::zero()), S::lit(-1.0), S::lit(1.0));
+        let error = S::select(error.cos.lt(S::zero()), far, error.sin);
         let slope = (S::lit(2.0) - slope_first - slope_second).max(S::lit(LEAST_SLOPE));
         let next = (search.psi - error * slope.recip()).clamp(0.0, FRAC_PI_2);
         // A lane that has arrived must stay what it is, whatever the others do.
@@ -113,13 +129,13 @@ pub(super) fn touching<S: Scalar>(from: Flat<S>, to: Flat<S>, radius: S) -> Bend
     let between = Turn { cos: start.dot(end), sin: turn * cross };
     let first_end = End::new(radius, inverses[0], ends.tangents[0]);
     let second_end = End::new(radius, inverses[1], ends.tangents[1]);
-    let (sin, cos) = psi([first_end, second_end], between).sin_cos();
+    let squared_radius = radius * radius;
+    let bends = squared_radius.lt(first) & squared_radius.lt(second) & !ends.is_cut;
+    let (sin, cos) = psi(bends, [first_end, second_end], between).sin_cos();
     let (from_start, _) = first_end.turn(Turn { cos, sin });
     let touched = start.left().mul_add(turn * from_start.sin, start.scale(from_start.cos)).scale(radius);
     let (before, leaving) = length_and_direction(touched.minus(from));
     let (after, arriving) = length_and_direction(to.minus(touched));
-    let squared_radius = radius * radius;
-    let bends = squared_radius.lt(first) & squared_radius.lt(second) & !ends.is_cut;
     Bend { bends, lengths: [before, S::zero(), after], directions: [leaving, arriving], turn }
 }
 

@@ -7,7 +7,8 @@ use crate::symbolic::program::Program;
 use crate::symbolic::region::{Branch, Chunks, Loop, Statement, Store};
 use naga::{
     ArraySize, BinaryOperator, Block, Expression, Function, FunctionArgument, Handle, Literal, LocalVariable,
-    MathFunction, Module, Range, ScalarKind, Span, Statement as Instruction, Type, TypeInner, UnaryOperator,
+    MathFunction, Module, Range, ScalarKind, Span, Statement as Instruction, SwitchCase, SwitchValue, Type, TypeInner,
+    UnaryOperator,
 };
 use std::collections::HashMap;
 
@@ -37,6 +38,26 @@ pub struct Body<'a> {
     /// Pointers to the variables of statements; arrays are variable 0 of theirs.
     variables: HashMap<(u32, usize), Expr>,
     counters: HashMap<u32, Expr>,
+    /// Entries of a chunk that are kept, of each loop over chunks.
+    kept: HashMap<u32, Vec<usize>>,
+    /// Where chunks are kept.
+    keeping: Keeping,
+}
+
+/// Where chunks are kept.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Keeping {
+    /// In an array.
+    Array,
+    /// In variables of their own, between which a `switch` chooses.
+    Variables,
+}
+
+impl Keeping {
+    /// For measurements: `MYO_ROWS=switch`.
+    fn chosen() -> Self {
+        if std::env::var("MYO_ROWS").is_ok_and(|rows| rows == "switch") { Self::Variables } else { Self::Array }
+    }
 }
 
 impl<'a> Body<'a> {
@@ -63,6 +84,8 @@ impl<'a> Body<'a> {
             environment: None,
             variables: HashMap::new(),
             counters: HashMap::new(),
+            kept: HashMap::new(),
+            keeping: Keeping::chosen(),
         };
         body.declare_variables(module, types);
         body
@@ -113,11 +136,7 @@ impl<'a> Body<'a> {
                         self.counters.insert(number, counter);
                     }
                     Statement::Chunks(x) => {
-                        let size = ArraySize::Constant((x.init.len() as u32).try_into().expect("a chunk at least"));
-                        let inner = TypeInner::Array { base: types.number, size, stride: 4 };
-                        let array = module.types.insert(Type { name: None, inner }, Span::default());
-                        let pointer = self.variable(format!("array{number}"), array);
-                        self.variables.insert((number, 0), pointer);
+                        self.declare_chunks(module, types, number, x);
                         let counter = self.variable(format!("count{number}"), types.word);
                         self.counters.insert(number, counter);
                     }
@@ -125,6 +144,31 @@ impl<'a> Body<'a> {
                 }
             }
         }
+    }
+
+    fn declare_chunks(&mut self, module: &mut Module, types: &Types, number: u32, each: &Chunks) {
+        let size = each.start.len();
+        let is_kept =
+            |&entry: &usize| self.program.reads_entry(each, entry) || self.program.writes_entry(number, each, entry);
+        let kept: Vec<usize> = (0..size).filter(is_kept).collect();
+        let chunks = each.init.len() / size;
+        match self.keeping {
+            Keeping::Array => {
+                let entries = (kept.len() * chunks) as u32;
+                let size = ArraySize::Constant(entries.try_into().expect("a loop that is needed keeps something"));
+                let inner = TypeInner::Array { base: types.number, size, stride: 4 };
+                let array = module.types.insert(Type { name: None, inner }, Span::default());
+                let pointer = self.variable(format!("array{number}"), array);
+                self.variables.insert((number, 0), pointer);
+            }
+            Keeping::Variables => {
+                for (chunk, &entry) in (0..=chunks).flat_map(|chunk| kept.iter().map(move |entry| (chunk, entry))) {
+                    let pointer = self.variable(format!("entry{number}_{chunk}_{entry}"), types.number);
+                    self.variables.insert((number, chunk * size + entry), pointer);
+                }
+            }
+        }
+        self.kept.insert(number, kept);
     }
 
     fn constant(&mut self, op: Op) -> Expr {
@@ -289,14 +333,15 @@ impl<'a> Body<'a> {
                 this.branch(again, Block::new(), leave);
             }
         });
-        self.count_up(counter, each.limit, body);
+        let limit = self.literal_word(each.limit);
+        self.count_up(counter, limit, body);
     }
 
     /// A loop that counts from zero below a limit.
-    fn count_up(&mut self, counter: Expr, limit: u32, body: Block) {
+    fn count_up(&mut self, counter: Expr, limit: Expr, body: Block) {
         let mut full = None;
         let continuing = self.block(|this| {
-            let (before, one, limit) = (this.load(counter), this.literal_word(1), this.literal_word(limit));
+            let (before, one) = (this.load(counter), this.literal_word(1));
             let after = this.binary(BinaryOperator::Add, before, one);
             full = Some(this.binary(BinaryOperator::GreaterEqual, after, limit));
             this.store(counter, after);
@@ -324,42 +369,115 @@ impl<'a> Body<'a> {
     }
 
     fn write_chunks(&mut self, number: u32, each: &Chunks) {
-        let (array, counter) = (self.variables[&(number, 0)], self.counters[&number]);
-        if self.program.reads_chunks(number) {
-            for (k, &id) in each.init.iter().enumerate() {
-                let value = self.value(id);
-                let index = self.literal_word(k as u32);
-                let pointer = self.access(array, index);
-                self.store(pointer, value);
-            }
+        let (program, counter, size) = (self.program, self.counters[&number], each.start.len());
+        for (k, &id) in each.init.iter().enumerate().filter(|(k, _)| program.reads_entry(each, k % size)) {
+            let value = self.value(id);
+            let pointer = self.entry_of_chunks(number, size, k);
+            self.store(pointer, value);
         }
         let zero = self.literal_word(0);
+        let chunks = (each.init.len() / size) as u32;
+        let limit = match each.count {
+            None => self.literal_word(chunks),
+            Some(at) => {
+                let count = self.look_up(at, zero);
+                self.emit(Expression::As { expr: count, kind: ScalarKind::Uint, convert: Some(4) })
+            }
+        };
         self.store(counter, zero);
-        let size = each.start.len() as u32;
         let body = self.block(|this| {
             let index = this.load(counter);
             this.values[each.index as usize] = Some(index);
-            let size = this.literal_word(size);
-            let first = this.binary(BinaryOperator::Multiply, index, size);
-            let place = |this: &mut Self, k: usize| {
-                let k = this.literal_word(k as u32);
-                let at = this.binary(BinaryOperator::Add, first, k);
-                this.access(array, at)
-            };
-            for (k, &id) in
-                each.start.iter().enumerate().filter(|(_, id)| this.program.is_live(**id)).collect::<Vec<_>>()
-            {
-                let pointer = place(this, k);
-                this.values[id as usize] = Some(this.load(pointer));
-            }
+            this.take_chunk(number, each, index);
             this.region(each.body);
-            for (k, &id) in each.next.iter().enumerate().filter(|(k, id)| **id != each.start[*k]) {
-                let value = this.value(id);
-                let pointer = place(this, k);
-                this.store(pointer, value);
-            }
+            this.put_chunk(number, each, index);
         });
-        self.count_up(counter, each.init.len() as u32 / size, body);
+        self.count_up(counter, limit, body);
+    }
+
+    /// Reads what the body needs of a chunk.
+    fn take_chunk(&mut self, number: u32, each: &Chunks, index: Expr) {
+        let (program, size) = (self.program, each.start.len());
+        let read: Vec<usize> = (0..size).filter(|&entry| program.reads_entry(each, entry)).collect();
+        // Chosen from variables, they go through a chunk past the last one.
+        let past = each.init.len();
+        if self.keeping == Keeping::Variables {
+            self.choose_chunk(past / size, index, |this, chunk| {
+                for &entry in &read {
+                    let from = this.entry_of_chunks(number, size, chunk * size + entry);
+                    let value = this.load(from);
+                    let to = this.entry_of_chunks(number, size, past + entry);
+                    this.store(to, value);
+                }
+            });
+        }
+        for &entry in &read {
+            let pointer = match self.keeping {
+                Keeping::Array => self.indexed_entry(number, index, entry),
+                Keeping::Variables => self.entry_of_chunks(number, size, past + entry),
+            };
+            self.values[each.start[entry] as usize] = Some(self.load(pointer));
+        }
+        self.flush();
+    }
+
+    /// Writes what is needed of a chunk afterwards.
+    fn put_chunk(&mut self, number: u32, each: &Chunks, index: Expr) {
+        let (program, size) = (self.program, each.start.len());
+        let written = (0..size).filter(|&entry| program.writes_entry(number, each, entry));
+        let written: Vec<(usize, Expr)> = written.map(|entry| (entry, self.value(each.next[entry]))).collect();
+        match self.keeping {
+            Keeping::Array => {
+                for (entry, value) in written {
+                    let pointer = self.indexed_entry(number, index, entry);
+                    self.store(pointer, value);
+                }
+            }
+            Keeping::Variables => self.choose_chunk(each.init.len() / size, index, |this, chunk| {
+                for &(entry, value) in &written {
+                    let pointer = this.entry_of_chunks(number, size, chunk * size + entry);
+                    this.store(pointer, value);
+                }
+            }),
+        }
+    }
+
+    /// Code of each chunk's own.
+    fn choose_chunk(&mut self, chunks: usize, selector: Expr, mut write: impl FnMut(&mut Self, usize)) {
+        let case = |(chunk, body)| {
+            let is_last = chunk + 1 == chunks;
+            let value = if is_last { SwitchValue::Default } else { SwitchValue::U32(chunk as u32) };
+            SwitchCase { value, body, fall_through: false }
+        };
+        let bodies: Vec<Block> = (0..chunks).map(|chunk| self.block(|this| write(this, chunk))).collect();
+        let cases = bodies.into_iter().enumerate().map(case).collect();
+        self.instruct(Instruction::Switch { selector, cases });
+    }
+
+    /// Where an entry of a chunk lies whose number is counted as the loop runs.
+    fn indexed_entry(&mut self, number: u32, chunk: Expr, entry: usize) -> Expr {
+        let (position, width) = self.position_in_chunk(number, entry);
+        let [width, position] = [width, position].map(|word| self.literal_word(word));
+        let first = self.binary(BinaryOperator::Multiply, chunk, width);
+        let at = self.binary(BinaryOperator::Add, first, position);
+        self.access(self.variables[&(number, 0)], at)
+    }
+
+    /// Where entry `k` of all chunks lies.
+    fn entry_of_chunks(&mut self, number: u32, size: usize, k: usize) -> Expr {
+        if self.keeping == Keeping::Variables {
+            return self.variables[&(number, k)];
+        }
+        let (position, width) = self.position_in_chunk(number, k % size);
+        let index = self.literal_word((k / size) as u32 * width + position);
+        self.access(self.variables[&(number, 0)], index)
+    }
+
+    /// Place of an entry among those of a chunk that are kept, and how many these are.
+    fn position_in_chunk(&self, number: u32, entry: usize) -> (u32, u32) {
+        let kept = &self.kept[&number];
+        let position = kept.iter().position(|&other| other == entry).expect("what is needed is kept");
+        (position as u32, kept.len() as u32)
     }
 
     fn write_store(&mut self, each: &Store) {
@@ -416,9 +534,8 @@ impl<'a> Body<'a> {
     }
 
     fn outcome(&mut self, statement: u32, index: u32) -> Expr {
-        if let Statement::Chunks(_) = &self.program.statements[statement as usize] {
-            let index = self.literal_word(index);
-            let pointer = self.access(self.variables[&(statement, 0)], index);
+        if let Statement::Chunks(each) = &self.program.statements[statement as usize] {
+            let pointer = self.entry_of_chunks(statement, each.start.len(), index as usize);
             return self.load(pointer);
         }
         self.load(self.variables[&(statement, index as usize)])

@@ -70,7 +70,7 @@ let MYO_CACHE_DIR name an empty folder; drivers may have a cache of their own.
 
 JSON: `rows` of objects with `backend`, `task`, `envs`, `layouts`, `physics_steps_per_s`, `control_steps_per_s`,
 `control_steps_per_s_median`, `machine`, `date`, `version`; on the cpu also `level` and `threads`, on the gpu `device`,
-`driver`, `part`, `form` (`straight` or `loops`), `ready_s`, `kernel_cache`.";
+`driver`, `part`, `form` (`straight`, `paths` with loops over bent paths, or `loops`), `ready_s`, `kernel_cache`.";
 
 #[derive(Clone, Debug, Serialize)]
 struct Row {

@@ -137,7 +137,11 @@ impl Measurement<'_> {
             device: adapter.name.clone(),
             driver: adapter.driver.clone(),
             part,
-            form: if env.kernels().form() == Form::Loops { "loops" } else { "straight" },
+            form: match env.kernels().form() {
+                Form::Straight => "straight",
+                Form::Paths => "paths",
+                Form::Loops => "loops",
+            },
             task: task.name.clone(),
             envs,
             layouts: self.layouts,
