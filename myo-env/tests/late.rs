@@ -41,16 +41,16 @@ fn compare(mut late: Box<dyn VectorEnv>, mut prompt: Box<dyn VectorEnv>, toleran
         late.step(&actions, a.buffers()).unwrap();
         prompt.step(&actions, b.buffers()).unwrap();
         assert_eq!((&a.terminated, &a.truncated), (&b.terminated, &b.truncated), "{context}, step {step}");
-        for env in 0..ENVS {
+        for (env, seen) in seen.iter_mut().enumerate() {
             if b.terminated[env] || b.truncated[env] {
                 ended += 1;
                 // The last observation is late, too; the next episode begins with what is there.
-                seen[env].push(row(&b.final_observation, env));
-                check(&spec.observation_names, &row(&a.final_observation, env), &seen[env], tolerance, context);
-                seen[env].clear();
+                seen.push(row(&b.final_observation, env));
+                check(&spec.observation_names, &row(&a.final_observation, env), seen, tolerance, context);
+                seen.clear();
             }
-            seen[env].push(row(&b.observation, env));
-            check(&spec.observation_names, &row(&a.observation, env), &seen[env], tolerance, context);
+            seen.push(row(&b.observation, env));
+            check(&spec.observation_names, &row(&a.observation, env), seen, tolerance, context);
         }
         // Looking at a state changes nothing.
         let saved = late.save_state().unwrap();

@@ -60,13 +60,6 @@ pub fn trace(record: impl FnOnce()) -> Program {
 /// # Panics
 /// As [`trace`].
 pub fn trace_as(form: Form, record: impl FnOnce()) -> Program {
-    // For measurements.
-    let form = match std::env::var("MYO_FORM").as_deref() {
-        Ok("straight") => Form::Straight,
-        Ok("paths") => Form::Paths,
-        Ok("loops") => Form::Loops,
-        _ => form,
-    };
     let recording = Recording::begin(form);
     record();
     Program::new(recording.finish())

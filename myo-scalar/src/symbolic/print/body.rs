@@ -7,8 +7,7 @@ use crate::symbolic::program::Program;
 use crate::symbolic::region::{Branch, Chunks, Loop, Statement, Store};
 use naga::{
     ArraySize, BinaryOperator, Block, Expression, Function, FunctionArgument, Handle, Literal, LocalVariable,
-    MathFunction, Module, Range, ScalarKind, Span, Statement as Instruction, SwitchCase, SwitchValue, Type, TypeInner,
-    UnaryOperator,
+    MathFunction, Module, Range, ScalarKind, Span, Statement as Instruction, Type, TypeInner, UnaryOperator,
 };
 use std::collections::HashMap;
 
@@ -40,24 +39,6 @@ pub struct Body<'a> {
     counters: HashMap<u32, Expr>,
     /// Entries of a chunk that are kept, of each loop over chunks.
     kept: HashMap<u32, Vec<usize>>,
-    /// Where chunks are kept.
-    keeping: Keeping,
-}
-
-/// Where chunks are kept.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Keeping {
-    /// In an array.
-    Array,
-    /// In variables of their own, between which a `switch` chooses.
-    Variables,
-}
-
-impl Keeping {
-    /// For measurements: `MYO_ROWS=switch`.
-    fn chosen() -> Self {
-        if std::env::var("MYO_ROWS").is_ok_and(|rows| rows == "switch") { Self::Variables } else { Self::Array }
-    }
 }
 
 impl<'a> Body<'a> {
@@ -85,7 +66,6 @@ impl<'a> Body<'a> {
             variables: HashMap::new(),
             counters: HashMap::new(),
             kept: HashMap::new(),
-            keeping: Keeping::chosen(),
         };
         body.declare_variables(module, types);
         body
@@ -152,22 +132,12 @@ impl<'a> Body<'a> {
             |&entry: &usize| self.program.reads_entry(each, entry) || self.program.writes_entry(number, each, entry);
         let kept: Vec<usize> = (0..size).filter(is_kept).collect();
         let chunks = each.init.len() / size;
-        match self.keeping {
-            Keeping::Array => {
-                let entries = (kept.len() * chunks) as u32;
-                let size = ArraySize::Constant(entries.try_into().expect("a loop that is needed keeps something"));
-                let inner = TypeInner::Array { base: types.number, size, stride: 4 };
-                let array = module.types.insert(Type { name: None, inner }, Span::default());
-                let pointer = self.variable(format!("array{number}"), array);
-                self.variables.insert((number, 0), pointer);
-            }
-            Keeping::Variables => {
-                for (chunk, &entry) in (0..=chunks).flat_map(|chunk| kept.iter().map(move |entry| (chunk, entry))) {
-                    let pointer = self.variable(format!("entry{number}_{chunk}_{entry}"), types.number);
-                    self.variables.insert((number, chunk * size + entry), pointer);
-                }
-            }
-        }
+        let entries = (kept.len() * chunks) as u32;
+        let size = ArraySize::Constant(entries.try_into().expect("a loop that is needed keeps something"));
+        let inner = TypeInner::Array { base: types.number, size, stride: 4 };
+        let array = module.types.insert(Type { name: None, inner }, Span::default());
+        let pointer = self.variable(format!("array{number}"), array);
+        self.variables.insert((number, 0), pointer);
         self.kept.insert(number, kept);
     }
 
@@ -399,23 +369,8 @@ impl<'a> Body<'a> {
     fn take_chunk(&mut self, number: u32, each: &Chunks, index: Expr) {
         let (program, size) = (self.program, each.start.len());
         let read: Vec<usize> = (0..size).filter(|&entry| program.reads_entry(each, entry)).collect();
-        // Chosen from variables, they go through a chunk past the last one.
-        let past = each.init.len();
-        if self.keeping == Keeping::Variables {
-            self.choose_chunk(past / size, index, |this, chunk| {
-                for &entry in &read {
-                    let from = this.entry_of_chunks(number, size, chunk * size + entry);
-                    let value = this.load(from);
-                    let to = this.entry_of_chunks(number, size, past + entry);
-                    this.store(to, value);
-                }
-            });
-        }
-        for &entry in &read {
-            let pointer = match self.keeping {
-                Keeping::Array => self.indexed_entry(number, index, entry),
-                Keeping::Variables => self.entry_of_chunks(number, size, past + entry),
-            };
+        for entry in read {
+            let pointer = self.indexed_entry(number, index, entry);
             self.values[each.start[entry] as usize] = Some(self.load(pointer));
         }
         self.flush();
@@ -426,32 +381,10 @@ impl<'a> Body<'a> {
         let (program, size) = (self.program, each.start.len());
         let written = (0..size).filter(|&entry| program.writes_entry(number, each, entry));
         let written: Vec<(usize, Expr)> = written.map(|entry| (entry, self.value(each.next[entry]))).collect();
-        match self.keeping {
-            Keeping::Array => {
-                for (entry, value) in written {
-                    let pointer = self.indexed_entry(number, index, entry);
-                    self.store(pointer, value);
-                }
-            }
-            Keeping::Variables => self.choose_chunk(each.init.len() / size, index, |this, chunk| {
-                for &(entry, value) in &written {
-                    let pointer = this.entry_of_chunks(number, size, chunk * size + entry);
-                    this.store(pointer, value);
-                }
-            }),
+        for (entry, value) in written {
+            let pointer = self.indexed_entry(number, index, entry);
+            self.store(pointer, value);
         }
-    }
-
-    /// Code of each chunk's own.
-    fn choose_chunk(&mut self, chunks: usize, selector: Expr, mut write: impl FnMut(&mut Self, usize)) {
-        let case = |(chunk, body)| {
-            let is_last = chunk + 1 == chunks;
-            let value = if is_last { SwitchValue::Default } else { SwitchValue::U32(chunk as u32) };
-            SwitchCase { value, body, fall_through: false }
-        };
-        let bodies: Vec<Block> = (0..chunks).map(|chunk| self.block(|this| write(this, chunk))).collect();
-        let cases = bodies.into_iter().enumerate().map(case).collect();
-        self.instruct(Instruction::Switch { selector, cases });
     }
 
     /// Where an entry of a chunk lies whose number is counted as the loop runs.
@@ -465,9 +398,6 @@ impl<'a> Body<'a> {
 
     /// Where entry `k` of all chunks lies.
     fn entry_of_chunks(&mut self, number: u32, size: usize, k: usize) -> Expr {
-        if self.keeping == Keeping::Variables {
-            return self.variables[&(number, k)];
-        }
         let (position, width) = self.position_in_chunk(number, k % size);
         let index = self.literal_word((k / size) as u32 * width + position);
         self.access(self.variables[&(number, 0)], index)
