@@ -333,7 +333,7 @@ fn a_task_of_another_structure_is_refused_and_changes_nothing() {
     refuse(&with(|task| task.scene.0.swap_indices(0, 1)), "its spheres and boxes stand in another order");
     refuse(&with(|task| task.observation.touch = false), "it is observed in another way");
     refuse(&with(|task| task.control_dt_s = 0.1), "its control step is 0.1 s instead of 0.05 s");
-    let inside = "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path)";
+    let inside = "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path, reward.distance_scale_m)";
     refuse(&with(|task| task.reward.inside_is_zero = !task.reward.inside_is_zero), inside);
     let error = env.set_task(&with(|task| task.time_limit_s = -1.0)).unwrap_err().to_string();
     assert!(error.contains("time_limit_s"), "{error}");
