@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use myo_tasks::{LoadError, Pose, Reset, Task};
+use myo_train::PpoConfig;
 use serde_json::{Value, json};
 
 /// Targets on the circle of ISO 9241-411.
@@ -30,6 +31,8 @@ const KEYS: usize = 5;
 const KEY_PITCH: f64 = 0.01;
 const KEY_SIZE: [f64; 2] = [0.006, 0.009];
 const KEY_FORCE_N: f64 = 0.3;
+/// Least logarithm of the standard deviation of exploration.
+const LOG_STD_MIN: f64 = -3.5;
 /// Presses of an episode, of one key.
 const PRESSES: usize = 20;
 
@@ -58,6 +61,12 @@ impl Practice {
             Self::Keys => "keys",
             Self::Tapping => "tapping",
         }
+    }
+
+    /// How it is learnt by users who learn otherwise with these settings: exploration may come to an end. With the usual least noise, a tenth of
+    /// full control in every muscle, nobody stays in a target of 15 mm, so nobody learns to.
+    pub fn learning(self, usual: &PpoConfig) -> PpoConfig {
+        PpoConfig { log_std_min: usual.log_std_min.min(LOG_STD_MIN), ..usual.clone() }
     }
 
     /// Its tasks for the user of another task, layouts of one structure: what a user brings along (body, control step, reward, senses,

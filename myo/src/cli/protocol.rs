@@ -137,7 +137,8 @@ impl Asking<'_> {
         let first = layouts.first().cloned().ok_or_else(|| Failure::sentence("the protocol has no task"))?;
         let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
         let task = Scenario { task: first, layouts, model, own_model, most_success: 1.0 };
-        let practising = Practising { scenario: &task, config: config.clone(), users: *users, steps: *steps, physics };
+        let practising =
+            Practising { scenario: &task, config: practice.learning(config), users: *users, steps: *steps, physics };
         let place = folder.join("protocols").join(practice.name());
         let trained = practise(&practising, &place, &Interrupt::listen()?)?;
         complain(&format!("recording {} users, {}", trained.len(), practice.name()));
