@@ -6,6 +6,7 @@ use myo_lab::protocol::{
     UserReaches, circle_targets, conditions, reaches, record,
 };
 use myo_lab::{ModelReach, one_structure};
+use myo_measure::bands::Figure;
 use myo_measure::fitts::index_of_difficulty;
 use myo_model::{Model, builtin};
 use myo_tasks::{Task, check, preset};
@@ -92,21 +93,25 @@ fn fitts_law_comes_out_as_it_went_in() {
 #[test]
 fn movements_of_minimum_jerk_are_told_as_such() {
     let found = Kinematics::of(&[ideal_user(3)]).unwrap();
-    let figure = |key: &str| found.rows.iter().find(|row| row.key == key).unwrap().median;
+    let figure = |figure: Figure| found.rows.iter().find(|row| row.figure == figure).unwrap().median;
     assert_eq!(found.movements, 3 * (SELECTIONS - 1) * conditions().len());
     // From 5 % to 5 % of its peak it has a peak of 1.66 times its mean.
-    assert!((1.5..1.9).contains(&figure("peak_over_mean")), "{}", figure("peak_over_mean"));
+    assert!((1.5..1.9).contains(&figure(Figure::PeakOverMean)), "{}", figure(Figure::PeakOverMean));
     // It enters its targets when it ends, and has 5 % of its peak, 16 s^2 (1 - s)^2, at a share of 0.0594 of the duration.
-    assert!((figure("time_of_peak") - (0.5 - 0.0594) / (1.0 - 0.0594)).abs() < 0.005, "{}", figure("time_of_peak"));
-    let maxima = ["speed_maxima_easy", "speed_maxima_hard", "speed_maxima_per_bit"].map(figure);
+    assert!(
+        (figure(Figure::TimeOfPeak) - (0.5 - 0.0594) / (1.0 - 0.0594)).abs() < 0.005,
+        "{}",
+        figure(Figure::TimeOfPeak)
+    );
+    let maxima = [Figure::SpeedMaximaEasy, Figure::SpeedMaximaHard, Figure::SpeedMaximaPerBit].map(figure);
     assert_eq!(maxima, [1.0, 1.0, 0.0]);
-    assert!((figure("path_over_chord") - 1.0).abs() < 1e-3, "{}", figure("path_over_chord"));
-    assert!((-1.65..-1.35).contains(&figure("sparc")), "{}", figure("sparc"));
+    assert!((figure(Figure::PathOverChord) - 1.0).abs() < 1e-3, "{}", figure(Figure::PathOverChord));
+    assert!((-1.65..-1.35).contains(&figure(Figure::Sparc)), "{}", figure(Figure::Sparc));
     // The peak is 1.875 times the mean over the whole duration, 30 cm over the times of the four widths.
     let of_30 = (0..conditions().len()).filter(|&condition| conditions()[condition][0] == 0.3);
     let peaks: Vec<f64> = of_30.map(|condition| 1.875 * 0.3 / movement_time(condition)).collect();
     let [slowest, fastest] = [f64::min, f64::max].map(|of| peaks.iter().copied().reduce(of).unwrap());
-    assert!((slowest..fastest).contains(&figure("peak_speed_30_m_s")), "{}", figure("peak_speed_30_m_s"));
+    assert!((slowest..fastest).contains(&figure(Figure::PeakSpeed30)), "{}", figure(Figure::PeakSpeed30));
 }
 
 #[test]

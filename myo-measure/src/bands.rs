@@ -6,6 +6,8 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::{Result, check};
 
 mod table;
@@ -13,7 +15,8 @@ mod table;
 pub use table::BANDS;
 
 /// How far a bound can be trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Confidence {
     /// Measured in people by several.
     Good,
@@ -24,7 +27,8 @@ pub enum Confidence {
 }
 
 /// What bands are about. Units are SI; shares are of one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Figure {
     /// Different indices of difficulty from 1.5 to 5 bits that the fit stands on
@@ -98,7 +102,7 @@ pub enum Figure {
 }
 
 /// What a figure should be.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bound {
     /// Which figure.
     pub figure: Figure,
@@ -138,15 +142,17 @@ impl fmt::Display for Bound {
 }
 
 /// One of the fifteen checks.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Band {
     /// From 1 to 15.
     pub number: u8,
     /// What is looked at.
     pub what: &'static str,
     /// What the other figures need to mean anything; the band counts as not measured without it.
+    #[serde(skip)]
     pub requires: &'static [Bound],
     /// What the figures should be.
+    #[serde(skip)]
     pub bounds: &'static [Bound],
 }
 
@@ -179,7 +185,8 @@ impl Figures {
 }
 
 /// What comes of a figure, or of a band.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// All that is judged is within its bounds.
     Passed,
@@ -192,9 +199,10 @@ pub enum Verdict {
 }
 
 /// A figure beside its bound.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// What it should be.
+    #[serde(flatten)]
     pub bound: Bound,
     /// What it is.
     pub value: Option<f64>,
@@ -203,9 +211,10 @@ pub struct Finding {
 }
 
 /// A band, judged.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
     /// Which band.
+    #[serde(flatten)]
     pub band: Band,
     /// What comes of it.
     pub verdict: Verdict,

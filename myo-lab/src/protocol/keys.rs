@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::ProtocolError;
 use super::pointing::set_all;
+use super::practice::PRESSES;
 use super::recording::Recording;
 
 /// Fewest presses that figures are taken from.
@@ -76,7 +77,7 @@ fn pressed(what: &str, recordings: &[Recording]) -> Result<Vec<Taps>, ProtocolEr
     let found = taps.iter().map(|taps| taps.presses.len()).sum();
     if found < LEAST_PRESSES {
         let what = format!("presses of {what}");
-        return Err(ProtocolError::TooFew { what, found, asked: 20 * recordings.len(), least: LEAST_PRESSES });
+        return Err(ProtocolError::TooFew { what, found, asked: PRESSES * recordings.len(), least: LEAST_PRESSES });
     }
     Ok(taps)
 }

@@ -6,24 +6,27 @@
 //! [`myo_measure::bands`].
 
 mod error;
+mod fitts;
 mod holding;
 mod keys;
+mod kinematics;
 mod plot;
 mod pointing;
 mod practice;
 mod reach;
 mod recording;
+mod scatter;
 mod strength;
 
 pub use error::ProtocolError;
+pub use fitts::{FittsCondition, FittsFit, FittsLaw};
 pub use holding::{DriveRow, MuscleDrive, Stillness, StillnessRow};
 pub use keys::KeyPresses;
-pub use plot::{Plot, PlotError, PlotLine, PlotPoint, PlotSeries};
-pub use pointing::{
-    FittsCondition, FittsFit, FittsLaw, KinematicRow, Kinematics, OverUsers, Scatter, ScatterRow, SpeedProfile,
-    UserReaches,
-};
+pub use kinematics::{KinematicRow, Kinematics, SpeedProfile};
+pub use plot::{Plot, PlotError, PlotPoint, PlotSeries};
+pub use pointing::{OverUsers, UserReaches};
 pub use practice::{HOLD_DEG, Practice, SELECTIONS, circle_targets, conditions};
 pub use reach::{Reach, reaches};
 pub use recording::{Done, Recording, record};
+pub use scatter::{Scatter, ScatterRow};
 pub use strength::{HoldingShare, MomentArm, SignChange, Strength, StrengthError, StrengthRow};

@@ -48,11 +48,8 @@ pub struct PlotSeries {
     /// Single points.
     pub points: Vec<PlotPoint>,
     /// Corners of a line.
-    pub line: PlotLine,
+    pub line: Vec<[f64; 2]>,
 }
-
-/// Corners of a line.
-pub type PlotLine = Vec<[f64; 2]>;
 
 /// A point with what is uncertain about it.
 #[derive(Clone, Copy, Debug, PartialEq)]

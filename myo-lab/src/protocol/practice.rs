@@ -34,7 +34,7 @@ const KEY_FORCE_N: f64 = 0.3;
 /// Least logarithm of the standard deviation of exploration.
 const LOG_STD_MIN: f64 = -3.5;
 /// Presses of an episode, of one key.
-const PRESSES: usize = 20;
+pub const PRESSES: usize = 20;
 
 /// What is practised. Each is a training of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

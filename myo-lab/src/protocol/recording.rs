@@ -1,6 +1,6 @@
 //! Users at work, recorded at every physics step.
 
-use myo_env::{CpuEnv, EnvConfig, EnvSpec, StepStorage, TraceSample};
+use myo_env::{CpuEnv, EnvConfig, EnvSpec, StepStorage, TraceSample, VectorEnv};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::Policy;
@@ -80,13 +80,13 @@ pub fn record(
 ) -> Result<Vec<Vec<Recording>>, ProtocolError> {
     let num_envs = repeats * layouts.len();
     let mut env = CpuEnv::with_layouts(model, layouts, &EnvConfig { num_envs, seed, ..EnvConfig::default() })?;
-    let (spec, shape) = (myo_env::VectorEnv::spec(&env).clone(), env.trace_shape());
+    let (spec, shape) = (env.spec().clone(), env.trace_shape());
     policy.check(&spec)?;
     let (mut step, mut actions) = (StepStorage::new(&spec), vec![0.0; num_envs * spec.action_size()]);
     let mut trace = vec![0.0; num_envs * shape.len_per_env()];
     let mut recordings = vec![Recording::new(shape.rate_hz); num_envs];
     let mut going: Vec<bool> = vec![true; num_envs];
-    myo_env::VectorEnv::reset(&mut env, Some(seed), None, &mut step.observation)?;
+    env.reset(Some(seed), None, &mut step.observation)?;
     while going.contains(&true) {
         policy.act_deterministic(&step.observation, &mut actions);
         env.step_traced(&actions, step.buffers(), &mut trace)?;
