@@ -150,8 +150,10 @@ impl StateRows {
     /// The rows of a model's and task's states.
     pub fn of<C: Real + Scalar<Const = C>>(tables: &Tables<C>) -> Self {
         let mut state = EnvState::<C>::new(tables);
-        state.pending = C::lit(1.0);
         let count = state.numbers().count();
+        // Others may be as large as any number that is set: an order of steps, for one.
+        state.numbers().for_each(|number| *number = C::lit(0.0));
+        state.pending = C::lit(1.0);
         let pending = state.numbers().position(|x| x.to_f64() > 0.0).expect("one number was set");
         Self { count, pending }
     }
