@@ -93,10 +93,10 @@ task was learnt, and so do others with other seeds; they are kept in the folder 
 movements end before they are corrected, K3 how still the arm is held, K5 what muscles do, T1 presses of keys; M1 asks the body alone: isometric strength of
 elbow, shoulder and forearm, the share of it that holds the straight arm up, moment arms at the elbow, and muscles that change sides. `bands` does all of them and tells
 which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
-confidence interval of the mean over users), of K1 `rows`, of K2 `rows`, `elongation`, `growth_along`, `direction_deg`, of K3 and K5 `rows`, of T1
+confidence interval of the mean over users), of K1 `rows` (`figure`, `what`, `unit`, `median`, `interval`), of K2 `rows`, `elongation`, `growth_along`, `direction_deg`, of K3 and K5 `rows`, of T1
 `peak_force_n`, `contact_time_s`, `impulse_n_s`, `interval_s`, `rate_hz`; of M1 `model`, `strength`, `holding`, `moment_arms`, `sign_changes`; of all but M1 `users`. Of `bands`
-`users`, `bands`, a list with `number`, `what`, `verdict` (`passed`, `failed`, `not_measured`, `reported`) and `figures` (`figure`, `value`, `should_be`, `verdict`), and the
-answers under their names.
+`users`, `bands`, a list with `number`, `what`, `verdict` (`passed`, `failed`, `not_measured`, `reported`) and `findings` (`figure`, `lower`, `upper`,
+`value`, `verdict`, `judged`, `confidence`), and the answers under their names.
 
 JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
 and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also

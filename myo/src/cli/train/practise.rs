@@ -44,7 +44,7 @@ pub fn practise(what: &Practising<'_>, folder: &Path, interrupt: &Interrupt) -> 
     let args = Train { how, silent: true, ..Train::default() };
     match Several::open(folder)? {
         Some(mut several) => {
-            several.reach(*seeds.end())?;
+            several.extend_to(*seeds.end())?;
             if !several.left().is_empty() {
                 resume::several(&args, several, interrupt)?;
             }

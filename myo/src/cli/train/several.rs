@@ -205,7 +205,7 @@ impl Several {
     }
 
     /// Plans further ones, up to this seed.
-    pub fn reach(&mut self, last_seed: u64) -> Result<()> {
+    pub fn extend_to(&mut self, last_seed: u64) -> Result<()> {
         if last_seed > self.plan.last_seed {
             self.plan.last_seed = last_seed;
             write_json(&self.folder.join(PLAN), &self.plan)?;

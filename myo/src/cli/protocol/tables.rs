@@ -1,0 +1,193 @@
+//! Answers of users as text.
+
+use myo::measure::bands::{Finding, Judgement, Verdict};
+use myo::protocol::{FittsLaw, KeyPresses, Kinematics, MuscleDrive, Scatter, Stillness, Strength};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::cli::output::{name, row, table};
+
+/// A figure to three digits.
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
+    format!("{value:.digits$}")
+}
+
+fn interval(interval: Option<[f64; 2]>) -> String {
+    interval.map_or("-".into(), |[low, high]| format!("{} to {}", short(low), short(high)))
+}
+
+pub fn users(count: usize) -> String {
+    if count == 1 { "one user".into() } else { format!("{count} users") }
+}
+
+pub fn fitts(found: &FittsLaw) -> String {
+    let mut rows = vec![row(["distance", "width", "ID", "movement time", "95 % interval", "not made"])];
+    rows.extend(found.conditions.iter().map(|c| {
+        row([
+            &format!("{:.0} cm", 100.0 * c.distance_m),
+            &format!("{:.1} cm", 100.0 * c.width_m),
+            &format!("{:.2} bit", c.id_bit),
+            &format!("{:.3} s", c.movement_time_s),
+            &interval(c.movement_time_s_interval),
+            &format!("{:.1} %", 100.0 * c.missed),
+        ])
+    }));
+    let fit = &found.fitts;
+    let fits = [
+        row(["Fitts' law", "median", "95 % interval", "people"]),
+        row(["R2", &short(fit.r2), &interval(fit.r2_interval), "at least 0.9"]),
+        row(["slope, s/bit", &short(fit.slope_s_per_bit), &interval(fit.slope_s_per_bit_interval), "0.09 to 0.3"]),
+        row(["intercept, s", &short(fit.intercept_s), &interval(fit.intercept_s_interval), ""]),
+        row([
+            "throughput, bit/s",
+            &short(fit.throughput_bit_s),
+            &interval(fit.throughput_bit_s_interval),
+            "2.5 to 7.5",
+        ]),
+    ];
+    let who = users(found.users);
+    format!(
+        "Protocol F1, Fitts' law of {who}, across a circle of 13 targets, dwell not counted\n{}\n{}",
+        table(&rows),
+        table(&fits)
+    )
+}
+
+pub fn kinematics(found: &Kinematics) -> String {
+    let mut rows = vec![row(["movements", "median", "95 % interval", ""])];
+    rows.extend(found.rows.iter().map(|r| row([r.what, &short(r.median), &interval(r.interval), r.unit])));
+    format!("Protocol K1, {} movements of {}\n{}", found.movements, users(found.users), table(&rows))
+}
+
+pub fn scatter(found: &Scatter) -> String {
+    let mm = |metres: f64| format!("{:.1} mm", 1e3 * metres);
+    let mut rows = vec![row(["distance", "SD along", "SD across", "beyond the target"])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([&format!("{:.0} cm", 100.0 * r.distance_m), &mm(r.sd_along_m), &mm(r.sd_across_m), &mm(r.overshoot_m)])
+    }));
+    format!(
+        "Protocol K2, end points of {} before any correction, targets of 1 cm\n{}\nalong over across {}, {} mm more along for each 10 cm, \
+         across {} degrees\n",
+        users(found.users),
+        table(&rows),
+        short(found.elongation),
+        short(100.0 * found.growth_along),
+        short(found.direction_deg)
+    )
+}
+
+pub fn stillness(found: &Stillness) -> String {
+    let mut rows = vec![row(["arm raised by", "mean speed", "tremor, 4 to 15 Hz", "drift"])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            &format!("{} degrees", r.at_deg),
+            &format!("{:.1} mm/s", 1e3 * r.mean_speed_m_s),
+            &format!("{:.2} mm", 1e3 * r.tremor_m),
+            &format!("{:.1} mm", 1e3 * r.drift_m),
+        ])
+    }));
+    format!("Protocol K3, holding of {} (people: at most 20 mm/s and 0.5 mm)\n{}", users(found.users), table(&rows))
+}
+
+pub fn drive(found: &MuscleDrive) -> String {
+    let mut rows =
+        vec![row(["", "mean activation", "below 0.05", "above 0.95", "change in 50 ms", "elbow co-contraction"])];
+    rows.extend(found.rows.iter().map(|r| {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        row([
+            r.when,
+            &short(r.mean),
+            &percent(r.share_at_rest),
+            &percent(r.share_saturated),
+            &short(r.change_per_50_ms),
+            &short(r.elbow_co_contraction),
+        ])
+    }));
+    format!("Protocol K5, muscles of {}\n{}", users(found.users), table(&rows))
+}
+
+pub fn keys(found: &KeyPresses) -> String {
+    let rows = [
+        row(["presses", "median", "people"]),
+        row(["peak force", &format!("{:.2} N", found.peak_force_n), "0.3 to 2 N"]),
+        row(["contact time", &format!("{:.0} ms", 1e3 * found.contact_time_s), "60 to 220 ms"]),
+        row(["impulse", &format!("{:.3} N s", found.impulse_n_s), ""]),
+        row(["from press to press", &format!("{:.0} ms", 1e3 * found.interval_s), ""]),
+        row(["one key, presses per second", &short(found.rate_hz), "at most 6.5"]),
+    ];
+    format!("Protocol T1, {} presses of {}\n{}", found.presses, users(found.users), table(&rows))
+}
+
+/// A word of the library as it is written in JSON, with spaces.
+fn word(value: impl Serialize) -> String {
+    serde_json::to_value(value).ok().as_ref().and_then(Value::as_str).unwrap_or_default().replace('_', " ")
+}
+
+/// All bands, of so many users.
+pub fn bands(count: usize, judged: &[Judgement]) -> String {
+    let mut rows = vec![row(["band", "", "figure", "value", "people", ""])];
+    for Judgement { band, findings, .. } in judged {
+        for (at, Finding { bound, value, verdict }) in findings.iter().enumerate() {
+            let (number, what) = if at == 0 { (band.number.to_string(), band.what) } else { (String::new(), "") };
+            let value = value.map_or("-".into(), short);
+            rows.push(row([&number, what, &word(bound.figure), &value, &bound.to_string(), &word(verdict)]));
+        }
+    }
+    let many = |verdict| judged.iter().filter(|judgement| judgement.verdict == verdict).count();
+    format!(
+        "Figures of {}, medians, beside people's\n{}\n{} bands passed, {} failed\n",
+        users(count),
+        table(&rows),
+        many(Verdict::Passed),
+        many(Verdict::Failed)
+    )
+}
+
+/// Protocol M1 for people.
+pub fn strength(found: &Strength) -> String {
+    let verdict = |passes| if passes { "pass" } else { "FAIL" }.to_owned();
+    let head = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let mut strengths = vec![head(&["strength", "at", "this body", "people", ""])];
+    strengths.extend(found.strength.iter().map(|row| {
+        let [from, to] = row.people_n_m;
+        let people = if from == to { format!("{from}") } else { format!("{from} to {to}") };
+        vec![row.what.into(), format!("{}", row.at_deg), format!("{:.1}", row.torque_n_m), people, verdict(row.passes)]
+    }));
+    let mut holding = vec![head(&["arm straight", "at", "gravity", "strength", "share", ""])];
+    holding.extend(found.holding.iter().map(|row| {
+        let torques = [row.gravity_n_m, row.strength_n_m].map(|torque| format!("{torque:.1}"));
+        let [gravity, strength] = torques;
+        let share = format!("{:.2}", row.share);
+        vec![row.way.into(), format!("{}", row.at_deg), gravity, strength, share, verdict(row.passes)]
+    }));
+    let mut arms = vec![head(&["moment arm at the elbow", "at", "this body", "people"])];
+    arms.extend(found.moment_arms.iter().map(|row| {
+        vec![
+            row.muscle.into(),
+            format!("{}", row.at_deg),
+            format!("{:.2}", row.body_cm),
+            format!("{:.2}", row.people_cm),
+        ]
+    }));
+    let changes = match &found.sign_changes[..] {
+        [] => "No muscle that was looked at changes sides.\n".to_owned(),
+        changes => changes
+            .iter()
+            .map(|change| {
+                format!("{} changes sides at {} degrees of {}: FAIL\n", change.muscle, change.at_deg, change.joint)
+            })
+            .collect(),
+    };
+    format!(
+        "Protocol M1, strength of {} (N m, degrees)\n{}\nShare of strength that holds the arm up (people: 0.12 to 0.35)\n{}\n\
+         Moment arms (cm)\n{}\n{changes}",
+        name(&found.model),
+        table(&strengths),
+        table(&holding),
+        table(&arms)
+    )
+}
