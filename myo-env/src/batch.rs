@@ -310,6 +310,11 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
         self.reset(None, Some(&vec![false; n]), &mut vec![0.0; n * self.spec.observation_size()])
     }
 
+    fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
+        self.tables.set_cost_share(check::share(share)?);
+        Ok(())
+    }
+
     fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
         check::range(&self.spec, &envs)?;
         let (tables, storage) = (&self.tables, &self.storage);

@@ -31,6 +31,11 @@ pub fn step(spec: &EnvSpec, actions: &[f32], out: &StepBuffers<'_>) -> Result<()
     }
 }
 
+/// A share of what movement costs.
+pub fn share(share: f64) -> Result<f64, EnvError> {
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(EnvError::BadShare { share }) }
+}
+
 /// Memory for a trace.
 pub fn trace(spec: &EnvSpec, shape: &TraceShape, trace: &[f32]) -> Result<(), EnvError> {
     length("trace", trace.len(), spec.num_envs * shape.len_per_env())

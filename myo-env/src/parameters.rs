@@ -185,6 +185,12 @@ impl<C: Real> Parameters<C> {
         self.map(&mut |&number| numbers.push(number));
         numbers
     }
+
+    /// Which of these is the share of the costs of movement that counts.
+    pub(crate) fn cost_share(&self) -> usize {
+        let mut places = 0..;
+        self.map(&mut |_| places.next().unwrap_or_default()).task.weights.cost_share
+    }
 }
 
 impl<T: Copy> Parameters<T> {

@@ -160,10 +160,21 @@ impl<C: Real> Tables<C> {
         if all.is_empty() { Err(BuildError::NoLayouts) } else { Ok(all) }
     }
 
+    /// Lets so much of what effort and acceleration cost count.
+    pub fn set_cost_share(&mut self, share: f64) {
+        let place = self.parameters.cost_share();
+        for numbers in &mut self.layouts {
+            numbers[place] = C::from_f64(share);
+        }
+        self.parameters.task.weights.cost_share = C::from_f64(share);
+    }
+
     /// Puts the numbers of tasks, whose values are right, in place.
     fn put(&mut self, all: &[Parameters<C>], tasks: &[Task]) {
         self.layouts = if self.own_numbers { all.iter().map(Parameters::numbers).collect() } else { vec![] };
+        let share = self.parameters.task.weights.cost_share.to_f64();
         self.parameters = all[0].clone();
+        self.set_cost_share(share);
         let tasks: Vec<Task> = tasks.iter().map(|task| task.clone().expanded()).collect();
         self.identity = self.identity.with_tasks(&tasks, self.rules.as_ref());
     }

@@ -180,6 +180,12 @@ pub enum EnvError {
         /// How many there are.
         num_envs: usize,
     },
+    /// A share of the costs of movement is not one.
+    #[error("the share of what movement costs is {share}; it must be from 0 to 1")]
+    BadShare {
+        /// What was given.
+        share: f64,
+    },
     /// The environments have no body and no task that could be looked at.
     #[error("there is nothing to see in these environments")]
     Unseen,
@@ -268,5 +274,16 @@ pub trait VectorEnv: Send {
     fn set_tasks(&mut self, tasks: &[Task]) -> Result<(), EnvError> {
         let _ = tasks;
         Err(EnvError::OtherTask { what: "these environments have no task".into() })
+    }
+
+    /// Lets only so much of what effort and acceleration cost count, from 0 to 1, from the next step on; all of it counts where this was
+    /// never called. Neither saved states nor [other tasks](Self::set_tasks) change it. Environments where movement costs nothing, or that
+    /// are judged by code, need not do anything.
+    ///
+    /// # Errors
+    /// [`EnvError::BadShare`], the card failed; it is unchanged then.
+    fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
+        let _ = share;
+        Ok(())
     }
 }

@@ -323,7 +323,7 @@ impl Envs {
             Start::Resumed(checkpoint) => {
                 let trainer = self.go_on(checkpoint)?;
                 let examiner = looks.examine(&trainer)?;
-                Ok(Session::resume(trainer, examiner, goal, checkpoint))
+                Session::resume(trainer, examiner, goal, checkpoint)
             }
         }
     }
@@ -346,7 +346,7 @@ impl Envs {
             let examiner = Examiner::on_card(evaluator, trainer.seed());
             match start {
                 Start::New { .. } => Session::new(trainer, examiner, goal),
-                Start::Resumed(checkpoint) => Ok(Session::resume(trainer, examiner, goal, checkpoint)),
+                Start::Resumed(checkpoint) => Session::resume(trainer, examiner, goal, checkpoint),
             }
         };
         trainers.into_iter().zip(evaluators).zip(starts).map(session).collect()

@@ -89,6 +89,12 @@ pub struct PpoConfig {
     pub log_std_min: f64,
     /// The logarithm of the standard deviation never rises above this (default 0.5).
     pub log_std_max: f64,
+    /// Simulated seconds after which effort and acceleration cost all that the task says in any case (default 1e6, that is 20 million control
+    /// steps at 20 Hz). Before that they cost the share of it that is the share of nine in ten targets which recent episodes got done, or,
+    /// where that is more, the share of this time that has passed: whom every movement costs dear before any has led anywhere learns to
+    /// keep still. 0 lets all of it count from the start. After Schumacher et al. 2023 (doi 10.48550/arXiv.2309.02976), whose cost of effort follows
+    /// the performance.
+    pub cost_ramp_s: f64,
     /// The environment gets `clip(action_offset + action_scale * a, -1, 1)` for the policy's output `a` (default -0.5).
     /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.5 a, 0, 1)`: a new policy
     /// holds them at a quarter, rather than at half strength against each other.
@@ -139,6 +145,7 @@ impl Default for PpoConfig {
             exploration_s: 0.05,
             log_std_min: -1.6,
             log_std_max: 0.5,
+            cost_ramp_s: 1e6,
             action_offset: -0.5,
             action_scale: 1.0,
             observation_clip: 5.0,
@@ -164,6 +171,9 @@ const WIDEST_CLIP: f64 = 0.9;
 
 /// Longest time for which noise stays (s): a card makes all draws of it again for each action.
 const LONGEST_EXPLORATION_S: f64 = 1.0;
+
+/// Longest time (s) until movement costs what the task says.
+const LONGEST_RAMP_S: f64 = 1e9;
 
 /// Longest roll-out (s).
 const LONGEST_S: f64 = 600.0;
@@ -301,6 +311,7 @@ impl PpoConfig {
         }
         check((1..=1 << 30).contains(&self.num_envs), "num_envs", &self.num_envs, "from 1 to 2^30");
         check((0.0..=LONGEST_S).contains(&self.rollout_s), "rollout_s", &self.rollout_s, "from 0 to 600");
+        check((0.0..=LONGEST_RAMP_S).contains(&self.cost_ramp_s), "cost_ramp_s", &self.cost_ramp_s, "from 0 to 1e9");
         let stays = self.exploration_s;
         check((0.0..=LONGEST_EXPLORATION_S).contains(&stays), "exploration_s", &stays, "from 0 to 1");
         for (name, widths) in [("policy_hidden", &self.policy_hidden), ("value_hidden", &self.value_hidden)] {

@@ -104,6 +104,8 @@ pub struct UpdateMetrics {
     pub action_std: f64,
     /// Step size of Adam that this update used.
     pub learning_rate: f64,
+    /// Share of what movement costs that counted in this update.
+    pub cost_share: f64,
 }
 
 impl UpdateMetrics {
@@ -143,6 +145,7 @@ impl UpdateMetrics {
             self.action_std,
             learn.gradient_norm,
             self.learning_rate,
+            self.cost_share,
         ];
         let layouts = self.layouts.iter().map(|episodes| episodes.mean(LAYOUT_COLUMN.name).unwrap_or(f64::NAN));
         first.into_iter().chain(self.episodes.means.iter().map(|&(_, mean)| mean)).chain(last).chain(layouts).collect()
@@ -176,7 +179,7 @@ pub const LAYOUT_COLUMN: Column = Column::new(
 );
 
 /// Columns of the metrics after those of the episodes.
-pub const LAST_COLUMNS: [Column; 10] = [
+pub const LAST_COLUMNS: [Column; 11] = [
     Column::new("reward_per_step", "", "Mean reward per control step, unscaled."),
     Column::new("policy_loss", "", "Clipped surrogate objective, negated; mean over the update."),
     Column::new("value_loss", "", "Mean squared error of the value network, of scaled rewards."),
@@ -187,4 +190,5 @@ pub const LAST_COLUMNS: [Column; 10] = [
     Column::new("action_std", "", "Mean standard deviation of the policy's outputs."),
     Column::new("gradient_norm", "", "Length of the gradient before it was shortened, mean."),
     Column::new("learning_rate", "", "Step size of Adam that this update used."),
+    Column::new("cost_share", "", "Share of what effort and acceleration cost that counted in this update."),
 ];

@@ -247,7 +247,7 @@ fn metrics_that_are_not_those_of_the_run_are_refused_and_left_alone() {
     let second = text.lines().nth(2).unwrap();
     for (changed, reason) in [
         (text.replacen("env_steps", "steps", 1).into_bytes(), "its first line does not name the columns"),
-        (text.replace(second, "512;oops").into_bytes(), "line 3 is not a row of 27 numbers"),
+        (text.replace(second, "512;oops").into_bytes(), "line 3 is not a row of 28 numbers"),
         (vec![0xff, 0xfe, 0x00], "it is not text"),
     ] {
         fs::write(&file, &changed).unwrap();
@@ -258,6 +258,30 @@ fn metrics_that_are_not_those_of_the_run_are_refused_and_left_alone() {
     fs::write(&file, &text).unwrap();
     drop(RunClaim::take(&path).unwrap().resume(768, trainer.spec()).unwrap());
     assert_eq!(fs::read_to_string(&file).unwrap(), text);
+}
+
+#[test]
+fn a_table_of_before_there_was_a_column_goes_on_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let (mut trainer, mut run) = start(&path);
+    train(&mut trainer, &mut run, 3, 1);
+    drop(run);
+    let file = path.join("metrics.csv");
+    let text = fs::read_to_string(&file).unwrap();
+    let place = text.lines().next().unwrap().split(',').position(|name| name == "cost_share").unwrap();
+    let table = |change: &dyn Fn(&mut Vec<&str>)| -> String {
+        let line = |line: &str| {
+            let mut cells: Vec<&str> = line.split(',').collect();
+            change(&mut cells);
+            cells.join(",") + "\n"
+        };
+        text.lines().map(line).collect()
+    };
+    fs::write(&file, table(&|cells| _ = cells.remove(place))).unwrap();
+    drop(RunClaim::take(&path).unwrap().resume(768, trainer.spec()).unwrap());
+    let expected = table(&|cells| cells[place] = if cells[0] == "env_steps" { "cost_share" } else { "" });
+    assert_eq!(fs::read_to_string(&file).unwrap(), expected);
 }
 
 #[test]

@@ -99,6 +99,9 @@ impl VectorEnv for Fragile {
         }
         Ok(())
     }
+    fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
+        self.env.set_cost_share(share)
+    }
     fn save_state(&self) -> Result<Vec<u8>, EnvError> {
         if self.is_lost() { Err(lost()) } else { self.env.save_state() }
     }
@@ -330,7 +333,7 @@ fn resumed(checkpoint: &Checkpoint, goal: Goal, folder: &Path) -> Session {
 
 fn resumed_with(examiner: Examiner, checkpoint: &Checkpoint, goal: Goal, folder: &Path) -> Session {
     let trainer = Trainer::restore(Box::new(Fragile::new(Mishap::None)), checkpoint).unwrap();
-    recorded(Session::resume(trainer, examiner, goal, checkpoint), folder)
+    recorded(Session::resume(trainer, examiner, goal, checkpoint).unwrap(), folder)
 }
 
 /// Looks in episodes in which this goes wrong.
@@ -391,6 +394,32 @@ fn a_training_to_its_plateau_ends_when_more_of_it_brings_nothing() {
         let (then, now) = (last_length(&later), last_length(&told));
         assert!((then / now - 1.0).abs() < 0.03, "{now} control steps, {then} later");
     }
+}
+
+/// The share of the costs that counted in each update.
+fn cost_shares(told: &[Progress]) -> Vec<f64> {
+    told.iter().filter_map(|progress| Some(progress.metrics.as_ref()?.cost_share)).collect()
+}
+
+#[test]
+fn movement_costs_more_the_more_is_learnt_and_all_after_a_time() {
+    let (told, _) = run(session(Mishap::None, config(), steps(1_000_000)));
+    let shares = cost_shares(&told);
+    assert!(shares[0] == 0.0 && shares.is_sorted(), "it never costs less than before");
+    assert!(shares[shares.len() - 1] == 1.0, "who can do it pays for it: {shares:?}");
+
+    // Nothing is ever done: after half of the time half of it counts.
+    let never = |cost_ramp_s| {
+        let config = PpoConfig { cost_ramp_s, ..config() };
+        cost_shares(&run(session(Mishap::Unreachable, config, steps(200_000))).0)
+    };
+    let shares = never(0.05 * 200_000.0 / 2.0);
+    let half = shares[shares.len() / 4];
+    assert!(
+        (half - 0.5).abs() < 0.05 && shares[shares.len() / 2 + 2..].iter().all(|&share| share == 1.0),
+        "{shares:?}"
+    );
+    assert!(never(0.0).iter().all(|&share| share == 1.0));
 }
 
 /// Mean length of the episodes in the last tenth of a training.

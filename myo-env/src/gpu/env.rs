@@ -269,6 +269,16 @@ impl VectorEnv for GpuEnv {
         Ok(self.command(0, 0, None)?)
     }
 
+    fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
+        let mut tables = (*self.tables).clone();
+        tables.set_cost_share(check::share(share)?);
+        for shard in &self.shards {
+            self.gpu.write(&shard.parameters, 0, &tables.columns(shard.first, shard.num_envs))?;
+        }
+        self.tables = Arc::new(tables);
+        Ok(())
+    }
+
     fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
         check::range(&self.spec, &envs)?;
         let mut seen = Vec::with_capacity(envs.len());

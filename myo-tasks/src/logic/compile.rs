@@ -110,6 +110,8 @@ pub struct Weights<T> {
     pub effort_cost: T,
     /// Per squared acceleration.
     pub acceleration_cost: T,
+    /// How much of these two counts: 1, or less for a learner who is to find out first what there is to do.
+    pub cost_share: T,
 }
 
 /// Where a sphere may lie.
@@ -432,6 +434,7 @@ impl<T> Weights<T> {
             exit: f(&self.exit),
             effort_cost: f(&self.effort_cost),
             acceleration_cost: f(&self.acceleration_cost),
+            cost_share: f(&self.cost_share),
         }
     }
 }
@@ -452,6 +455,7 @@ impl<C: Real> Weights<C> {
             exit: c(reward.exit),
             effort_cost: per_step(reward.effort_cost),
             acceleration_cost: per_step(reward.acceleration_cost),
+            cost_share: c(1.0),
         }
     }
 }

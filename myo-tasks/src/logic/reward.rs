@@ -98,7 +98,7 @@ pub fn remaining_path<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -
     path
 }
 
-/// A distance (m) as it is felt: far away it grows no more. After the proximity term of Selder et al. 2025, doi 10.1145/3746059.3747779.
+/// A distance (m) as it is felt: far away it grows no more. After the proximity term of doi 10.1145/3746059.3747779.
 #[inline(always)]
 pub fn felt<S: Scalar>(distance: S, scale: Option<S>) -> S {
     let Some(scale) = scale else { return distance };
@@ -120,8 +120,8 @@ pub fn reward<S: Scalar>(
         distance: -(w.distance_cost.mul_add(felt(distance, w.distance_scale), w.time_cost)),
         subtask: w.subtask_bonus.only(progress.target_done),
         completion: w.completion_bonus.only(progress.task_done),
-        neural_effort: -(w.effort_cost * squared_control),
-        acceleration_effort: -(w.acceleration_cost * squared_acceleration),
+        neural_effort: -(w.cost_share * w.effort_cost * squared_control),
+        acceleration_effort: -(w.cost_share * w.acceleration_cost * squared_acceleration),
         wrong_press: -(w.wrong_press * progress.wrong_presses),
         exit: -(w.exit * progress.exits),
     }

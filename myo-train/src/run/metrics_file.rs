@@ -57,12 +57,19 @@ impl MetricsFile {
     }
 }
 
-/// The rows of a table up to `env_steps`, without a last one that has no end.
+/// A column that tables of earlier programs lack.
+const LATER: &str = "cost_share";
+
+/// The rows of a table up to `env_steps`, without a last one that has no end. Those of a table of before there was the [later](LATER)
+/// column have nothing there.
 fn rows(text: &str, columns: &[String], env_steps: u64) -> Result<String, String> {
     let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n')).enumerate();
     match lines.next() {
         None if text.is_empty() => return Ok(String::new()),
         Some((_, first)) if first.trim_end().split(',').eq(columns) => {}
+        Some((_, first)) if first.trim_end().split(',').eq(columns.iter().filter(|&name| name != LATER)) => {
+            return older_rows(text, columns, env_steps);
+        }
         _ => return Err(format!("its first line does not name the columns of this run, {}", columns.join(","))),
     }
     let mut kept = String::new();
@@ -79,6 +86,19 @@ fn rows(text: &str, columns: &[String], env_steps: u64) -> Result<String, String
                 ));
             }
         }
+    }
+    Ok(kept)
+}
+
+/// The rows of a table without the later column, with an empty one.
+fn older_rows(text: &str, columns: &[String], env_steps: u64) -> Result<String, String> {
+    let place = columns.iter().position(|name| name == LATER).unwrap_or(columns.len());
+    let before: Vec<String> = columns.iter().filter(|&name| name != LATER).cloned().collect();
+    let mut kept = String::new();
+    for line in rows(text, &before, env_steps)?.lines() {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells.insert(place, "");
+        kept.push_str(&(cells.join(",") + "\n"));
     }
     Ok(kept)
 }

@@ -4,9 +4,16 @@ use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::looks::Looks;
+use super::means::EpisodeMeans;
 use super::trend::Trend;
 use crate::rollout::told_layouts;
 use crate::{Evaluation, Trainer, UpdateMetrics};
+
+/// Who gets this share of its targets done can do its task.
+const ABLE: f64 = 0.9;
+
+/// A share of costs that grew by less is left as it is: to write it into a card's memory takes time.
+const COST_STEP: f64 = 0.01;
 
 /// What the next decisions of a session depend on besides its trainer and the state to go back to; part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +29,12 @@ pub struct Memory {
     /// How success grew in each layout; empty where there is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layouts: Vec<Curve>,
+    /// Share of what movement costs that counts.
+    #[serde(default = "all")]
+    pub cost_share: f64,
+    /// Control steps after which all of it counted.
+    #[serde(default)]
+    pub costs_full_at: u64,
     /// Evaluations taken: the next one has other episodes.
     pub evaluations: u64,
     /// How often the training went back to its good state.
@@ -42,12 +55,34 @@ impl Memory {
             curve: Curve::new(first_whole_episodes(trainer)),
             noise_free: Curve::new(first_whole_episodes(trainer)),
             layouts: vec![Curve::new(first_whole_episodes(trainer)); told_layouts(trainer.spec())],
+            cost_share: first_cost_share(trainer),
+            costs_full_at: 0,
             evaluations: 0,
             tries: 0,
             told_flat: false,
             evaluation_s: 0.0,
             confirmed: None,
         }
+    }
+
+    /// Lets more of the costs count the more the user can do, and the longer it has learnt, as a share of the time after which all of them do;
+    /// all at once where nothing improves without. Never less than before. Whether more count now.
+    pub fn raise_cost_share(&mut self, env_steps: u64, learnt: f64) -> bool {
+        let can = self.noise_free.recent().or_else(|| self.curve.recent()).map_or(0.0, EpisodeMeans::progress);
+        let has_settled = self.trend().is_some_and(|trend| trend.is_plateau());
+        let share = if has_settled { 1.0 } else { (can / ABLE).max(learnt).min(1.0) };
+        let is_more = share >= self.cost_share + COST_STEP || share == 1.0 && self.cost_share < 1.0;
+        if is_more {
+            self.cost_share = share;
+            self.costs_full_at = env_steps;
+        }
+        is_more
+    }
+
+    /// Whether nothing improves any more, with all of the costs for at least as long as with less.
+    pub fn has_settled(&self) -> bool {
+        let settled = |trend: Trend| trend.is_plateau() && trend.env_steps >= 2 * self.costs_full_at;
+        self.cost_share == 1.0 && self.trend().is_some_and(settled)
     }
 
     /// The layout in which recent episodes succeed least, and its curve: what a goal has to wait for. Without a number where there
@@ -111,6 +146,17 @@ impl Memory {
     }
 }
 
+/// A user who has learnt something already pays for its movements.
+fn first_cost_share(trainer: &Trainer) -> f64 {
+    let knows_nothing = trainer.updates() == 0 && trainer.inherited().is_none();
+    if knows_nothing && trainer.config().cost_ramp_s > 0.0 { 0.0 } else { 1.0 }
+}
+
+/// Before there was a share, all counted.
+fn all() -> f64 {
+    1.0
+}
+
 /// Control steps after which every environment has ended an episode.
 fn first_whole_episodes(trainer: &Trainer) -> u64 {
     let spec = trainer.spec();
@@ -140,6 +186,8 @@ mod tests {
             curve: curve(|_| 1.0, 0.9),
             noise_free: Curve::new(0),
             layouts,
+            cost_share: 1.0,
+            costs_full_at: 0,
             evaluations: 0,
             tries: 0,
             told_flat: false,

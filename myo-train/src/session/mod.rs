@@ -61,14 +61,23 @@ impl Session {
     ///
     /// # Errors
     /// The card is lost.
-    pub fn new(trainer: Trainer, examiner: Examiner, goal: Goal) -> Result<Self, TrainError> {
+    pub fn new(mut trainer: Trainer, examiner: Examiner, goal: Goal) -> Result<Self, TrainError> {
         let (memory, recovery) = (Memory::new(&trainer), Recovery::new(trainer.save()?));
+        trainer.set_cost_share(memory.cost_share)?;
         Ok(Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true })
     }
 
     /// Goes on with a training, which `trainer` was restored from `checkpoint` for: with the same goal as if it had never
     /// stopped, bit for bit. A goal that the checkpoint had reached but that is higher now is sought again.
-    pub fn resume(trainer: Trainer, examiner: Examiner, goal: Goal, checkpoint: &Checkpoint) -> Self {
+    ///
+    /// # Errors
+    /// The card is lost.
+    pub fn resume(
+        mut trainer: Trainer,
+        examiner: Examiner,
+        goal: Goal,
+        checkpoint: &Checkpoint,
+    ) -> Result<Self, TrainError> {
         let bare = || Checkpoint { session: None, ..checkpoint.clone() };
         let (memory, recovery) = match &checkpoint.session {
             Some(SessionState { memory, good }) => {
@@ -77,7 +86,8 @@ impl Session {
             }
             None => (Memory::new(&trainer), Recovery::new(bare())),
         };
-        Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true }
+        trainer.set_cost_share(memory.cost_share)?;
+        Ok(Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true })
     }
 
     /// The same with metrics, checkpoints and evaluation in a run folder. A warm start is written there at once: stopped
@@ -116,10 +126,9 @@ impl Session {
     /// Only the last evaluation may be missing; see [`Session::conclude`].
     pub fn over(&self) -> Option<End> {
         let used_up = self.trainer.env_steps() >= self.goal.steps;
-        let has_settled = || self.trend().is_some_and(|trend| trend.is_plateau());
         match self.goal.until {
             Until::Success(_) if self.confirmed().is_some() => Some(End::Until),
-            Until::Plateau if has_settled() => Some(End::Plateau),
+            Until::Plateau if self.memory.has_settled() => Some(End::Plateau),
             _ if used_up && !self.look_is_due() => Some(End::Steps),
             _ => None,
         }
@@ -210,8 +219,20 @@ impl Session {
         let Some(metrics) = updated? else { return Ok(Updated::Interrupted) };
         self.recovery.went_well(&self.trainer)?;
         self.memory.hear(&metrics);
+        self.raise_costs()?;
         self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;
         Ok(Updated::Forward(metrics))
+    }
+
+    /// Lets movement cost more, the more the user can do.
+    fn raise_costs(&mut self) -> Result<(), TrainError> {
+        let env_steps = self.trainer.env_steps();
+        let learnt_s = env_steps as f64 * self.trainer.spec().control_dt;
+        let learnt = learnt_s / self.trainer.config().cost_ramp_s;
+        if self.memory.cost_share < 1.0 && self.memory.raise_cost_share(env_steps, learnt) {
+            self.trainer.set_cost_share(self.memory.cost_share)?;
+        }
+        Ok(())
     }
 
     fn go_back(&mut self, reason: String) -> Result<News, SessionError> {

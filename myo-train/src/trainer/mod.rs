@@ -36,6 +36,8 @@ pub struct Trainer {
     updates: u64,
     wall_s: f64,
     inherited: Option<Inherited>,
+    /// Share of what movement costs that counts.
+    cost_share: f64,
     /// Control steps between cuts of one environment that memory is laid out for, as far as an update goes.
     between_cuts: usize,
 }
@@ -195,6 +197,7 @@ impl Trainer {
             updates: 0,
             wall_s: 0.0,
             inherited: None,
+            cost_share: 1.0,
             between_cuts,
         })
     }
@@ -269,6 +272,7 @@ impl Trainer {
             entropy: f64::from(spread.entropy) + 0.5 * spread.std.len() as f64 * held.ln(),
             action_std: spread.std.iter().map(|&s| f64::from(s)).sum::<f64>() / spread.std.len() as f64 * held.sqrt(),
             learning_rate,
+            cost_share: self.cost_share,
         }
     }
 
@@ -457,6 +461,16 @@ impl Trainer {
         let host_state = self.host_state.get_mut().unwrap_or_else(PoisonError::into_inner);
         let none = vec![false; self.brain.spec.num_envs];
         Ok(self.device.env_mut().reset(None, Some(&none), &mut host_state.observation)?)
+    }
+
+    /// Lets so much of what effort and acceleration cost count, from the next update on; see [`VectorEnv::set_cost_share`].
+    ///
+    /// # Errors
+    /// It is not from 0 to 1, or the card is lost.
+    pub fn set_cost_share(&mut self, share: f64) -> Result<(), TrainError> {
+        self.device.env_mut().set_cost_share(share)?;
+        self.cost_share = share;
+        Ok(())
     }
 
     /// Begins with what another training learned instead of with nothing; to be called before the first update.

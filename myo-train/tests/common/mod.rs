@@ -6,10 +6,14 @@ use myo_env::{Autoreset, EnvError, EnvSpec, StepBuffers, VectorEnv};
 /// Length of an episode of [`Points`] in control steps.
 pub const TIME_LIMIT: usize = 60;
 
-/// A point moves at the commanded velocity and shall reach two targets, one after the other.
+/// What it costs to move a point at full speed for a step.
+const MOVEMENT_COST: f32 = 0.001;
+
+/// A point moves at the commanded velocity, which costs something, and shall reach two targets, one after the other.
 pub struct Points {
     spec: EnvSpec,
     worlds: Vec<World>,
+    cost_share: f32,
 }
 
 #[derive(Clone, Default)]
@@ -51,7 +55,7 @@ impl Points {
             autoreset: Autoreset::SameStep,
             exploring: 0,
         };
-        Self { spec, worlds: vec![World::default(); num_envs] }
+        Self { spec, worlds: vec![World::default(); num_envs], cost_share: 1.0 }
     }
 
     /// The same as so many layouts, which do not differ.
@@ -124,7 +128,8 @@ impl VectorEnv for Points {
             world.position[0] += 0.15 * action[0];
             world.position[1] += 0.15 * action[1];
             world.steps += 1;
-            out.reward[i] = -world.distance();
+            out.reward[i] =
+                -world.distance() - self.cost_share * MOVEMENT_COST * (action[0].powi(2) + action[1].powi(2));
             if world.distance() < 0.15 {
                 world.times[world.done] = world.steps as f32 * 0.05;
                 world.done += 1;
@@ -152,6 +157,11 @@ impl VectorEnv for Points {
             }
             world.observe(&mut out.observation[6 * i..][..6]);
         }
+        Ok(())
+    }
+
+    fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
+        self.cost_share = share as f32;
         Ok(())
     }
 
