@@ -953,9 +953,10 @@ def build_task(
         time_limit_s: When an episode ends without success, in s. Rounded to whole control steps. Default 12. From 0.001
             to 600 s.
         user: Who does it: what the simulated user is like where this task does not say. `human` moves as people do,
-            `fastest` as fast as its muscles allow. Default `fastest`. `human`: Moves as people do: with motor noise,
-            with senses that are late, and with regard to its effort. `docs/people.md` tells how far it does. `fastest`:
-            As fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of
+            `fastest` as fast as its muscles allow. Default `fastest`. `human`: Is to move as people do: with motor
+            noise, with eyes that are late, and with regard to its effort. In shape and speed its movements are like
+            people's; where it falls short (it selects too soon, for one) is told in `docs/people.md`. `fastest`: As
+            fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of
             learners, and of tasks whose speed is all that counts.
         reward: What the simulated user is rewarded for.
         observation: What the simulated user perceives.
