@@ -7,6 +7,7 @@ mod eval;
 mod help;
 mod model;
 mod output;
+mod protocol;
 mod resume;
 mod runs;
 mod seeds;

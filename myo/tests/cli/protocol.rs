@@ -1,0 +1,15 @@
+//! `myo eval --protocol`.
+
+use super::{assert_refused, myo, short_training, stdout};
+
+/// T1 asks for two practices, one after the other. Who has hardly learnt anything gets no figures, and is told why.
+#[test]
+fn a_protocol_asks_for_all_its_practices_and_beginners_have_no_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    let ask = ["eval", "run", "--protocol", "T1", "--seeds", "1", "--steps", "512"];
+    assert_refused(&myo(folder.path(), &ask), "It has not learnt this");
+    for practice in ["keys", "tapping"] {
+        assert!(folder.path().join("run/protocols").join(practice).is_dir(), "{practice}");
+    }
+}
