@@ -160,7 +160,7 @@ impl<C: Real> Tables<C> {
         if all.is_empty() { Err(BuildError::NoLayouts) } else { Ok(all) }
     }
 
-    /// Lets so much of what effort and acceleration cost count.
+    /// Lets so much of what effort and acceleration cost count, from 0 to 1.
     pub fn set_cost_share(&mut self, share: f64) {
         let place = self.parameters.cost_share();
         for numbers in &mut self.layouts {

@@ -200,6 +200,15 @@ impl GpuEnv {
         self.command(asked, seed.unwrap_or_default(), mask)
     }
 
+    /// Puts other numbers of the same structure on the card.
+    fn put(&mut self, tables: Tables<f64>) -> Result<(), EnvError> {
+        for shard in &self.shards {
+            self.gpu.write(&shard.parameters, 0, &tables.columns(shard.first, shard.num_envs))?;
+        }
+        self.tables = Arc::new(tables);
+        Ok(())
+    }
+
     /// Runs the reset kernel, with a command for the masked environments and none for the others. Observations of all
     /// are written anew.
     fn command(&mut self, asked: u32, seed: u64, mask: Option<&[bool]>) -> Result<(), GpuError> {
@@ -260,10 +269,7 @@ impl VectorEnv for GpuEnv {
         check_layouts(tasks.len(), self.spec.num_envs).map_err(EnvError::other_task)?;
         let mut tables = (*self.tables).clone();
         tables.set_tasks(tasks).map_err(EnvError::other_task)?;
-        for shard in &self.shards {
-            self.gpu.write(&shard.parameters, 0, &tables.columns(shard.first, shard.num_envs))?;
-        }
-        self.tables = Arc::new(tables);
+        self.put(tables)?;
         self.spec.max_episode_steps = batch::longest_episode(tasks);
         self.spec.layout_limits = batch::layout_limits(tasks);
         Ok(self.command(0, 0, None)?)
@@ -272,11 +278,7 @@ impl VectorEnv for GpuEnv {
     fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
         let mut tables = (*self.tables).clone();
         tables.set_cost_share(check::share(share)?);
-        for shard in &self.shards {
-            self.gpu.write(&shard.parameters, 0, &tables.columns(shard.first, shard.num_envs))?;
-        }
-        self.tables = Arc::new(tables);
-        Ok(())
+        self.put(tables)
     }
 
     fn peek(&self, envs: Range<usize>) -> Result<Vec<Snapshot>, EnvError> {
