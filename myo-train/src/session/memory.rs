@@ -32,9 +32,9 @@ pub struct Memory {
     /// Share of what movement costs that counts.
     #[serde(default = "all")]
     pub cost_share: f64,
-    /// Control steps after which all of it counted.
+    /// Control steps after which it was raised last.
     #[serde(default)]
-    pub costs_full_at: u64,
+    pub costs_raised_at: u64,
     /// Evaluations taken: the next one has other episodes.
     pub evaluations: u64,
     /// How often the training went back to its good state.
@@ -56,7 +56,7 @@ impl Memory {
             noise_free: Curve::new(first_whole_episodes(trainer)),
             layouts: vec![Curve::new(first_whole_episodes(trainer)); told_layouts(trainer.spec())],
             cost_share: first_cost_share(trainer),
-            costs_full_at: 0,
+            costs_raised_at: 0,
             evaluations: 0,
             tries: 0,
             told_flat: false,
@@ -74,14 +74,14 @@ impl Memory {
         let is_more = share >= self.cost_share + COST_STEP || share == 1.0 && self.cost_share < 1.0;
         if is_more {
             self.cost_share = share;
-            self.costs_full_at = env_steps;
+            self.costs_raised_at = env_steps;
         }
         is_more
     }
 
     /// Whether nothing improves any more, with all of the costs for at least as long as with less.
     pub fn has_settled(&self) -> bool {
-        let settled = |trend: Trend| trend.is_plateau() && trend.env_steps >= 2 * self.costs_full_at;
+        let settled = |trend: Trend| trend.is_plateau() && trend.env_steps >= 2 * self.costs_raised_at;
         self.cost_share == 1.0 && self.trend().is_some_and(settled)
     }
 
@@ -187,7 +187,7 @@ mod tests {
             noise_free: Curve::new(0),
             layouts,
             cost_share: 1.0,
-            costs_full_at: 0,
+            costs_raised_at: 0,
             evaluations: 0,
             tries: 0,
             told_flat: false,
