@@ -79,10 +79,7 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
     let mut asking = Asking { asked, interrupt: Interrupt::listen()?, practised: vec![] };
     let figures = &mut Figures::new();
     match protocol {
-        Protocol::M1 => {
-            let found = Strength::of(&asked.scenario.model).map_err(ProtocolError::from)?;
-            if json { print_json(&found) } else { print(&tables::strength(&found)) }
-        }
+        Protocol::M1 => tell(asked, "M1", &asking.strength(figures)?, (tables::strength, None), json),
         Protocol::F1 => tell(asked, "F1", &asking.fitts(figures)?, (tables::fitts, Some(FittsLaw::plot)), json),
         Protocol::K1 => {
             tell(asked, "K1", &asking.kinematics(figures)?, (tables::kinematics, Some(Kinematics::plot)), json)
