@@ -1,6 +1,8 @@
 //! Motor noise: its formula, the bounds of excitations, and what it is at different rates.
 
-use myo_muscle::{CONSTANT_NOISE, MotorNoise, NOISE_POWER_S, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
+use myo_muscle::{
+    ActivationDynamics, CONSTANT_NOISE, MotorNoise, NOISE_POWER_S, SIGNAL_DEPENDENT_NOISE, noisy_excitation,
+};
 use myo_scalar::{Scalar, Word, normal_pair, philox_block};
 
 #[test]
@@ -55,6 +57,39 @@ fn noise_is_as_strong_and_as_slow_at_any_rate() {
         assert!((power / NOISE_POWER_S - 1.0).abs() < 0.08, "{power} at {rate} Hz");
         let variance = if rate < 20.0 { 0.5 } else { 1.0 };
         assert!((squares / variance - 1.0).abs() < 0.03, "variance {squares} at {rate} Hz");
+    }
+}
+
+/// Coefficient of variation of the sum of the activations of so many equal muscles that are held at `u` by a user who decides 25 times a
+/// second, with noise of these deviations; usual time constants (10 and 40 ms).
+fn variation(muscles: usize, u: f64, [signal_dependent, constant]: [f64; 2]) -> f64 {
+    const DECISION_S: f64 = 0.04;
+    const PHYSICS_S: f64 = 0.002;
+    let muscle = ActivationDynamics::from_row([0.01, 1.0 / 0.04, 0.0, 0.0, 1.0]);
+    let (noise, mut draws) = (MotorNoise::new(DECISION_S), draws());
+    let (mut z, mut activation, mut sums) = (vec![0.0; muscles], vec![u; muscles], vec![]);
+    for _ in 0..5000 {
+        z.iter_mut().for_each(|z| *z = noise.next(*z, draws.next().unwrap()));
+        for _ in 0..(DECISION_S / PHYSICS_S).round() as usize {
+            for (a, &z) in activation.iter_mut().zip(&z) {
+                *a += PHYSICS_S
+                    * muscle.rate(false, noisy_excitation(u, signal_dependent, constant, noise.deviation(z)), *a);
+            }
+            sums.push(activation.iter().sum::<f64>());
+        }
+    }
+    let mean = sums.iter().sum::<f64>() / sums.len() as f64;
+    let variance = sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / sums.len() as f64;
+    variance.sqrt() / mean
+}
+
+/// What `docs/people.md` says of the noise of `user: human`.
+#[test]
+fn the_torque_of_a_few_muscles_varies_by_three_to_four_per_cent() {
+    for u in [0.05, 0.2, 0.5] {
+        let [three, six] = [3, 6].map(|muscles| variation(muscles, u, [0.1, 0.002]));
+        assert!((0.038..0.046).contains(&three), "{three} of three muscles at {u}");
+        assert!((0.027..0.034).contains(&six), "{six} of six muscles at {u}");
     }
 }
 
