@@ -1,5 +1,7 @@
 //! Single reaches of a recording, each with the figures of its movement.
 
+use std::ops::RangeInclusive;
+
 use myo_measure::fitts::Trial;
 use myo_measure::{Edge, MeasureError, Movement, signal};
 
@@ -9,8 +11,6 @@ use super::recording::{Done, Recording};
 
 /// What is faster (Hz) is no movement of an arm: where recordings are cut off before speeds are taken.
 const CUT_OFF_HZ: f64 = 10.0;
-/// How long (s) before its signal a movement is looked for: users who know what comes next begin before the dwell is over.
-const BEFORE_S: f64 = 0.1;
 /// Places of a movement where its speed is told.
 const PROFILE: usize = 51;
 /// Fewest samples that are a movement.
@@ -42,9 +42,13 @@ pub fn reaches(by_layout: &[Vec<Recording>]) -> Result<Vec<Reach>, ProtocolError
         for recording in recordings {
             let smooth = signal::low_pass_points(&recording.fingertip, recording.rate_hz, CUT_OFF_HZ);
             let smooth = smooth.map_err(ProtocolError::measuring("smoothing a recording"))?;
-            let done = recording.done.iter().enumerate();
-            let of = |(selection, done): (usize, &Done)| reach(recording, &smooth, (condition, selection), *done);
-            reaches.extend(done.map(of).collect::<Result<Vec<_>, _>>()?);
+            let all = &recording.done;
+            let of = |selection: usize| {
+                // Who knows what comes next begins before the dwell is over.
+                let earliest = selection.checked_sub(1).map_or(0, |before| all[before].entry);
+                reach(recording, &smooth, (condition, selection), earliest)
+            };
+            reaches.extend((0..all.len()).map(of).collect::<Result<Vec<_>, _>>()?);
         }
     }
     Ok(reaches)
@@ -54,55 +58,75 @@ fn reach(
     recording: &Recording,
     smooth: &[[f64; 3]],
     (condition, selection): (usize, usize),
-    done: Done,
+    earliest: usize,
 ) -> Result<Reach, ProtocolError> {
-    let [distance, _] = conditions()[condition];
+    let ([distance, _], done) = (conditions()[condition], recording.done[selection]);
     let raw = &recording.fingertip;
-    // Where it was when the dwell was over.
     let end = done.end.min(raw.len() - 1);
-    let trial = Trial {
-        movement_time_s: (done.entry - done.begin) as f64 / recording.rate_hz,
-        start: raw[done.begin],
-        target: circle_targets(distance)[selection],
-        end: raw[end],
-    };
-    let first = done.begin.saturating_sub((BEFORE_S * recording.rate_hz) as usize);
     let moved = done.entry > done.begin + LEAST_SAMPLES;
-    let found =
-        moved.then(|| movement(&smooth[first..=end], recording.rate_hz, done.begin - first, done.entry - first));
+    let found = moved.then(|| movement(&smooth[earliest..=end], recording.rate_hz, done, earliest));
     let found = found.transpose().map_err(ProtocolError::measuring("a movement"))?;
+    // Where nothing moved the time is that from the signal to the entry, which is short or none.
+    let onset = found.as_ref().map_or(done.begin, |found| found.samples[0]);
+    let trial = Trial {
+        movement_time_s: (done.entry - onset) as f64 / recording.rate_hz,
+        start: raw[onset],
+        target: circle_targets(distance)[selection],
+        end: mean(&raw[done.entry..=end]),
+    };
     Ok(Reach {
         condition,
         selection,
         trial,
-        first_stop: found.as_ref().map(|(_, stop, _)| smooth[first + stop]),
-        movement: found.as_ref().map(|(movement, ..)| *movement),
-        profile: found.map_or_else(Vec::new, |(.., profile)| profile),
-        samples: [first, end],
+        first_stop: found.as_ref().map(|found| smooth[found.first_stop]),
+        movement: found.as_ref().map(|found| found.movement),
+        samples: [onset, end],
+        profile: found.map_or_else(Vec::new, |found| found.profile),
     })
 }
 
-/// From 5 % of the peak speed to 5 % of it, or to the last entry into the target where that is later; where the first bell ends; and the speed
-/// at even shares of the duration.
-fn movement(
-    positions: &[[f64; 3]],
-    rate_hz: f64,
-    signal_at: usize,
-    entry: usize,
-) -> Result<(Movement, usize, Vec<f64>), MeasureError> {
+fn mean(points: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|k| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64)
+}
+
+/// A movement, and where it is in a recording.
+struct Found {
+    movement: Movement,
+    /// Its first and last sample.
+    samples: [usize; 2],
+    /// Where its first bell ends.
+    first_stop: usize,
+    profile: Vec<f64>,
+}
+
+/// From 5 % of the peak speed, or from where the hand turned that never came to rest, to 5 % of it, or to the last entry into the target where
+/// that is later. `positions` begin with the sample `first`.
+fn movement(positions: &[[f64; 3]], rate_hz: f64, done: Done, first: usize) -> Result<Found, MeasureError> {
     let speed = signal::speed(positions, rate_hz)?;
-    // Who never came to rest began with the signal, and ended where it was slowest within the target.
-    let slowest = (entry..positions.len()).fold(entry, |best, at| if speed[at] < speed[best] { at } else { best });
+    let (signal_at, entry) = (done.begin - first, done.entry - first);
+    let slowest =
+        |within: RangeInclusive<usize>| within.min_by(|&a, &b| speed[a].total_cmp(&speed[b])).unwrap_or(entry);
+    let fastest = (signal_at..=entry).max_by(|&a, &b| speed[a].total_cmp(&speed[b])).unwrap_or(entry);
+    let turn = slowest(0..=fastest);
+    let ends = Edge::Sample(slowest(entry..=positions.len() - 1) - turn);
+    let (mine, speed) = (&positions[turn..], &speed[turn..]);
     let try_edges = |onset: Edge| {
-        Movement::of(positions, rate_hz, onset, Edge::Threshold)
-            .or_else(|_| Movement::of(positions, rate_hz, onset, Edge::Sample(slowest)))
+        let at_rest = Movement::of(mine, rate_hz, onset, Edge::Threshold);
+        at_rest.or_else(|_| Movement::of(mine, rate_hz, onset, ends))
     };
-    let bell = try_edges(Edge::Threshold).or_else(|_| try_edges(Edge::Sample(signal_at)))?;
+    let bell = try_edges(Edge::Threshold).or_else(|_| try_edges(Edge::Sample(0)))?;
+    let entry = entry - turn;
     let whole = match entry <= bell.end {
         true => bell,
-        false => Movement::of(positions, rate_hz, Edge::Sample(bell.onset), Edge::Sample(entry))?,
+        false => Movement::of(mine, rate_hz, Edge::Sample(bell.onset), Edge::Sample(entry))?,
     };
-    Ok((whole, bell.end, profile(&speed[whole.onset..=whole.end])))
+    let at = |sample: usize| first + turn + sample;
+    Ok(Found {
+        movement: whole,
+        samples: [whole.onset, whole.end].map(at),
+        first_stop: at(bell.end),
+        profile: profile(&speed[whole.onset..=whole.end]),
+    })
 }
 
 /// A speed at even shares of its time, straight between samples.
