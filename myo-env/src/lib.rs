@@ -36,6 +36,7 @@ mod control;
 pub mod gpu;
 mod job;
 mod memory;
+mod misjudge;
 mod observe;
 mod parameters;
 mod perceive;

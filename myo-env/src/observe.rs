@@ -1,6 +1,7 @@
 //! The observation: which parts it has, what they are called, and their values.
 
 use crate::control::offsets;
+use crate::misjudge::seems_off;
 use crate::parameters::World;
 use crate::state::EnvState;
 use myo_dynamics::spatial::Vec3;
@@ -225,16 +226,21 @@ pub fn observe<S: Scalar>(
     out: &mut Vec<S>,
 ) {
     let (task, state) = (&world.parameters.task, &env.task);
+    let away = difference(goal.centre, sensed.pointer);
+    let off = seems_off(world, env, away);
     for part in &world.tables.observation {
         match part {
             ObservationPart::PointerPosition => out.extend_from_slice(&sensed.pointer),
-            ObservationPart::TargetPosition => out.extend_from_slice(&goal.centre),
+            ObservationPart::TargetPosition => out.extend_from_slice(&add(goal.centre, off)),
             ObservationPart::TargetSize => out.push(goal.size),
-            ObservationPart::TargetVector => out.extend_from_slice(&difference(goal.centre, sensed.pointer)),
+            ObservationPart::TargetVector => out.extend_from_slice(&add(away, off)),
             ObservationPart::TargetNormal => out.extend_from_slice(&normal(goal)),
             ObservationPart::TargetKind => out.push(S::indicator(goal.is_press)),
             ObservationPart::TargetVelocity => out.extend_from_slice(&velocity(world, goal)),
-            ObservationPart::NextTargetVector => out.extend_from_slice(&to_next(task, state, goal)),
+            ObservationPart::NextTargetVector => {
+                let away = to_next(task, state, goal);
+                out.extend_from_slice(&add(away, seems_off(world, env, away)));
+            }
             ObservationPart::Phase => out.push(state.phase * S::lit(1.0 / task.steps.len() as f64)),
             ObservationPart::DwellFraction => out.push((state.dwell * goal.dwell.recip()).only(!goal.is_press)),
             ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal) & goal.lit() & goal.is_seen())),
@@ -272,6 +278,11 @@ pub fn observe_body<S: Scalar>(
         }
         _ => {}
     }
+}
+
+#[inline(always)]
+fn add<S: Scalar>(a: Point<S>, b: Option<Point<S>>) -> Point<S> {
+    b.map_or(a, |b| [0, 1, 2].map(|k| a[k] + b[k]))
 }
 
 /// From the current target to the next (m), which is the current step's where a wrong press is to be corrected first; zero where what

@@ -16,6 +16,8 @@ pub struct Parameters<T> {
     pub task: CompiledTask<T>,
     /// Standard deviations of motor noise: signal-dependent, constant.
     pub noise: Option<[T; 2]>,
+    /// How far off targets seem, as a share of their distance.
+    pub vision_noise: Option<T>,
     /// How episodes begin.
     pub start: Start<T>,
 }
@@ -58,6 +60,7 @@ impl<C: Real> Parameters<C> {
         Self {
             task: CompiledTask::of(task, flat),
             noise: noisy.then(|| noise.map(C::from_f64)),
+            vision_noise: (task.perception.vision_noise > 0.0).then(|| C::from_f64(task.perception.vision_noise)),
             start: Start::new(task, ranges),
         }
     }
@@ -70,6 +73,9 @@ impl<C: Real> Parameters<C> {
         if others.noise.is_some() {
             // Noise of no size is noise all the same.
             self.noise = self.noise.or(Some([C::from_f64(0.0); 2]));
+        }
+        if others.vision_noise.is_some() {
+            self.vision_noise = self.vision_noise.or(Some(C::from_f64(0.0)));
         }
         let (new, old) = (self.map(&mut |_| ()), others.map(&mut |_| ()));
         match new.difference(&old) {
@@ -86,6 +92,7 @@ impl<T> Parameters<T> {
         Parameters {
             task: self.task.map(f),
             noise: self.noise.as_ref().map(|noise| noise.each_ref().map(&mut *f)),
+            vision_noise: self.vision_noise.as_ref().map(&mut *f),
             start: self.start.map(f),
         }
     }
@@ -173,6 +180,11 @@ impl Parameters<()> {
         }
         if self.noise != other.noise {
             return Some("it has motor noise where there was none".into());
+        }
+        if self.vision_noise != other.vision_noise {
+            return Some(
+                "its targets are seen with noise where they were seen without (perception.vision_noise)".into(),
+            );
         }
         (self != other).then(|| "its structure is another".into())
     }

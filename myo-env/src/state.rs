@@ -1,5 +1,6 @@
 //! Everything about one environment (or one per lane) that changes.
 
+use crate::misjudge;
 use crate::perceive;
 use crate::tables::Tables;
 use crate::vector::EnvSpec;
@@ -34,6 +35,8 @@ pub struct EnvState<S: Scalar> {
     pub qacc: Vec<S>,
     /// Motor noise of each muscle, in standard deviations; empty without.
     pub noise: Vec<S>,
+    /// What how far off the current target seems is made of, standard normal numbers, see [`misjudge`](crate::misjudge); empty where all is seen as it is.
+    pub misjudged: Vec<S>,
     /// Greatest force on the current button in the last control step (N).
     pub touch: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
@@ -76,6 +79,7 @@ impl<S: Scalar> EnvState<S> {
             task: TaskState::new(&tables.parameters.task),
             qacc: vec![o; tables.plan.ndof()],
             noise: vec![o; if tables.parameters.noise.is_some() { tables.plan.nmuscle() } else { 0 }],
+            misjudged: vec![o; if tables.parameters.vision_noise.is_some() { misjudge::DRAWS } else { 0 }],
             touch: o,
             pending: o,
             sums: [o; SUMS],
@@ -108,6 +112,7 @@ impl<S: Scalar> EnvState<S> {
             task,
             qacc,
             noise,
+            misjudged,
             touch,
             pending,
             sums,
@@ -119,7 +124,7 @@ impl<S: Scalar> EnvState<S> {
             episode: _,
             step: _,
         } = self;
-        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise);
+        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise).chain(misjudged);
         body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed).chain(late)
     }
 

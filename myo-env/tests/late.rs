@@ -13,7 +13,8 @@ const LATE: [(&str, usize); 4] = [("target_vector.", 3), ("inside", 3), ("joint_
 
 fn tasks() -> [Task; 2] {
     // Episodes of half a second end often.
-    let perception = Perception { vision_delay_ms: 150.0, body_delay_ms: 50.0, touch_delay_ms: 20.0 };
+    let perception =
+        Perception { vision_delay_ms: 150.0, body_delay_ms: 50.0, touch_delay_ms: 20.0, ..Perception::default() };
     let task = short("pointing");
     [Task { perception, ..task.clone() }, task]
 }

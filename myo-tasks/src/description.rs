@@ -21,7 +21,7 @@ const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
 const SCALE: Quantity = Quantity::between(0.0, 10.0, "m");
-const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
+pub(crate) const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
 
 /// The newest version of the task format. Files of version 1 are read as well.
 pub const FORMAT_VERSION: u32 = 2;

@@ -4,7 +4,7 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::{Noise, Reward, Task, default_control_step};
+use crate::description::{Noise, Reward, SHARE, Task, default_control_step};
 use crate::quantity::Quantity;
 
 const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
@@ -23,7 +23,7 @@ pub enum User {
     Fastest,
 }
 
-/// How late the simulated user perceives, in ms, rounded to whole control steps.
+/// How late the simulated user perceives, in ms, rounded to whole control steps, and how far off.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Perception {
@@ -41,6 +41,12 @@ pub struct Perception {
     #[garde(custom(DELAY.rule()))]
     #[schemars(transform = DELAY.schema())]
     pub touch_delay_ms: f64,
+
+    /// How far off a target seems that is away from the pointer: standard deviation along the line between them, as a share of its length, and
+    /// half as much across; drawn anew for each target. It shrinks on the way, so that a movement misses by far less. Default 0.
+    #[garde(custom(SHARE.rule()))]
+    #[schemars(transform = SHARE.schema())]
+    pub vision_noise: f64,
 }
 
 /// All that users differ in.
@@ -78,14 +84,15 @@ impl User {
 }
 
 /// What was found by a search, whose table is in `docs/people.md`: 25 decisions a second, for who decides more often learns small targets late;
-/// effort dear enough for movements of people's speed; noise with which the torque of a joint of three to six muscles varies by 3 to 4 % (people:
-/// 1 to 4 %); three decisions until something seen is known.
+/// effort dear and time cheap enough for movements of people's speed and shape; noise with which the torque of a joint of three to six muscles
+/// varies by 3 to 4 % (people: 1 to 4 %); three decisions until something seen is known; and targets that seem off by so much of their distance that
+/// first movements end beside them, more along the way than across it.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
-        reward: Reward { distance_cost: 20.0, distance_scale_m: 0.1, effort_cost: 16.0, ..usual },
+        reward: Reward { distance_cost: 10.0, distance_scale_m: 0.1, time_cost: 0.0, effort_cost: 32.0, ..usual },
         noise: Noise { signal_dependent: 0.1, constant: 0.002 },
-        perception: Perception { vision_delay_ms: 120.0, ..Perception::default() },
+        perception: Perception { vision_delay_ms: 120.0, vision_noise: 0.3, ..Perception::default() },
     }
 }
 
@@ -110,6 +117,7 @@ impl Task {
         fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
         let own = &mut self.perception;
         fill(&mut own.vision_delay_ms, perception.vision_delay_ms, &["perception.vision_delay_ms"]);
+        fill(&mut own.vision_noise, perception.vision_noise, &["perception.vision_noise"]);
         fill(&mut own.body_delay_ms, perception.body_delay_ms, &["perception.body_delay_ms"]);
         fill(&mut own.touch_delay_ms, perception.touch_delay_ms, &["perception.touch_delay_ms"]);
     }

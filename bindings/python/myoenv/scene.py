@@ -888,18 +888,22 @@ class Reset(Described):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Perception(Described):
-    """How late the simulated user perceives, in ms, rounded to whole control steps.
+    """How late the simulated user perceives, in ms, rounded to whole control steps, and how far off.
 
     Args:
         vision_delay_ms: What is seen: where objects are, what became of them, where a pointer other than the fingertip
             is. Default 0. From 0 to 1,000 ms.
         body_delay_ms: What is felt of the own body: joints, fingertip, activations. Default 0. From 0 to 1,000 ms.
         touch_delay_ms: The force of a touch. Default 0. From 0 to 1,000 ms.
+        vision_noise: How far off a target seems that is away from the pointer: standard deviation along the line
+            between them, as a share of its length, and half as much across; drawn anew for each target. It shrinks on
+            the way, so that a movement misses by far less. Default 0. From 0 to 1.
     """
 
     vision_delay_ms: float | None = None
     body_delay_ms: float | None = None
     touch_delay_ms: float | None = None
+    vision_noise: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -18,6 +18,7 @@ pub use simulate::simulate;
 pub use simulate::{Following, Unwatched, offsets};
 pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
+use crate::misjudge;
 use crate::parameters::World;
 use crate::perceive;
 use crate::state::EnvState;
@@ -83,6 +84,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     // After the last step is done it stays the current one.
     let begins = progress.target_done & !progress.task_done;
     logic::begin_step(&world.parameters.task, begins, env.counter(), &mut env.task);
+    misjudge::misjudge(world, begins, env);
     choose(world, &sensed.body, env);
     let goal = Goal::of(&world.parameters.task, &env.task);
     sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);

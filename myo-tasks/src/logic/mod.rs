@@ -240,7 +240,7 @@ pub(crate) fn is_same<S: Scalar>(a: S, b: S) -> S::Mask {
 
 /// Scalar product.
 #[inline(always)]
-pub(crate) fn dot<S: Scalar>([a, b, c]: Point<S>, [x, y, z]: Point<S>) -> S {
+pub fn dot<S: Scalar>([a, b, c]: Point<S>, [x, y, z]: Point<S>) -> S {
     a.mul_add(x, b.mul_add(y, c * z))
 }
 

@@ -1,0 +1,152 @@
+//! Targets that seem to be elsewhere: how far off, and that nothing else changes.
+
+mod common;
+
+use common::{arm, gpu, short, without_gpu};
+use myo_env::gpu::GpuOptions;
+use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use myo_tasks::Task;
+
+const ENVS: usize = 200;
+const SHARE: f64 = 0.2;
+
+fn task(vision_noise: f64) -> Task {
+    let mut task = short("pointing");
+    task.perception.vision_noise = vision_noise;
+    task
+}
+
+fn config() -> EnvConfig {
+    EnvConfig { num_envs: ENVS, seed: 5, autoreset: Autoreset::SameStep, ..EnvConfig::default() }
+}
+
+/// Where each environment's target is away from the pointer, and how far off it seems.
+type Seen = Vec<[[f64; 3]; 2]>;
+
+/// So many control steps of relaxed muscles, with targets seen as they are and not.
+fn seen(make: &dyn Fn(&Task) -> Box<dyn VectorEnv>, steps: usize) -> Vec<Seen> {
+    let [mut noisy, mut clear] = [SHARE, 0.0].map(|share| make(&task(share)));
+    let spec = clear.spec().clone();
+    let relaxed = vec![-1.0; ENVS * spec.action_size()];
+    let (mut a, mut b) = (StepStorage::new(&spec), StepStorage::new(&spec));
+    noisy.reset(Some(1), None, &mut a.observation).unwrap();
+    clear.reset(Some(1), None, &mut b.observation).unwrap();
+    let is_judged = |name: &str| {
+        ["target_position.", "target_vector.", "next_target_vector."].iter().any(|part| name.starts_with(part))
+    };
+    let at = |name: &str| spec.observation_names.iter().position(|entry| entry == name).unwrap();
+    let (vector, place) = (at("target_vector.x"), at("target_position.x"));
+    (0..=steps)
+        .map(|step| {
+            if step > 0 {
+                noisy.step(&relaxed, a.buffers()).unwrap();
+                clear.step(&relaxed, b.buffers()).unwrap();
+                assert!(a.reward == b.reward, "what is so stays so, step {step}");
+            }
+            let rows = a
+                .observation
+                .chunks_exact(spec.observation_size())
+                .zip(b.observation.chunks_exact(spec.observation_size()));
+            rows.map(|(noisy, clear)| {
+                for (entry, name) in spec.observation_names.iter().enumerate() {
+                    assert!(is_judged(name) || noisy[entry] == clear[entry], "{name}, step {step}");
+                }
+                let off = |from: usize| std::array::from_fn(|k| f64::from(noisy[from + k] - clear[from + k]));
+                let (of_vector, of_place): ([f64; 3], [f64; 3]) = (off(vector), off(place));
+                assert!((0..3).all(|k| (of_vector[k] - of_place[k]).abs() < 1e-6), "one error, step {step}");
+                [std::array::from_fn(|k| f64::from(clear[vector + k])), of_vector]
+            })
+            .collect()
+        })
+        .collect()
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| a[k] * b[k]).sum()
+}
+
+fn check(make: &dyn Fn(&Task) -> Box<dyn VectorEnv>) {
+    let steps = seen(make, 4);
+    // Of the distance: along the way, and across it, of both directions.
+    let shares: Vec<[f64; 2]> = steps[0]
+        .iter()
+        .map(|&[away, off]| {
+            let distance = dot(away, away).sqrt();
+            let along = dot(off, away) / distance;
+            [along / distance, (0.5 * (dot(off, off) - along * along).max(0.0)).sqrt() / distance]
+        })
+        .collect();
+    let deviation = |which: usize| (shares.iter().map(|share| share[which].powi(2)).sum::<f64>() / ENVS as f64).sqrt();
+    let [along, across] = [0, 1].map(deviation);
+    assert!((along / SHARE - 1.0).abs() < 0.15, "{along}");
+    assert!((across / (0.5 * SHARE) - 1.0).abs() < 0.15, "{across}");
+    // The same misjudgement as long as the target is the same: in proportion to the distance, whatever moved.
+    for (env, &[away, off]) in steps[0].iter().enumerate() {
+        let [later, still_off] = steps[4][env];
+        let per_metre = |[away, off]: [[f64; 3]; 2]| dot(off, off).sqrt() / dot(away, away).sqrt();
+        let turned = 1.0 - dot(away, later) / (dot(away, away) * dot(later, later)).sqrt();
+        if turned < 1e-3 {
+            let (then, now) = (per_metre([away, off]), per_metre([later, still_off]));
+            assert!((then - now).abs() < 0.1 * then + 1e-3, "environment {env}: {then} {now}");
+        }
+    }
+}
+
+#[test]
+fn targets_seem_off_by_a_share_of_their_distance() {
+    check(&|task| Box::new(ReferenceEnv::new(&arm(task), task, &config()).unwrap()));
+    check(&|task| Box::new(CpuEnv::new(&arm(task), task, &config()).unwrap()));
+}
+
+#[test]
+fn on_a_card_as_well() {
+    if without_gpu() {
+        return;
+    }
+    let (gpu, options) = (gpu(), GpuOptions { envs_per_shard: 100, ..GpuOptions::default() });
+    check(&|task| Box::new(GpuEnv::with_options(&gpu, &arm(task), task, &config(), &options).unwrap()));
+}
+
+#[test]
+fn each_target_is_misjudged_anew() {
+    // The same place again and again, a metre around the arm, so that each is done as soon as it is asked for.
+    let text = "version: 2\nname: anew\nscene: {ball: {kind: sphere, at: [0.3, 0, 0], radius: 1}}\n\
+                script: [{dwell: {in: [ball, ball, ball, ball], for_s: 0.1}}]\nperception: {vision_noise: 0.2}\n";
+    let task = Task::from_yaml(text, "anew").unwrap();
+    let mut env = CpuEnv::new(&arm(&task), &task, &config()).unwrap();
+    let spec = env.spec().clone();
+    let at = |name: &str| spec.observation_names.iter().position(|entry| entry == name).unwrap();
+    let fingertip = at("fingertip_position.x");
+    let (place, phase, relaxed) = (at("target_position.x"), at("phase"), vec![-1.0; ENVS * spec.action_size()]);
+    let mut out = StepStorage::new(&spec);
+    env.reset(Some(1), None, &mut out.observation).unwrap();
+    let (mut last, mut begun) = (out.observation.clone(), 0);
+    for _ in 0..6 {
+        env.step(&relaxed, out.buffers()).unwrap();
+        for (env, (now, last)) in
+            out.observation.chunks(spec.observation_size()).zip(last.chunks(spec.observation_size())).enumerate()
+        {
+            let is_next = now[phase] > last[phase];
+            begun += usize::from(is_next);
+            let [off, was_off] = [now, last].map(|row| row[place] - 0.3);
+            // It changes with the way there alone, and by no more than the greatest error per metre, five deviations.
+            let at = |row: &[f32], k: usize| row[fingertip + k];
+            let moved = (0..3).map(|k| (at(now, k) - at(last, k)).powi(2)).sum::<f32>().sqrt();
+            let is_alike = (off - was_off).abs() < 5.0 * SHARE as f32 * 1.5 * moved + 1e-6;
+            assert!(is_next || out.terminated[env] || is_alike, "environment {env}: {was_off} {off}");
+            assert!(!is_next || off != was_off, "environment {env}");
+        }
+        last.clone_from(&out.observation);
+    }
+    assert!(begun >= 2 * ENVS, "{begun}");
+}
+
+#[test]
+fn a_sharper_eye_takes_the_place_of_a_dim_one_but_not_the_other_way_round() {
+    let [dim, clear] = [SHARE, 0.0].map(task);
+    let mut env = CpuEnv::new(&arm(&dim), &dim, &config()).unwrap();
+    env.set_task(&clear).unwrap();
+    let mut env = CpuEnv::new(&arm(&clear), &clear, &config()).unwrap();
+    let error = env.set_task(&dim).unwrap_err().to_string();
+    assert!(error.contains("seen with noise where they were seen without (perception.vision_noise)"), "{error}");
+}
