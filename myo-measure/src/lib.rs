@@ -58,5 +58,5 @@ pub use endpoints::EndpointCloud;
 pub use error::{MeasureError, Result};
 pub use hold::Hold;
 pub use movement::{Edge, Movement};
-pub use point::Point;
+pub use point::{Point, centre};
 pub use statistics::{Line, Spread};

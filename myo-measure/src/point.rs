@@ -15,8 +15,8 @@ pub(crate) fn length(a: Point) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Mean of some points; NaN of none.
-pub(crate) fn centre(points: &[Point]) -> Point {
+/// Mean of some points (m); NaN of none.
+pub fn centre(points: &[Point]) -> Point {
     let n = points.len() as f64;
     [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / n)
 }

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use myo_measure::fitts::Trial;
-use myo_measure::{Edge, MeasureError, Movement, signal};
+use myo_measure::{Edge, MeasureError, Movement, centre, signal};
 
 use super::ProtocolError;
 use super::practice::{circle_targets, conditions};
@@ -72,7 +72,7 @@ fn reach(
         movement_time_s: (done.entry - onset) as f64 / recording.rate_hz,
         start: raw[onset],
         target: circle_targets(distance)[selection],
-        end: mean(&raw[done.entry..=end]),
+        end: centre(&raw[done.entry..=end]),
     };
     Ok(Reach {
         condition,
@@ -83,10 +83,6 @@ fn reach(
         samples: [onset, end],
         profile: found.map_or_else(Vec::new, |found| found.profile),
     })
-}
-
-fn mean(points: &[[f64; 3]]) -> [f64; 3] {
-    std::array::from_fn(|k| points.iter().map(|point| point[k]).sum::<f64>() / points.len() as f64)
 }
 
 /// A movement, and where it is in a recording.
