@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, TryLockError};
 
 use myo::env::EnvSpec;
 use myo::model::ModelDescription;
+use myo::tasks::User as TaskUser;
 use myo::train::session::{End, Goal, News, Outcome, Progress, Until, UntilError};
 use myo::train::{
     Checkpoint, PpoConfig, RunClaim, RunError, RunFolder, RunWriter, Session as Inner, Trainer, UpdateMetrics,
@@ -192,9 +193,11 @@ impl Session {
         start_from: Option<PathBuf>,
     ) -> PyResult<Self> {
         let other = start_from.as_deref().map(checkpoint).transpose()?;
-        let base = other.as_ref().map_or_else(PpoConfig::default, |other| other.config().with_default_learning());
         let began = |other: &Checkpoint| Some(WarmStart { run: start_from?, env_steps: other.env_steps() });
         let layouts = inner(&layouts);
+        let user = layouts.first().map_or_else(TaskUser::default, |task| task.user);
+        let base =
+            other.as_ref().map_or_else(|| PpoConfig::for_user(user), |other| other.config().with_learning_of(user));
         let setup = Setup {
             model: model.inner().clone(),
             own_model: layouts.first().and_then(|task| model.unless_built_in(&task.model)),
@@ -439,7 +442,8 @@ pub fn train_at_once(
 ) -> PyResult<(Vec<Told>, Option<PyErr>)> {
     let tasks = inner(&tasks);
     let users: Vec<User<'_>> = tasks.iter().zip(&seeds).map(|(task, &seed)| User { task, seed }).collect();
-    let config = settings(config, &PpoConfig::default())?;
+    let user = tasks.first().map_or_else(TaskUser::default, |task| task.user);
+    let config = settings(config, &PpoConfig::for_user(user))?;
     let goal = Goal { until: goal_of(until)?, steps };
     let device = BackendChoice::new("gpu", device)?.device(config.num_envs)?;
     let body = model.inner();
@@ -512,8 +516,13 @@ pub fn evaluation_seed(training_seed: u64, number: u64) -> u64 {
     myo::train::session::evaluation_seed(training_seed, number)
 }
 
-/// The default settings of PPO, as JSON.
+/// The settings of PPO that users of a kind learn with, as JSON.
 #[pyfunction]
-pub fn default_settings() -> PyResult<String> {
-    serde_json::to_string(&PpoConfig::default()).map_err(error::run)
+pub fn default_settings(user: &str) -> PyResult<String> {
+    let named = TaskUser::ALL.into_iter().find(|kind| kind.name() == user);
+    let user = named.ok_or_else(|| {
+        let known = TaskUser::ALL.map(TaskUser::name).join(" or ");
+        PyValueError::new_err(format!("there is no user {user:?}; it must be {known}"))
+    })?;
+    serde_json::to_string(&PpoConfig::for_user(user)).map_err(error::run)
 }

@@ -6,7 +6,7 @@ use myo_lab::protocol::{
     UserReaches, circle_targets, conditions, reaches, record,
 };
 use myo_lab::{ModelReach, one_structure};
-use myo_measure::bands::Figure;
+use myo_measure::bands::{Figure, Figures};
 use myo_measure::fitts::index_of_difficulty;
 use myo_measure::signal;
 use myo_model::{Model, builtin};
@@ -98,14 +98,15 @@ fn smoothed_law() -> [f64; 2] {
 #[test]
 fn fitts_law_comes_out_as_it_went_in() {
     let found = FittsLaw::of(&[ideal_user(5), ideal_user(5)]).unwrap();
+    let fit = found.fitts.as_ref().unwrap();
     // To a sample of 2 ms.
     let law = smoothed_law();
-    assert!((found.fitts.slope_s_per_bit - law[1]).abs() < 2e-3, "{:?}", found.fitts);
-    assert!((found.fitts.intercept_s - law[0]).abs() < 4e-3 && found.fitts.r2 > 0.999, "{:?}", found.fitts);
-    assert!(found.fitts.distinct_indices >= 8 && found.users == 2);
+    assert!((fit.slope_s_per_bit - law[1]).abs() < 2e-3, "{:?}", found.fitts);
+    assert!((fit.intercept_s - law[0]).abs() < 4e-3 && fit.r2 > 0.999, "{:?}", found.fitts);
+    assert!(fit.distinct_indices >= 8 && found.users == 2);
     assert!(found.conditions.iter().all(|condition| condition.missed == 0.0), "{:?}", found.conditions);
     // Equal users differ in nothing.
-    let [low, high] = found.fitts.slope_s_per_bit_interval.unwrap();
+    let [low, high] = fit.slope_s_per_bit_interval.unwrap();
     assert!((high - low).abs() < 1e-12);
     // Ends are spread evenly over 4 % of the way, so that effective widths and indices go by that alone.
     let sd = 0.04 / 12_f64.sqrt();
@@ -113,16 +114,12 @@ fn fitts_law_comes_out_as_it_went_in() {
     let all = conditions().len();
     let expected =
         (0..all).map(|condition| index / ((1.0 - ONSET) * movement_time(condition))).sum::<f64>() / all as f64;
-    assert!(
-        (found.fitts.throughput_bit_s / expected - 1.0).abs() < 0.05,
-        "{} {expected}",
-        found.fitts.throughput_bit_s
-    );
+    assert!((fit.throughput_bit_s / expected - 1.0).abs() < 0.05, "{} {expected}", fit.throughput_bit_s);
 }
 
 #[test]
 fn who_begins_before_the_signal_is_not_faster_for_it() {
-    let prompt = FittsLaw::of(&[ideal_user(3)]).unwrap().fitts;
+    let prompt = FittsLaw::of(&[ideal_user(3)]).unwrap().fitts.unwrap();
     // The signal comes when a tenth of a second of each movement is over.
     let early = |condition| {
         let of = |episode| {
@@ -136,7 +133,8 @@ fn who_begins_before_the_signal_is_not_faster_for_it() {
         (0..3).map(of).collect()
     };
     let layouts: Vec<Vec<Recording>> = (0..conditions().len()).map(early).collect();
-    let early = FittsLaw::of(&[UserReaches { reaches: reaches(&layouts).unwrap(), repeats: 3 }]).unwrap().fitts;
+    let early =
+        FittsLaw::of(&[UserReaches { reaches: reaches(&layouts).unwrap(), repeats: 3 }]).unwrap().fitts.unwrap();
     assert!((early.slope_s_per_bit - prompt.slope_s_per_bit).abs() < 1e-3, "{early:?} {prompt:?}");
     assert!((early.intercept_s - prompt.intercept_s).abs() < 3e-3, "{early:?} {prompt:?}");
 }
@@ -176,11 +174,32 @@ fn ends_that_scatter_along_the_way_are_told_as_such() {
 }
 
 #[test]
-fn users_who_select_too_little_have_no_law() {
-    let mut user = ideal_user(4);
-    user.reaches.retain(|reach| reach.condition != 3 || reach.selection < 3);
-    let error = FittsLaw::of(&[user]).unwrap_err().to_string();
-    assert!(error.contains("the user did 8 of 52, and at least 26 are needed"), "{error}");
+fn users_who_have_not_learnt_a_condition_have_no_law_and_times_of_the_others() {
+    let half_learnt = || {
+        let mut user = ideal_user(4);
+        user.reaches.retain(|reach| reach.condition != 3 || reach.selection < 3);
+        user
+    };
+    let (found, whole) = (FittsLaw::of(&[half_learnt()]).unwrap(), FittsLaw::of(&[ideal_user(4)]).unwrap());
+    let what = found.unlearnt.as_ref().unwrap();
+    assert!(what.contains("the user did 8 of 52, and at least 26 are needed"), "{what}");
+    assert_eq!((&found.fitts, whole.unlearnt), (&None, None));
+    for (index, (found, whole)) in found.conditions.iter().zip(&whole.conditions).enumerate() {
+        let expected = if index == 3 { None } else { whole.movement_time_s };
+        assert_eq!(found.movement_time_s, expected, "{index}");
+    }
+    let plot = found.plot();
+    assert_eq!((plot.title.as_str(), plot.series.len()), ("No law yet: times of what was learnt", 1));
+    let mut figures = Figures::new();
+    found.figures(&mut figures).unwrap();
+    assert_eq!((figures.get(Figure::FitR2), figures.get(Figure::Throughput)), (None, None));
+
+    // One who has learnt it tells its time, and still there is no law of both.
+    let both = FittsLaw::of(&[half_learnt(), ideal_user(4)]).unwrap();
+    assert_eq!((both.fitts, both.conditions[3].movement_time_s), (None, whole.conditions[3].movement_time_s));
+
+    let nobody = UserReaches { reaches: vec![], repeats: 4 };
+    assert!(matches!(FittsLaw::of(&[nobody]), Err(ProtocolError::TooFew { found: 0, .. })));
 }
 
 #[test]

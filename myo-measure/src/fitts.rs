@@ -101,7 +101,11 @@ pub struct ConditionFigures {
 }
 
 impl ConditionFigures {
-    fn of(condition: &Condition) -> Result<Self> {
+    /// Of the trials of one user.
+    ///
+    /// # Errors
+    /// A condition without a distance, a width or trials, or trials that are no numbers.
+    pub fn of(condition: &Condition) -> Result<Self> {
         check_condition(condition)?;
         let all = &condition.trials;
         let typical = |of: fn(&Trial) -> f64| {

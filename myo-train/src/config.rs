@@ -1,6 +1,7 @@
 //! Every hyperparameter of the learner, in one place.
 
 use myo_env::EnvConfig;
+use myo_tasks::User;
 use schemars::JsonSchema;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -89,11 +90,11 @@ pub struct PpoConfig {
     pub log_std_min: f64,
     /// The logarithm of the standard deviation never rises above this (default 0.5).
     pub log_std_max: f64,
-    /// Simulated seconds after which effort and acceleration cost all that the task says in any case (default 1e6, that is 20 million control
-    /// steps at 20 Hz). Before that they cost the share of it that is the share of nine in ten targets which recent episodes got done, or,
-    /// where that is more, the share of this time that has passed: whom every movement costs dear before any has led anywhere learns to
-    /// keep still. 0 lets all of it count from the start. After Schumacher et al. 2023 (doi 10.48550/arXiv.2309.02976), whose cost of effort follows
-    /// the performance.
+    /// Simulated seconds in which the share of what effort and acceleration cost that counts may grow from nothing to all (default 1e5, that is 2
+    /// million control steps at 20 Hz). It is never more than the user can bear, the square of the share of nine in ten targets that recent
+    /// episodes got done, and falls with it: whom every movement costs dear before any has led anywhere learns to keep still, and does
+    /// not learn otherwise later. When nothing improves with less, it comes to be all. 0 lets all of it count from the start. After
+    /// Schumacher et al. 2023 (doi 10.48550/arXiv.2309.02976), whose cost of effort follows the performance.
     pub cost_ramp_s: f64,
     /// The environment gets `clip(action_offset + action_scale * a, -1, 1)` for the policy's output `a` (default -0.5).
     /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.5 a, 0, 1)`: a new policy
@@ -145,7 +146,7 @@ impl Default for PpoConfig {
             exploration_s: 0.05,
             log_std_min: -1.6,
             log_std_max: 0.5,
-            cost_ramp_s: 1e6,
+            cost_ramp_s: 1e5,
             action_offset: -0.5,
             action_scale: 1.0,
             observation_clip: 5.0,
@@ -172,7 +173,7 @@ const WIDEST_CLIP: f64 = 0.9;
 /// Longest time for which noise stays (s): a card makes all draws of it again for each action.
 const LONGEST_EXPLORATION_S: f64 = 1.0;
 
-/// Longest time (s) until movement costs what the task says.
+/// Longest time (s) in which costs grow.
 const LONGEST_RAMP_S: f64 = 1e9;
 
 /// Longest roll-out (s).
@@ -248,10 +249,30 @@ impl PpoConfig {
         EnvConfig { num_envs: self.num_envs, seed, exploring, ..EnvConfig::default() }
     }
 
-    /// The defaults, with the networks of these settings: what a warm start begins with.
-    pub fn with_default_learning(&self) -> Self {
+    /// What users of a kind learn with where nothing else is said.
+    ///
+    /// The defaults learn fast. A human user must stay in small targets in spite of noise, and with muscles that cost
+    /// something: costs grow slowly, it learns in smaller steps from longer roll-outs, and what it explores with may fade, but grows in no muscle
+    /// that is at rest, where it would go unnoticed.
+    pub fn for_user(user: User) -> Self {
+        match user {
+            User::Fastest => Self::default(),
+            User::Human => Self {
+                rollout_s: 0.4,
+                kl_target: 0.03,
+                entropy_coefficient: 0.001,
+                log_std_min: -3.5,
+                log_std_max: -0.7,
+                cost_ramp_s: 1e6,
+                ..Self::default()
+            },
+        }
+    }
+
+    /// What users of a kind learn with, with the networks of these settings: what a warm start begins with.
+    pub fn with_learning_of(&self, user: User) -> Self {
         let Self { policy_hidden, value_hidden, .. } = self.clone();
-        Self { policy_hidden, value_hidden, ..Self::default() }
+        Self { policy_hidden, value_hidden, ..Self::for_user(user) }
     }
 
     /// Discount per control step of `control_dt` seconds, often called gamma.
@@ -394,7 +415,7 @@ mod tests {
 
     #[test]
     fn defaults_are_valid_and_missing_keys_take_them() {
-        PpoConfig::default().validate().unwrap();
+        User::ALL.map(PpoConfig::for_user).iter().for_each(|config| config.validate().unwrap());
         let config: PpoConfig = serde_json::from_str(r#"{"discount_per_s": 0.9}"#).unwrap();
         assert_eq!(config, PpoConfig { discount_per_s: 0.9, ..PpoConfig::default() });
     }

@@ -402,24 +402,23 @@ fn cost_shares(told: &[Progress]) -> Vec<f64> {
 }
 
 #[test]
-fn movement_costs_more_the_more_is_learnt_and_all_after_a_time() {
-    let (told, _) = run(session(Mishap::None, config(), steps(1_000_000)));
-    let shares = cost_shares(&told);
-    assert!(shares[0] == 0.0 && shares.is_sorted(), "it never costs less than before");
-    assert!(shares[shares.len() - 1] == 1.0, "who can do it pays for it: {shares:?}");
-
-    // Nothing is ever done: after half of the time half of it counts.
-    let never = |cost_ramp_s| {
+fn movement_costs_what_the_user_can_bear() {
+    let of = |mishap, cost_ramp_s, control_steps| {
         let config = PpoConfig { cost_ramp_s, ..config() };
-        cost_shares(&run(session(Mishap::Unreachable, config, steps(200_000))).0)
+        cost_shares(&run(session(mishap, config, steps(control_steps))).0)
     };
-    let shares = never(0.05 * 200_000.0 / 2.0);
-    let half = shares[shares.len() / 4];
+    let shares = of(Mishap::None, 10_000.0, 1_000_000);
+    assert_eq!(shares[0], 0.0);
+    assert_eq!(shares[shares.len() - 1], 1.0, "who can do it pays for it: {shares:?}");
+    // After half of these control steps, 0.05 s each, half of the time has passed.
+    let slowly = of(Mishap::None, 50_000.0, 1_000_000);
+    assert!(slowly[slowly.len() / 2] <= 0.5 && slowly[slowly.len() - 1] > 0.5, "no faster than that: {slowly:?}");
+
     assert!(
-        (half - 0.5).abs() < 0.05 && shares[shares.len() / 2 + 2..].iter().all(|&share| share == 1.0),
-        "{shares:?}"
+        of(Mishap::Unreachable, 5_000.0, 200_000).iter().all(|&share| share == 0.0),
+        "who can do nothing learns first"
     );
-    assert!(never(0.0).iter().all(|&share| share == 1.0));
+    assert!(of(Mishap::Unreachable, 0.0, 200_000).iter().all(|&share| share == 1.0));
 }
 
 /// Mean length of the episodes in the last tenth of a training.

@@ -77,8 +77,8 @@ def model_names() -> list[str]:
 def devices() -> list[tuple[str, str]]:
     """Graphics cards that answer, best first: name and kind (`discrete`, `integrated`, ...)."""
 
-def default_settings() -> str:
-    """The default settings of PPO, as JSON."""
+def default_settings(user: str) -> str:
+    """The settings of PPO that users of a kind learn with, as JSON."""
 
 def compare(first: str, second: str) -> str:
     """What users of two layouts allow to say, from two groups as JSON; JSON with the sentences."""

@@ -66,7 +66,7 @@ def train(
         callback: Called after every update with its metrics (the columns of `metrics.csv`; NaN where there is none);
             training stops when it returns True. What it raises leaves `train`, after a checkpoint. A `myoenv.Callback`
             also hears of the start and of the end; `"wandb"` and `"mlflow"` are two of them, see `myoenv.callbacks`.
-        settings: Settings of PPO that differ from their defaults, such as `{"discount_per_s": 0.7}`.
+        settings: Settings of PPO that differ from those its user learns with, such as `{"discount_per_s": 0.7}`.
         num_envs: Environments side by side.
         backend: `"cpu"`, `"gpu"` or `"auto"`, which is the default.
         device: A graphics card by its number or a part of its name.
@@ -169,7 +169,7 @@ def as_json(settings: dict[str, Any]) -> str:
         raise ValueError(f"bad training setting: {error}") from None
 
 
-def default_settings() -> dict[str, Any]:
-    """The settings of PPO with their defaults."""
-    settings: dict[str, Any] = json.loads(_native.default_settings())
+def default_settings(user: str = "fastest") -> dict[str, Any]:
+    """The settings of PPO that a `user` of a task, `fastest` or `human`, learns with where nothing else is said."""
+    settings: dict[str, Any] = json.loads(_native.default_settings(user))
     return settings

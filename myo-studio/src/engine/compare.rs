@@ -42,15 +42,15 @@ impl Way {
             until => format!("until {until}"),
         };
         let heir = if self.is_heir { "learnt something else before" } else { "" };
-        let settings = if is_as_it_comes(&self.ppo) { "" } else { "other settings" };
+        let settings = if self.is_as_it_comes() { "" } else { "other settings" };
         [&goal, heir, settings].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ")
     }
-}
 
-/// Whether settings are the defaults, but for how many environments a device has.
-fn is_as_it_comes(ppo: &PpoConfig) -> bool {
-    let PpoConfig { num_envs, matrix_units, .. } = *ppo;
-    *ppo == PpoConfig { num_envs, matrix_units, ..PpoConfig::default() }
+    /// Whether its settings are those of its kind of users, but for how many environments a device has.
+    fn is_as_it_comes(&self) -> bool {
+        let PpoConfig { num_envs, matrix_units, .. } = self.ppo;
+        self.ppo == PpoConfig { num_envs, matrix_units, ..PpoConfig::for_user(self.layouts[0].user) }
+    }
 }
 
 /// What the groups are called: like their layouts, with what tells those of one layout apart.
@@ -212,7 +212,7 @@ pub fn runs_of(workspace: &Workspace, task: &Task) -> Result<Vec<RunFolder>, Ref
 /// The folder cannot be read.
 pub fn users_of(workspace: &Workspace, task: &Task, until: Until) -> Result<Vec<String>, Refusal> {
     let counts = |run: &RunFolder| {
-        let way = Way::of(run).ok().filter(|way| way.goal.until == until && !way.is_heir && is_as_it_comes(&way.ppo));
+        let way = Way::of(run).ok().filter(|way| way.goal.until == until && !way.is_heir && way.is_as_it_comes());
         way.is_some() && matches!(run.evaluation(), Ok(Some(_)))
     };
     let mut seeds = Vec::new();

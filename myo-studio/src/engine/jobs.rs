@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use myo_lab::{Backend, ModelReach, changed_settings, default_steps, likely_cause};
+use myo_lab::{Backend, ModelReach, RunDescription, changed_settings, default_steps, likely_cause};
 use myo_train::session::{Change, End, Goal, News, Outcome, Trend, Until};
 use myo_train::{Checkpoint, PpoConfig, RunFolder, write_whole};
 use serde::{Deserialize, Serialize};
@@ -258,7 +258,7 @@ impl Jobs {
             steps: None,
             from: None,
             live: false,
-            settings: changed_in(&RunFolder::open(&folder)?.config().ppo)?,
+            settings: changed_in(&RunFolder::open(&folder)?)?,
         };
         let id = list.add(order, Some(run.to_owned()));
         drop(list);
@@ -588,9 +588,10 @@ pub fn changes(settings: &Changes) -> impl Iterator<Item = (&str, serde_json::Va
     settings.iter().map(|(name, value)| (&**name, value.clone()))
 }
 
-/// What of the settings of a learner is not as it comes; the widths of its layers stay with the user.
-fn changed_in(ppo: &PpoConfig) -> Result<Changes, Refusal> {
-    let (own, default) = (serde_json::to_value(ppo)?, serde_json::to_value(PpoConfig::default())?);
+/// What of the settings of a run is not as it comes; the widths of its layers stay with the user.
+fn changed_in(run: &RunFolder) -> Result<Changes, Refusal> {
+    let usual = PpoConfig::for_user(RunDescription::of(run)?.task.user);
+    let (own, default) = (serde_json::to_value(&run.config().ppo)?, serde_json::to_value(usual)?);
     let serde_json::Value::Object(own) = own else { return Ok(Changes::new()) };
     let differs =
         |name: &str, value: &serde_json::Value| default.get(name) != Some(value) && !name.ends_with("_hidden");

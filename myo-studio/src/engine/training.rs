@@ -68,7 +68,10 @@ impl Training {
     pub fn begin(beginning: Beginning<'_>, folder: &Path, notice: &mut dyn FnMut(String)) -> Result<Self, Refusal> {
         let Beginning { task, model, backend, settings, seed, goal, heir_to } = beginning;
         let heritage = heir_to.as_ref().map(|heritage| &heritage.checkpoint);
-        let base = heritage.map_or_else(PpoConfig::default, |checkpoint| checkpoint.config().with_default_learning());
+        let base = heritage.map_or_else(
+            || PpoConfig::for_user(task.user),
+            |checkpoint| checkpoint.config().with_learning_of(task.user),
+        );
         let config = changed_settings(&base, super::jobs::changes(settings))?;
         let start = Start::New { config: &config, seed, from: heritage };
         let envs = build(backend, model, std::slice::from_ref(task), (&config, seed), notice)?;

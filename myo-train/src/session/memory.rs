@@ -12,8 +12,8 @@ use crate::{Evaluation, Trainer, UpdateMetrics};
 /// Who gets this share of its targets done can do its task.
 const ABLE: f64 = 0.9;
 
-/// A share of costs that grew by less is left as it is: to write it into a card's memory takes time.
-const COST_STEP: f64 = 0.01;
+/// Steps in which the share of costs changes.
+const COST_STEP: f64 = 1.0 / 128.0;
 
 /// What the next decisions of a session depend on besides its trainer and the state to go back to; part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,9 +32,12 @@ pub struct Memory {
     /// Share of what movement costs that counts.
     #[serde(default = "all")]
     pub cost_share: f64,
-    /// Control steps after which it was raised last.
+    /// Control steps after which more or less of it began to count.
+    #[serde(default, alias = "costs_raised_at")]
+    pub costs_changed_at: u64,
+    /// Whether nothing improved with less: from then on all counts.
     #[serde(default)]
-    pub costs_raised_at: u64,
+    pub all_counts: bool,
     /// Evaluations taken: the next one has other episodes.
     pub evaluations: u64,
     /// How often the training went back to its good state.
@@ -56,7 +59,8 @@ impl Memory {
             noise_free: Curve::new(first_whole_episodes(trainer)),
             layouts: vec![Curve::new(first_whole_episodes(trainer)); told_layouts(trainer.spec())],
             cost_share: first_cost_share(trainer),
-            costs_raised_at: 0,
+            costs_changed_at: 0,
+            all_counts: first_cost_share(trainer) == 1.0,
             evaluations: 0,
             tries: 0,
             told_flat: false,
@@ -65,23 +69,36 @@ impl Memory {
         }
     }
 
-    /// Lets more of the costs count the more the user can do, and the longer it has learnt, as a share of the time after which all of them do;
-    /// all at once where nothing improves without. Never less than before. Whether more count now.
-    pub fn raise_cost_share(&mut self, env_steps: u64, learnt: f64) -> bool {
-        let can = self.noise_free.recent().or_else(|| self.curve.recent()).map_or(0.0, EpisodeMeans::progress);
-        let has_settled = self.trend().is_some_and(|trend| trend.is_plateau());
-        let share = if has_settled { 1.0 } else { (can / ABLE).max(learnt).min(1.0) };
-        let is_more = share >= self.cost_share + COST_STEP || share == 1.0 && self.cost_share < 1.0;
-        if is_more {
-            self.cost_share = share;
-            self.costs_raised_at = env_steps;
+    /// Hears what the user can do by now, and lets so much of the costs count as it can bear: less as soon as it can do less, more by `growth` at
+    /// most. From when nothing improves with less it comes to be all, at least as fast as the steps grow, of which the newest are `newest`.
+    pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
+        let counted = self.share_that_counts();
+        self.all_counts |= self.trend().is_some_and(|trend| trend.is_plateau());
+        let (most, growth) = if self.all_counts {
+            (1.0, growth.max(newest as f64 / env_steps as f64))
+        } else {
+            (self.bearable(), growth)
+        };
+        self.cost_share = (self.cost_share + growth).min(most);
+        if self.share_that_counts() != counted {
+            self.costs_changed_at = env_steps;
         }
-        is_more
+    }
+
+    /// The square of what the user can do of its task: whose targets are mostly undone hardly pays for trying.
+    fn bearable(&self) -> f64 {
+        let can = self.curve.recent().map_or(0.0, EpisodeMeans::progress);
+        (can / ABLE).min(1.0).powi(2)
+    }
+
+    /// The share in steps: to write it into a card's memory takes time.
+    pub fn share_that_counts(&self) -> f64 {
+        (self.cost_share / COST_STEP).floor() * COST_STEP
     }
 
     /// Whether nothing improves any more, with all of the costs for at least as long as with less.
     pub fn has_settled(&self) -> bool {
-        let settled = |trend: Trend| trend.is_plateau() && trend.env_steps >= 2 * self.costs_raised_at;
+        let settled = |trend: Trend| trend.is_plateau() && trend.env_steps >= 2 * self.costs_changed_at;
         self.cost_share == 1.0 && self.trend().is_some_and(settled)
     }
 
@@ -187,13 +204,43 @@ mod tests {
             noise_free: Curve::new(0),
             layouts,
             cost_share: 1.0,
-            costs_raised_at: 0,
+            costs_changed_at: 0,
+            all_counts: true,
             evaluations: 0,
             tries: 0,
             told_flat: false,
             evaluation_s: 0.0,
             confirmed: None,
         }
+    }
+
+    /// What counts of the costs after an update that a user who can do so much heard of.
+    fn charged(memory: &mut Memory, can: f64, growth: f64) -> f64 {
+        memory.curve = curve(|_| 1.0, can);
+        memory.follow_costs(32_000_000, 8_000_000, growth);
+        memory.share_that_counts()
+    }
+
+    #[test]
+    fn costs_follow_what_the_user_can_do() {
+        let still_learning = || Memory { cost_share: 0.0, all_counts: false, ..memory(vec![curve(|_| 4.0, 0.0)]) };
+        let mut costs = still_learning();
+        assert_eq!(charged(&mut costs, 1.0, 0.25), 0.25, "they grow by so much at most");
+        assert_eq!(charged(&mut costs, 1.0, 1.0), 1.0);
+        assert_eq!(charged(&mut costs, 0.45, 1.0), 0.25, "who can do half as much bears a quarter");
+        assert_eq!(charged(&mut costs, 0.0, 1.0), 0.0);
+        assert_eq!(costs.costs_changed_at, 32_000_000);
+        let mut costs = still_learning();
+        let grown: Vec<f64> = (0..10).map(|_| charged(&mut costs, 0.9, 1e-3)).collect();
+        assert_eq!((grown[0], grown[9]), (0.0, 1.0 / 128.0), "small steps add up");
+    }
+
+    #[test]
+    fn all_counts_when_nothing_improves_with_less() {
+        let mut settled = Memory { cost_share: 0.0, all_counts: false, ..memory(vec![]) };
+        assert_eq!(charged(&mut settled, 0.6, 0.0), 0.25, "as fast as the steps grow");
+        assert_eq!(charged(&mut settled, 0.6, 1.0), 1.0);
+        assert_eq!(charged(&mut settled, 0.0, 1.0), 1.0, "for good");
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl Session {
     /// The card is lost.
     pub fn new(mut trainer: Trainer, examiner: Examiner, goal: Goal) -> Result<Self, TrainError> {
         let (memory, recovery) = (Memory::new(&trainer), Recovery::new(trainer.save()?));
-        trainer.set_cost_share(memory.cost_share)?;
+        trainer.set_cost_share(memory.share_that_counts())?;
         Ok(Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true })
     }
 
@@ -86,7 +86,7 @@ impl Session {
             }
             None => (Memory::new(&trainer), Recovery::new(bare())),
         };
-        trainer.set_cost_share(memory.cost_share)?;
+        trainer.set_cost_share(memory.share_that_counts())?;
         Ok(Self { trainer, examiner, goal, memory, recovery, record: None, is_sound: true })
     }
 
@@ -219,20 +219,27 @@ impl Session {
         let Some(metrics) = updated? else { return Ok(Updated::Interrupted) };
         self.recovery.went_well(&self.trainer)?;
         self.memory.hear(&metrics);
-        self.raise_costs()?;
+        self.follow_costs()?;
         self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;
         Ok(Updated::Forward(metrics))
     }
 
-    /// Lets movement cost more, the more the user can do.
-    fn raise_costs(&mut self) -> Result<(), TrainError> {
-        let env_steps = self.trainer.env_steps();
-        let learnt_s = env_steps as f64 * self.trainer.spec().control_dt;
-        let learnt = learnt_s / self.trainer.config().cost_ramp_s;
-        if self.memory.cost_share < 1.0 && self.memory.raise_cost_share(env_steps, learnt) {
-            self.trainer.set_cost_share(self.memory.cost_share)?;
+    /// Lets movement cost what the user can bear.
+    fn follow_costs(&mut self) -> Result<(), TrainError> {
+        let (config, control_dt) = (self.trainer.config(), self.trainer.spec().control_dt);
+        if config.cost_ramp_s == 0.0 {
+            return Ok(());
         }
-        Ok(())
+        let newest = config.batch_size(control_dt) as u64;
+        let growth = newest as f64 * control_dt / config.cost_ramp_s;
+        self.memory.follow_costs(self.trainer.env_steps(), newest, growth);
+        self.charge()
+    }
+
+    /// Has the environments charge the share of the costs that counts.
+    fn charge(&mut self) -> Result<(), TrainError> {
+        let share = self.memory.share_that_counts();
+        if share == self.trainer.cost_share() { Ok(()) } else { self.trainer.set_cost_share(share) }
     }
 
     fn go_back(&mut self, reason: String) -> Result<News, SessionError> {

@@ -463,6 +463,11 @@ impl Trainer {
         Ok(self.device.env_mut().reset(None, Some(&none), &mut host_state.observation)?)
     }
 
+    /// How much of what effort and acceleration cost counts.
+    pub fn cost_share(&self) -> f64 {
+        self.cost_share
+    }
+
     /// Lets so much of what effort and acceleration cost count, from the next update on; see [`VectorEnv::set_cost_share`].
     ///
     /// # Errors

@@ -80,11 +80,11 @@ struct Row {
 
 /// Runs `myo bench curve`.
 pub fn run(args: &CurveArgs) -> Result<()> {
-    let config = args.learner.settings(&PpoConfig::default())?;
     if !args.at.is_sorted() {
         return Err(Failure::sentence("the control steps of `--at` must not go down"));
     }
     let scenario = Scenario::open(&args.task)?;
+    let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
     let interrupt = Interrupt::listen()?;
     let rows = if args.at_once {
         measure_all(args, &scenario, &config, &interrupt)?

@@ -128,7 +128,7 @@ pub fn run(args: &TrainArgs) -> Result<()> {
 
 /// All seeds at once: the time of each runs from the beginning of all to its own end.
 fn measure_all(args: &TrainArgs, scenario: &Scenario, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let config = args.learner.settings(&PpoConfig::default())?;
+    let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
     let start = Instant::now();
     let all = ready_at_once(scenario, &args.physics, &config, args.seeds, goal(args, scenario))?;
     let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
@@ -149,7 +149,7 @@ fn goal(args: &TrainArgs, scenario: &Scenario) -> Goal {
 }
 
 fn measure(args: &TrainArgs, scenario: &Scenario, seed: u64, interrupt: &Interrupt) -> Result<Row> {
-    let config = args.learner.settings(&PpoConfig::default())?;
+    let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
     let start = Instant::now();
     let env = scenario.training_env(&args.physics.choice(BackendName::Cpu)?, &config, seed)?;
     let ready = Ready::new(scenario, env, Start::New { config: &config, seed, from: None }, goal(args, scenario))?;
@@ -178,7 +178,7 @@ fn ended(
         device: device.card().map(String::from),
         task: scenario.task.name.clone(),
         seed,
-        envs: args.learner.settings(&PpoConfig::default())?.num_envs,
+        envs: args.learner.settings(&PpoConfig::for_user(scenario.task.user))?.num_envs,
         threads: rayon::current_num_threads(),
         wall_s,
         env_steps: outcome.env_steps,

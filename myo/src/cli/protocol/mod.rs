@@ -80,7 +80,11 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
     let figures = &mut Figures::new();
     match protocol {
         Protocol::M1 => tell(asked, "M1", &asking.strength(figures)?, (tables::strength, None), json),
-        Protocol::F1 => tell(asked, "F1", &asking.fitts(figures)?, (tables::fitts, Some(FittsLaw::plot)), json),
+        Protocol::F1 => {
+            let found = asking.fitts(figures)?;
+            tell(asked, "F1", &found, (tables::fitts, Some(FittsLaw::plot)), json)?;
+            found.unlearnt.map_or(Ok(()), |what| Err(Failure::sentence(format!("there is no Fitts' law: {what}"))))
+        }
         Protocol::K1 => {
             tell(asked, "K1", &asking.kinematics(figures)?, (tables::kinematics, Some(Kinematics::plot)), json)
         }

@@ -31,12 +31,14 @@ pub fn fitts(found: &FittsLaw) -> String {
             &format!("{:.0} cm", 100.0 * c.distance_m),
             &format!("{:.1} cm", 100.0 * c.width_m),
             &format!("{:.2} bit", c.id_bit),
-            &format!("{:.3} s", c.movement_time_s),
+            &c.movement_time_s.map_or("not learnt".into(), |time| format!("{time:.3} s")),
             &interval(c.movement_time_s_interval),
             &format!("{:.1} %", 100.0 * c.missed),
         ])
     }));
-    let fit = &found.fitts;
+    let who = users(found.users);
+    let title = format!("Protocol F1, Fitts' law of {who}, across a circle of 13 targets, dwell not counted");
+    let Some(fit) = &found.fitts else { return format!("{title}\n{}", table(&rows)) };
     let fits = [
         row(["Fitts' law", "median", "95 % interval", "people"]),
         row(["R2", &short(fit.r2), &interval(fit.r2_interval), "at least 0.9"]),
@@ -49,12 +51,7 @@ pub fn fitts(found: &FittsLaw) -> String {
             "2.5 to 7.5",
         ]),
     ];
-    let who = users(found.users);
-    format!(
-        "Protocol F1, Fitts' law of {who}, across a circle of 13 targets, dwell not counted\n{}\n{}",
-        table(&rows),
-        table(&fits)
-    )
+    format!("{title}\n{}\n{}", table(&rows), table(&fits))
 }
 
 pub fn kinematics(found: &Kinematics) -> String {

@@ -216,13 +216,14 @@ fn start_or_resume(args: &Train, interrupt: &Interrupt) -> Result<()> {
 
 fn start(args: &Train, tasks: &[String], interrupt: &Interrupt) -> Result<()> {
     let heritage = args.from.as_deref().map(Heritage::open).transpose()?;
-    let base = heritage
-        .as_ref()
-        .map_or_else(PpoConfig::default, |heritage| heritage.checkpoint.config().with_default_learning());
-    let config = args.how.learner.settings(&base)?;
     let seed = args.how.seed.unwrap_or(1);
     let seeds = args.seeds.map(|count| several::seeds(seed, count as u64)).transpose()?;
     let (scenario, run_name) = (Scenario::open_together(tasks, args.how.user)?, run_name_of(tasks));
+    let user = scenario.task.user;
+    let base = heritage
+        .as_ref()
+        .map_or_else(|| PpoConfig::for_user(user), |heritage| heritage.checkpoint.config().with_learning_of(user));
+    let config = args.how.learner.settings(&base)?;
     let steps = args.how.steps.unwrap_or_else(|| myo::default_steps(scenario.task.control_dt_s));
     let goal = Goal { until: args.how.until.unwrap_or_default(), steps };
     warn_of_goal(&scenario, goal.until.share());
