@@ -85,7 +85,7 @@ impl Regions {
             "activation" => [-1.0, 1.0],
             "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" | "target_kind" => [0.0, 1.0],
             // Unit vectors, and what is no longer.
-            "target_normal" | "nearest_obstacle" => [-1.0, 1.0],
+            "target_normal" | "target_direction" | "nearest_obstacle" => [-1.0, 1.0],
             "drag" if entry == "held" => [0.0, 1.0],
             _ => UNBOUNDED,
         }

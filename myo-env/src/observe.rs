@@ -10,7 +10,7 @@ use myo_dynamics::step::contact::surface;
 use myo_model::Model;
 use myo_scalar::{Carried, Real, Scalar, Visitor};
 use myo_tasks::Observation;
-use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, centre_ahead, difference, inside};
+use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, centre_ahead, difference, inside, norm};
 
 /// What is farther away than this (m) is observed as if it were so far.
 const NEAR: f64 = 1.0;
@@ -38,8 +38,12 @@ pub enum ObservationPart {
     TargetSize,
     /// From the pointer to the centre of the current target (m).
     TargetVector,
+    /// The same way, divided by its length and the radius together.
+    TargetDirection,
     /// Where the face of the current button or slider looks; zeros for spheres.
     TargetNormal,
+    /// Control that each muscle was last asked for, where changing it costs something.
+    Control,
     /// One where the current step asks to press or drag, zero where to point.
     TargetKind,
     /// Velocity of the current target (m/s), where something moves.
@@ -77,6 +81,7 @@ impl ObservationPart {
                 | Part::JointAcceleration
                 | Part::FingertipPosition
                 | Part::Activation
+                | Part::Control
                 | Part::TimeLeft
                 | Part::NearestObstacle
         )
@@ -88,11 +93,12 @@ impl ObservationPart {
     pub(crate) const fn width(self, [ndof, nmuscle]: [usize; 2]) -> usize {
         match self {
             Self::JointPosition | Self::JointVelocity | Self::JointAcceleration => ndof,
-            Self::Activation => nmuscle,
+            Self::Activation | Self::Control => nmuscle,
             Self::FingertipPosition
             | Self::PointerPosition
             | Self::TargetPosition
             | Self::TargetVector
+            | Self::TargetDirection
             | Self::TargetNormal
             | Self::TargetVelocity
             | Self::NextTargetVector
@@ -118,9 +124,11 @@ impl ObservationPart {
             Self::FingertipPosition => "fingertip_position",
             Self::PointerPosition => "pointer_position",
             Self::Activation => "activation",
+            Self::Control => "control",
             Self::TargetPosition => "target_position",
             Self::TargetSize => "target_size",
             Self::TargetVector => "target_vector",
+            Self::TargetDirection => "target_direction",
             Self::TargetNormal => "target_normal",
             Self::TargetKind => "target_kind",
             Self::TargetVelocity => "target_velocity",
@@ -140,6 +148,7 @@ impl ObservationPart {
     /// In which tasks there is such a part, as half a sentence; none if in all that ask for it.
     pub const fn only_where(self) -> Option<&'static str> {
         match self {
+            Self::Control => Some("where changing controls costs something"),
             Self::PointerPosition => Some("where the technique is not the fingertip"),
             Self::TargetVelocity => Some("where something moves"),
             Self::Cue => Some("where a step must be waited for"),
@@ -161,9 +170,11 @@ pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart>
         (o.fingertip_position, ObservationPart::FingertipPosition),
         (o.pointer_position && !task.pointer.is_fingertip(), ObservationPart::PointerPosition),
         (o.activation, ObservationPart::Activation),
+        (o.control && task.weights.change_cost.is_some(), ObservationPart::Control),
         (o.target_position, ObservationPart::TargetPosition),
         (o.target_size, ObservationPart::TargetSize),
         (o.target_vector, ObservationPart::TargetVector),
+        (o.target_direction, ObservationPart::TargetDirection),
         (o.target_normal, ObservationPart::TargetNormal),
         (o.target_kind, ObservationPart::TargetKind),
         (o.target_velocity && motion, ObservationPart::TargetVelocity),
@@ -196,11 +207,12 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             | ObservationPart::PointerPosition
             | ObservationPart::TargetPosition
             | ObservationPart::TargetVector
+            | ObservationPart::TargetDirection
             | ObservationPart::TargetNormal
             | ObservationPart::TargetVelocity
             | ObservationPart::NextTargetVector
             | ObservationPart::NearestObstacle => of(&axes),
-            ObservationPart::Activation => of(&muscles),
+            ObservationPart::Activation | ObservationPart::Control => of(&muscles),
             ObservationPart::TargetSize
             | ObservationPart::TargetKind
             | ObservationPart::Phase
@@ -234,6 +246,7 @@ pub fn observe<S: Scalar>(
             ObservationPart::TargetPosition => out.extend_from_slice(&add(goal.centre, off)),
             ObservationPart::TargetSize => out.push(goal.size),
             ObservationPart::TargetVector => out.extend_from_slice(&add(away, off)),
+            ObservationPart::TargetDirection => out.extend_from_slice(&direction(add(away, off), goal.size)),
             ObservationPart::TargetNormal => out.extend_from_slice(&normal(goal)),
             ObservationPart::TargetKind => out.push(S::indicator(goal.is_press)),
             ObservationPart::TargetVelocity => out.extend_from_slice(&velocity(world, goal)),
@@ -272,12 +285,21 @@ pub fn observe_body<S: Scalar>(
         ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
         ObservationPart::FingertipPosition => out.extend_from_slice(fingertip),
         ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
+        ObservationPart::Control => scaled(&env.asked, 2.0, -1.0, out),
         ObservationPart::TimeLeft => out.push(S::lit(1.0) - env.task.step * world.parameters.task.time_limit.recip()),
         ObservationPart::NearestObstacle => {
             out.extend_from_slice(&to_nearest_obstacle(world, S::lit(-1.0), &env.task, *fingertip));
         }
         _ => {}
     }
+}
+
+/// A way as a share of its length and a radius together: as fine near a small target as near a large one.
+#[inline(always)]
+fn direction<S: Scalar>(away: Point<S>, radius: S) -> Point<S> {
+    // Not 0 / 0 where a target has no size.
+    let scale = (norm(away) + radius + S::lit(1e-6)).recip();
+    away.map(|x| x * scale)
 }
 
 #[inline(always)]

@@ -2,6 +2,7 @@
 
 use crate::tables::Tables;
 use myo_dynamics::{Obstacles, Plan};
+use myo_muscle::MotorNoise;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{CompiledTask, Shifts};
 use myo_tasks::{FlatTask, Pose, Reset, Task};
@@ -14,12 +15,21 @@ pub(crate) type JointRange = Option<[f64; 2]>;
 pub struct Parameters<T> {
     /// What is to do.
     pub task: CompiledTask<T>,
-    /// Standard deviations of motor noise: signal-dependent, constant.
-    pub noise: Option<[T; 2]>,
+    /// Motor noise.
+    pub noise: Option<Motor<T>>,
     /// How far off targets seem, as a share of their distance.
     pub vision_noise: Option<T>,
     /// How episodes begin.
     pub start: Start<T>,
+}
+
+/// Motor noise of all muscles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motor<T> {
+    /// Standard deviations: signal-dependent, constant.
+    pub deviations: [T; 2],
+    /// How it changes.
+    pub process: MotorNoise<T>,
 }
 
 /// Distribution of the body's state at the start of an episode.
@@ -55,11 +65,9 @@ pub struct World<'a, S: Scalar> {
 impl<C: Real> Parameters<C> {
     /// Those of a task of this flat form, for a body whose joints have these ranges (rad).
     pub(crate) fn new(task: &Task, flat: &FlatTask, ranges: &[JointRange]) -> Self {
-        let noise = [task.noise.signal_dependent, task.noise.constant];
-        let noisy = noise.iter().any(|&deviation| deviation > 0.0);
         Self {
             task: CompiledTask::of(task, flat),
-            noise: noisy.then(|| noise.map(C::from_f64)),
+            noise: Motor::new(task),
             vision_noise: (task.perception.vision_noise > 0.0).then(|| C::from_f64(task.perception.vision_noise)),
             start: Start::new(task, ranges),
         }
@@ -72,7 +80,12 @@ impl<C: Real> Parameters<C> {
     pub(crate) fn in_place_of(mut self, others: &Self) -> Result<Self, String> {
         if others.noise.is_some() {
             // Noise of no size is noise all the same.
-            self.noise = self.noise.or(Some([C::from_f64(0.0); 2]));
+            let silent = |motor| Motor { deviations: [C::from_f64(0.0); 2], ..motor };
+            self.noise = self.noise.or(others.noise.map(silent));
+        }
+        if others.task.weights.change_cost.is_some() {
+            let cost = &mut self.task.weights.change_cost;
+            *cost = cost.or(Some(C::from_f64(0.0)));
         }
         if others.vision_noise.is_some() {
             self.vision_noise = self.vision_noise.or(Some(C::from_f64(0.0)));
@@ -91,7 +104,7 @@ impl<T> Parameters<T> {
     pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Parameters<U> {
         Parameters {
             task: self.task.map(f),
-            noise: self.noise.as_ref().map(|noise| noise.each_ref().map(&mut *f)),
+            noise: self.noise.as_ref().map(|noise| noise.map(f)),
             vision_noise: self.vision_noise.as_ref().map(&mut *f),
             start: self.start.map(f),
         }
@@ -173,6 +186,9 @@ impl Parameters<()> {
         if ours.spheres != theirs.spheres {
             return Some("its spheres and boxes stand in another order".into());
         }
+        if ours.weights.change_cost != theirs.weights.change_cost {
+            return Some("changing controls costs something where it cost nothing (reward.control_change_cost)".into());
+        }
         if self.task.weights != other.task.weights {
             return Some(
                 "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path, reward.distance_scale_m)".into(),
@@ -219,6 +235,24 @@ impl<C: Real> Parameters<C> {
     pub(crate) fn most_contacts(&self, surface: &Obstacles<C>, plan: &Plan<C>) -> usize {
         let ways: Vec<_> = self.task.shifts.spans.iter().map(|spans| spans.map(|span| span.map(C::to_f64))).collect();
         self.obstacles(surface).most_at_once_moved(plan, &ways)
+    }
+}
+
+impl<C: Real> Motor<C> {
+    /// That of a task; none without.
+    fn new(task: &Task) -> Option<Self> {
+        let noise = &task.noise;
+        let deviations = [noise.signal_dependent, noise.constant];
+        let process = MotorNoise::new(task.control_dt_s, noise.held_s).map(&mut |&x| C::from_f64(x));
+        let noisy = deviations.iter().any(|&deviation| deviation > 0.0);
+        noisy.then(|| Self { deviations: deviations.map(C::from_f64), process })
+    }
+}
+
+impl<T> Motor<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Motor<U> {
+        Motor { deviations: self.deviations.each_ref().map(&mut *f), process: self.process.map(f) }
     }
 }
 

@@ -25,11 +25,13 @@ const fn sense(part: ObservationPart) -> Sense {
         | Part::FingertipPosition
         | Part::Activation => Sense::Body,
         Part::Touch => Sense::Touch,
-        Part::TimeLeft => Sense::Clock,
+        // What one asks for oneself one knows.
+        Part::TimeLeft | Part::Control => Sense::Clock,
         Part::PointerPosition
         | Part::TargetPosition
         | Part::TargetSize
         | Part::TargetVector
+        | Part::TargetDirection
         | Part::TargetNormal
         | Part::TargetKind
         | Part::TargetVelocity

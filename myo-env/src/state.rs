@@ -9,7 +9,7 @@ use myo_scalar::{Counter, Real, Scalar, Word};
 use myo_tasks::logic::TaskState;
 
 /// Number of weighted reward terms that are summed up over an episode.
-pub const REWARD_TERMS: usize = 7;
+pub const REWARD_TERMS: usize = 8;
 
 /// Where the other sums over an episode stand behind those of the reward terms.
 pub const EFFORT_SUM: usize = REWARD_TERMS;
@@ -35,6 +35,8 @@ pub struct EnvState<S: Scalar> {
     pub qacc: Vec<S>,
     /// Motor noise of each muscle, in standard deviations; empty without.
     pub noise: Vec<S>,
+    /// Control that each muscle was last asked for, without noise; empty where changing it costs nothing.
+    pub asked: Vec<S>,
     /// What how far off the current target seems is made of, standard normal numbers, see [`misjudge`](crate::misjudge); empty where all is seen as it is.
     pub misjudged: Vec<S>,
     /// Greatest force on the current button in the last control step (N).
@@ -79,6 +81,7 @@ impl<S: Scalar> EnvState<S> {
             task: TaskState::new(&tables.parameters.task),
             qacc: vec![o; tables.plan.ndof()],
             noise: vec![o; if tables.parameters.noise.is_some() { tables.plan.nmuscle() } else { 0 }],
+            asked: vec![o; if tables.parameters.task.weights.change_cost.is_some() { tables.plan.nmuscle() } else { 0 }],
             misjudged: vec![o; if tables.parameters.vision_noise.is_some() { misjudge::DRAWS } else { 0 }],
             touch: o,
             pending: o,
@@ -112,6 +115,7 @@ impl<S: Scalar> EnvState<S> {
             task,
             qacc,
             noise,
+            asked,
             misjudged,
             touch,
             pending,
@@ -124,7 +128,7 @@ impl<S: Scalar> EnvState<S> {
             episode: _,
             step: _,
         } = self;
-        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise).chain(misjudged);
+        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise).chain(asked).chain(misjudged);
         body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed).chain(late)
     }
 

@@ -5,6 +5,7 @@
 
 use myo_scalar::{Counter, Scalar, Word, seed_words};
 use myo_tasks::logic::{
+    Efforts,
     self, CompiledTask, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal, draw_objects,
     remaining_path, reward,
 };
@@ -134,6 +135,12 @@ pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Ve
         once("completion_bonus", w.completion_bonus, "task done", 1.0),
         running("effort_cost", w.effort_cost, "s times the sum of squared muscle controls", [0.0, muscles as f64 * dt]),
         unbounded("acceleration_cost", w.acceleration_cost, "s times the sum of squared joint accelerations (rad/s²)²"),
+        running(
+            "control_change_cost",
+            w.control_change_cost,
+            "s times the sum of squared rates of change of muscle controls (1/s)²",
+            [0.0, muscles as f64 / dt],
+        ),
     ];
     if trial.task.kinds.press {
         terms.push(unbounded("wrong_press", w.wrong_press, "press that was not asked for"));
@@ -198,7 +205,7 @@ pub fn reward_slice(
         let share = |index: usize, count: usize| index as f64 / (count.max(2) - 1) as f64;
         let (x, y) = (share(column, columns), share(row, rows));
         let place = std::array::from_fn(|k| corner[k] + x * along[k] + y * across[k]);
-        reward(&trial.task, &nothing, trial.distance(&state, &goal, place), 0.0, 0.0).sum() / task.control_dt_s
+        reward(&trial.task, &nothing, trial.distance(&state, &goal, place), Efforts::none()).sum() / task.control_dt_s
     };
     let values = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
     Ok((slice, values.map(|(row, column)| at(row, column)).collect()))

@@ -28,5 +28,5 @@ mod noise;
 mod parameters;
 
 pub use curves::{ActivationDynamics, ForceCurves, Muscle};
-pub use noise::{CONSTANT_NOISE, MotorNoise, NOISE_POWER_S, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
+pub use noise::{CONSTANT_NOISE, MotorNoise, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
 pub use parameters::{CurveParameters, MuscleParameters};

@@ -9,40 +9,47 @@ pub const SIGNAL_DEPENDENT_NOISE: f64 = 0.103;
 /// Standard deviation of constant noise (same source).
 pub const CONSTANT_NOISE: f64 = 0.185;
 
-/// Power of motor noise at low frequencies, in variances times seconds: that of noise which is drawn every 50 ms and held, as that of
-/// the published simulations at 20 Hz is.
-pub const NOISE_POWER_S: f64 = 0.05;
-
 /// Motor noise of a muscle, which changes every `dt` seconds: `rho z + sqrt(1 - rho^2) draw`, a first-order autoregressive process.
 /// `z` is what it was and `draw` a standard normal number, which it begins with.
 ///
-/// `rho` is such that the power at low frequencies, `dt (1 + rho) / (1 - rho)`, is the same at any rate: noise that was drawn
-/// anew with each of many short steps would be gone before a muscle feels it. With steps longer than 50 ms it is drawn for each and is
-/// smaller instead.
-#[derive(Clone, Copy, Debug)]
-pub struct MotorNoise {
-    rho: f64,
-    fresh: f64,
-    size: f64,
+/// `rho` is such that the power at low frequencies, `dt (1 + rho) / (1 - rho)`, is that of noise which is drawn every `held` seconds and held, at
+/// any rate: noise that was drawn anew with each of many short steps would be gone before a muscle feels it. With steps longer than `held` it is
+/// drawn for each and is smaller instead. (The published simulations draw it every 50 ms.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorNoise<T> {
+    rho: T,
+    fresh: T,
+    size: T,
 }
 
-impl MotorNoise {
-    /// For steps of `dt` seconds.
-    pub fn new(dt: f64) -> Self {
-        let rho = ((NOISE_POWER_S - dt) / (NOISE_POWER_S + dt)).max(0.0);
-        Self { rho, fresh: (1.0 - rho * rho).sqrt(), size: (NOISE_POWER_S / dt).min(1.0).sqrt() }
+impl MotorNoise<f64> {
+    /// For steps of `dt` seconds, as slow as noise that is held for `held` seconds.
+    pub fn new(dt: f64, held: f64) -> Self {
+        let rho = ((held - dt) / (held + dt)).max(0.0);
+        Self { rho, fresh: (1.0 - rho * rho).sqrt(), size: (held / dt).min(1.0).sqrt() }
     }
+}
+
+impl<T> MotorNoise<T> {
+    /// The same with other numbers: each is what `f` makes of this one.
+    #[inline(always)]
+    pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> MotorNoise<U> {
+        MotorNoise { rho: f(&self.rho), fresh: f(&self.fresh), size: f(&self.size) }
+    }
+}
+
+impl<S: Scalar> MotorNoise<S> {
 
     /// The noise after one more step.
     #[inline(always)]
-    pub fn next<S: Scalar>(&self, z: S, draw: S) -> S {
-        z.mul_add(S::lit(self.rho), draw * S::lit(self.fresh))
+    pub fn next(&self, z: S, draw: S) -> S {
+        z.mul_add(self.rho, draw * self.fresh)
     }
 
     /// How far (in the standard deviations that a task names) noise of this number is from none.
     #[inline(always)]
-    pub fn deviation<S: Scalar>(&self, z: S) -> S {
-        z * S::lit(self.size)
+    pub fn deviation(&self, z: S) -> S {
+        z * self.size
     }
 }
 

@@ -1,7 +1,7 @@
 //! Motor noise: its formula, the bounds of excitations, and what it is at different rates.
 
 use myo_muscle::{
-    ActivationDynamics, CONSTANT_NOISE, MotorNoise, NOISE_POWER_S, SIGNAL_DEPENDENT_NOISE, noisy_excitation,
+    ActivationDynamics, CONSTANT_NOISE, MotorNoise, SIGNAL_DEPENDENT_NOISE, noisy_excitation,
 };
 use myo_scalar::{Scalar, Word, normal_pair, philox_block};
 
@@ -39,7 +39,7 @@ fn draws() -> impl Iterator<Item = f64> {
 #[test]
 fn noise_is_as_strong_and_as_slow_at_any_rate() {
     for rate in [10.0, 20.0, 50.0, 100.0, 500.0] {
-        let noise = MotorNoise::new(1.0 / rate);
+        let noise = MotorNoise::new(1.0 / rate, 0.05);
         let (mut z, mut squares, mut means, mut sum) = (0.0, 0.0, Vec::new(), 0.0);
         let steps = (8000.0 * rate) as usize;
         for (step, draw) in draws().take(steps).enumerate() {
@@ -54,7 +54,7 @@ fn noise_is_as_strong_and_as_slow_at_any_rate() {
             }
         }
         let power = 2.0 * means.iter().map(|mean| mean * mean).sum::<f64>() / means.len() as f64;
-        assert!((power / NOISE_POWER_S - 1.0).abs() < 0.08, "{power} at {rate} Hz");
+        assert!((power / 0.05 - 1.0).abs() < 0.08, "{power} at {rate} Hz");
         let variance = if rate < 20.0 { 0.5 } else { 1.0 };
         assert!((squares / variance - 1.0).abs() < 0.03, "variance {squares} at {rate} Hz");
     }
@@ -66,7 +66,7 @@ fn variation(muscles: usize, u: f64, [signal_dependent, constant]: [f64; 2]) -> 
     const DECISION_S: f64 = 0.04;
     const PHYSICS_S: f64 = 0.002;
     let muscle = ActivationDynamics::from_row([0.01, 1.0 / 0.04, 0.0, 0.0, 1.0]);
-    let (noise, mut draws) = (MotorNoise::new(DECISION_S), draws());
+    let (noise, mut draws) = (MotorNoise::new(DECISION_S, 0.05), draws());
     let (mut z, mut activation, mut sums) = (vec![0.0; muscles], vec![u; muscles], vec![]);
     for _ in 0..5000 {
         z.iter_mut().for_each(|z| *z = noise.next(*z, draws.next().unwrap()));
@@ -95,7 +95,7 @@ fn the_torque_of_a_few_muscles_varies_by_three_to_four_per_cent() {
 
 #[test]
 fn at_twenty_decisions_a_second_noise_is_drawn_for_each() {
-    let noise = MotorNoise::new(0.05);
+    let noise = MotorNoise::new(0.05, 0.05);
     assert_eq!(noise.next(3.0, 0.5), 0.5);
     assert_eq!(noise.deviation(0.5), 0.5);
 }

@@ -21,6 +21,7 @@ const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
 const SCALE: Quantity = Quantity::between(0.0, 10.0, "m");
+const HELD: Quantity = Quantity::between(0.001, 10.0, "s");
 pub(crate) const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
 
 /// The newest version of the task format. Files of version 1 are read as well.
@@ -247,6 +248,12 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub acceleration_cost: f64,
 
+    /// Cost per second of changing what is asked of muscles: times the sum over muscles of the squared rate of change of the control, in 1/s, before
+    /// motor noise. Holding still costs none of it, fast movement most. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593).
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub control_change_cost: f64,
+
     /// Until costs were per second: per metre and control step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[garde(custom(optional_weight))]
@@ -283,12 +290,17 @@ pub struct Observation {
     pub pointer_position: bool,
     /// Activation of each muscle, 0 to 1 mapped to -1 to 1. Default true.
     pub activation: bool,
+    /// Control that each muscle was last asked for, without motor noise, 0 to 1 mapped to -1 to 1, in tasks where changing it costs something. Default true.
+    pub control: bool,
     /// Centre of the current target, in m from the shoulder centre. Default true.
     pub target_position: bool,
     /// Radius of the current sphere or knob, or half the width of the current button or way, in m. Default true.
     pub target_size: bool,
     /// From the fingertip, or the pointer, to the centre of the current target, in m. Default true.
     pub target_vector: bool,
+    /// The same way as a share of its length and the radius together: nearly a unit vector far away, half as long at the edge of a sphere, 0 in its
+    /// middle, so that small targets are hit as easily by who has learnt large ones. Default true.
+    pub target_direction: bool,
     /// Where the face of the current button or slider looks, a unit vector; 0 for spheres, and before it lights up. Default false.
     pub target_normal: bool,
     /// Whether the current target is to be pressed or dragged, 1, or to be pointed at, 0. Default false.
@@ -321,8 +333,8 @@ pub struct Observation {
 }
 
 /// Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any control step as noise
-/// that is drawn every 0.05 s and held.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+/// that is drawn every `held_s` and held.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
     /// Standard deviation as a share of the control itself. Default 0 (off); the literature's level is 0.103.
@@ -334,6 +346,18 @@ pub struct Noise {
     #[garde(custom(SHARE.rule()))]
     #[schemars(transform = SHARE.schema())]
     pub constant: f64,
+
+    /// How slow the noise is: as slow as noise that is drawn every so many seconds and held until then. Force of people's muscles that hold still
+    /// fluctuates below 3 Hz for the most part (De Luca and Erim 1994, doi 10.1016/0166-2236(94)90064-7). Default 0.05.
+    #[garde(custom(HELD.rule()))]
+    #[schemars(transform = HELD.schema())]
+    pub held_s: f64,
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { signal_dependent: 0.0, constant: 0.0, held_s: 0.05 }
+    }
 }
 
 impl Task {
@@ -454,7 +478,7 @@ impl Stimulus {
 
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 22] {
+    pub fn parts(&self) -> [(&'static str, bool); 24] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
@@ -462,9 +486,11 @@ impl Observation {
             ("fingertip_position", self.fingertip_position),
             ("pointer_position", self.pointer_position),
             ("activation", self.activation),
+            ("control", self.control),
             ("target_position", self.target_position),
             ("target_size", self.target_size),
             ("target_vector", self.target_vector),
+            ("target_direction", self.target_direction),
             ("target_normal", self.target_normal),
             ("target_kind", self.target_kind),
             ("target_velocity", self.target_velocity),
@@ -532,6 +558,7 @@ impl Default for Reward {
             exit: 0.0,
             effort_cost: 0.02,
             acceleration_cost: 0.0,
+            control_change_cost: 0.0,
             distance: None,
             neural_effort: None,
             acceleration_effort: None,
@@ -548,9 +575,11 @@ impl Default for Observation {
             fingertip_position: true,
             pointer_position: true,
             activation: true,
+            control: true,
             target_position: true,
             target_size: true,
             target_vector: true,
+            target_direction: true,
             target_normal: false,
             target_kind: false,
             target_velocity: true,

@@ -91,7 +91,7 @@ fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
         reward: Reward { distance_cost: 10.0, distance_scale_m: 0.1, time_cost: 0.0, effort_cost: 32.0, ..usual },
-        noise: Noise { signal_dependent: 0.1, constant: 0.002 },
+        noise: Noise { signal_dependent: 0.1, constant: 0.002, ..Noise::default() },
         perception: Perception { vision_delay_ms: 120.0, vision_noise: 0.3, ..Perception::default() },
     }
 }
@@ -113,8 +113,10 @@ impl Task {
         fill(&mut own.effort_cost, reward.effort_cost, &["reward.effort_cost", "reward.neural_effort"]);
         let acceleration = ["reward.acceleration_cost", "reward.acceleration_effort"];
         fill(&mut own.acceleration_cost, reward.acceleration_cost, &acceleration);
+        fill(&mut own.control_change_cost, reward.control_change_cost, &["reward.control_change_cost"]);
         fill(&mut self.noise.signal_dependent, noise.signal_dependent, &["noise.signal_dependent"]);
         fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
+        fill(&mut self.noise.held_s, noise.held_s, &["noise.held_s"]);
         let own = &mut self.perception;
         fill(&mut own.vision_delay_ms, perception.vision_delay_ms, &["perception.vision_delay_ms"]);
         fill(&mut own.vision_noise, perception.vision_noise, &["perception.vision_noise"]);

@@ -4,6 +4,7 @@ mod common;
 
 use common::version_1;
 use myo_tasks::logic::{
+    Efforts,
     CompiledTask, Contact, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance,
     distance_to_goal, inside, remaining_path, reward,
 };
@@ -153,6 +154,7 @@ fn every_term_of_the_reward() {
         completion_bonus: 11.0,
         effort_cost: 5.0,
         acceleration_cost: 0.02,
+        control_change_cost: 0.1,
         wrong_press: 0.5,
         exit: 0.75,
         ..Reward::default()
@@ -164,15 +166,18 @@ fn every_term_of_the_reward() {
     {
         let progress: Progress<f64> =
             Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
-        let terms = reward(&task, &progress, 0.3, 8.0, 1000.0);
+        // A change by 0.3 within 0.05 s is a rate of 6 a second: 3.6 a second are 0.18 a step.
+        let efforts = Efforts { squared_control: 8.0, squared_acceleration: 1000.0, squared_change: 0.09 };
+        let terms = reward(&task, &progress, 0.3, efforts);
         assert_close(terms.distance, -0.62);
         assert_close(terms.subtask, bonuses[0]);
         assert_close(terms.completion, bonuses[1]);
         assert_close(terms.neural_effort, -2.0);
         assert_close(terms.acceleration_effort, -1.0);
+        assert_close(terms.control_change, -0.18);
         assert_close(terms.wrong_press, -1.5);
         assert_close(terms.exit, -1.5);
-        assert_close(terms.sum(), -6.62 + bonuses[0] + bonuses[1]);
+        assert_close(terms.sum(), -6.8 + bonuses[0] + bonuses[1]);
         assert_eq!(terms.array().iter().sum::<f64>(), terms.sum());
     }
 }
@@ -257,7 +262,7 @@ fn far_distances_count_for_less_where_the_reward_says_so() {
         Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
     let cost = |scale: f64, distance: f64| {
         let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights(scale)));
-        -reward(&task, &progress, distance, 0.0, 0.0).distance
+        -reward(&task, &progress, distance, Efforts::none()).distance
     };
     // 20 a second and metre are 1 a step and metre; one minus e^-1 is 0.632.
     assert_close(cost(0.0, 0.3), 0.3);

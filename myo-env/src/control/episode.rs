@@ -76,6 +76,10 @@ fn draw_body<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
     for (act, draw) in body.act.iter_mut().zip(uniform::<S>(counter, ACTIVATION_STREAM, nmuscle)) {
         *act = S::select(mask, draw * start.activation, *act);
     }
+    // As if muscles had been asked for long for what they do.
+    for (asked, &act) in env.asked.iter_mut().zip(&body.act) {
+        *asked = S::select(mask, act, *asked);
+    }
 }
 
 /// The first `count` uniform numbers in [0, 1) of a stream.

@@ -1,9 +1,9 @@
 //! From actions to excitations: the range of controls, and motor noise.
 
 use super::Scratch;
-use crate::parameters::World;
+use crate::parameters::{Motor, World};
 use crate::state::EnvState;
-use myo_muscle::{MotorNoise, noisy_excitation};
+use myo_muscle::noisy_excitation;
 use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
 
 /// Random stream of motor noise.
@@ -18,11 +18,12 @@ pub fn excitation<S: Scalar>(action: S) -> S {
 /// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise, which begins anew with each episode.
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
-    let Scratch { ctrl, draws, .. } = ws;
+    let Scratch { ctrl, squared_change, draws, .. } = ws;
     for u in ctrl.iter_mut() {
         *u = excitation(*u);
     }
-    if let Some([signal_dependent, constant]) = world.parameters.noise {
+    *squared_change = remember(ctrl, &mut env.asked);
+    if let Some(Motor { deviations: [signal_dependent, constant], process }) = world.parameters.noise {
         let counter = env.counter();
         // One block of random words serves four muscles.
         S::map_chunks(draws, |block, _: [S; 4]| {
@@ -30,11 +31,23 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
             let ((a, b), (c, d)) = (normal_pair(words[0], words[1]), normal_pair(words[2], words[3]));
             [a, b, c, d]
         });
-        let (noise, begins) = (MotorNoise::new(world.tables.control_dt()), S::from_word(env.step).lt(S::lit(0.5)));
+        let begins = S::from_word(env.step).lt(S::lit(0.5));
         for ((u, z), &draw) in ctrl.iter_mut().zip(&mut env.noise).zip(&*draws) {
-            *z = S::select(begins, draw, noise.next(*z, draw));
-            *u = noisy_excitation(*u, signal_dependent, constant, noise.deviation(*z));
+            *z = S::select(begins, draw, process.next(*z, draw));
+            *u = noisy_excitation(*u, signal_dependent, constant, process.deviation(*z));
         }
     }
     env.step = env.step + S::Word::splat(1);
+}
+
+/// Sum of squared changes since what was asked before, where that is remembered; remembers what is asked now.
+#[inline(always)]
+fn remember<S: Scalar>(ctrl: &[S], asked: &mut [S]) -> S {
+    let mut sum = S::zero();
+    for (&u, before) in ctrl.iter().zip(asked) {
+        let change = u - *before;
+        sum = change.mul_add(change, sum);
+        *before = u;
+    }
+    sum
 }

@@ -26,7 +26,7 @@ use crate::tables::Tables;
 use crate::vector::Autoreset;
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
-use myo_tasks::logic::{self, Goal, Landmarks, Point, Progress, Sensed, Stay};
+use myo_tasks::logic::{self, Efforts, Goal, Landmarks, Point, Progress, Sensed, Stay};
 
 /// Scratch memory and results of one control step.
 pub struct Scratch<S: Scalar> {
@@ -34,6 +34,8 @@ pub struct Scratch<S: Scalar> {
     pub physics: Workspace<S>,
     /// Muscle excitations.
     pub ctrl: Vec<S>,
+    /// Sum over muscles of squared changes of the control, without noise, where that costs something; else 0.
+    pub squared_change: S,
     /// Standard normal numbers for motor noise, a multiple of four.
     draws: Vec<S>,
     /// Every physics step of the control step, where somebody wants to know, as [`TraceShape`](crate::TraceShape) says.
@@ -53,6 +55,7 @@ impl<S: Scalar> Scratch<S> {
         Self {
             physics: Workspace::with_contacts(&tables.plan, tables.contacts),
             ctrl: vec![S::zero(); tables.plan.nmuscle()],
+            squared_change: S::zero(),
             draws: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(4)],
             trace: None,
             observation: vec![],
@@ -89,7 +92,12 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     let goal = Goal::of(&world.parameters.task, &env.task);
     sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
     let effort = sum_of_squares(&ws.ctrl);
-    let terms = logic::reward(&world.parameters.task, &progress, distance, effort, sum_of_squares(&env.qacc));
+    let efforts = Efforts {
+        squared_control: effort,
+        squared_acceleration: sum_of_squares(&env.qacc),
+        squared_change: ws.squared_change,
+    };
+    let terms = logic::reward(&world.parameters.task, &progress, distance, efforts);
     let errors = [progress.wrong_presses, progress.exits];
     summary::add_up(world, env, &terms.array(), errors, effort, &ws.physics.tally);
     let known = logic::remember(&goal, sensed.pointer, progress.target_done, &mut env.task);

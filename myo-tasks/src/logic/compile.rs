@@ -110,7 +110,9 @@ pub struct Weights<T> {
     pub effort_cost: T,
     /// Per squared acceleration.
     pub acceleration_cost: T,
-    /// How much of these two counts: 1, or less for a learner who is to find out first what there is to do.
+    /// Per squared change of a control from one control step to the next; none where it costs nothing.
+    pub change_cost: Option<T>,
+    /// How much of these three counts: 1, or less for a learner who is to find out first what there is to do.
     pub cost_share: T,
 }
 
@@ -434,6 +436,7 @@ impl<T> Weights<T> {
             exit: f(&self.exit),
             effort_cost: f(&self.effort_cost),
             acceleration_cost: f(&self.acceleration_cost),
+            change_cost: self.change_cost.as_ref().map(&mut *f),
             cost_share: f(&self.cost_share),
         }
     }
@@ -455,6 +458,8 @@ impl<C: Real> Weights<C> {
             exit: c(reward.exit),
             effort_cost: per_step(reward.effort_cost),
             acceleration_cost: per_step(reward.acceleration_cost),
+            // Per second of a rate squared: a change over one control step is a rate times it.
+            change_cost: (reward.control_change_cost > 0.0).then(|| c(reward.control_change_cost / control_dt_s)),
             cost_share: c(1.0),
         }
     }

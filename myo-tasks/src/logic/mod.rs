@@ -27,7 +27,7 @@ pub use memory::{Seen, remember};
 pub use order::choose_nearest;
 pub use pointer::{Face, Landmarks, Pointer};
 pub use progress::{Progress, Sensed, advance, inside};
-pub use reward::{RewardTerms, distance_to_goal, felt, remaining_path, reward};
+pub use reward::{Efforts, RewardTerms, distance_to_goal, felt, remaining_path, reward};
 pub use sample::{MAX_DRAWS, draw_objects};
 pub use shift::Shifts;
 pub use slide::{DragStep, GoalDrag, Handle};

@@ -17,6 +17,8 @@ pub struct RewardTerms<S> {
     pub neural_effort: S,
     /// Minus squared accelerations.
     pub acceleration_effort: S,
+    /// Minus squared changes of controls.
+    pub control_change: S,
     /// Minus presses that were not asked for.
     pub wrong_press: S,
     /// Minus ways that were left.
@@ -32,14 +34,24 @@ impl<S: Scalar> RewardTerms<S> {
             + self.completion
             + self.neural_effort
             + self.acceleration_effort
+            + self.control_change
             + self.wrong_press
             + self.exit
     }
     /// In the order of the fields.
     #[inline(always)]
-    pub fn array(&self) -> [S; 7] {
-        let Self { distance, subtask, completion, neural_effort, acceleration_effort, wrong_press, exit } = *self;
-        [distance, subtask, completion, neural_effort, acceleration_effort, wrong_press, exit]
+    pub fn array(&self) -> [S; 8] {
+        let Self {
+            distance,
+            subtask,
+            completion,
+            neural_effort,
+            acceleration_effort,
+            control_change,
+            wrong_press,
+            exit,
+        } = *self;
+        [distance, subtask, completion, neural_effort, acceleration_effort, control_change, wrong_press, exit]
     }
 }
 
@@ -105,23 +117,43 @@ pub fn felt<S: Scalar>(distance: S, scale: Option<S>) -> S {
     scale * (S::lit(1.0) - (-distance * scale.recip()).exp())
 }
 
+/// What a control step asked of the body, as the reward counts it.
+#[derive(Clone, Copy, Debug)]
+pub struct Efforts<S> {
+    /// Sum over muscles of squared controls.
+    pub squared_control: S,
+    /// Sum over independent joints of squared accelerations ((rad/s^2)^2).
+    pub squared_acceleration: S,
+    /// Sum over muscles of squared changes of the control since the control step before.
+    pub squared_change: S,
+}
+
+impl<S: Scalar> Efforts<S> {
+    /// None at all.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self { squared_control: S::zero(), squared_acceleration: S::zero(), squared_change: S::zero() }
+    }
+}
+
 /// The reward of a step. `distance` is what [`distance_to_goal`] and, if it counts, [`remaining_path`] gave before the
-/// step was judged; sums run over muscles and independent joints.
+/// step was judged.
 #[inline(always)]
 pub fn reward<S: Scalar>(
     task: &CompiledTask<S>,
     progress: &Progress<S>,
     distance: S,
-    squared_control: S,
-    squared_acceleration: S,
+    efforts: Efforts<S>,
 ) -> RewardTerms<S> {
     let w = &task.weights;
+    let Efforts { squared_control, squared_acceleration, squared_change } = efforts;
     RewardTerms {
         distance: -(w.distance_cost.mul_add(felt(distance, w.distance_scale), w.time_cost)),
         subtask: w.subtask_bonus.only(progress.target_done),
         completion: w.completion_bonus.only(progress.task_done),
         neural_effort: -(w.cost_share * w.effort_cost * squared_control),
         acceleration_effort: -(w.cost_share * w.acceleration_cost * squared_acceleration),
+        control_change: w.change_cost.map_or(S::zero(), |cost| -(w.cost_share * cost * squared_change)),
         wrong_press: -(w.wrong_press * progress.wrong_presses),
         exit: -(w.exit * progress.exits),
     }
