@@ -1,4 +1,4 @@
-//! Targets that seem to be elsewhere: who aims from far away misjudges where a target is, by a share of its distance.
+//! Targets that seem to be elsewhere: who aims misjudges where a target is from the hand, by a share of how far that is.
 //!
 //! How wrong one is is drawn once for each target and shrinks as the pointer comes nearer, so that the first movement ends beside the target, the more so the
 //! farther it was, and is corrected. Where movements of people end that nothing corrects scatters with their length, more along the way
@@ -13,6 +13,8 @@ use myo_tasks::logic::{Point, dot, norm};
 const VISION_STREAM: u32 = 0x7000;
 /// Numbers that this takes, see [`EnvState::misjudged`].
 pub const DRAWS: usize = 3;
+/// As if a target were so much (m) farther away than it is: where hand and target are to each other is not quite known near the target, either.
+const NEAR: f64 = 0.01;
 /// How much of it is across the way, as a share of that along it.
 const ACROSS: f64 = 0.5;
 
@@ -49,6 +51,8 @@ pub fn seems_off<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, away: Point
     let (share, &[x, y, z]) = (world.parameters.vision_noise?, &env.misjudged[..]) else { return None };
     let (wrong, distance) = ([x, y, z], norm(away));
     // Where there is no way there is nothing along it.
-    let along = dot(wrong, away) * (distance + S::lit(1e-9)).recip() * S::lit(1.0 - ACROSS);
-    Some([0, 1, 2].map(|k| share * (wrong[k] * S::lit(ACROSS) * distance + along * away[k])))
+    let per_length = (distance + S::lit(1e-9)).recip();
+    let along = dot(wrong, away) * per_length * per_length * S::lit(1.0 - ACROSS);
+    let size = share * (distance + S::lit(NEAR).only(S::zero().lt(distance)));
+    Some([0, 1, 2].map(|k| size * wrong[k].mul_add(S::lit(ACROSS), along * away[k])))
 }

@@ -81,7 +81,10 @@ impl<S: Scalar> EnvState<S> {
             task: TaskState::new(&tables.parameters.task),
             qacc: vec![o; tables.plan.ndof()],
             noise: vec![o; if tables.parameters.noise.is_some() { tables.plan.nmuscle() } else { 0 }],
-            asked: vec![o; if tables.parameters.task.weights.change_cost.is_some() { tables.plan.nmuscle() } else { 0 }],
+            asked: vec![
+                o;
+                if tables.parameters.task.weights.change_cost.is_some() { tables.plan.nmuscle() } else { 0 }
+            ],
             misjudged: vec![o; if tables.parameters.vision_noise.is_some() { misjudge::DRAWS } else { 0 }],
             touch: o,
             pending: o,

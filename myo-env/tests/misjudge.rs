@@ -9,6 +9,8 @@ use myo_tasks::Task;
 
 const ENVS: usize = 200;
 const SHARE: f64 = 0.2;
+/// As if targets were so much farther away (m).
+const NEAR: f64 = 0.01;
 
 fn task(vision_noise: f64) -> Task {
     let mut task = short("pointing");
@@ -32,7 +34,9 @@ fn seen(make: &dyn Fn(&Task) -> Box<dyn VectorEnv>, steps: usize) -> Vec<Seen> {
     noisy.reset(Some(1), None, &mut a.observation).unwrap();
     clear.reset(Some(1), None, &mut b.observation).unwrap();
     let is_judged = |name: &str| {
-        ["target_position.", "target_vector.", "next_target_vector."].iter().any(|part| name.starts_with(part))
+        ["target_position.", "target_vector.", "target_direction.", "next_target_vector."]
+            .iter()
+            .any(|part| name.starts_with(part))
     };
     let at = |name: &str| spec.observation_names.iter().position(|entry| entry == name).unwrap();
     let (vector, place) = (at("target_vector.x"), at("target_position.x"));
@@ -73,7 +77,8 @@ fn check(make: &dyn Fn(&Task) -> Box<dyn VectorEnv>) {
         .map(|&[away, off]| {
             let distance = dot(away, away).sqrt();
             let along = dot(off, away) / distance;
-            [along / distance, (0.5 * (dot(off, off) - along * along).max(0.0)).sqrt() / distance]
+            let across = (0.5 * (dot(off, off) - along * along).max(0.0)).sqrt();
+            [along / (distance + NEAR), across / (distance + NEAR)]
         })
         .collect();
     let deviation = |which: usize| (shares.iter().map(|share| share[which].powi(2)).sum::<f64>() / ENVS as f64).sqrt();
@@ -83,7 +88,7 @@ fn check(make: &dyn Fn(&Task) -> Box<dyn VectorEnv>) {
     // The same misjudgement as long as the target is the same: in proportion to the distance, whatever moved.
     for (env, &[away, off]) in steps[0].iter().enumerate() {
         let [later, still_off] = steps[4][env];
-        let per_metre = |[away, off]: [[f64; 3]; 2]| dot(off, off).sqrt() / dot(away, away).sqrt();
+        let per_metre = |[away, off]: [[f64; 3]; 2]| dot(off, off).sqrt() / (dot(away, away).sqrt() + NEAR);
         let turned = 1.0 - dot(away, later) / (dot(away, away) * dot(later, later)).sqrt();
         if turned < 1e-3 {
             let (then, now) = (per_metre([away, off]), per_metre([later, still_off]));

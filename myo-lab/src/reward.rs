@@ -5,9 +5,8 @@
 
 use myo_scalar::{Counter, Scalar, Word, seed_words};
 use myo_tasks::logic::{
-    Efforts,
-    self, CompiledTask, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal, draw_objects,
-    remaining_path, reward,
+    self, CompiledTask, Efforts, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal,
+    draw_objects, remaining_path, reward,
 };
 use myo_tasks::{InvalidTask, Reach, Task};
 

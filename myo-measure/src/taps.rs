@@ -9,11 +9,13 @@ pub struct Contact {
     pub press: f64,
     /// It ends with the first sample below this force; 0.1 by default.
     pub release: f64,
+    /// Contacts with less time (s) between them are one press: a fingertip that bounces does not press twice; 0.03 by default.
+    pub bounce_s: f64,
 }
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { press: 0.3, release: 0.1 }
+        Self { press: 0.3, release: 0.1, bounce_s: 0.03 }
     }
 }
 
@@ -54,10 +56,11 @@ impl Taps {
         check::at_least("samples of force", force.len(), 1)?;
         check::within("contact force in N", force, "0 or more", |f| f >= 0.0)?;
         check::rate(rate_hz)?;
-        let Contact { press, release } = contact;
+        let Contact { press, release, bounce_s } = contact;
         check::setting("release in N", release, "greater than 0", release > 0.0)?;
         check::setting("press in N", press, "greater than the release", press > release)?;
-        let contacts = contacts(force, contact);
+        check::setting("bounce in s", bounce_s, "0 or more", bounce_s >= 0.0)?;
+        let contacts = without_bounces(contacts(force, contact), bounce_s * rate_hz);
         // What begins while nothing was let go yet may have been pressed before the recording.
         let whole = |&(begin, end): &(usize, usize)| force[..begin].iter().any(|&f| f < release) && end < force.len();
         let presses: Vec<Press> =
@@ -114,6 +117,18 @@ fn contacts(force: &[f64], contact: Contact) -> Vec<(usize, usize)> {
         contacts.push((begin, from));
     }
     contacts
+}
+
+/// Contacts with so many samples or more between them.
+fn without_bounces(contacts: Vec<(usize, usize)>, least: f64) -> Vec<(usize, usize)> {
+    let mut whole: Vec<(usize, usize)> = Vec::with_capacity(contacts.len());
+    for (begin, end) in contacts {
+        match whole.last_mut() {
+            Some(before) if ((begin - before.1) as f64) < least => before.1 = end,
+            _ => whole.push((begin, end)),
+        }
+    }
+    whole
 }
 
 fn of_press(force: &[f64], begin: usize, end: usize, rate_hz: f64) -> Press {

@@ -113,11 +113,23 @@ fn presses_begin_and_end_at_their_own_thresholds() {
 
 #[test]
 fn presses_that_the_recording_cuts_off_are_counted_apart() {
-    let taps = Taps::of(&[0.5, 0.0, 0.5, 0.0, 0.5], 100.0, Contact::default()).unwrap();
+    let every = Contact { bounce_s: 0.0, ..Contact::default() };
+    let taps = Taps::of(&[0.5, 0.0, 0.5, 0.0, 0.5], 100.0, every).unwrap();
     assert_eq!((taps.presses.len(), taps.cut_off), (1, 2));
     assert_eq!(taps.median_interval_s().unwrap_err().to_string(), "whole presses: 1 given, at least 2 are needed");
     let none = Taps::of(&[0.0; 10], 100.0, Contact::default()).unwrap();
     assert_eq!(none.median_peak().unwrap_err().to_string(), "whole presses: 0 given, at least 1 are needed");
+}
+
+#[test]
+fn a_fingertip_that_bounces_presses_once() {
+    // Off for 10 ms, then for 40 ms.
+    let force = [0.0, 0.5, 0.8, 0.0, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0, 0.6, 0.0];
+    let presses = |bounce_s| Taps::of(&force, 100.0, Contact { bounce_s, ..Contact::default() }).unwrap().presses;
+    let of = |presses: Vec<Press>| presses.iter().map(|press| (press.begin, press.end)).collect::<Vec<_>>();
+    assert_eq!(of(presses(0.03)), [(1, 6), (10, 11)]);
+    assert_eq!(of(presses(0.0)), [(1, 3), (4, 6), (10, 11)]);
+    assert_eq!(presses(0.03)[0].peak, 0.8);
 }
 
 #[test]
@@ -127,6 +139,6 @@ fn forces_that_cannot_be_are_refused() {
     assert_eq!(refusal(&[0.0, -0.1], usual), "contact force in N: -0.1 at index 1; it must be 0 or more");
     assert_eq!(refusal(&[f64::NAN], usual), "contact force in N: NaN at index 0; every number must be finite");
     assert_eq!(refusal(&[], usual), "samples of force: 0 given, at least 1 are needed");
-    let upside_down = Contact { press: 0.1, release: 0.3 };
+    let upside_down = Contact { press: 0.1, release: 0.3, ..usual };
     assert_eq!(refusal(&[0.0], upside_down), "press in N: 0.1; it must be greater than the release");
 }

@@ -39,7 +39,6 @@ impl<T> MotorNoise<T> {
 }
 
 impl<S: Scalar> MotorNoise<S> {
-
     /// The noise after one more step.
     #[inline(always)]
     pub fn next(&self, z: S, draw: S) -> S {

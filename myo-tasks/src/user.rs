@@ -42,8 +42,8 @@ pub struct Perception {
     #[schemars(transform = DELAY.schema())]
     pub touch_delay_ms: f64,
 
-    /// How far off a target seems that is away from the pointer: standard deviation along the line between them, as a share of its length, and
-    /// half as much across; drawn anew for each target. It shrinks on the way, so that a movement misses by far less. Default 0.
+    /// How far off a target seems that is away from the pointer: standard deviation along the line between them, as a share of its length and
+    /// another centimetre, and half as much across; drawn anew for each target. It shrinks on the way, so that a movement misses by far less. Default 0.
     #[garde(custom(SHARE.rule()))]
     #[schemars(transform = SHARE.schema())]
     pub vision_noise: f64,
@@ -83,16 +83,23 @@ impl User {
     }
 }
 
-/// What was found by a search, whose table is in `docs/people.md`: 25 decisions a second, for who decides more often learns small targets late;
-/// effort dear and time cheap enough for movements of people's speed and shape; noise with which the torque of a joint of three to six muscles
-/// varies by 3 to 4 % (people: 1 to 4 %); three decisions until something seen is known; and targets that seem off by so much of their distance that
-/// first movements end beside them, more along the way than across it.
+/// What was found by a search, whose table is in `docs/people.md`: 25 decisions a second, for who decides more often learns small targets late; time
+/// cheap, effort dear enough for a resting arm, and changes of controls dear enough for movements of people's speed and shape; slow noise with which
+/// the torque of a joint of three to six muscles varies by 2 % (people: 1 to 4 %); two decisions until something seen is known; and targets that seem
+/// off by so much of their distance that first movements end beside them, more along the way than across it.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
-        reward: Reward { distance_cost: 10.0, distance_scale_m: 0.1, time_cost: 0.0, effort_cost: 32.0, ..usual },
-        noise: Noise { signal_dependent: 0.1, constant: 0.002, ..Noise::default() },
-        perception: Perception { vision_delay_ms: 120.0, vision_noise: 0.3, ..Perception::default() },
+        reward: Reward {
+            distance_cost: 10.0,
+            distance_scale_m: 0.1,
+            time_cost: 0.0,
+            effort_cost: 8.0,
+            control_change_cost: 0.4,
+            ..usual
+        },
+        noise: Noise { signal_dependent: 0.04, constant: 0.0007, held_s: 0.4 },
+        perception: Perception { vision_delay_ms: 80.0, vision_noise: 0.3, ..Perception::default() },
     }
 }
 

@@ -4,8 +4,7 @@ mod common;
 
 use common::version_1;
 use myo_tasks::logic::{
-    Efforts,
-    CompiledTask, Contact, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance,
+    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance,
     distance_to_goal, inside, remaining_path, reward,
 };
 use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task};

@@ -252,17 +252,19 @@ impl PpoConfig {
     /// What users of a kind learn with where nothing else is said.
     ///
     /// The defaults learn fast. A human user must stay in small targets in spite of noise, and with muscles that cost
-    /// something: costs grow slowly, it learns in smaller steps from longer roll-outs, and what it explores with may fade, but grows in no muscle
-    /// that is at rest, where it would go unnoticed.
+    /// something: costs grow slowly, it learns in smaller steps from longer roll-outs with a larger policy, and what it explores with is small and may
+    /// fade, and grows in no muscle that is at rest, where it would go unnoticed.
     pub fn for_user(user: User) -> Self {
         match user {
             User::Fastest => Self::default(),
             User::Human => Self {
                 rollout_s: 0.4,
                 kl_target: 0.03,
-                entropy_coefficient: 0.001,
-                log_std_min: -3.5,
-                log_std_max: -0.7,
+                entropy_coefficient: 0.0003,
+                log_std_initial: -1.2,
+                log_std_min: -5.0,
+                log_std_max: -1.2,
+                policy_hidden: vec![256, 256],
                 cost_ramp_s: 1e6,
                 ..Self::default()
             },

@@ -54,6 +54,8 @@ THORAX_QUAT = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 
 FINGERTIP_BODY = "distph2_r"
 FINGERTIP_SITE = "IFtip_r"
+# A finger yields when it touches: its joints, which are held here, and its pulp.
+FINGER = {"solref": [0.1, 1.0], "solimp": [0.9, 0.95, 0.001, 0.5, 2.0]}
 SAME_BODY = 1e-12
 
 
@@ -626,7 +628,7 @@ def describe(repairs="all", keep=()):
         "bodies": bodies(model, data, owner), "joints": joints(model, owner), "couplings": couplings(model),
         "sites": places.sites, "wraps": places.wraps,
         "geoms": [{"name": "fingertip", "body": "hand", "shape": {"sphere": {"radius": 1e-5}}, "pos": tip_pos,
-                   "margin": 0.001, "friction": [1.0, 0.005, 0.0001]}],
+                   "margin": 0.001, "friction": [1.0, 0.005, 0.0001], "softness": FINGER}],
         "muscles": paths,
     }  # fmt: skip
     notes = {"cut_length": shift_length_ranges(model, data, description)}
@@ -679,7 +681,8 @@ def to_mjcf(description):
     for g in d["geoms"]:
         ET.SubElement(nodes[g["body"]], "geom", name=g["name"] + "-skin", type="sphere",
                       size=repr(g["shape"]["sphere"]["radius"]), pos=text(g["pos"]), margin=repr(g["margin"]),
-                      friction=text(g["friction"]))  # fmt: skip
+                      friction=text(g["friction"]), solref=text(g["softness"]["solref"]),
+                      solimp=text(g["softness"]["solimp"]))  # fmt: skip
     for s in d["sites"]:
         ET.SubElement(nodes[s["body"]], "site", name=s["name"], pos=text(s["pos"]), size="0.002")
     equality = ET.SubElement(root, "equality")
