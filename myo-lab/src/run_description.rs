@@ -8,6 +8,7 @@ use myo_tasks::{Anywhere, Task, check};
 use myo_train::session::{Goal, Until};
 use myo_train::{Checkpoint, RunClaim, RunConfig, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use thiserror::Error;
 
 use crate::{Backend, Device};
@@ -65,6 +66,23 @@ pub struct WarmStartMoved {
     pub env_steps: u64,
 }
 
+/// Parts of the observation that there are by default now, and were not when runs were written without them.
+const NEW_PARTS: [&str; 2] = ["target_direction", "control"];
+
+/// A description in which users perceive no more than they did when it was written: it names all parts that there were.
+fn as_perceived_then(mut value: Value) -> Value {
+    let others = value["other_layouts"].as_array().map_or(0, Vec::len);
+    let tasks = std::iter::once("/task".to_owned()).chain((0..others).map(|layout| format!("/other_layouts/{layout}")));
+    for task in tasks {
+        if let Some(Value::Object(parts)) = value.pointer_mut(&format!("{task}/observation")) {
+            for part in NEW_PARTS {
+                parts.entry(part).or_insert(Value::Bool(false));
+            }
+        }
+    }
+    value
+}
+
 impl RunDescription {
     /// A new run; `model` is the body unless it comes with the program. With other layouts, set
     /// [`other_layouts`](Self::other_layouts).
@@ -95,7 +113,8 @@ impl RunDescription {
     pub fn of(run: &RunFolder) -> Result<Self, RunError> {
         let bad = |reason: String| RunError::BadConfig { path: run.path().join("config.json"), reason };
         let RunConfig { run: value, .. } = run.config().clone();
-        let description: Self = serde_json::from_value(value).map_err(|error| bad(error.to_string()))?;
+        let description: Self =
+            serde_json::from_value(as_perceived_then(value)).map_err(|error| bad(error.to_string()))?;
         description.check().map_err(bad)?;
         let others = description.other_layouts.into_iter().map(Task::with_costs_per_second).collect();
         Ok(Self { task: description.task.with_costs_per_second(), other_layouts: others, ..description })
@@ -178,5 +197,24 @@ impl WarmStart {
             return Ok(());
         }
         Err(WarmStartMoved { from: self.clone(), env_steps: checkpoint.env_steps() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn users_of_old_runs_perceive_what_they_did_then() {
+        let old = json!({"task": {"observation": {"activation": true}}, "other_layouts": [{"observation": {"control": true}}]});
+        let expected = json!({
+            "task": {"observation": {"activation": true, "target_direction": false, "control": false}},
+            "other_layouts": [{"observation": {"control": true, "target_direction": false}}],
+        });
+        assert_eq!(as_perceived_then(old), expected);
+        let new = serde_json::to_value(myo_tasks::preset("pointing").unwrap()).unwrap();
+        let new = json!({"task": new});
+        assert_eq!(as_perceived_then(new.clone()), new, "all parts are written down");
     }
 }

@@ -171,6 +171,17 @@ fn a_user_is_trained_replayed_noted_renamed_and_thrown_away() {
     assert_eq!(detail["targets"][0]["label"], "dwell in ball");
     assert!(!detail["curve"].as_array().unwrap().is_empty() && detail["episodes"] == 1000);
 
+    // What it answered to protocols is shown, in their order.
+    assert_eq!(detail["protocols"], json!([]));
+    std::fs::create_dir(folder.path().join("easy-1/protocols")).unwrap();
+    for (file, text) in [("K3.txt", "still"), ("F1.txt", "law"), ("F1.svg", "<svg/>")] {
+        std::fs::write(folder.path().join("easy-1/protocols").join(file), text).unwrap();
+    }
+    let detail = ask(&engine, "run", json!({"name": "easy-1"})).unwrap();
+    let answers =
+        json!([{"name": "F1", "text": "law", "plot": "<svg/>"}, {"name": "K3", "text": "still", "plot": null}]);
+    assert_eq!(detail["protocols"], answers);
+
     let replay = |seed: u32| {
         let with = json!({"run": "easy-1", "seed": seed, "env_steps": null});
         match engine.answer(Question { id: 9, call: "replay".into(), with }) {

@@ -347,8 +347,8 @@ pub struct Noise {
     #[schemars(transform = SHARE.schema())]
     pub constant: f64,
 
-    /// How slow the noise is: as slow as noise that is drawn every so many seconds and held until then. Force of people's muscles that hold still
-    /// fluctuates below 3 Hz for the most part (De Luca and Erim 1994, doi 10.1016/0166-2236(94)90064-7). Default 0.05.
+    /// How slow the noise is: as slow as noise that is drawn every so many seconds and held until then. The force of people's muscles varies by slow
+    /// common fluctuations of what drives them for the most part (Dideriksen et al. 2012, doi 10.1152/jn.00938.2011). Default 0.05.
     #[garde(custom(HELD.rule()))]
     #[schemars(transform = HELD.schema())]
     pub held_s: f64,

@@ -5,6 +5,7 @@
 //! and [`KeyPresses`] (T1). [`Strength`] (M1) asks the body alone. What they found stands beside figures of people in
 //! [`myo_measure::bands`].
 
+mod answers;
 mod error;
 mod fitts;
 mod holding;
@@ -18,6 +19,7 @@ mod recording;
 mod scatter;
 mod strength;
 
+pub use answers::{KeptAnswer, answer_path, kept_answers};
 pub use error::ProtocolError;
 pub use fitts::{FittsCondition, FittsFit, FittsLaw};
 pub use holding::{DriveRow, MuscleDrive, Stillness, StillnessRow};

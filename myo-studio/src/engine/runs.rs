@@ -3,11 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use myo_lab::protocol::{KeptAnswer, kept_answers};
 use myo_lab::{FoundRun, RunDescription, RunSummary, find_runs, run_summary};
 use myo_train::{RunFolder, write_whole};
 
 use super::workspace::{Workspace, seconds};
-use crate::protocol::{CurvePoint, Refusal, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
+use crate::protocol::{CurvePoint, ProtocolAnswer, Refusal, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 
 /// What people write down about a run lies beside it.
 pub const NOTE: &str = "note.json";
@@ -110,7 +111,17 @@ pub fn detail_of(folder: &Path, name: &str) -> Result<RunDetail, Refusal> {
         episode_s_interval: evaluation.as_ref().and_then(|evaluation| evaluation.episode_length_s_interval),
         effort_interval: evaluation.as_ref().and_then(|evaluation| evaluation.effort_interval),
         checkpoints: run.numbered_checkpoints()?.into_iter().map(|(env_steps, _)| env_steps).collect(),
+        protocols: protocols(folder)?,
     })
+}
+
+/// What users of a run answered to protocols.
+fn protocols(folder: &Path) -> Result<Vec<ProtocolAnswer>, Refusal> {
+    let answers = kept_answers(folder).map_err(|error| {
+        Refusal::sentence(format!("cannot read answers to protocols in {}: {error}", folder.display()))
+    })?;
+    let answer = |kept: KeptAnswer| ProtocolAnswer { name: kept.name.into(), text: kept.text, plot: kept.plot };
+    Ok(answers.into_iter().map(answer).collect())
 }
 
 /// The learning curve, thinned out; empty where no metrics can be read.

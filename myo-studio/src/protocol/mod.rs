@@ -21,7 +21,7 @@ pub use compare::{Against, Contrast, LayoutRow, LayoutTable, LayoutUsers, LeftOu
 pub use jobs::{Before, Bottleneck, Changes, Doubling, Job, JobOrder, JobProgress, JobState, LearnerSetting, Step};
 pub use report::{Recorded, RecordedMotion, RecordedRun};
 pub use reward::{Cut, RewardMap, RewardTerm, RewardView};
-pub use runs::{CurvePoint, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
+pub use runs::{CurvePoint, ProtocolAnswer, RunDetail, RunEntry, RunNote, RunStanding, TargetResult};
 pub use task::{
     Finding, ItemView, Look, ObjectKind, ObjectView, PresetCard, Severity, StepView, Surface, TaskFile, TaskText,
     TaskView,

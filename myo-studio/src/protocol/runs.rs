@@ -84,6 +84,21 @@ pub struct RunDetail {
     pub effort_interval: Option<[f64; 2]>,
     /// Control steps of the checkpoints that are kept, newest first.
     pub checkpoints: Vec<u64>,
+    /// What its user, and others with other seeds, answered when they were asked what people were asked (`myo eval --protocol`).
+    #[serde(default)]
+    pub protocols: Vec<ProtocolAnswer>,
+}
+
+/// What users answered to a protocol.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct ProtocolAnswer {
+    /// Name of the protocol, or `bands`.
+    pub name: String,
+    /// The answer as text, in columns.
+    pub text: String,
+    /// Its plot as SVG, if it has one.
+    pub plot: Option<String>,
 }
 
 /// A row of the metrics of a training.

@@ -33,7 +33,7 @@ fn page() -> String {
         BodyPart MuscleShape BodyShape MotionLayout MotionHeader
         JobOrder Bottleneck Before Doubling JobProgress JobState Job Step LearnerSetting
         RewardTerm RewardView Cut RewardMap
-        RunNote RunStanding RunEntry CurvePoint TargetResult RunDetail
+        RunNote RunStanding RunEntry CurvePoint TargetResult ProtocolAnswer RunDetail
         Mean StepRow UserRow Contrast Against LayoutRow LeftOut LayoutTable LayoutUsers RecordedMotion RecordedRun Recorded
         Refusal Event Welcome Pose Replay
         Hello AskSchema LookAt ConvertTask CheckTask AskReach AskReward AskRewardMap AskSettings AskBody AskBodyOfRun ListTasks OpenTask SaveTask DiscardTask Train GoOn Relearn TellJob Watch ListRuns

@@ -13,3 +13,14 @@ fn a_protocol_asks_for_all_its_practices_and_beginners_have_no_figures() {
         assert!(folder.path().join("run/protocols").join(practice).is_dir(), "{practice}");
     }
 }
+
+/// The studio and reports show what is kept there.
+#[test]
+fn an_answer_is_kept_in_the_folder_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    let told = stdout(&myo(folder.path(), &["eval", "run", "--protocol", "M1"]));
+    let kept = myo::protocol::kept_answers(&folder.path().join("run")).unwrap();
+    assert_eq!(kept.iter().map(|answer| (answer.name, answer.plot.is_some())).collect::<Vec<_>>(), [("M1", false)]);
+    assert_eq!(kept[0].text, told);
+}

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use myo::measure::bands::{Figures, judge};
 use myo::protocol::{
     FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Recording, Scatter, Stillness,
-    Strength, UserReaches, reaches, record,
+    Strength, UserReaches, answer_path, reaches, record,
 };
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, PpoConfig, write_whole};
@@ -107,9 +107,11 @@ fn tell<T: Serialize>(
     json: bool,
 ) -> Result<()> {
     let plots = plot.map_or_else(|| Ok(vec![]), |plot| draw(asked, protocol, &plot(found)))?;
+    let text = text(found);
+    keep(asked, protocol, &text)?;
     if !json {
         let lines: String = plots.iter().map(|path| format!("plot: {}\n", path.display())).collect();
-        return print(&format!("{}{lines}", text(found)));
+        return print(&format!("{text}{lines}"));
     }
     let mut value = serde_json::to_value(found)?;
     value["protocol"] = protocol.into();
@@ -119,10 +121,20 @@ fn tell<T: Serialize>(
 
 /// Writes a plot beside the users who practised, as SVG and as PNG.
 fn draw(asked: &Asked<'_>, protocol: &str, plot: &Plot) -> Result<Vec<PathBuf>> {
-    let path = |ending: &str| asked.folder.join("protocols").join(format!("{protocol}.{ending}"));
+    let path = |ending: &str| answer_path(asked.folder, protocol, ending);
     let files = [(path("svg"), plot.svg()?.into_bytes()), (path("png"), plot.png()?)];
     let write = |(path, contents): (PathBuf, Vec<u8>)| write_whole(&path, &contents).map(|()| path);
     Ok(files.into_iter().map(write).collect::<std::result::Result<_, _>>()?)
+}
+
+/// Writes an answer beside the users who practised, where the studio and reports find it.
+fn keep(asked: &Asked<'_>, protocol: &str, text: &str) -> Result<()> {
+    let path = answer_path(asked.folder, protocol, "txt");
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))?;
+    }
+    Ok(write_whole(&path, text.as_bytes())?)
 }
 
 /// Users who practise what is asked of them, once.
@@ -239,8 +251,10 @@ fn bands(asking: &mut Asking<'_>, json: bool) -> Result<()> {
         ("T1", answer("T1", asking.keys(&mut figures))?),
     ];
     let (judged, users) = (judge(&figures), asking.asked.users.0);
+    let text = tables::bands(users, &judged);
+    keep(asking.asked, "bands", &text)?;
     if !json {
-        return print(&tables::bands(users, &judged));
+        return print(&text);
     }
     let mut value = json!({"protocol": "bands", "users": users, "bands": judged});
     for (protocol, found) in answers {
