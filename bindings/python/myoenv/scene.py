@@ -787,6 +787,10 @@ class Reward(Described):
         acceleration_cost: Cost per second of jerky movement: times the sum over independent joints of the squared
             acceleration in rad/s2. Default 0; accelerations are large: the published weight is 1.33e-4. From 0 to
             1,000,000.
+        control_change_cost: Cost per second of changing what is asked of muscles: times the sum over muscles of the
+            squared rate of change of the control, in 1/s, before motor noise. Holding still costs none of it, fast
+            movement most. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593).
+            From 0 to 1,000,000.
     """
 
     distance_cost: float | None = None
@@ -800,6 +804,7 @@ class Reward(Described):
     exit: float | None = None
     effort_cost: float | None = None
     acceleration_cost: float | None = None
+    control_change_cost: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -815,10 +820,15 @@ class Observation(Described):
         pointer_position: Position of the pointer, in m from the shoulder centre, where the technique is not the
             fingertip itself. Default True.
         activation: Activation of each muscle, 0 to 1 mapped to -1 to 1. Default True.
+        control: Control that each muscle was last asked for, without motor noise, 0 to 1 mapped to -1 to 1, in tasks
+            where changing it costs something. Default True.
         target_position: Centre of the current target, in m from the shoulder centre. Default True.
         target_size: Radius of the current sphere or knob, or half the width of the current button or way, in m. Default
             True.
         target_vector: From the fingertip, or the pointer, to the centre of the current target, in m. Default True.
+        target_direction: The same way as a share of its length and the radius together: nearly a unit vector far away,
+            half as long at the edge of a sphere, 0 in its middle, so that small targets are hit as easily by who has
+            learnt large ones. Default True.
         target_normal: Where the face of the current button or slider looks, a unit vector; 0 for spheres, and before it
             lights up. Default False.
         target_kind: Whether the current target is to be pressed or dragged, 1, or to be pointed at, 0. Default False.
@@ -847,9 +857,11 @@ class Observation(Described):
     fingertip_position: bool | None = None
     pointer_position: bool | None = None
     activation: bool | None = None
+    control: bool | None = None
     target_position: bool | None = None
     target_size: bool | None = None
     target_vector: bool | None = None
+    target_direction: bool | None = None
     target_normal: bool | None = None
     target_kind: bool | None = None
     target_velocity: bool | None = None
@@ -896,8 +908,8 @@ class Perception(Described):
         body_delay_ms: What is felt of the own body: joints, fingertip, activations. Default 0. From 0 to 1,000 ms.
         touch_delay_ms: The force of a touch. Default 0. From 0 to 1,000 ms.
         vision_noise: How far off a target seems that is away from the pointer: standard deviation along the line
-            between them, as a share of its length, and half as much across; drawn anew for each target. It shrinks on
-            the way, so that a movement misses by far less. Default 0. From 0 to 1.
+            between them, as a share of its length and another centimetre, and half as much across; drawn anew for each
+            target. It shrinks on the way, so that a movement misses by far less. Default 0. From 0 to 1.
     """
 
     vision_delay_ms: float | None = None
@@ -909,17 +921,21 @@ class Perception(Described):
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Noise(Described):
     """Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any
-    control step as noise that is drawn every 0.05 s and held.
+    control step as noise that is drawn every `held_s` and held.
 
     Args:
         signal_dependent: Standard deviation as a share of the control itself. Default 0 (off); the literature's level
             is 0.103. From 0 to 1.
         constant: Standard deviation that does not depend on the control. Default 0 (off); the literature's level is
             0.185. From 0 to 1.
+        held_s: How slow the noise is: as slow as noise that is drawn every so many seconds and held until then. The
+            force of people's muscles varies by slow common fluctuations of what drives them for the most part
+            (Dideriksen et al. 2012, doi 10.1152/jn.00938.2011). Default 0.05. From 0.001 to 10 s.
     """
 
     signal_dependent: float | None = None
     constant: float | None = None
+    held_s: float | None = None
 
 
 def build_task(

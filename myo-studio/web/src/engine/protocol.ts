@@ -805,6 +805,23 @@ movement_time_interval: [number, number] | null,
 time_s: number | null, };
 
 /**
+ * What users answered to a protocol.
+ */
+export type ProtocolAnswer = { 
+/**
+ * Name of the protocol, or `bands`.
+ */
+name: string, 
+/**
+ * The answer as text, in columns.
+ */
+text: string, 
+/**
+ * Its plot as SVG, if it has one.
+ */
+plot: string | null, };
+
+/**
  * All that is known of a run.
  */
 export type RunDetail = { 
@@ -847,7 +864,11 @@ effort_interval: [number, number] | null,
 /**
  * Control steps of the checkpoints that are kept, newest first.
  */
-checkpoints: Array<number>, };
+checkpoints: Array<number>, 
+/**
+ * What its user, and others with other seeds, answered when they were asked what people were asked (`myo eval --protocol`).
+ */
+protocols: Array<ProtocolAnswer>, };
 
 /**
  * A mean over users.
