@@ -74,7 +74,7 @@ def test_training_that_runs_away_leaves_no_checkpoint_of_that(tmp_path, case):
         myoenv.train("pointing-single", out=tmp_path / "run", until=None, steps=10_000, **wild)
     # The good state that training went back to, before its first update.
     assert [path.name for path in checkpoints(tmp_path / "run")] == ["step_000000000000.ckpt"]
-    assert np.isfinite(myoenv.Policy.load(tmp_path / "run")(np.zeros((1, 54), np.float32))).all()
+    assert np.isfinite(myoenv.Policy.load(tmp_path / "run")(np.zeros((1, 57), np.float32))).all()
 
 
 def test_ctrl_c_in_the_last_evaluation_keeps_the_policy(tmp_path):

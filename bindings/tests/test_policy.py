@@ -50,10 +50,10 @@ def test_weights_are_all_that_an_action_is_computed_from(policy, observations):
     weights = policy.weights
     shapes = {name: array.shape for name, array in weights.items()}
     assert shapes == {
-        "observation_mean": (54,),
-        "observation_inverse_std": (54,),
+        "observation_mean": (57,),
+        "observation_inverse_std": (57,),
         "observation_limit": (),
-        "layers.0.weight": (16, 54),
+        "layers.0.weight": (16, 57),
         "layers.0.bias": (16,),
         "layers.1.weight": (24, 16),
         "layers.1.bias": (24,),
@@ -99,10 +99,10 @@ def without(weights, name):
         (
             lambda w: w | {"layers.0.weight": w["layers.0.weight"].T},
             ValueError,
-            r"shape \[54, 16\], expected \[16, 54\]",
+            r"shape \[57, 16\], expected \[16, 57\]",
         ),
         (lambda w: w | {"layers.0.weight": np.zeros(3)}, ValueError, "expected 2 dimensions"),
-        (lambda w: w | {"observation_mean": np.zeros(53)}, ValueError, "has 53 entries, expected 54"),
+        (lambda w: w | {"observation_mean": np.zeros(56)}, ValueError, "has 56 entries, expected 57"),
         (lambda w: w | {"observation_limit": np.float32(0)}, ValueError, "observation_limit is 0; it must be positive"),
         (lambda w: w | {"action_scale": np.nan}, ValueError, "action_scale has an entry that is not finite"),
         (lambda w: w | {"action_scale": 1e300}, ValueError, "action_scale has an entry that is not finite"),
@@ -122,7 +122,7 @@ def test_weights_that_are_no_policy_are_told(policy, change, error, sentence):
 def test_names_that_do_not_fit_are_told(policy):
     names = {"observation_names": policy.observation_names, "action_names": policy.action_names}
     cases = [
-        ({"observation_names": policy.observation_names[1:]}, ValueError, r"expected \[16, 53\]"),
+        ({"observation_names": policy.observation_names[1:]}, ValueError, r"expected \[16, 56\]"),
         ({"action_names": []}, ValueError, "one action"),
         ({"action_names": "muscles"}, TypeError, "action_names is 'muscles'; it must be a list of names"),
         ({"observation_names": [1]}, TypeError, r"observation_names is \[1\]"),
@@ -144,7 +144,7 @@ def test_a_module_of_pytorch_acts_alike_and_comes_back(policy, observations):
         )
     assert np.array_equal(myoenv.Policy.from_torch(module)(observations), policy(observations))
     with pytest.raises(TypeError, match="module is a Linear; it must be what"):
-        myoenv.Policy.from_torch(torch.nn.Linear(54, 26))
+        myoenv.Policy.from_torch(torch.nn.Linear(57, 26))
 
 
 def test_a_module_of_pytorch_can_be_trained_further(policy, observations):
@@ -174,7 +174,7 @@ def test_an_onnx_file_acts_alike(policy, observations, tmp_path, runtime):
         import onnxruntime
 
         session = onnxruntime.InferenceSession(tmp_path / "policy.onnx", providers=["CPUExecutionProvider"])
-        assert [(x.name, x.shape) for x in session.get_inputs()] == [("observation", ["batch", 54])]
+        assert [(x.name, x.shape) for x in session.get_inputs()] == [("observation", ["batch", 57])]
         assert [(x.name, x.shape) for x in session.get_outputs()] == [("action", ["batch", 26])]
     else:
         from onnx.reference import ReferenceEvaluator

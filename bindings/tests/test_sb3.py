@@ -30,7 +30,7 @@ def test_ends_of_episodes_are_told(short_task):
     ended = 0
     for _ in range(20):
         observation, reward, done, infos = env.step(np.full((16, 26), -1, np.float32))
-        assert observation.shape == (16, 54) and reward.dtype == np.float32 and done.dtype == bool
+        assert observation.shape == (16, 57) and reward.dtype == np.float32 and done.dtype == bool
         for i, info in enumerate(infos):
             assert bool(info) == done[i]
             if done[i]:

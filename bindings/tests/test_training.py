@@ -62,16 +62,16 @@ def test_the_policy_is_read_again(run):
     assert action.shape == (26,) and (abs(action) <= 1).all()
     assert np.array_equal(action, run.policy(observation[np.newaxis])[0])
     cases = {
-        "has 53 entries, the policy knows 54": observation[:-1],
+        "has 56 entries, the policy knows 57": observation[:-1],
         "an entry that is not finite": observation * np.nan,
         "an array of numbers, not of shape": "text",
         "cannot be made an array": [[1], [2, 3]],
-        "not finite": np.full(54, 1e300),
+        "not finite": np.full(57, 1e300),
     }
     for sentence, wrong in cases.items():
         with pytest.raises(ValueError, match=sentence):
             policy(wrong)
-    assert policy(np.zeros((0, 54))).shape == (0, 26) and policy(np.zeros((2, 3, 54))).shape == (2, 3, 26)
+    assert policy(np.zeros((0, 57))).shape == (0, 26) and policy(np.zeros((2, 3, 57))).shape == (2, 3, 26)
     for wrong in (None, 3, ""):
         with pytest.raises(TypeError, match=r"path is .*; it must be a path"):
             myoenv.Policy.load(wrong)

@@ -173,9 +173,9 @@ fn a_user_is_trained_replayed_noted_renamed_and_thrown_away() {
 
     // What it answered to protocols is shown, in their order.
     assert_eq!(detail["protocols"], json!([]));
-    std::fs::create_dir(folder.path().join("easy-1/protocols")).unwrap();
+    std::fs::create_dir(folder.path().join("runs/easy-1/protocols")).unwrap();
     for (file, text) in [("K3.txt", "still"), ("F1.txt", "law"), ("F1.svg", "<svg/>")] {
-        std::fs::write(folder.path().join("easy-1/protocols").join(file), text).unwrap();
+        std::fs::write(folder.path().join("runs/easy-1/protocols").join(file), text).unwrap();
     }
     let detail = ask(&engine, "run", json!({"name": "easy-1"})).unwrap();
     let answers =
