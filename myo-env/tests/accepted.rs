@@ -91,7 +91,8 @@ fn generated(random: &mut Random) -> Value {
     let pose = ["range_uniform", "near_zero", "zero"][random.below(3)];
     let mut weight = || if random.coin() { random.unit() } else { random.between(0.0, 1e6) };
     let reward = json!({"distance_cost": weight(), "time_cost": weight(), "subtask_bonus": weight(), "completion_bonus": weight(),
-        "effort_cost": weight(), "acceleration_cost": weight()});
+        "effort_cost": weight(), "acceleration_cost": weight(),
+        "control_change_cost": weight()});
     json!({
         "version": 1,
         "name": "generated",

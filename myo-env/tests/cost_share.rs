@@ -11,6 +11,7 @@ use myo_tasks::Task;
 fn dear() -> Task {
     let mut task = short("pointing");
     (task.reward.effort_cost, task.reward.acceleration_cost) = (4.0, 2e-3);
+    task.reward.control_change_cost = 0.01;
     task
 }
 
@@ -21,6 +22,7 @@ fn layouts(share: f64) -> [Task; 2] {
     for task in &mut tasks {
         task.reward.effort_cost *= share;
         task.reward.acceleration_cost *= share;
+        task.reward.control_change_cost *= share;
     }
     tasks
 }
