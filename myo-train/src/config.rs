@@ -90,11 +90,11 @@ pub struct PpoConfig {
     pub log_std_min: f64,
     /// The logarithm of the standard deviation never rises above this (default 0.5).
     pub log_std_max: f64,
-    /// Simulated seconds in which the share of what effort and acceleration cost that counts may grow from nothing to all (default 1e5, that is 2
-    /// million control steps at 20 Hz). It is never more than the user can bear, the square of the share of nine in ten targets that recent
-    /// episodes got done, and falls with it: whom every movement costs dear before any has led anywhere learns to keep still, and does
-    /// not learn otherwise later. When nothing improves with less, it comes to be all. 0 lets all of it count from the start. After
-    /// Schumacher et al. 2023 (doi 10.48550/arXiv.2309.02976), whose cost of effort follows the performance.
+    /// Simulated seconds in which the share of what movement costs that counts may grow by a factor of 4096, from next to nothing to all
+    /// (default 1e5, that is 2 million control steps at 20 Hz); great shares grow more slowly. What counts never comes to more than half of what targets
+    /// earn: whom every movement costs dear before any has led anywhere learns to keep still, and does not learn otherwise later. When nothing improves
+    /// with less, it comes to be all. 0 lets all of it count from the start. After Schumacher et al. 2023
+    /// (doi 10.48550/arXiv.2309.02976), whose cost of effort follows the performance.
     pub cost_ramp_s: f64,
     /// The environment gets `clip(action_offset + action_scale * a, -1, 1)` for the policy's output `a` (default -0.5).
     /// For muscles, whose control is `(1 + action) / 2`, the defaults mean `clip(0.25 + 0.5 a, 0, 1)`: a new policy
@@ -259,7 +259,6 @@ impl PpoConfig {
             User::Fastest => Self::default(),
             User::Human => Self {
                 rollout_s: 0.4,
-                kl_target: 0.03,
                 entropy_coefficient: 0.0003,
                 log_std_initial: -1.2,
                 log_std_min: -5.0,

@@ -247,7 +247,7 @@ fn metrics_that_are_not_those_of_the_run_are_refused_and_left_alone() {
     let second = text.lines().nth(2).unwrap();
     for (changed, reason) in [
         (text.replacen("env_steps", "steps", 1).into_bytes(), "its first line does not name the columns"),
-        (text.replace(second, "512;oops").into_bytes(), "line 3 is not a row of 28 numbers"),
+        (text.replace(second, "512;oops").into_bytes(), "line 3 is not a row of 30 numbers"),
         (vec![0xff, 0xfe, 0x00], "it is not text"),
     ] {
         fs::write(&file, &changed).unwrap();

@@ -52,11 +52,6 @@ impl EpisodeMeans {
         })
     }
 
-    /// Share of its targets that an episode got done.
-    pub(super) fn progress(&self) -> f64 {
-        if self.target_success.is_empty() { self.success } else { self.targets_done / self.target_success.len() as f64 }
-    }
-
     /// The earliest of the targets that the fewest of the episodes that get to them do; none before an episode has ended,
     /// or where all is done. Targets that hardly any episode gets to do not count.
     pub fn bottleneck(&self) -> Option<Bottleneck> {

@@ -2,18 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::balance::Balance;
 use super::curve::Curve;
 use super::looks::Looks;
-use super::means::EpisodeMeans;
 use super::trend::Trend;
 use crate::rollout::told_layouts;
 use crate::{Evaluation, Trainer, UpdateMetrics};
 
-/// Who gets this share of its targets done can do its task.
-const ABLE: f64 = 0.9;
+/// Part of what its targets earn it that a user can spend on its movements: trying must pay, also where it is hard.
+const PART: f64 = 0.5;
 
-/// Steps in which the share of costs changes.
-const COST_STEP: f64 = 1.0 / 128.0;
+/// The least share of costs: what it comes to tells what all would.
+const LEAST: f64 = 1.0 / 4096.0;
+
+/// Steps in which the logarithm of the share changes.
+const COST_STEP: f64 = 1.0 / 64.0;
 
 /// What the next decisions of a session depend on besides its trainer and the state to go back to; part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +38,9 @@ pub struct Memory {
     /// Control steps after which more or less of it began to count.
     #[serde(default, alias = "costs_raised_at")]
     pub costs_changed_at: u64,
+    /// What the user earns and spends.
+    #[serde(default)]
+    pub balance: Balance,
     /// Whether nothing improved with less: from then on all counts.
     #[serde(default)]
     pub all_counts: bool,
@@ -60,6 +66,7 @@ impl Memory {
             layouts: vec![Curve::new(first_whole_episodes(trainer)); told_layouts(trainer.spec())],
             cost_share: first_cost_share(trainer),
             costs_changed_at: 0,
+            balance: Balance::new(first_whole_episodes(trainer)),
             all_counts: first_cost_share(trainer) == 1.0,
             evaluations: 0,
             tries: 0,
@@ -69,31 +76,31 @@ impl Memory {
         }
     }
 
-    /// Hears what the user can do by now, and lets so much of the costs count as it can bear: less as soon as it can do less, more by `growth` at
-    /// most. From when nothing improves with less it comes to be all, at least as fast as the steps grow, of which the newest are `newest`.
+    /// Lets so much of the costs count as the user can bear: never more than a part of what its targets earn it.
+    ///
+    /// Who does nothing of its task yet pays nearly nothing, or it would learn to keep still. As more gets done, and by cheaper movements, more counts:
+    /// small shares grow by the same factor and great ones by the same amount in the same time, all at the earliest when the sum of
+    /// `growth` is 2. From when nothing improves with what the user can bear, it comes to be all in any case, at least as fast as the
+    /// steps grow, of which the newest are `newest`.
     pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
         let counted = self.share_that_counts();
         self.all_counts |= self.trend().is_some_and(|trend| trend.is_plateau());
-        let (most, growth) = if self.all_counts {
-            (1.0, growth.max(newest as f64 / env_steps as f64))
+        let share = self.cost_share;
+        let grown = |growth: f64| share + growth.min(share * (LEAST.powf(-growth) - 1.0));
+        self.cost_share = if self.all_counts {
+            grown(growth.max(newest as f64 / env_steps as f64))
         } else {
-            (self.bearable(), growth)
-        };
-        self.cost_share = (self.cost_share + growth).min(most);
+            grown(growth).min(self.balance.affordable(PART))
+        }
+        .clamp(LEAST, 1.0);
         if self.share_that_counts() != counted {
             self.costs_changed_at = env_steps;
         }
     }
 
-    /// The square of what the user can do of its task: whose targets are mostly undone hardly pays for trying.
-    fn bearable(&self) -> f64 {
-        let can = self.curve.recent().map_or(0.0, EpisodeMeans::progress);
-        (can / ABLE).min(1.0).powi(2)
-    }
-
     /// The share in steps: to write it into a card's memory takes time.
     pub fn share_that_counts(&self) -> f64 {
-        (self.cost_share / COST_STEP).floor() * COST_STEP
+        ((self.cost_share.ln() / COST_STEP).floor() * COST_STEP).exp()
     }
 
     /// Whether nothing improves any more, with all of the costs for at least as long as with less.
@@ -138,7 +145,8 @@ impl Memory {
     }
 
     /// Hears of an update.
-    pub fn hear(&mut self, metrics: &UpdateMetrics) {
+    pub fn hear(&mut self, metrics: &UpdateMetrics, num_envs: usize) {
+        self.balance.hear(metrics, num_envs);
         self.curve.hear(metrics.env_steps, &metrics.episodes);
         self.noise_free.hear(metrics.env_steps, &metrics.noise_free);
         for (curve, ended) in self.layouts.iter_mut().zip(&metrics.layouts) {
@@ -166,7 +174,7 @@ impl Memory {
 /// A user who has learnt something already pays for its movements.
 fn first_cost_share(trainer: &Trainer) -> f64 {
     let knows_nothing = trainer.updates() == 0 && trainer.inherited().is_none();
-    if knows_nothing && trainer.config().cost_ramp_s > 0.0 { 0.0 } else { 1.0 }
+    if knows_nothing && trainer.config().cost_ramp_s > 0.0 { LEAST } else { 1.0 }
 }
 
 /// Before there was a share, all counted.
@@ -205,6 +213,7 @@ mod tests {
             layouts,
             cost_share: 1.0,
             costs_changed_at: 0,
+            balance: Balance::new(0),
             all_counts: true,
             evaluations: 0,
             tries: 0,
@@ -214,33 +223,53 @@ mod tests {
         }
     }
 
-    /// What counts of the costs after an update that a user who can do so much heard of.
-    fn charged(memory: &mut Memory, can: f64, growth: f64) -> f64 {
-        memory.curve = curve(|_| 1.0, can);
+    /// A user of whom nothing is known but what an episode earned, and spent while all that movement costs counted.
+    fn with(earned: f64, spent: f64, layouts: Vec<Curve>) -> Memory {
+        let mut memory = Memory { cost_share: LEAST, all_counts: false, ..memory(layouts) };
+        let means = [("reward_completion", earned), ("reward_neural_effort", -spent)];
+        let means = means.map(|(name, mean)| (name.to_owned(), mean)).to_vec();
+        let episodes = Episodes { count: 1_000_000, means };
+        let metrics = UpdateMetrics { env_steps: 32_000_000, episodes, cost_share: 1.0, ..UpdateMetrics::default() };
+        memory.balance.hear(&metrics, 1);
+        memory
+    }
+
+    /// What counts of the costs after an update.
+    fn charged(memory: &mut Memory, growth: f64) -> f64 {
         memory.follow_costs(32_000_000, 8_000_000, growth);
         memory.share_that_counts()
     }
 
+    /// Whether two shares are the same step of the scale on which they are charged.
+    fn same(a: f64, b: f64) -> bool {
+        (a / b).ln().abs() <= COST_STEP
+    }
+
     #[test]
-    fn costs_follow_what_the_user_can_do() {
-        let still_learning = || Memory { cost_share: 0.0, all_counts: false, ..memory(vec![curve(|_| 4.0, 0.0)]) };
-        let mut costs = still_learning();
-        assert_eq!(charged(&mut costs, 1.0, 0.25), 0.25, "they grow by so much at most");
-        assert_eq!(charged(&mut costs, 1.0, 1.0), 1.0);
-        assert_eq!(charged(&mut costs, 0.45, 1.0), 0.25, "who can do half as much bears a quarter");
-        assert_eq!(charged(&mut costs, 0.0, 1.0), 0.0);
-        assert_eq!(costs.costs_changed_at, 32_000_000);
-        let mut costs = still_learning();
-        let grown: Vec<f64> = (0..10).map(|_| charged(&mut costs, 0.9, 1e-3)).collect();
-        assert_eq!((grown[0], grown[9]), (0.0, 1.0 / 128.0), "small steps add up");
+    fn costs_follow_what_the_user_can_afford() {
+        let still_learning = || vec![curve(|_| 4.0, 0.0)];
+        let mut rich = with(8.0, 2.0, still_learning());
+        let shares = [0.25; 8].map(|growth| charged(&mut rich, growth));
+        let expected = [LEAST.powf(0.75), LEAST.powf(0.5), LEAST.powf(0.25), 0.375, 0.625, 0.875, 1.0, 1.0];
+        assert!(
+            shares.iter().zip(expected).all(|(&a, b)| same(a, b)),
+            "first by a factor, then by an amount: {shares:?}"
+        );
+        assert_eq!(rich.costs_changed_at, 32_000_000);
+        assert!(same(charged(&mut with(2.0, 4.0, still_learning()), 1.0), 0.25), "half of what is earned");
+        assert!(
+            same(charged(&mut with(0.0, 4.0, still_learning()), 1.0), LEAST),
+            "who earns nothing pays next to nothing"
+        );
     }
 
     #[test]
     fn all_counts_when_nothing_improves_with_less() {
-        let mut settled = Memory { cost_share: 0.0, all_counts: false, ..memory(vec![]) };
-        assert_eq!(charged(&mut settled, 0.6, 0.0), 0.25, "as fast as the steps grow");
-        assert_eq!(charged(&mut settled, 0.6, 1.0), 1.0);
-        assert_eq!(charged(&mut settled, 0.0, 1.0), 1.0, "for good");
+        let mut settled = with(0.0, 1.0, vec![]);
+        assert!(same(charged(&mut settled, 0.0), LEAST.powf(0.75)), "as fast as the steps grow");
+        assert!(same(charged(&mut settled, 0.75), 0.75));
+        assert_eq!(charged(&mut settled, 1.0), 1.0);
+        assert_eq!(charged(&mut settled, 0.0), 1.0, "for good");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A training from its start, or from a checkpoint, to its end: looks at the goal, records, goes back when learning runs
 //! away, and tells when it leads nowhere.
 
+mod balance;
 mod curve;
 mod events;
 mod examiner;
@@ -218,7 +219,7 @@ impl Session {
         }
         let Some(metrics) = updated? else { return Ok(Updated::Interrupted) };
         self.recovery.went_well(&self.trainer)?;
-        self.memory.hear(&metrics);
+        self.memory.hear(&metrics, self.trainer.spec().num_envs);
         self.follow_costs()?;
         self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;
         Ok(Updated::Forward(metrics))

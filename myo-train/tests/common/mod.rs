@@ -6,6 +6,12 @@ use myo_env::{Autoreset, EnvError, EnvSpec, StepBuffers, VectorEnv};
 /// Length of an episode of [`Points`] in control steps.
 pub const TIME_LIMIT: usize = 60;
 
+/// Numbers in a summary of one of its episodes.
+pub const SUMMARY: usize = 12;
+
+/// Numbers with fractions in the state of a world.
+const FLOATS: usize = 11;
+
 /// What it costs to move a point at full speed for a step.
 const MOVEMENT_COST: f32 = 0.001;
 
@@ -24,6 +30,9 @@ struct World {
     times: [f32; 2],
     steps: usize,
     total: f32,
+    /// What targets brought, and what movement cost.
+    earned: f32,
+    spent: f32,
     random: u64,
 }
 
@@ -48,6 +57,8 @@ impl Points {
                 "target_1_time",
                 "target_2_success",
                 "target_2_time",
+                "reward_subtask",
+                "reward_neural_effort",
             ]),
             control_dt: 0.05,
             max_episode_steps: TIME_LIMIT,
@@ -95,8 +106,8 @@ impl World {
     }
 
     fn numbers(&mut self) -> Vec<&mut f32> {
-        let Self { position, targets, times, total, .. } = self;
-        position.iter_mut().chain(targets.as_flattened_mut()).chain(times).chain([total]).collect()
+        let Self { position, targets, times, total, earned, spent, .. } = self;
+        position.iter_mut().chain(targets.as_flattened_mut()).chain(times).chain([total, earned, spent]).collect()
     }
 }
 
@@ -128,11 +139,13 @@ impl VectorEnv for Points {
             world.position[0] += 0.15 * action[0];
             world.position[1] += 0.15 * action[1];
             world.steps += 1;
-            out.reward[i] =
-                -world.distance() - self.cost_share * MOVEMENT_COST * (action[0].powi(2) + action[1].powi(2));
+            let cost = self.cost_share * MOVEMENT_COST * (action[0].powi(2) + action[1].powi(2));
+            world.spent += cost;
+            out.reward[i] = -world.distance() - cost;
             if world.distance() < 0.15 {
                 world.times[world.done] = world.steps as f32 * 0.05;
                 world.done += 1;
+                world.earned += 2.0;
                 out.reward[i] += 2.0;
             }
             world.total += out.reward[i];
@@ -141,7 +154,7 @@ impl VectorEnv for Points {
             if out.terminated[i] || out.truncated[i] {
                 world.observe(&mut out.final_observation[6 * i..][..6]);
                 let reached = |target: usize| f32::from(world.done > target);
-                out.episode[10 * i..][..10].copy_from_slice(&[
+                out.episode[SUMMARY * i..][..SUMMARY].copy_from_slice(&[
                     world.total,
                     world.steps as f32,
                     reached(1),
@@ -152,6 +165,8 @@ impl VectorEnv for Points {
                     world.times[0],
                     reached(1),
                     world.times[1],
+                    world.earned,
+                    -world.spent,
                 ]);
                 world.restart();
             }
@@ -175,12 +190,12 @@ impl VectorEnv for Points {
     }
 
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError> {
-        let size = 4 * 9 + 8 * 3;
+        let size = 4 * FLOATS + 8 * 3;
         if state.len() != size * self.worlds.len() {
             return Err(EnvError::BadState { reason: "wrong size".into() });
         }
         for (world, bytes) in self.worlds.iter_mut().zip(state.chunks(size)) {
-            let (floats, words) = bytes.split_at(4 * 9);
+            let (floats, words) = bytes.split_at(4 * FLOATS);
             for (x, bytes) in world.numbers().into_iter().zip(floats.as_chunks().0) {
                 *x = f32::from_le_bytes(*bytes);
             }

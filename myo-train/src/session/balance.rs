@@ -1,0 +1,113 @@
+//! What doing its task brings a user, and what its movements would cost it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Episodes, UpdateMetrics};
+
+/// Columns of an episode with what it earned.
+const EARNED: [&str; 2] = ["reward_subtask", "reward_completion"];
+
+/// Columns with what movement cost, negative.
+const SPENT: [&str; 3] = ["reward_neural_effort", "reward_acceleration_effort", "reward_control_change"];
+
+/// Rewards of an episode, in the mean over as many as there are environments.
+///
+/// Fewer would be those that happened to end: environments that began together end in waves, the first of which are those who were fast.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Balance {
+    /// Control steps before which episodes do not count.
+    start: u64,
+    /// Whether anything is known.
+    #[serde(default)]
+    known: bool,
+    /// What was earned by targets.
+    earned: f64,
+    /// What movement would have cost if all of it had counted.
+    price: f64,
+}
+
+impl Balance {
+    /// Nothing known yet. Episodes that end before `start` control steps do not count: they are short, and mostly successes.
+    pub const fn new(start: u64) -> Self {
+        Self { start, known: false, earned: 0.0, price: 0.0 }
+    }
+
+    /// Hears of an update of so many environments.
+    pub fn hear(&mut self, metrics: &UpdateMetrics, num_envs: usize) {
+        let UpdateMetrics { env_steps, episodes, cost_share, .. } = metrics;
+        if *env_steps < self.start || episodes.count == 0 || *cost_share == 0.0 {
+            return;
+        }
+        let weight = 1.0 - (-(episodes.count as f64) / num_envs as f64).exp();
+        self.known = true;
+        self.earned += weight * (sum(episodes, &EARNED) - self.earned);
+        self.price += weight * (-sum(episodes, &SPENT) / cost_share - self.price);
+    }
+
+    /// The share of the price that comes to such a part of what is earned; all where it costs nothing, none before anything is known.
+    pub fn affordable(&self, part: f64) -> f64 {
+        match self {
+            Self { known: false, .. } => 0.0,
+            Self { price, .. } if *price <= 0.0 => 1.0,
+            Self { earned, price, .. } => part * earned / price,
+        }
+    }
+}
+
+fn sum(episodes: &Episodes, columns: &[&str]) -> f64 {
+    columns.iter().filter_map(|column| episodes.mean(column)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// So many episodes that earned and spent so much each, while a share of what movement costs counted.
+    fn update(count: u64, earned: f64, spent: f64, cost_share: f64) -> UpdateMetrics {
+        let means = [
+            ("reward_subtask", earned),
+            ("reward_control_change", -0.25 * spent),
+            ("reward_neural_effort", -0.75 * spent),
+        ];
+        let means = means.map(|(name, mean)| (name.to_owned(), mean)).to_vec();
+        UpdateMetrics { env_steps: 1_000, episodes: Episodes { count, means }, cost_share, ..UpdateMetrics::default() }
+    }
+
+    #[test]
+    fn a_part_of_what_is_earned_can_be_spent() {
+        let mut balance = Balance::new(1_000);
+        assert_eq!(balance.affordable(0.5), 0.0, "nothing is known yet");
+        balance.hear(&update(1_000_000, 8.0, 2.0, 0.25), 100);
+        assert_eq!(balance.affordable(0.5), 0.5, "all of it would be 8");
+        balance.hear(&update(1_000_000, 0.0, 2.0, 0.25), 100);
+        assert_eq!(balance.affordable(0.5), 0.0, "who does nothing can spend nothing");
+        let mut free = Balance::new(0);
+        free.hear(&update(1, 0.0, 0.0, 0.25), 100);
+        assert_eq!(free.affordable(0.5), 1.0, "what costs nothing");
+    }
+
+    #[test]
+    fn it_takes_an_episode_of_every_environment_to_learn_of_a_change() {
+        let mut balance = Balance::new(0);
+        (0..50).for_each(|_| balance.hear(&update(10, 8.0, 2.0, 0.25), 100));
+        let before = balance.affordable(0.5);
+        balance.hear(&update(10, 8.0, 8.0, 0.25), 100);
+        let after = balance.affordable(0.5);
+        assert!(
+            (0.7..0.8).contains(&(after / before)),
+            "a tenth of the environments spent four times as much: {before}, {after}"
+        );
+    }
+
+    #[test]
+    fn the_first_episodes_to_end_do_not_count_nor_those_of_which_no_price_is_known() {
+        let mut balance = Balance::new(1_001);
+        balance.hear(&update(10, 8.0, 2.0, 0.25), 100);
+        assert_eq!(balance, Balance::new(1_001));
+        let mut balance = Balance::new(0);
+        balance.hear(&update(10, 8.0, 0.0, 0.0), 100);
+        balance.hear(&update(0, f64::NAN, f64::NAN, 0.5), 100);
+        assert_eq!(balance, Balance::new(0));
+    }
+}
