@@ -83,16 +83,16 @@ impl User {
     }
 }
 
-/// What was found by a search, whose table is in `docs/people.md`: 25 decisions a second, for who decides more often learns small targets late; time
-/// cheap, effort dear enough for a resting arm, and changes of controls dear enough for movements of people's speed and shape; slow noise with which
+/// What was found by searches, whose tables are in `docs/people.md` and `docs/training.md`: distances that count near by and half a metre away; 25 decisions a second, for who decides more often learns small targets late; time
+/// cheap, effort dear enough for a resting arm, and changes of controls dear enough for movements of people's shape, though not yet of their speed; slow noise with which
 /// the torque of a joint of three to six muscles varies by 2 % (people: 1 to 4 %); two decisions until something seen is known; and targets that seem
 /// off by so much of their distance that first movements end beside them, more along the way than across it.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
         reward: Reward {
-            distance_cost: 10.0,
-            distance_scale_m: 0.1,
+            distance_cost: 4.0,
+            distance_scale_m: 0.5,
             time_cost: 0.0,
             effort_cost: 8.0,
             control_change_cost: 0.4,
