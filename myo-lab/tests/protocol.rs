@@ -169,6 +169,14 @@ fn ends_that_scatter_along_the_way_are_told_as_such() {
     assert!(found.elongation > 10.0, "{found:?}");
     // 4 % of the way, spread evenly: 1.15 cm more for each metre.
     assert!((found.growth_along - 0.04 / 12_f64.sqrt()).abs() < 2e-3, "{}", found.growth_along);
+    // Some directions may be missing, but not most.
+    let without = |directions: usize| {
+        let mut user = ideal_user(12);
+        user.reaches.retain(|reach| reach.condition != 0 || reach.selection > directions);
+        Scatter::of(&[user])
+    };
+    assert!((without(6).unwrap().elongation / found.elongation - 1.0).abs() < 0.1);
+    assert!(without(7).unwrap_err().to_string().contains("end points over 100 mm"));
     let error = Scatter::of(&[ideal_user(2)]).unwrap_err().to_string();
     assert!(error.contains("end points over 100 mm") && error.contains("at least"), "{error}");
 }

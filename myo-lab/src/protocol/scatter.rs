@@ -1,7 +1,7 @@
 //! Protocol K2: where movements end before they are corrected.
 
 use myo_measure::bands::{Figure, Figures};
-use myo_measure::{EndpointCloud, statistics};
+use myo_measure::{EndpointCloud, MeasureError, statistics};
 use serde::Serialize;
 
 use super::ProtocolError;
@@ -109,15 +109,29 @@ fn middle(values: &[f64]) -> Result<f64, ProtocolError> {
     statistics::median(values).map_err(ProtocolError::measuring("end points"))
 }
 
-/// The cloud of each direction of a condition.
+/// The clouds of the directions of a condition in which enough movements stopped, at least half of them.
 fn clouds(user: &UserReaches, condition: usize) -> Result<Vec<EndpointCloud>, ProtocolError> {
+    let distance = conditions()[condition][0];
+    let targets = circle_targets(distance);
     let cloud = |selection: usize| {
         let same = user.between().filter(|reach| (reach.condition, reach.selection) == (condition, selection));
         let stops: Vec<_> = same.filter_map(|reach| reach.first_stop).collect();
-        let distance = conditions()[condition][0];
-        let targets = circle_targets(distance);
         EndpointCloud::of(&stops, targets[selection - 1], targets[selection])
-            .map_err(ProtocolError::measuring(format!("end points over {:.0} mm", 1e3 * distance)))
     };
-    (1..SELECTIONS).map(cloud).collect()
+    let (mut found, mut too_few) = (vec![], None);
+    for direction in (1..SELECTIONS).map(cloud) {
+        match direction {
+            Ok(cloud) => found.push(cloud),
+            Err(error @ MeasureError::TooFew { .. }) => too_few = too_few.or(Some(error)),
+            Err(error) => return Err(telling(distance)(error)),
+        }
+    }
+    match too_few {
+        Some(error) if 2 * found.len() < SELECTIONS - 1 => Err(telling(distance)(error)),
+        _ => Ok(found),
+    }
+}
+
+fn telling(distance: f64) -> impl Fn(MeasureError) -> ProtocolError {
+    move |error| ProtocolError::measuring(format!("end points over {:.0} mm", 1e3 * distance))(error)
 }

@@ -7,10 +7,14 @@ use super::{assert_refused, myo, short_training, stdout};
 fn a_protocol_asks_for_all_its_practices_and_beginners_have_no_figures() {
     let folder = tempfile::tempdir().unwrap();
     stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    let run = folder.path().join("run");
+    std::fs::create_dir(run.join("protocols")).unwrap();
+    std::fs::write(run.join("protocols/T1.txt"), "what another user answered").unwrap();
     let ask = ["eval", "run", "--protocol", "T1", "--seeds", "1", "--steps", "512"];
     assert_refused(&myo(folder.path(), &ask), "It has not learnt this");
+    assert_eq!(myo::protocol::kept_answers(&run).unwrap(), [], "no answer of this user");
     for practice in ["keys", "tapping"] {
-        assert!(folder.path().join("run/protocols").join(practice).is_dir(), "{practice}");
+        assert!(run.join("protocols").join(practice).is_dir(), "{practice}");
     }
 }
 

@@ -79,19 +79,20 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
     let mut asking = Asking { asked, interrupt: Interrupt::listen()?, practised: vec![] };
     let figures = &mut Figures::new();
     match protocol {
-        Protocol::M1 => tell(asked, "M1", &asking.strength(figures)?, (tables::strength, None), json),
+        Protocol::M1 => tell(asked, "M1", asking.strength(figures), (tables::strength, None), json).map(drop),
         Protocol::F1 => {
-            let found = asking.fitts(figures)?;
-            tell(asked, "F1", &found, (tables::fitts, Some(FittsLaw::plot)), json)?;
+            let found = tell(asked, "F1", asking.fitts(figures), (tables::fitts, Some(FittsLaw::plot)), json)?;
             found.unlearnt.map_or(Ok(()), |what| Err(Failure::sentence(format!("there is no Fitts' law: {what}"))))
         }
         Protocol::K1 => {
-            tell(asked, "K1", &asking.kinematics(figures)?, (tables::kinematics, Some(Kinematics::plot)), json)
+            tell(asked, "K1", asking.kinematics(figures), (tables::kinematics, Some(Kinematics::plot)), json).map(drop)
         }
-        Protocol::K2 => tell(asked, "K2", &asking.scatter(figures)?, (tables::scatter, Some(Scatter::plot)), json),
-        Protocol::K3 => tell(asked, "K3", &asking.stillness(figures)?, (tables::stillness, None), json),
-        Protocol::K5 => tell(asked, "K5", &asking.drive(figures)?, (tables::drive, None), json),
-        Protocol::T1 => tell(asked, "T1", &asking.keys(figures)?, (tables::keys, None), json),
+        Protocol::K2 => {
+            tell(asked, "K2", asking.scatter(figures), (tables::scatter, Some(Scatter::plot)), json).map(drop)
+        }
+        Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (tables::stillness, None), json).map(drop),
+        Protocol::K5 => tell(asked, "K5", asking.drive(figures), (tables::drive, None), json).map(drop),
+        Protocol::T1 => tell(asked, "T1", asking.keys(figures), (tables::keys, None), json).map(drop),
         Protocol::Bands => bands(&mut asking, json),
     }
 }
@@ -99,24 +100,31 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
 /// How an answer is told: as text, and as a plot if it has one.
 type Telling<T> = (fn(&T) -> String, Option<fn(&T) -> Plot>);
 
+/// Prints and keeps what was found. Where nothing was, what an earlier user answered is forgotten: it is no answer of this one.
 fn tell<T: Serialize>(
     asked: &Asked<'_>,
     protocol: &str,
-    found: &T,
+    found: Result<T>,
     (text, plot): Telling<T>,
     json: bool,
-) -> Result<()> {
-    let plots = plot.map_or_else(|| Ok(vec![]), |plot| draw(asked, protocol, &plot(found)))?;
-    let text = text(found);
+) -> Result<T> {
+    if let Err(Failure::Sentence(_)) = &found {
+        forget(asked, protocol)?;
+    }
+    let found = found?;
+    let plots = plot.map_or_else(|| Ok(vec![]), |plot| draw(asked, protocol, &plot(&found)))?;
+    let text = text(&found);
     keep(asked, protocol, &text)?;
     if !json {
         let lines: String = plots.iter().map(|path| format!("plot: {}\n", path.display())).collect();
-        return print(&format!("{text}{lines}"));
+        print(&format!("{text}{lines}"))?;
+        return Ok(found);
     }
-    let mut value = serde_json::to_value(found)?;
+    let mut value = serde_json::to_value(&found)?;
     value["protocol"] = protocol.into();
     value["plots"] = serde_json::to_value(&plots)?;
-    print_json(&value)
+    print_json(&value)?;
+    Ok(found)
 }
 
 /// Writes a plot beside the users who practised, as SVG and as PNG.
@@ -135,6 +143,19 @@ fn keep(asked: &Asked<'_>, protocol: &str, text: &str) -> Result<()> {
             .map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))?;
     }
     Ok(write_whole(&path, text.as_bytes())?)
+}
+
+/// Removes an earlier answer and its plot.
+fn forget(asked: &Asked<'_>, protocol: &str) -> Result<()> {
+    for path in ["txt", "svg", "png"].map(|ending| answer_path(asked.folder, protocol, ending)) {
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Failure::sentence(format!("cannot remove {}: {error}", path.display())));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Users who practise what is asked of them, once.
