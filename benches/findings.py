@@ -4,8 +4,9 @@
     python3 benches/findings.py [--seeds 5] [--only 1,4] [--out DIR] [-- MORE OPTIONS OF `myo train`]
 
 The findings and what counts as their right sign are those of `docs/findings.md`. Every study trains users to their
-plateau with `myo train`, on tasks made here, and asks them with `myo eval --json`. A finding holds when the sign is right in every
-seed; a user who did not learn its task has no sign, and the finding does not hold. A study whose folder is there already is asked again at once.
+plateau with `myo train`, on tasks made here, and asks them with `myo eval --json`. A finding holds when the sign is
+right in every seed; a user who did not learn its task has no sign, and the finding does not hold. Who is trained
+already is asked again at once.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import json
 import statistics
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 #: Least share of its episodes in which a user must succeed for its times to mean anything.
@@ -61,7 +63,7 @@ def keys(width_mm):
 
 
 def sides():
-    """From the middle of a plane at the height of the shoulder, before the middle of the body, to the left and to the right."""
+    """From the middle of the body, at the height of the shoulder, to the left and to the right."""
     stay = {"for_s": 0.2}
     scene = {
         place: sphere([0.45, MIDLINE + y, 0], 0.03) for place, y in (("middle", 0), ("left", 0.2), ("right", -0.2))
@@ -106,8 +108,8 @@ def larger_keys(told):
     """Whether errors fall with the width up to 9.6 mm and no further, and small keys take longer."""
     wrong = [user["wrong_presses"] / 5 for user in told]
     times = [statistics.mean(time_of(user, key) for key in range(5)) for user in told]
-    fall = all(wider < narrower for narrower, wider in zip(wrong[:3], wrong[1:4]))
-    says = ", ".join(f"{w} mm {100 * e:.1f} % {t:.3f} s" for w, e, t in zip(WIDTHS_MM, wrong, times))
+    fall = all(wider < narrower for narrower, wider in pairwise(wrong[:4]))
+    says = ", ".join(f"{w} mm {100 * e:.1f} % {t:.3f} s" for w, e, t in zip(WIDTHS_MM, wrong, times, strict=True))
     return fall and abs(wrong[4] - wrong[3]) <= 0.03 and times[0] > times[3], says
 
 
@@ -128,12 +130,13 @@ WIDTHS_CM = (2, 3, 5, 8)
 
 def steering(told):
     """Whether time grows with every narrower way, in proportion to length over width."""
-    times = [time_of(user, 1) for user in told]
+    # Its targets: to stay at the start, to be there when the way begins, and the way.
+    times = [time_of(user, 2) for user in told]
     if float("inf") in times:
         return False, "a way that nobody made"
     r2 = statistics.correlation([0.3 / (width / 100) for width in WIDTHS_CM], times) ** 2
-    grows = all(narrower > wider for narrower, wider in zip(times, times[1:]))
-    says = ", ".join(f"{w} cm {t:.3f} s" for w, t in zip(WIDTHS_CM, times))
+    grows = all(narrower > wider for narrower, wider in pairwise(times))
+    says = ", ".join(f"{w} cm {t:.3f} s" for w, t in zip(WIDTHS_CM, times, strict=True))
     return grows and r2 >= 0.8, f"{says}; R2 {r2:.2f}"
 
 
@@ -168,7 +171,7 @@ class Users:
         run = self.out / f"{'-'.join(task['name'] for task in tasks)}-{seed}"
         if not run.exists():
             files = [self.out / f"{task['name']}.yaml" for task in tasks]
-            for file, text in zip(files, tasks):
+            for file, text in zip(files, tasks, strict=True):
                 file.write_text(json.dumps(text))
             together = ["--together"] if len(files) > 1 else []
             self.call("train", *files, *together, "--out", run, "--seed", seed, *self.options)

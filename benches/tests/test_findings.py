@@ -1,6 +1,5 @@
 """Findings about layouts, asked of users who only pretend."""
 
-import json
 import sys
 from pathlib import Path
 
@@ -13,7 +12,7 @@ sys.path[:0] = [str(BENCHES)]
 
 import findings  # noqa: E402
 
-#: Makes the folder of a run, and tells of users who are as slow as the name of their task says; the one of seed 2 learnt nothing.
+#: Makes the folder of a run, and tells of users as slow as the name of their task says; that of seed 2 learnt nothing.
 PRETENDS = """#!{python}
 import json, pathlib, sys
 words = sys.argv[1:]
@@ -58,9 +57,9 @@ def test_every_study_is_a_task_of_the_human_user():
     assert len({task["name"] for task in tasks}) == len(tasks) == 14
     for task in tasks:
         assert task["user"] == "human"
-        assert myoenv.load_task(task).num_targets == (
-            5 if "ball" in task["scene"] or "keys" in task["scene"] else len(task["script"])
-        )
+        targets = {"ball": 5, "keys": 5, "start": 3}
+        first = next(iter(task["scene"]))
+        assert myoenv.load_task(task).num_targets == targets.get(first, len(task["script"]))
 
 
 def test_a_finding_holds_when_every_seed_has_its_sign(asked):
@@ -90,7 +89,7 @@ def test_signs_are_those_of_the_list():
     assert not findings.larger_keys(keys[::-1])[0]
     assert findings.other_side([user([0.3, 0.5, 0.3, 0.4])])[0]
     assert not findings.other_side([user([0.3, 0.4, 0.3, 0.5])])[0]
-    in_proportion = [user([0.3, 0.1 + 0.05 * 30 / width]) for width in findings.WIDTHS_CM]
+    in_proportion = [user([0.3, 0.0, 0.1 + 0.05 * 30 / width]) for width in findings.WIDTHS_CM]
     assert findings.steering(in_proportion)[0]
     assert not findings.steering(in_proportion[::-1])[0]
-    assert not findings.steering([*in_proportion[:3], user([0.3, None])])[0]
+    assert not findings.steering([*in_proportion[:3], user([0.3, 0.0, None])])[0]
