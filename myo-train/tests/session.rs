@@ -406,7 +406,7 @@ fn cost_shares(told: &[Progress]) -> Vec<f64> {
 }
 
 #[test]
-fn movement_costs_what_the_user_can_bear() {
+fn movement_costs_what_the_user_can_afford() {
     let of = |mishap, cost_ramp_s, control_steps| {
         let config = PpoConfig { cost_ramp_s, ..config() };
         cost_shares(&run(session(mishap, config, steps(control_steps))).0)

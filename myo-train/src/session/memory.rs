@@ -76,11 +76,11 @@ impl Memory {
         }
     }
 
-    /// Lets so much of the costs count as the user can bear: never more than a part of what its targets earn it.
+    /// Lets so much of the costs count as the user can afford: never more than a part of what its targets earn it.
     ///
     /// Who does nothing of its task yet pays nearly nothing, or it would learn to keep still. As more gets done, and by cheaper movements, more counts:
     /// small shares grow by the same factor and great ones by the same amount in the same time, all at the earliest when the sum of
-    /// `growth` is 2. From when nothing improves with what the user can bear, it comes to be all in any case, at least as fast as the
+    /// `growth` is 2. From when nothing improves with what the user can afford, it comes to be all in any case, at least as fast as the
     /// steps grow, of which the newest are `newest`.
     pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
         let counted = self.share_that_counts();

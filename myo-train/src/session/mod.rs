@@ -225,7 +225,7 @@ impl Session {
         Ok(Updated::Forward(metrics))
     }
 
-    /// Lets movement cost what the user can bear.
+    /// Lets movement cost what the user can afford.
     fn follow_costs(&mut self) -> Result<(), TrainError> {
         let (config, control_dt) = (self.trainer.config(), self.trainer.spec().control_dt);
         if config.cost_ramp_s == 0.0 {
