@@ -45,13 +45,9 @@ impl Balance {
         self.price += weight * (-sum(episodes, &SPENT) / cost_share - self.price);
     }
 
-    /// The share of the price that comes to such a part of what is earned; all where it costs nothing, none before anything is known.
-    pub fn affordable(&self, part: f64) -> f64 {
-        match self {
-            Self { known: false, .. } => 0.0,
-            Self { price, .. } if *price <= 0.0 => 1.0,
-            Self { earned, price, .. } => part * earned / price,
-        }
+    /// The share of the price that comes to such a part of what is earned; all where it costs nothing. Nobody can tell before anything is known.
+    pub fn affordable(&self, part: f64) -> Option<f64> {
+        self.known.then(|| if self.price > 0.0 { part * self.earned / self.price } else { 1.0 })
     }
 }
 
@@ -77,23 +73,23 @@ mod tests {
     #[test]
     fn a_part_of_what_is_earned_can_be_spent() {
         let mut balance = Balance::new(1_000);
-        assert_eq!(balance.affordable(0.5), 0.0, "nothing is known yet");
+        assert_eq!(balance.affordable(0.5), None, "nothing is known yet");
         balance.hear(&update(1_000_000, 8.0, 2.0, 0.25), 100);
-        assert_eq!(balance.affordable(0.5), 0.5, "all of it would be 8");
+        assert_eq!(balance.affordable(0.5), Some(0.5), "all of it would be 8");
         balance.hear(&update(1_000_000, 0.0, 2.0, 0.25), 100);
-        assert_eq!(balance.affordable(0.5), 0.0, "who does nothing can spend nothing");
+        assert_eq!(balance.affordable(0.5), Some(0.0), "who does nothing can spend nothing");
         let mut free = Balance::new(0);
         free.hear(&update(1, 0.0, 0.0, 0.25), 100);
-        assert_eq!(free.affordable(0.5), 1.0, "what costs nothing");
+        assert_eq!(free.affordable(0.5), Some(1.0), "what costs nothing");
     }
 
     #[test]
     fn it_takes_an_episode_of_every_environment_to_learn_of_a_change() {
         let mut balance = Balance::new(0);
         (0..50).for_each(|_| balance.hear(&update(10, 8.0, 2.0, 0.25), 100));
-        let before = balance.affordable(0.5);
+        let before = balance.affordable(0.5).unwrap();
         balance.hear(&update(10, 8.0, 8.0, 0.25), 100);
-        let after = balance.affordable(0.5);
+        let after = balance.affordable(0.5).unwrap();
         assert!(
             (0.7..0.8).contains(&(after / before)),
             "a tenth of the environments spent four times as much: {before}, {after}"

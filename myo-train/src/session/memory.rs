@@ -90,7 +90,7 @@ impl Memory {
         self.cost_share = if self.all_counts {
             grown(growth.max(newest as f64 / env_steps as f64))
         } else {
-            grown(growth).min(self.balance.affordable(PART))
+            self.balance.affordable(PART).map_or(share, |most| grown(growth).min(most))
         }
         .clamp(LEAST, 1.0);
         if self.share_that_counts() != counted {
