@@ -18,8 +18,7 @@ const SPENT: [&str; 3] = ["reward_neural_effort", "reward_acceleration_effort", 
 pub struct Balance {
     /// Control steps before which episodes do not count.
     start: u64,
-    /// Whether anything is known.
-    #[serde(default)]
+    /// Whether an episode that counts has ended.
     known: bool,
     /// What was earned by targets.
     earned: f64,

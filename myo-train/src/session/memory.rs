@@ -264,6 +264,12 @@ mod tests {
     }
 
     #[test]
+    fn the_share_stays_until_earnings_are_known() {
+        let earlier = Memory { all_counts: false, cost_share: 0.2, ..memory(vec![curve(|_| 4.0, 0.0)]) };
+        assert!(same(charged(&mut { earlier }, 1.0), 0.2), "a training of an earlier program goes on as it was");
+    }
+
+    #[test]
     fn all_counts_when_nothing_improves_with_less() {
         let mut settled = with(0.0, 1.0, vec![]);
         assert!(same(charged(&mut settled, 0.0), LEAST.powf(0.75)), "as fast as the steps grow");
