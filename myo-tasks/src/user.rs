@@ -4,7 +4,7 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::{Noise, Reward, SHARE, Task, default_control_step};
+use crate::description::{Noise, Reset, Reward, SHARE, Task, default_control_step};
 use crate::quantity::Quantity;
 
 const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
@@ -55,6 +55,7 @@ struct Traits {
     reward: Reward,
     noise: Noise,
     perception: Perception,
+    reset: Reset,
 }
 
 impl User {
@@ -75,10 +76,11 @@ impl User {
             reward: Reward::default(),
             noise: Noise::default(),
             perception: Perception::default(),
+            reset: Reset::default(),
         };
         match self {
             Self::Fastest => fastest,
-            Self::Human => human(fastest.reward),
+            Self::Human => human(fastest.reward, fastest.reset),
         }
     }
 }
@@ -87,7 +89,7 @@ impl User {
 /// cheap, effort dear enough for a resting arm, and changes of controls dear enough for movements of people's shape, though not yet of their speed; slow noise with which
 /// the torque of a joint of three to six muscles varies by 2 % (people: 1 to 4 %); two decisions until something seen is known; and targets that seem
 /// off by so much of their distance that first movements end beside them, more along the way than across it.
-fn human(usual: Reward) -> Traits {
+fn human(usual: Reward, reset: Reset) -> Traits {
     Traits {
         control_dt_s: 0.04,
         reward: Reward {
@@ -95,18 +97,19 @@ fn human(usual: Reward) -> Traits {
             distance_scale_m: 0.5,
             time_cost: 0.0,
             effort_cost: 8.0,
-            control_change_cost: 0.4,
+            control_change_cost: 5.0,
             ..usual
         },
-        noise: Noise { signal_dependent: 0.04, constant: 0.0007, held_s: 0.4 },
-        perception: Perception { vision_delay_ms: 80.0, vision_noise: 0.3, ..Perception::default() },
+        noise: Noise { signal_dependent: 0.05, constant: 0.0008, held_s: 0.4 },
+        perception: Perception { vision_delay_ms: 80.0, vision_noise: 0.35, ..Perception::default() },
+        reset: Reset { activation_max: 0.0, ..reset },
     }
 }
 
 impl Task {
     /// Gives a task what its user brings along, wherever `is_given` does not know the path of a value: what a text leaves out.
     pub(crate) fn fill_in(&mut self, is_given: impl Fn(&str) -> bool) {
-        let Traits { control_dt_s, reward, noise, perception } = self.user.traits();
+        let Traits { control_dt_s, reward, noise, perception, reset } = self.user.traits();
         let fill = |value: &mut f64, usual: f64, paths: &[&str]| {
             if !paths.iter().any(|path| is_given(path)) {
                 *value = usual;
@@ -124,6 +127,7 @@ impl Task {
         fill(&mut self.noise.signal_dependent, noise.signal_dependent, &["noise.signal_dependent"]);
         fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
         fill(&mut self.noise.held_s, noise.held_s, &["noise.held_s"]);
+        fill(&mut self.reset.activation_max, reset.activation_max, &["reset.activation_max"]);
         let own = &mut self.perception;
         fill(&mut own.vision_delay_ms, perception.vision_delay_ms, &["perception.vision_delay_ms"]);
         fill(&mut own.vision_noise, perception.vision_noise, &["perception.vision_noise"]);

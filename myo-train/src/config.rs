@@ -8,6 +8,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::gaussian::Bound;
+
 /// Settings of PPO. The defaults train the built-in arm to point on two processor cores.
 ///
 /// One "control step" is one action of one environment. What has to do with time is in simulated seconds.
@@ -47,6 +49,10 @@ pub struct PpoConfig {
     pub clip: f64,
     /// Weight of the policy's entropy, summed over actions, in nats (default 0.005). Higher keeps exploring longer.
     pub entropy_coefficient: f64,
+    /// Weight of the squared distance by which the mean of an action lies beyond where muscles can follow, in units of the policy's output
+    /// (default 0). A muscle that is asked for more than all, or for less than nothing by more than the noise, does not feel a small change of what it
+    /// is asked for, and does not learn to do anything else.
+    pub bound_coefficient: f64,
     /// Weight of the mean squared error of the value network (default 0.5).
     pub value_coefficient: f64,
     /// Rewards are multiplied by this before learning (default 1); metrics show them unscaled.
@@ -91,7 +97,7 @@ pub struct PpoConfig {
     /// The logarithm of the standard deviation never rises above this (default 0.5).
     pub log_std_max: f64,
     /// Simulated seconds in which the share of what movement costs that counts may grow by a factor of 4096, from next to nothing to all
-    /// (default 1e5, that is 2 million control steps at 20 Hz); great shares grow more slowly. What counts never comes to more than half of what targets
+    /// (default 1e5, that is 2 million control steps at 20 Hz); great shares grow more slowly. What counts never comes to more than two thirds of what targets
     /// earn: whom every movement costs dear before any has led anywhere learns to keep still, and does not learn otherwise later. When nothing improves
     /// with less, it comes to be all. 0 lets all of it count from the start. After Schumacher et al. 2023
     /// (doi 10.48550/arXiv.2309.02976), whose cost of effort follows the performance.
@@ -129,6 +135,7 @@ impl Default for PpoConfig {
             gae_lambda_per_s: 0.12,
             clip: 0.2,
             entropy_coefficient: 0.005,
+            bound_coefficient: 0.0,
             value_coefficient: 0.5,
             reward_scale: 1.0,
             learning_rate: 1e-3,
@@ -260,9 +267,11 @@ impl PpoConfig {
             User::Human => Self {
                 rollout_s: 0.4,
                 entropy_coefficient: 0.0003,
-                log_std_initial: -1.2,
+                bound_coefficient: 1.0,
+                log_std_initial: -1.4,
                 log_std_min: -5.0,
-                log_std_max: -1.2,
+                log_std_max: -1.4,
+                action_offset: -0.8,
                 policy_hidden: vec![256, 256],
                 cost_ramp_s: 1e6,
                 ..Self::default()
@@ -279,6 +288,12 @@ impl PpoConfig {
     /// Discount per control step of `control_dt` seconds, often called gamma.
     pub fn gamma(&self, control_dt: f64) -> f64 {
         self.discount_per_s.powf(control_dt)
+    }
+
+    /// Where means of actions are held.
+    pub(crate) fn bound(&self) -> Bound {
+        let reached = |control: f64| ((control - self.action_offset) / self.action_scale) as f32;
+        Bound { least: reached(-1.0), most: reached(1.0), factor: 2.0 * self.bound_coefficient as f32 }
     }
 
     /// Settings as they were written up to format 3 of checkpoints, in today's words: control steps were those of 20 Hz.
@@ -351,6 +366,7 @@ impl PpoConfig {
         check((0.0..=1.0).contains(&lambda), "gae_lambda_per_s", &lambda, "from 0 to 1");
         for (name, value) in [
             ("entropy_coefficient", self.entropy_coefficient),
+            ("bound_coefficient", self.bound_coefficient),
             ("value_coefficient", self.value_coefficient),
             ("kl_target", self.kl_target),
         ] {

@@ -65,6 +65,21 @@ pub struct Surrogate {
     pub clip: f32,
     /// Weight of one sample: one over the size of the minibatch.
     pub weight: f32,
+    /// What holds means where actions have an effect.
+    pub bound: Bound,
+}
+
+/// Draws the means of actions back from where the environment clips them: half of `factor` times the squared distance is added to the loss.
+///
+/// Beyond the bounds by more than its noise reaches, an action has no effect and its gradient none either: what is saturated would stay so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Least mean with an effect.
+    pub least: f32,
+    /// Greatest.
+    pub most: f32,
+    /// Twice the weight of the squared distance.
+    pub factor: f32,
 }
 
 /// Sums over samples.
@@ -115,7 +130,7 @@ kernels! {
         mean: &mut [f32], action: &[f32], inverse_std: &[f32], log_peak: f32, old_log_prob: &[f32], advantage: &[f32],
         settings: Surrogate, log_std_gradient: &mut [f32],
     ) -> SurrogateSums {
-        let n = inverse_std.len();
+        let (n, bound) = (inverse_std.len(), settings.bound);
         let mut sums = SurrogateSums::default();
         let rows = mean.chunks_exact_mut(n).zip(action.chunks_exact(n));
         for ((mean, action), (&old, &a)) in rows.zip(old_log_prob.iter().zip(advantage)) {
@@ -135,7 +150,9 @@ kernels! {
             let slope = if cut { 0.0 } else { -free * settings.weight };
             for i in 0..n {
                 let z = mean[i];
-                mean[i] = slope * z * inverse_std[i];
+                let own = action[i] - z / inverse_std[i];
+                let beyond = own - clip(own, bound.least, bound.most);
+                mean[i] = madd::<FMA>(slope * z, inverse_std[i], settings.weight * bound.factor * beyond);
                 log_std_gradient[i] += slope * madd::<FMA>(z, z, -1.0);
             }
         }
@@ -159,6 +176,8 @@ mod tests {
     use super::*;
     use crate::random::{Stream, fill_normal};
 
+    const BOUND: Bound = Bound { least: -0.5, most: 0.75, factor: 0.6 };
+
     fn loss_f64(mean: &[f64], action: &[f32], log_std: &[f64], old: f32, a: f32) -> f64 {
         let density: f64 = (0..mean.len())
             .map(|i| {
@@ -167,7 +186,9 @@ mod tests {
             })
             .sum();
         let ratio = (density - f64::from(old)).exp();
-        -(ratio * f64::from(a)).min(ratio.clamp(0.8, 1.2) * f64::from(a))
+        let beyond = |x: f64| x - x.clamp(f64::from(BOUND.least), f64::from(BOUND.most));
+        let bound: f64 = mean.iter().map(|&x| f64::from(BOUND.factor) / 2.0 * beyond(x).powi(2)).sum();
+        -(ratio * f64::from(a)).min(ratio.clamp(0.8, 1.2) * f64::from(a)) + bound
     }
 
     #[test]
@@ -180,7 +201,7 @@ mod tests {
         let (advantage, shift) = rest.split_at(rows);
         let log_std: Vec<f32> = (0..n).map(|i| -0.5 + 0.05 * i as f32).collect();
         let spread = Spread::new(&log_std);
-        let settings = Surrogate { clip: 0.2, weight: 1.0 };
+        let settings = Surrogate { clip: 0.2, weight: 1.0, bound: BOUND };
         let wide = |x: &[f32]| x.iter().map(|&x| f64::from(x)).collect::<Vec<_>>();
         let mut clipped = 0.0;
         for row in 0..rows {
@@ -201,7 +222,8 @@ mod tests {
             );
             clipped += sums.clipped;
             let exact = loss_f64(&wide(mean), action, &wide(&log_std), old, advantage[row]);
-            assert!((sums.loss - exact).abs() < 1e-4 * (1.0 + exact.abs()));
+            let bound = loss_f64(&wide(mean), action, &wide(&log_std), old, 0.0);
+            assert!((sums.loss + bound - exact).abs() < 1e-4 * (1.0 + exact.abs()));
             for i in 0..n {
                 let nudged = |x: &[f32], by: f64| {
                     let mut x = wide(x);
@@ -237,7 +259,7 @@ mod tests {
             spread.log_peak,
             &[spread.log_peak - ratio.ln()],
             &[advantage],
-            Surrogate { clip: 0.2, weight: 1.0 },
+            Surrogate { clip: 0.2, weight: 1.0, bound: BOUND },
             &mut log_std,
         );
         (sums.loss, sums.kl, sums.clipped, mean[0], log_std[0])

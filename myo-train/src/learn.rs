@@ -243,7 +243,7 @@ impl Minibatch<'_> {
         let (networks, rollout) = (self.networks, self.rollout);
         let (n_obs, n_act) = (networks.policy.inputs(), networks.policy.outputs());
         let weight = 1.0 / self.samples.len() as f32;
-        let settings = Surrogate { clip: self.clip, weight };
+        let settings = Surrogate { clip: self.clip, weight, bound: self.config.bound() };
         let (policy_gradient, rest) = gradient.split_at_mut(networks.policy.len());
         let (log_std_gradient, value_gradient) = rest.split_at_mut(n_act);
         log_std_gradient.fill(0.0);

@@ -10,7 +10,7 @@ use crate::rollout::told_layouts;
 use crate::{Evaluation, Trainer, UpdateMetrics};
 
 /// Part of what its targets earn it that a user can spend on its movements: trying must pay, also where it is hard.
-const PART: f64 = 0.5;
+const PART: f64 = 2.0 / 3.0;
 
 /// The least share of costs: what it comes to tells what all would.
 const LEAST: f64 = 1.0 / 4096.0;
@@ -256,7 +256,7 @@ mod tests {
             "first by a factor, then by an amount: {shares:?}"
         );
         assert_eq!(rich.costs_changed_at, 32_000_000);
-        assert!(same(charged(&mut with(2.0, 4.0, still_learning()), 1.0), 0.25), "half of what is earned");
+        assert!(same(charged(&mut with(3.0, 8.0, still_learning()), 1.0), 0.25), "two thirds of what is earned");
         assert!(
             same(charged(&mut with(0.0, 4.0, still_learning()), 1.0), LEAST),
             "who earns nothing pays next to nothing"

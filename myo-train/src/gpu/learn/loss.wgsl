@@ -16,6 +16,10 @@ struct Shape {
     clip: f32,
     // Weight of the squared error.
     value_coefficient: f32,
+    // Between which means have an effect, and twice the weight of the squared distance beyond.
+    least: f32,
+    most: f32,
+    bound_factor: f32,
 }
 
 @group(0) @binding(0) var<storage, read> parameters: array<f32>;
@@ -25,9 +29,12 @@ struct Shape {
 @group(0) @binding(3) var<storage, read_write> gradient: array<f32>;
 @group(0) @binding(4) var<uniform> shape: Shape;
 
+fn mean(column: u32, i: u32) -> f32 {
+    return activation[(shape.observations + shape.mean_row + i) * shape.chunk + column];
+}
+
 fn z(column: u32, i: u32, inverse_std: f32) -> f32 {
-    let mean = activation[(shape.observations + shape.mean_row + i) * shape.chunk + column];
-    return (sample[i * shape.chunk + column] - mean) * inverse_std;
+    return (sample[i * shape.chunk + column] - mean(column, i)) * inverse_std;
 }
 
 @compute @workgroup_size(64)
@@ -55,7 +62,8 @@ fn main(
     for (var i = 0u; i < shape.actions; i += 1u) {
         let inverse_std = exp(-parameters[shape.log_std + i]);
         let z = z(column, i, inverse_std);
-        gradient[(shape.mean_row + i) * shape.chunk + column] = objective.slope * z * inverse_std;
+        let back = weight * shape.bound_factor * beyond(mean(column, i), shape.least, shape.most);
+        gradient[(shape.mean_row + i) * shape.chunk + column] = fma(objective.slope * z, inverse_std, back);
         gradient[sums + i * shape.chunk] = objective.slope * (z * z - 1.0);
     }
 

@@ -25,3 +25,8 @@ fn objective(log_ratio: f32, advantage: f32, weight: f32, clip: f32) -> Objectiv
     let slope = select(-free * weight, 0.0, cut);
     return Objective(slope, -select(free, held, cut), ratio - 1.0 - log_ratio, select(0.0, 1.0, cut));
 }
+
+// How far the mean of an action lies beyond where it has an effect.
+fn beyond(mean: f32, least: f32, most: f32) -> f32 {
+    return mean - clamp(mean, least, most);
+}

@@ -4,6 +4,7 @@ use myo_gpu::{Access, GpuError, Recipe};
 
 use super::context::Context;
 use super::layout::{METRICS, Precision, SCALARS};
+use crate::gaussian::Bound;
 use crate::gpu::Sizes;
 use crate::gpu::dense::Dispatch;
 use crate::gpu::kernels::{prepare, sums};
@@ -154,8 +155,9 @@ impl Context<'_> {
         let (sizes, layout) = (self.sizes, self.layout);
         let log_std = self.networks.log_std_range().start;
         let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
+        let Bound { least, most, factor } = self.config.bound();
         let numbers =
-            [self.config.ratio_clip(sizes.control_dt), self.config.value_coefficient as f32].map(f32::to_bits);
+            [self.config.ratio_clip(sizes.control_dt), self.config.value_coefficient as f32, least, most, factor].map(f32::to_bits);
         let shape: Vec<_> = places.map(|x| x as u32).into_iter().chain(numbers).collect();
         let memory = self.memory;
         let [activation, sample] = [memory.activation.binding(), memory.sample.binding()];

@@ -7,6 +7,7 @@ use super::super::layers::{LayerRows, layers};
 use super::super::layout::{Layout, Precision};
 use super::memory::HalfMemory;
 use super::shape::{Shape, columns_for, matrices};
+use crate::gaussian::Bound;
 use crate::gpu::dense::Dispatch;
 use crate::gpu::kernels::{prepare, table};
 use crate::gpu::units::UNIT;
@@ -110,7 +111,9 @@ impl Passes<'_> {
         let [rows, gradient_rows] = [layout.rows, layout.gradient_rows];
         let log_std = networks.log_std_range().start;
         let places = [layout.chunk / 4, blocks, policy, value, rows, gradient_rows, sizes.actions, log_std];
-        let numbers = [config.ratio_clip(sizes.control_dt), config.value_coefficient as f32, layout.gradient_scale()];
+        let Bound { least, most, factor } = config.bound();
+        let learner = [config.ratio_clip(sizes.control_dt), config.value_coefficient as f32, layout.gradient_scale()];
+        let numbers = learner.into_iter().chain([least, most, factor]);
         places.map(|x| x as u32).into_iter().chain(numbers.map(f32::to_bits)).collect()
     }
 

@@ -39,6 +39,10 @@ struct Shape {
     value_coefficient: f32,
     // Factor of the gradients, which are as small as a minibatch is large.
     up: f32,
+    // Between which means have an effect, and twice the weight of the squared distance beyond.
+    least: f32,
+    most: f32,
+    bound_factor: f32,
 }
 
 @group(0) @binding(0) var<storage, read> parameters: array<f32>;
@@ -162,12 +166,14 @@ fn policy_loss(layer: Layer, column: u32, part: u32) {
     for (var i = 0u; i < all.actions; i += 1u) { log_stds += parameters[all.log_std + i]; }
     let first = all.actions;
     let log_ratio = log_density(all.actions, squares, log_stds) - of_sample(first, column);
-    let objective = objective(log_ratio, of_sample(first + 1u, column), of_sample(first + 3u, column), all.clip);
+    let weight = of_sample(first + 3u, column);
+    let objective = objective(log_ratio, of_sample(first + 1u, column), weight, all.clip);
     for (var i = part; i < 16u * in_matrices(layer.outputs); i += PARTS) {
         var dz = 0.0;
         if i < all.actions {
             let z = z_of(i, column);
-            dz = objective.slope * z * exp(-parameters[all.log_std + i]);
+            let back = weight * all.bound_factor * beyond(output_of(i, column), all.least, all.most);
+            dz = fma(objective.slope * z, exp(-parameters[all.log_std + i]), back);
             keep_summand(i, column, objective.slope * (z * z - 1.0));
         }
         keep_output(layer, i, column, dz);
