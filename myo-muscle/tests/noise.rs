@@ -83,11 +83,11 @@ fn variation(muscles: usize, u: f64, [signal_dependent, constant]: [f64; 2]) -> 
 
 /// What `docs/people.md` says of the noise of `user: human`.
 #[test]
-fn the_torque_of_a_few_muscles_varies_by_two_per_cent() {
+fn the_torque_of_a_few_muscles_varies_by_two_to_three_per_cent() {
     for u in [0.05, 0.2, 0.5] {
-        let [three, six] = [3, 6].map(|muscles| variation(muscles, u, [0.04, 0.0007]));
-        assert!((0.021..0.029).contains(&three), "{three} of three muscles at {u}");
-        assert!((0.015..0.021).contains(&six), "{six} of six muscles at {u}");
+        let [three, six] = [3, 6].map(|muscles| variation(muscles, u, [0.05, 0.0008]));
+        assert!((0.026..0.036).contains(&three), "{three} of three muscles at {u}");
+        assert!((0.019..0.026).contains(&six), "{six} of six muscles at {u}");
     }
 }
 

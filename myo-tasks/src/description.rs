@@ -164,7 +164,7 @@ pub struct Reset {
     #[schemars(transform = VELOCITY_SPREAD.schema())]
     pub velocity_spread_rad_s: f64,
 
-    /// Muscle activations are drawn from 0 to this. Default 1; 0 starts relaxed.
+    /// Muscle activations are drawn from 0 to this. Default 1, for `user: human` 0: relaxed.
     #[garde(custom(SHARE.rule()))]
     #[schemars(transform = SHARE.schema())]
     pub activation_max: f64,

@@ -15,7 +15,7 @@ const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
 #[serde(rename_all = "snake_case")]
 pub enum User {
     /// Is to move as people do: with motor noise, with eyes that are late, and with regard to its effort. In shape and speed its movements are
-    /// like people's; where it falls short (it selects too soon, for one) is told in `docs/people.md`.
+    /// like people's; how far it is like them is told in `docs/people.md`.
     Human,
     /// As fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose
     /// speed is all that counts.
@@ -85,10 +85,11 @@ impl User {
     }
 }
 
-/// What was found by searches, whose tables are in `docs/people.md` and `docs/training.md`: distances that count near by and half a metre away; 25 decisions a second, for who decides more often learns small targets late; time
-/// cheap, effort dear enough for a resting arm, and changes of controls dear enough for movements of people's shape, though not yet of their speed; slow noise with which
-/// the torque of a joint of three to six muscles varies by 2 % (people: 1 to 4 %); two decisions until something seen is known; and targets that seem
-/// off by so much of their distance that first movements end beside them, more along the way than across it.
+/// What was found by searches, whose tables are in `docs/search.md` and `docs/training.md`: distances that count near by and half a metre away; 25
+/// decisions a second, for who decides more often learns small targets late; time cheap, effort dear enough for a resting arm, and changes of controls
+/// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 2.5 % (people:
+/// 1 to 4 %); two decisions until something seen is known; targets that seem off by so much of their distance that first movements end beside them, more
+/// along the way than across it; and a start with muscles at rest, for nobody begins with every muscle tensed at random.
 fn human(usual: Reward, reset: Reset) -> Traits {
     Traits {
         control_dt_s: 0.04,
