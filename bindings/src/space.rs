@@ -8,7 +8,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 type Interval = [f64; 2];
 
-/// Joint angles and velocities have no bound: limits are soft. Not infinite, because checkers of environments warn of that.
+/// Joint angles and velocities have no bound: limits are soft. Nor have targets of a user who misjudges them: how far off they seem is a normal number. Not infinite, because checkers of environments warn of that.
 const UNBOUNDED: Interval = [-(f32::MAX as f64), f32::MAX as f64];
 
 /// Bounds are computed exactly and observations in single precision.
@@ -32,6 +32,7 @@ struct Regions {
     target: [Interval; 3],
     size: Interval,
     targets: usize,
+    misjudged: bool,
 }
 
 impl Regions {
@@ -66,7 +67,8 @@ impl Regions {
         let targets = flat.steps.len();
         let fingertip = reach(model);
         let pointer = if flat.pointer == Pointer::Fingertip { fingertip } else { [UNBOUNDED; 3] };
-        Self { fingertip, pointer, target: [0, 1, 2].map(region), size, targets }
+        let misjudged = task.perception.vision_noise > 0.0;
+        Self { fingertip, pointer, target: [0, 1, 2].map(region), size, targets, misjudged }
     }
 
     /// The interval of an entry such as `target_position.x`.
@@ -75,14 +77,13 @@ impl Regions {
         let axis = ["x", "y", "z"].iter().position(|axis| *axis == entry).unwrap_or(0);
         match part {
             "fingertip_position" => self.fingertip[axis],
+            "next_target_vector" if self.targets <= 1 => [0.0, 0.0],
+            "target_position" | "target_vector" | "next_target_vector" if self.misjudged => UNBOUNDED,
             "target_position" => self.target[axis],
             "target_size" => self.size,
             "target_vector" => difference(self.target[axis], self.pointer[axis]),
-            "next_target_vector" if self.targets > 1 => {
-                including_zero(difference(self.target[axis], self.target[axis]))
-            }
-            "next_target_vector" => [0.0, 0.0],
-            "activation" => [-1.0, 1.0],
+            "next_target_vector" => including_zero(difference(self.target[axis], self.target[axis])),
+            "activation" | "control" => [-1.0, 1.0],
             "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" | "target_kind" => [0.0, 1.0],
             // Unit vectors, and what is no longer.
             "target_normal" | "target_direction" | "nearest_obstacle" => [-1.0, 1.0],

@@ -50,6 +50,20 @@ def test_observations_of_violent_movements_lie_in_the_space(make, preset):
         assert env.step(actions)[0] in env.observation_space
 
 
+def test_observations_of_a_user_who_misjudges_lie_in_the_space(make, short_task):
+    envs = make({**short_task, "user": "human", "model": "myo-arm"}, 64, seed=1, autoreset="same_step")
+    assert envs.reset()[0] in envs.observation_space
+    space, names = envs.single_observation_space, envs.observation_names
+    bounded = np.abs(space.high) < np.finfo(np.float32).max
+    assert not bounded[names.index("target_position.y")] and not bounded[names.index("target_vector.y")]
+    assert all(
+        bounded[k] for k, name in enumerate(names) if name.startswith(("control", "activation", "target_direction"))
+    )
+    sees = {**short_task, "user": "human", "model": "myo-arm", "perception": {"vision_noise": 0}}
+    seen = make(sees, 1).single_observation_space
+    assert np.isclose(seen.high[names.index("target_position.y")], 0.1, atol=1e-4)
+
+
 def test_environment_i_of_a_seed_is_the_single_one_of_seed_plus_i(make):
     rows, _ = make(num_envs=20).reset(seed=5)
     single = myoenv.make("pointing-single")

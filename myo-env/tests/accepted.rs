@@ -86,7 +86,7 @@ fn generated(random: &mut Random) -> Value {
         .map(|(name, _)| ((*name).into(), random.coin().into()))
         .collect();
     observation.insert("phase".into(), true.into());
-    let model = ["mobl-arms", "mobl-arms-uitb"][random.below(2)];
+    let model = ["mobl-arms", "mobl-arms-uitb", "myo-arm"][random.below(3)];
     let control_dt_s = steps[random.below(steps.len())];
     let pose = ["range_uniform", "near_zero", "zero"][random.below(3)];
     let mut weight = || if random.coin() { random.unit() } else { random.between(0.0, 1e6) };

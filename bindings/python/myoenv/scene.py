@@ -889,7 +889,8 @@ class Reset(Described):
             range. Default 0.05. From 0 to 1 rad.
         velocity_spread_rad_s: Joint velocities are drawn from plus or minus this, in rad/s; the pose `zero` always
             starts at rest. Default 0.05. From 0 to 10 rad/s.
-        activation_max: Muscle activations are drawn from 0 to this. Default 1; 0 starts relaxed. From 0 to 1.
+        activation_max: Muscle activations are drawn from 0 to this. Default 1, for `user="human"` 0: relaxed. From 0 to
+            1.
     """
 
     pose: Literal["range_uniform", "near_zero", "zero"] | None = None
@@ -975,9 +976,9 @@ def build_task(
         user: Who does it: what the simulated user is like where this task does not say. `human` moves as people do,
             `fastest` as fast as its muscles allow. Default `fastest`. `human`: Is to move as people do: with motor
             noise, with eyes that are late, and with regard to its effort. In shape and speed its movements are like
-            people's; where it falls short (it selects too soon, for one) is told in `docs/people.md`. `fastest`: As
-            fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of
-            learners, and of tasks whose speed is all that counts.
+            people's; how far it is like them is told in `docs/people.md`. `fastest`: As fast as its muscles allow: no
+            noise, no delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose speed is
+            all that counts.
         reward: What the simulated user is rewarded for.
         observation: What the simulated user perceives.
         reset: How the body starts an episode.

@@ -35,8 +35,8 @@ class ActionSpace(Box):
 def spaces(env: Env) -> tuple[Box, ActionSpace]:
     """Observation and action space of one environment.
 
-    Bounds hold for certain. Joint positions, velocities and accelerations have none, as joint limits are soft: theirs
-    are the greatest finite numbers.
+    Bounds hold for certain. Joint positions, velocities and accelerations have none, as joint limits are soft, nor
+    have targets that a user misjudges (`perception.vision_noise`): theirs are the greatest finite numbers.
     """
     low, high = env.observation_bounds
     return Box(low, high, dtype=np.float32), ActionSpace(len(env.action_names))
