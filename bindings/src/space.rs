@@ -8,7 +8,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 type Interval = [f64; 2];
 
-/// Joint angles and velocities have no bound: limits are soft. Nor have targets of a user who misjudges them: how far off they seem is a normal number. Not infinite, because checkers of environments warn of that.
+/// Joint angles and velocities have no bound: limits are soft. Nor have targets of a user who misjudges them: how far off they seem is
+/// normally distributed. Not infinite, because checkers of environments warn of that.
 const UNBOUNDED: Interval = [-(f32::MAX as f64), f32::MAX as f64];
 
 /// Bounds are computed exactly and observations in single precision.

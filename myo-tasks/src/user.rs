@@ -80,17 +80,17 @@ impl User {
         };
         match self {
             Self::Fastest => fastest,
-            Self::Human => human(fastest.reward, fastest.reset),
+            Self::Human => human(fastest.reward),
         }
     }
 }
 
 /// What was found by searches, whose tables are in `docs/search.md` and `docs/training.md`: distances that count near by and half a metre away; 25
 /// decisions a second, for who decides more often learns small targets late; time cheap, effort dear enough for a resting arm, and changes of controls
-/// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 2.5 % (people:
+/// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 1.9 to 2.7 % (people:
 /// 1 to 4 %); two decisions until something seen is known; targets that seem off by so much of their distance that first movements end beside them, more
 /// along the way than across it; and a start with muscles at rest, for nobody begins with every muscle tensed at random.
-fn human(usual: Reward, reset: Reset) -> Traits {
+fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
         reward: Reward {
@@ -103,7 +103,7 @@ fn human(usual: Reward, reset: Reset) -> Traits {
         },
         noise: Noise { signal_dependent: 0.05, constant: 0.0008, held_s: 0.4 },
         perception: Perception { vision_delay_ms: 80.0, vision_noise: 0.35, ..Perception::default() },
-        reset: Reset { activation_max: 0.0, ..reset },
+        reset: Reset { activation_max: 0.0, ..Reset::default() },
     }
 }
 

@@ -72,6 +72,7 @@ pub struct Surrogate {
 /// Draws the means of actions back from where the environment clips them: half of `factor` times the squared distance is added to the loss.
 ///
 /// Beyond the bounds by more than its noise reaches, an action has no effect and its gradient none either: what is saturated would stay so.
+/// As the bounds loss of rl_games (Makoviichuk and Makoviychuk 2021).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
     /// Least mean with an effect.
@@ -124,7 +125,7 @@ kernels! {
     ///
     /// `loss = -min(ratio A, clip(ratio, 1 - clip, 1 + clip) A)`, `ratio = exp(ln density(action) - old_log_prob)`.
     ///
-    /// Overwrites each row of `mean` with the gradient `d loss / d mean`, adds `d loss / d log_std` to
+    /// Overwrites each row of `mean` with the gradient `d loss / d mean` and what the bound adds to it, which is not in the sums, adds `d loss / d log_std` to
     /// `log_std_gradient` (both times the weight of a sample) and returns the sums of the rows.
     pub fn clipped_surrogate<const FMA: bool>(
         mean: &mut [f32], action: &[f32], inverse_std: &[f32], log_peak: f32, old_log_prob: &[f32], advantage: &[f32],

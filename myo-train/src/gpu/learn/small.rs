@@ -156,9 +156,8 @@ impl Context<'_> {
         let log_std = self.networks.log_std_range().start;
         let places = [layout.chunk, sizes.actions, log_std, mean_row, value_row, sizes.observations, layout.sums_row];
         let Bound { least, most, factor } = self.config.bound();
-        let numbers =
-            [self.config.ratio_clip(sizes.control_dt), self.config.value_coefficient as f32, least, most, factor]
-                .map(f32::to_bits);
+        let (clip, value) = (self.config.ratio_clip(sizes.control_dt), self.config.value_coefficient as f32);
+        let numbers = [clip, value, least, most, factor].map(f32::to_bits);
         let shape: Vec<_> = places.map(|x| x as u32).into_iter().chain(numbers).collect();
         let memory = self.memory;
         let [activation, sample] = [memory.activation.binding(), memory.sample.binding()];

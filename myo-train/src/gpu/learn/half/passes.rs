@@ -112,8 +112,8 @@ impl Passes<'_> {
         let log_std = networks.log_std_range().start;
         let places = [layout.chunk / 4, blocks, policy, value, rows, gradient_rows, sizes.actions, log_std];
         let Bound { least, most, factor } = config.bound();
-        let learner = [config.ratio_clip(sizes.control_dt), config.value_coefficient as f32, layout.gradient_scale()];
-        let numbers = learner.into_iter().chain([least, most, factor]);
+        let (clip, value) = (config.ratio_clip(sizes.control_dt), config.value_coefficient as f32);
+        let numbers = [clip, value, layout.gradient_scale(), least, most, factor];
         places.map(|x| x as u32).into_iter().chain(numbers.map(f32::to_bits)).collect()
     }
 
