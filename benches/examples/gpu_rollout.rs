@@ -23,7 +23,7 @@ struct Arguments {
     #[arg(default_value = "1024,16384,65536")]
     envs: Vec<usize>,
     /// A preset
-    #[arg(default_value = "pointing")]
+    #[arg(default_value = "pointing-uitb")]
     task: String,
     /// What is measured instead of roll-outs and what their kernels take
     instead: Option<Instead>,
@@ -161,8 +161,8 @@ mod tests {
             let Arguments { envs, task, instead, groups } = Arguments::try_parse_from(line.split(' ')).unwrap();
             (envs, task, matches!(instead, Some(Instead::Tiles)), groups)
         };
-        assert_eq!(read("gpu_rollout"), (vec![1024, 16_384, 65_536], "pointing".into(), false, 1));
-        assert_eq!(read("gpu_rollout 2048"), (vec![2048], "pointing".into(), false, 1));
+        assert_eq!(read("gpu_rollout"), (vec![1024, 16_384, 65_536], "pointing-uitb".into(), false, 1));
+        assert_eq!(read("gpu_rollout 2048"), (vec![2048], "pointing-uitb".into(), false, 1));
         assert_eq!(read("gpu_rollout 64,128 ar tiles --groups 2"), (vec![64, 128], "ar".into(), true, 2));
         assert!(Arguments::try_parse_from(["gpu_rollout", "64,1e3"]).is_err());
     }

@@ -92,7 +92,7 @@ def jax_overheads(task: str, num_envs: int, rounds: int) -> tuple[float, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--task", default="pointing")
+    parser.add_argument("--task", default="pointing-uitb")
     parser.add_argument("--envs", type=int, nargs="+", default=[1, 1024, 4096])
     parser.add_argument("--seconds", type=int, default=4)
     parser.add_argument("--rounds", type=int, default=5)

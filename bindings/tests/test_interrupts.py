@@ -84,7 +84,7 @@ def test_ctrl_c_in_the_last_evaluation_keeps_the_policy(tmp_path):
         if metrics["updates"] == 2:
             later(signal.SIGINT)
     # Ten targets: the evaluation takes seconds.
-    result = myoenv.train("pointing", out=sys.argv[1], until=None, steps=256, callback=last, **SMALL)
+    result = myoenv.train("pointing-uitb", out=sys.argv[1], until=None, steps=256, callback=last, **SMALL)
     action = result.policy([0.0] * len(result.policy.observation_names))
     print(result.stopped_by, result.evaluation, result.updates, len(heard), action.shape)
     """
@@ -99,7 +99,7 @@ def test_a_last_evaluation_that_was_cut_off_is_made_up_for(tmp_path):
         heard.append(metrics)
         if metrics["updates"] == 2:
             later(signal.SIGINT)
-    result = myoenv.train("pointing", out=sys.argv[1], until=None, steps=256, callback=last, **SMALL)
+    result = myoenv.train("pointing-uitb", out=sys.argv[1], until=None, steps=256, callback=last, **SMALL)
     print(result.stopped_by)
     """
     run = tmp_path / "run"
@@ -108,7 +108,7 @@ def test_a_last_evaluation_that_was_cut_off_is_made_up_for(tmp_path):
     resumed = myoenv.train(resume=run, callback=heard.append)
     assert (resumed.stopped_by, resumed.env_steps, resumed.updates, heard) == ("steps", 256, 2, [])
     assert json.loads((run / "evaluation.json").read_text()) == resumed.evaluation
-    whole = myoenv.train("pointing", until=None, steps=256, **SMALL)
+    whole = myoenv.train("pointing-uitb", until=None, steps=256, **SMALL)
     assert resumed.evaluation == whole.evaluation
     with pytest.raises(ValueError, match="has 256 control steps, and its limit is 256; raise it with steps="):
         myoenv.train(resume=run)

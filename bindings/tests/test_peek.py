@@ -26,7 +26,7 @@ def steps(env, count: int) -> np.ndarray:
 
 
 def test_a_peek_agrees_with_the_observation(make):
-    env = make("pointing", 6)
+    env = make("pointing-uitb", 6)
     env.reset(seed=1)
     observation, seen = steps(env, 4), env.peek()
     at = env.observation_names.index
@@ -45,7 +45,7 @@ def test_a_peek_agrees_with_the_observation(make):
 
 
 def test_a_peek_agrees_with_the_body(make):
-    env = make("pointing", 3)
+    env = make("pointing-uitb", 3)
     env.reset(seed=1)
     steps(env, 3)
     seen, body = env.peek(), myoenv.Simulation(env.model)

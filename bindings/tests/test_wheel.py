@@ -32,7 +32,7 @@ import myoenv
 folder = pathlib.Path(myoenv.__file__).parent
 assert pathlib.Path(sys.prefix) in folder.parents, folder
 assert myoenv.__version__ == importlib.metadata.version("myoenv")
-envs = myoenv.make_vec("pointing", 16, "cpu", seed=1)
+envs = myoenv.make_vec("pointing-uitb", 16, "cpu", seed=1)
 envs.reset()
 observation, reward, *_ = envs.step(envs.action_space.sample())
 assert observation.shape == (16, 57) and np.isfinite(reward).all()

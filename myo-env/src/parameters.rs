@@ -17,8 +17,8 @@ pub struct Parameters<T> {
     pub task: CompiledTask<T>,
     /// Motor noise.
     pub noise: Option<Motor<T>>,
-    /// How far off targets seem, as a share of their distance.
-    pub vision_noise: Option<T>,
+    /// How far off targets seem.
+    pub vision_noise: Option<Vision<T>>,
     /// How episodes begin.
     pub start: Start<T>,
 }
@@ -30,6 +30,16 @@ pub struct Motor<T> {
     pub deviations: [T; 2],
     /// How it changes.
     pub process: MotorNoise<T>,
+}
+
+/// How far off targets seem.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vision<T> {
+    /// Standard deviation, as a share of their distance.
+    pub share: T,
+    /// How much of it a control step leaves as it is, and how much of what is drawn anew it adds.
+    pub kept: T,
+    pub fresh: T,
 }
 
 /// Distribution of the body's state at the start of an episode.
@@ -68,7 +78,7 @@ impl<C: Real> Parameters<C> {
         Self {
             task: CompiledTask::of(task, flat),
             noise: Motor::new(task),
-            vision_noise: (task.perception.vision_noise > 0.0).then(|| C::from_f64(task.perception.vision_noise)),
+            vision_noise: Vision::new(task),
             start: Start::new(task, ranges),
         }
     }
@@ -88,7 +98,8 @@ impl<C: Real> Parameters<C> {
             *cost = cost.or(Some(C::from_f64(0.0)));
         }
         if others.vision_noise.is_some() {
-            self.vision_noise = self.vision_noise.or(Some(C::from_f64(0.0)));
+            let clear = |vision| Vision { share: C::from_f64(0.0), ..vision };
+            self.vision_noise = self.vision_noise.or(others.vision_noise.map(clear));
         }
         let (new, old) = (self.map(&mut |_| ()), others.map(&mut |_| ()));
         match new.difference(&old) {
@@ -105,7 +116,7 @@ impl<T> Parameters<T> {
         Parameters {
             task: self.task.map(f),
             noise: self.noise.as_ref().map(|noise| noise.map(f)),
-            vision_noise: self.vision_noise.as_ref().map(&mut *f),
+            vision_noise: self.vision_noise.as_ref().map(|vision| vision.map(f)),
             start: self.start.map(f),
         }
     }
@@ -253,6 +264,23 @@ impl<T> Motor<T> {
     #[inline(always)]
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Motor<U> {
         Motor { deviations: self.deviations.each_ref().map(&mut *f), process: self.process.map(f) }
+    }
+}
+
+impl<C: Real> Vision<C> {
+    /// That of a task; none where all is seen as it is.
+    fn new(task: &Task) -> Option<Self> {
+        let (share, held_s) = (task.perception.vision_noise, task.perception.vision_held_s);
+        let kept = (-task.control_dt_s / held_s).exp();
+        let [share, kept, fresh] = [share, kept, (1.0 - kept * kept).sqrt()].map(C::from_f64);
+        (task.perception.vision_noise > 0.0).then_some(Self { share, kept, fresh })
+    }
+}
+
+impl<T> Vision<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Vision<U> {
+        Vision { share: f(&self.share), kept: f(&self.kept), fresh: f(&self.fresh) }
     }
 }
 

@@ -23,7 +23,7 @@ const BEND_POINTS: usize = 7;
 /// ```
 /// use myo_env::{CpuEnv, EnvConfig, Role, Skeleton, VectorEnv};
 ///
-/// let task = myo_tasks::preset("pointing").unwrap();
+/// let task = myo_tasks::preset("pointing-uitb").unwrap();
 /// let model = myo_model::Model::new(&myo_model::builtin(&task.model)?)?;
 /// let env = CpuEnv::new(&model, &task, &EnvConfig { num_envs: 1000, ..Default::default() })?;
 /// let skeleton = Skeleton::new(&model, &task)?;

@@ -19,6 +19,7 @@ const TIMESTEP: f64 = 0.002;
 fn pointing() -> Task {
     let text = "\
 version: 2
+user: fastest
 name: pointing
 model: mobl-arms-uitb
 scene:
@@ -34,6 +35,7 @@ time_limit_s: 1
 fn pressing() -> Task {
     let text = "\
 version: 2
+user: fastest
 name: pressing
 model: mobl-arms-uitb
 scene:

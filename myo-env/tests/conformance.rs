@@ -3,13 +3,13 @@
 mod common;
 
 use common::{
-    actions, arm, assert_follows, column, drifting, entry, following, gpu, rollout, short, sphere, steered, swung,
+    actions, arm, assert_follows, column, drifting, entry, fast, following, gpu, rollout, short, sphere, steered, swung,
 };
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
 };
 use myo_scalar::Level;
-use myo_tasks::{Task, preset};
+use myo_tasks::Task;
 
 /// A backend under test.
 trait Subject: VectorEnv + Sized {
@@ -48,7 +48,7 @@ fn assert_same_bits(a: &[StepStorage], b: &[StepStorage]) {
 }
 
 fn same_seed_gives_the_same_bits_and_another_seed_does_not<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let run =
         |seed| rollout(&mut E::make(&task, EnvConfig { num_envs: 5, seed, exploring: 2, ..Default::default() }), 25);
     assert_same_bits(&run(3), &run(3));
@@ -56,7 +56,7 @@ fn same_seed_gives_the_same_bits_and_another_seed_does_not<E: Subject>() {
 }
 
 fn neighbours_and_threads_do_not_matter<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let run = |num_envs, threads| {
         let mut env = E::make(&task, EnvConfig { num_envs, threads: Some(threads), ..Default::default() });
         let (nobs, nact) = (env.spec().observation_size(), env.spec().action_size());
@@ -78,7 +78,7 @@ fn neighbours_and_threads_do_not_matter<E: Subject>() {
 }
 
 fn same_step_keeps_the_terminal_observation_and_resets_everything<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut env = E::make(&task, EnvConfig { num_envs: 3, ..Default::default() });
     let limit = env.spec().max_episode_steps;
     assert_eq!(limit, 10);
@@ -106,7 +106,7 @@ fn same_step_keeps_the_terminal_observation_and_resets_everything<E: Subject>() 
 }
 
 fn next_step_ignores_one_action_and_gives_no_reward<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let make_one = |autoreset| E::make(&task, EnvConfig { num_envs: 2, autoreset, ..Default::default() });
     let (mut next, mut same) = (make_one(Autoreset::NextStep), make_one(Autoreset::SameStep));
     let limit = next.spec().max_episode_steps;
@@ -120,7 +120,7 @@ fn next_step_ignores_one_action_and_gives_no_reward<E: Subject>() {
 }
 
 fn disabled_asks_for_a_reset_by_mask<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let config = EnvConfig { num_envs: 3, autoreset: Autoreset::Disabled, ..Default::default() };
     let mut env = E::make(&task, config);
     let limit = env.spec().max_episode_steps;
@@ -138,7 +138,7 @@ fn disabled_asks_for_a_reset_by_mask<E: Subject>() {
 }
 
 fn a_saved_state_continues_bit_for_bit<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let config = EnvConfig { num_envs: 21, exploring: 6, ..Default::default() };
     let mut env = E::make(&task, config);
     rollout(&mut env, 7);
@@ -155,7 +155,7 @@ fn a_saved_state_continues_bit_for_bit<E: Subject>() {
 
 /// Which episodes have ended is part of the state, whatever the mode makes of it.
 fn a_saved_state_knows_which_episodes_are_finished<E: Subject>() {
-    let mut task = short("pointing");
+    let mut task = short("pointing-uitb");
     task.time_limit_s = 0.1;
     let make_one = |autoreset| E::make(&task, EnvConfig { num_envs: 3, autoreset, ..Default::default() });
     let mut env = make_one(Autoreset::Disabled);
@@ -182,7 +182,7 @@ fn a_saved_state_knows_which_episodes_are_finished<E: Subject>() {
 }
 
 fn a_peek_sees_what_a_saved_state_holds<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let tables = Tables::<f64>::new(&arm(&task), &task).unwrap();
     let mut env = E::make(&task, EnvConfig { num_envs: 21, exploring: 6, ..Default::default() });
     let limit = env.spec().max_episode_steps;
@@ -202,7 +202,7 @@ fn a_peek_sees_what_a_saved_state_holds<E: Subject>() {
 }
 
 fn damaged_states_are_refused_and_change_nothing<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
     rollout(&mut env, 2);
     let saved = env.save_state().unwrap();
@@ -223,17 +223,17 @@ fn damaged_states_are_refused_and_change_nothing<E: Subject>() {
 }
 
 fn states_of_another_task_or_body_are_refused_by_name<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
     let refusal = |env: &mut E, other: &Task| {
         let state = E::make(other, EnvConfig { num_envs: 2, ..Default::default() }).save_state().unwrap();
         env.load_state(&state).expect_err("another task").to_string()
     };
     let other = refusal(&mut env, &Task { name: "ten-spheres".into(), ..task.clone() });
-    assert!(other.ends_with("it is of the task `ten-spheres`, this environment does `pointing`"), "{other}");
+    assert!(other.ends_with("it is of the task `ten-spheres`, this environment does `pointing-uitb`"), "{other}");
     let other = refusal(&mut env, &Task { time_limit_s: 0.6, ..task.clone() });
     assert!(
-        other.ends_with("it is of another version of the task `pointing`: what the task says has changed"),
+        other.ends_with("it is of another version of the task `pointing-uitb`: what the task says has changed"),
         "{other}"
     );
     let other = refusal(&mut env, &Task { model: "mobl-arms".into(), ..task });
@@ -241,7 +241,7 @@ fn states_of_another_task_or_body_are_refused_by_name<E: Subject>() {
 }
 
 fn bad_calls_are_refused_and_change_nothing<E: Subject>() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
     let before = env.save_state().unwrap();
     let nact = env.spec().action_size();
@@ -257,7 +257,7 @@ fn bad_calls_are_refused_and_change_nothing<E: Subject>() {
 
 /// Hanging relaxed, with the fingertip inside a sphere around it: the dwell runs out after exactly so many steps.
 fn a_dwell_ends_after_its_seconds<E: Subject>() {
-    let mut task = preset("pointing-single").unwrap();
+    let mut task = fast("pointing-single");
     let text = task.to_yaml();
     assert!(text.contains("for_s: 0.25"), "{text}");
     task = Task::from_yaml(&text.replace("for_s: 0.25", "for_s: 0.3"), "test").unwrap();
@@ -285,7 +285,7 @@ fn a_dwell_ends_after_its_seconds<E: Subject>() {
 }
 
 fn motor_noise_differs_between_muscles<E: Subject>() {
-    let mut task = preset("pointing-single").unwrap();
+    let mut task = fast("pointing-single");
     task.noise.constant = 0.185;
     task.reset.activation_max = 0.0;
     let mut env = E::make(&task, EnvConfig { num_envs: 1, ..Default::default() });
@@ -356,7 +356,7 @@ conformance!(
 #[test]
 fn lanes_follow_the_reference() {
     let made = [following(), drifting(), steered(), swung()];
-    let tasks = ["pointing", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain(made);
+    let tasks = ["pointing-uitb", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain(made);
     for task in tasks {
         let name = &task.name;
         let config = EnvConfig { num_envs: 20, exploring: 9, ..Default::default() };
@@ -375,7 +375,7 @@ fn lanes_follow_the_reference() {
 /// The reference runs a plan of its own, so that faults of the specialised one show.
 #[test]
 fn the_reference_runs_the_exact_plan() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let config = EnvConfig::default();
     let reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
     let lanes = CpuEnv::new(&arm(&task), &task, &config).unwrap();
@@ -386,7 +386,7 @@ fn the_reference_runs_the_exact_plan() {
 
 #[test]
 fn a_control_step_that_does_not_fit_the_physics_is_refused() {
-    let mut task = preset("pointing").unwrap();
+    let mut task = fast("pointing-uitb");
     task.control_dt_s = 0.0333;
     let refused = CpuEnv::new(&arm(&task), &task, &EnvConfig::default()).err().expect("0.0333 / 0.002 is not whole");
     assert!(
@@ -399,14 +399,14 @@ fn a_control_step_that_does_not_fit_the_physics_is_refused() {
     assert!(none.expect("zero environments").to_string().contains("at least one"));
     for threads in [0, 1_000_000] {
         let config = EnvConfig { threads: Some(threads), ..Default::default() };
-        let error = CpuEnv::new(&arm(&preset("pointing").unwrap()), &preset("pointing").unwrap(), &config).err();
+        let error = CpuEnv::new(&arm(&fast("pointing-uitb")), &fast("pointing-uitb"), &config).err();
         assert_eq!(error.unwrap().to_string(), format!("threads is {threads}; it must be from 1 to 1024"));
     }
 }
 
 #[test]
 fn one_environment_equals_the_first_of_many() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut one = Env::new(&arm(&task), &task, 7).unwrap();
     let mut many = CpuEnv::make(&task, EnvConfig { num_envs: 9, seed: 7, ..Default::default() });
     let (nobs, nact) = (one.spec().observation_size(), one.spec().action_size());

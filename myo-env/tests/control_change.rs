@@ -12,7 +12,7 @@ const COST: f64 = 0.02;
 
 /// With motor noise, which costs nothing and is not perceived, and muscles that rest at first.
 fn task(cost: f64) -> Task {
-    let mut task = short("pointing");
+    let mut task = short("pointing-uitb");
     task.reward.control_change_cost = cost;
     task.noise.signal_dependent = 0.1;
     task.reset.activation_max = 0.0;

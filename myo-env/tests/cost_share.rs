@@ -9,7 +9,7 @@ use myo_tasks::Task;
 
 /// Where movement costs something.
 fn dear() -> Task {
-    let mut task = short("pointing");
+    let mut task = short("pointing-uitb");
     (task.reward.effort_cost, task.reward.acceleration_cost) = (4.0, 2e-3);
     task.reward.control_change_cost = 0.01;
     task

@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{arm, column, entry, rollout, short};
+use common::{arm, column, entry, fast, rollout, short};
 use myo_env::{CpuEnv, EnvConfig, EnvSpec, VectorEnv};
-use myo_tasks::{Pose, Task, preset};
+use myo_tasks::{Pose, Task};
 
 /// Environments, and how many of them explore.
 const ENVS: usize = 600;
@@ -52,7 +52,7 @@ fn whole_episodes_are_those_of_environments_none_of_which_explores() {
 
 #[test]
 fn episodes_begin_with_any_target_in_the_later_half_of_the_time() {
-    let task = preset("pointing").unwrap();
+    let task = fast("pointing-uitb");
     let mut env = env(&task, EXPLORING);
     let observation = observed(&mut env);
     let targets = 10;
@@ -103,7 +103,7 @@ fn practised(task: &Task) -> (usize, usize) {
 
 #[test]
 fn what_failed_is_practised_again() {
-    let mut task = preset("pointing").unwrap();
+    let mut task = fast("pointing-uitb");
     task.time_limit_s = 1.0;
     let (ended, again) = practised(&task);
     let share = again as f64 / ended as f64;
@@ -137,7 +137,7 @@ fn after_a_success_every_other_episode_is_whole_and_any_target_may_come() {
 #[test]
 fn the_fingertip_begins_near_the_target_whatever_the_pose_of_the_task() {
     for pose in [Pose::RangeUniform, Pose::Zero] {
-        let mut task = preset("pointing").unwrap();
+        let mut task = fast("pointing-uitb");
         task.reset.pose = pose;
         let mut env = env(&task, EXPLORING);
         let observation = observed(&mut env);

@@ -15,7 +15,7 @@ fn tasks() -> [Task; 2] {
     // Episodes of half a second end often.
     let perception =
         Perception { vision_delay_ms: 150.0, body_delay_ms: 50.0, touch_delay_ms: 20.0, ..Perception::default() };
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     [Task { perception, ..task.clone() }, task]
 }
 

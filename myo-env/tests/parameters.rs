@@ -69,7 +69,7 @@ fn check_that_nothing_is_left(exchanged: &mut dyn VectorEnv, made: &mut dyn Vect
 
 #[test]
 fn a_task_in_the_place_of_another_is_as_if_it_had_been_there_from_the_start() {
-    for name in ["pointing", "ar", "public-display"] {
+    for name in ["pointing-uitb", "ar", "public-display"] {
         let (before, task) = (noisy(name), other(&noisy(name)));
         let model = arm(&task);
         let reference = |task| ReferenceEnv::new(&model, task, &config(6)).unwrap();
@@ -92,7 +92,7 @@ fn on_a_card_a_task_takes_the_place_of_another() {
 
 #[test]
 fn kernels_know_the_structure_of_a_task_and_none_of_its_numbers() {
-    for name in ["pointing", "ar", "public-display", "mobile-typing"] {
+    for name in ["pointing-uitb", "ar", "public-display", "mobile-typing"] {
         let (before, task) = (noisy(name), other(&noisy(name)));
         let texts = [&before, &task].map(|task| {
             let tables = Tables::<f64>::new(&arm(task), task).unwrap();
@@ -107,7 +107,9 @@ fn kernels_know_the_structure_of_a_task_and_none_of_its_numbers() {
 
 /// A preset with other numbers.
 fn preset_with(name: &str, changes: &[(&str, &str)]) -> Task {
-    Task { time_limit_s: 0.5, ..changed(name, myo_tasks::preset_text(name).unwrap(), changes) }
+    let who = ("version: 2\n", "version: 2\nuser: fastest\nmodel: mobl-arms\n");
+    let changes = [&[who], changes].concat();
+    Task { time_limit_s: 0.5, ..changed(name, myo_tasks::preset_text(name).unwrap(), &changes) }
 }
 
 #[test]
@@ -199,7 +201,7 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
 
 #[test]
 fn the_layout_with_the_least_time_says_how_soon_an_environment_is_cut_again() {
-    let layouts = [0.5, 0.25, 0.4].map(|time_limit_s| Task { time_limit_s, ..short("pointing") });
+    let layouts = [0.5, 0.25, 0.4].map(|time_limit_s| Task { time_limit_s, ..short("pointing-uitb") });
     let mut env = CpuEnv::with_layouts(&arm(&layouts[0]), &layouts, &EnvConfig { exploring: 0, ..config(6) }).unwrap();
     assert_eq!(env.spec().steps_between_cuts(), 5);
     let cut =
@@ -329,7 +331,7 @@ fn a_task_of_another_structure_is_refused_and_changes_nothing() {
         change(&mut other);
         other
     };
-    refuse(&noisy("pointing"), "it has 10 steps instead of 8");
+    refuse(&noisy("pointing-uitb"), "it has 10 steps instead of 8");
     refuse(&with(|task| task.scene.0.swap_indices(0, 1)), "its spheres and boxes stand in another order");
     refuse(&with(|task| task.observation.touch = false), "it is observed in another way");
     refuse(&with(|task| task.control_dt_s = 0.1), "its control step is 0.1 s instead of 0.05 s");

@@ -25,7 +25,7 @@ fn runs_over_the_ends_of_shards_are_seen() {
     if without_gpu() {
         return;
     }
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let (model, config) = (arm(&task), EnvConfig { num_envs: 7, exploring: 3, ..EnvConfig::default() });
     let options = GpuOptions { envs_per_shard: 3, ..GpuOptions::default() };
     let mut env = GpuEnv::with_options(&gpu(), &model, &task, &config, &options).unwrap();

@@ -3,13 +3,13 @@
 mod common;
 
 use common::{
-    actions, arm, assert_follows, assert_same_summary, column, drifting, dwell_for, entry, following, gpu, rollout,
-    short, shuffled, sphere, steered, swung, without_gpu,
+    actions, arm, assert_follows, assert_same_summary, column, drifting, dwell_for, entry, fast, following, gpu,
+    rollout, short, shuffled, sphere, steered, swung, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, PhysicsBench};
 use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv};
 use myo_scalar::symbolic::Form;
-use myo_tasks::{Range, Region, Task, preset};
+use myo_tasks::{Range, Region, Task};
 
 fn both(task: &Task, config: EnvConfig) -> (GpuEnv, ReferenceEnv) {
     let model = arm(task);
@@ -28,8 +28,8 @@ fn joint_angles_agree_to_single_precision_after_a_second() {
     if without_gpu() {
         return;
     }
-    for (name, model) in [("pointing", None), ("ar", None), ("pointing", Some("myo-arm"))] {
-        let mut task = preset(name).unwrap();
+    for (name, model) in [("pointing-uitb", None), ("ar", None), ("pointing-uitb", Some("myo-arm"))] {
+        let mut task = fast(name);
         task.time_limit_s = 2.0;
         task.model = model.map_or(task.model, Into::into);
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 64, seed: 5, ..Default::default() });
@@ -50,7 +50,7 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
         return;
     }
     let made = [following(), shuffled(), drifting(), steered(), swung()];
-    for task in ["pointing", "public-display", "slider", "wall-ray"].map(short).into_iter().chain(made) {
+    for task in ["pointing-uitb", "public-display", "slider", "wall-ray"].map(short).into_iter().chain(made) {
         let name = &task.name;
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, exploring: 9, ..Default::default() });
         let runs = rollout(&mut card, 25).into_iter().zip(rollout(&mut reference, 25));
@@ -62,7 +62,7 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
 
 /// Two hundred buttons stand side by side before the body, so that it touches some now and then.
 fn crowded() -> Task {
-    let text = "version: 2\nname: crowded\nscene:\n  wall: {kind: grid, at: [0.3, 0, -0.3], tilt_deg: 45, rows: 10, columns: 20, \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: crowded\nscene:\n  wall: {kind: grid, at: [0.3, 0, -0.3], tilt_deg: 45, rows: 10, columns: 20, \
                 pitch: 0.025, of: {kind: button, size: [0.02, 0.02, 0.01]}}\n  table: {kind: obstacle, at: [0.3, 0, -0.55], \
                 size: [0.6, 0.6, 0.02]}\nscript:\n  - press: [10, 55, 130, 190, 64]\ntime_limit_s: 0.5\n";
     Task::from_yaml(text, "crowded").unwrap()
@@ -89,7 +89,7 @@ fn among_two_hundred_buttons_the_same_ones_are_touched() {
 
 /// One large sphere in front of the body, so that chance does the task often.
 fn easy() -> Task {
-    let mut task = preset("pointing-single").unwrap();
+    let mut task = fast("pointing-single");
     let ball = sphere(&mut task, "ball");
     ball.at.0 = Region { x: Range::new(0.1, 0.4), y: Range::new(-0.2, 0.2), z: Range::new(-0.5, 0.0) };
     ball.radius = Range::new(0.2, 0.3);
@@ -175,8 +175,8 @@ fn loops_over_tables_compute_what_straight_code_computes() {
     if without_gpu() {
         return;
     }
-    let bent = Task { model: "myo-arm".into(), ..short("pointing") };
-    for (task, form) in [(short("pointing"), Form::Straight), (bent, Form::Paths)] {
+    let bent = Task { model: "myo-arm".into(), ..short("pointing-uitb") };
+    for (task, form) in [(short("pointing-uitb"), Form::Straight), (bent, Form::Paths)] {
         let config = EnvConfig { num_envs: 30, seed: 2, ..Default::default() };
         let run = |form: Form| {
             let options = GpuOptions { form: Some(form), ..Default::default() };
@@ -200,7 +200,7 @@ fn a_program_does_not_run_on_the_buffers_of_a_smaller_model_or_task() {
         return;
     }
     let small = GpuEnv::new(&gpu(), &arm(&easy()), &easy(), &EnvConfig::default()).unwrap();
-    let large = preset("pointing").unwrap();
+    let large = fast("pointing-uitb");
     let tables = Tables::<f64>::new(&arm(&large), &large).unwrap();
     let refused = PhysicsBench::new(&small, &tables).err().expect("ten targets need more room than one").to_string();
     assert!(refused.starts_with("kernel physics cannot be bound: buffer numbers has "), "{refused}");
@@ -211,7 +211,7 @@ fn a_model_that_no_driver_would_compile_is_refused_with_its_size() {
     if without_gpu() {
         return;
     }
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut description = myo_model::builtin(&task.model).unwrap();
     let muscles = description.muscles.clone();
     for copy in 1..60 {

@@ -8,13 +8,13 @@ use myo_tasks::{Observation, Scene, Task};
 
 /// Why environments of this task are refused.
 fn refusal(task: &Task, config: &EnvConfig) -> String {
-    let model = arm(&short("pointing"));
+    let model = arm(&short("pointing-uitb"));
     CpuEnv::new(&model, task, config).err().expect("it must be refused").to_string()
 }
 
 #[test]
 fn a_task_made_by_code_is_checked_like_one_of_a_file() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let one = EnvConfig::default();
     let refused = |task: Task, sentence: &str| {
         let text = refusal(&task, &one);
@@ -64,7 +64,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
 #[test]
 fn more_environments_than_the_memory_holds_are_refused_with_both_sizes() {
     for num_envs in [1 << 28, 1 << 31, 1 << 50, usize::MAX] {
-        let text = refusal(&short("pointing"), &EnvConfig { num_envs, ..EnvConfig::default() });
+        let text = refusal(&short("pointing-uitb"), &EnvConfig { num_envs, ..EnvConfig::default() });
         assert!(text.starts_with(&format!("{num_envs} environments ")), "{text}");
         assert!(text.contains("bytes") || text.contains("at most"), "{text}");
     }

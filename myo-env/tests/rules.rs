@@ -58,7 +58,7 @@ impl Rules for Probe {
 
 /// A table, and a ball on its way above it.
 fn task() -> Task {
-    let text = "version: 2\nname: probed\nscene:\n  table: {kind: obstacle, at: [0.3, 0, -0.5], size: [0.6, 0.6, 0.02]}\n  \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: probed\nscene:\n  table: {kind: obstacle, at: [0.3, 0, -0.5], size: [0.6, 0.6, 0.02]}\n  \
                 ball: {kind: sphere, at: [0.4, [-0.1, 0.1], 0], radius: [0.1, 0.2], moves: {kind: circle, diameter: 0.2, period_s: 3}}\n\
                 script:\n  - dwell: {in: ball, for_s: 0.1}\ntime_limit_s: 0.5\n";
     Task { script: vec![], ..Task::from_yaml(text, "probed").unwrap() }
@@ -225,7 +225,7 @@ fn saved_states_go_on_under_the_same_rules_alone() {
         );
         let changed = refusal(&Probe { done_at: 0.3, ..PROBE });
         assert!(changed.contains("another version of the task `probed, rules probe`"), "{changed}");
-        let mut script = CpuEnv::new(&model(), &common::short("pointing"), &config(5)).unwrap();
+        let mut script = CpuEnv::new(&model(), &common::short("pointing-uitb"), &config(5)).unwrap();
         assert!(script.load_state(&saved).is_err());
     }
 }
@@ -242,7 +242,7 @@ fn numbers_of_the_task_are_exchanged_under_rules_too() {
         env.reset(None, None, &mut first).unwrap();
         assert!(observed(env.as_ref(), &first, "ball_radius").iter().all(|radius| (radius - 0.3).abs() < 1e-6));
         assert!(rollout(env.as_mut(), 14).pop().unwrap().truncated[0]);
-        let other = Task { scene: common::short("pointing").scene, ..task() };
+        let other = Task { scene: common::short("pointing-uitb").scene, ..task() };
         let refusal = env.set_task(&other).unwrap_err();
         assert!(matches!(&refusal, EnvError::OtherTask { what } if what.contains("spheres instead of 1")), "{refusal}");
     }
@@ -318,6 +318,6 @@ fn saved_states_are_looked_into_with_their_tables() {
     let saved = env.save_state().unwrap();
     let moment = myo_env::Snapshot::read(env.tables(), &saved, 1).unwrap();
     assert_eq!(moment.remembered, [3.0]);
-    let others = Tables::<f64>::exact(&model(), &common::short("pointing")).unwrap();
+    let others = Tables::<f64>::exact(&model(), &common::short("pointing-uitb")).unwrap();
     assert!(myo_env::Snapshot::read(&others, &saved, 1).is_err());
 }

@@ -2,13 +2,13 @@
 
 mod common;
 
-use common::shuffled;
+use common::{fast, shuffled};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, ReferenceEnv, Snapshot, StepStorage, VectorEnv, reseed};
 use myo_model::{Model, builtin};
 use myo_tasks::{Task, preset, preset_names};
 
 fn parts() -> (Model, Task) {
-    let task = preset("pointing").unwrap();
+    let task = fast("pointing-uitb");
     (Model::new(&builtin(&task.model).unwrap()).unwrap(), task)
 }
 

@@ -35,7 +35,7 @@ fn the_fingertip_is_the_one_that_is_observed() {
 
 #[test]
 fn paths_of_muscles_are_as_long_as_in_the_physics_and_lie_on_bodies() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let (mut env, skeleton) = (env(&task, 5), Skeleton::new(&arm(&task), &task).unwrap());
     rollout(&mut env, 6);
     let plan = &env.tables().plan;
@@ -63,7 +63,7 @@ fn paths_of_muscles_are_as_long_as_in_the_physics_and_lie_on_bodies() {
 
 #[test]
 fn bent_paths_have_points_on_the_arc() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let mut description = myo_model::builtin(&task.model).unwrap();
     let (muscle, sites) = (&mut description.muscles[3], 2);
     assert_eq!((&*muscle.name, muscle.path.len()), ("SUPSP", sites + 1));
@@ -102,6 +102,8 @@ fn bent_paths_have_points_on_the_arc() {
 fn mixed() -> Task {
     let text = "
 version: 2
+user: fastest
+model: mobl-arms
 name: mixed
 time_limit_s: 2
 scene:
@@ -180,7 +182,7 @@ fn the_current_object_goes_by_the_order_of_the_episode_and_by_what_is_to_be_corr
 
 #[test]
 fn moments_of_other_tasks_and_bodies_are_refused() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let skeleton = Skeleton::new(&arm(&task), &task).unwrap();
     let other = env(&short("ticket"), 1).peek(0..1).unwrap().remove(0);
     let refused = skeleton.pose(&other).err().unwrap().to_string();

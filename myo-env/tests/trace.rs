@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{arm, short};
+use common::{arm, fast, short};
 use myo_env::{CpuEnv, EnvConfig, StepStorage, TraceSample, VectorEnv};
-use myo_tasks::{Task, preset};
+use myo_tasks::Task;
 
 const ENVS: usize = 19;
 
@@ -20,7 +20,7 @@ fn actions(env: &CpuEnv, step: usize) -> Vec<f32> {
 
 #[test]
 fn steps_are_the_same_whether_somebody_looks_or_not() {
-    let task = short("pointing");
+    let task = short("pointing-uitb");
     let [mut seen, mut unseen] = [env(&task), env(&task)];
     let (mut a, mut b) = (StepStorage::new(seen.spec()), StepStorage::new(unseen.spec()));
     let mut trace = vec![0.0; ENVS * seen.trace_shape().len_per_env()];
@@ -38,7 +38,7 @@ fn steps_are_the_same_whether_somebody_looks_or_not() {
 
 #[test]
 fn a_trace_goes_on_where_the_last_one_ended() {
-    let task = preset("pointing").unwrap();
+    let task = fast("pointing-uitb");
     let mut env = env(&task);
     let (shape, spec) = (env.trace_shape(), env.spec().clone());
     assert_eq!((shape.samples, shape.columns, shape.rate_hz.round() as u32), (25, 4 + spec.action_size(), 500));
@@ -75,7 +75,7 @@ fn a_trace_goes_on_where_the_last_one_ended() {
 
 #[test]
 fn the_force_of_a_trace_is_what_presses_the_button() {
-    let scene = "version: 2\nname: wall\nscene: {wall: {kind: button, at: [0.3, 0, -0.2], size: [2, 2, 0.1], min_force_n: 1000}}\n\
+    let scene = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: wall\nscene: {wall: {kind: button, at: [0.3, 0, -0.2], size: [2, 2, 0.1], min_force_n: 1000}}\n\
                  script: [{press: wall}]\n";
     let task = Task::from_yaml(scene, "wall").unwrap();
     let mut env = env(&task);
@@ -101,7 +101,7 @@ fn the_force_of_a_trace_is_what_presses_the_button() {
 
 #[test]
 fn memory_of_another_size_is_refused() {
-    let mut env = env(&preset("pointing").unwrap());
+    let mut env = env(&fast("pointing-uitb"));
     let (mut out, actions) = (StepStorage::new(env.spec()), actions(&env, 0));
     let error = env.step_traced(&actions, out.buffers(), &mut [0.0; 3]).unwrap_err().to_string();
     assert!(error.contains("trace has 3 entries, expected"), "{error}");

@@ -217,7 +217,7 @@ mod tests {
 
     /// The preset with its spheres changed.
     fn typing(change: impl Fn(&mut SphereItem)) -> Task {
-        let mut task = preset("mobile-typing").unwrap();
+        let mut task = Task { control_dt_s: 0.05, ..preset("mobile-typing").unwrap() };
         let Item::Sphere(letter) = &mut task.scene.0["letter"] else { panic!("a sphere") };
         change(letter);
         task

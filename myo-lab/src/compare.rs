@@ -461,9 +461,9 @@ mod tests {
         };
         type Case<'a> = (&'a dyn Fn(&mut Group), &'a str);
         let cases: [Case; 7] = [
-            (&|b| b.run.task.model = "mobl-arms-uitb".into(), "bodies differ (mobl-arms and mobl-arms-uitb)"),
+            (&|b| b.run.task.model = "mobl-arms-uitb".into(), "bodies differ (myo-arm and mobl-arms-uitb)"),
             (&|b| b.run.version = "0.0.1".into(), "trained by different versions"),
-            (&|b| b.run.task = preset("pointing").unwrap(), "the tasks ask for different things"),
+            (&|b| b.run.task = preset("pointing-uitb").unwrap(), "the tasks ask for different things"),
             (&|b| b.run.task.script.truncate(2), "targets: whole tasks are compared"),
             (&|b| b.run.task.reward.distance_cost *= 2.0, "rewarded differently"),
             (&|b| b.ppo.num_envs = 1, "different goals or settings"),

@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn layouts_that_are_called_the_same_are_numbered() {
         let named = |names: &[&str]| {
-            let task = |name: &&str| Task { name: (*name).into(), ..preset("pointing").unwrap() };
+            let task = |name: &&str| Task { name: (*name).into(), ..preset("pointing-uitb").unwrap() };
             layout_names(&names.iter().map(task).collect::<Vec<_>>())
         };
         assert_eq!(named(&["a", "b"]), ["a", "b"]);

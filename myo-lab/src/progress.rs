@@ -185,7 +185,7 @@ mod tests {
         let line = |name| ProgressLine::new(&[preset(name).unwrap()], 60_000_000).after(&progress).unwrap();
         let text = line("mobile-typing");
         assert!(text.contains("1.00 M steps") && text.contains("success 40.0 %"), "{text}");
-        assert!(text.contains(", episodes of 1.55 s, "), "{text}");
+        assert!(text.contains(", episodes of 1.24 s, "), "{text}");
         assert!(text.contains(", bottleneck dwell in letter.3 at 62 %, "), "{text}");
         assert!(!line("pointing-single").contains("bottleneck"), "the only target is no news");
         assert_eq!(ProgressLine::new(&[preset("ar").unwrap()], 1).after(&Progress::default()), None);

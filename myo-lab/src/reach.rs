@@ -115,7 +115,9 @@ mod tests {
     fn dwelling(x: f64, seconds: f64) -> Task {
         let ball = format!("{{kind: sphere, at: [{x}, 0.29, -0.1], radius: 0.02}}");
         let script = format!("[dwell: {{in: ball, for_s: {seconds}}}]");
-        let text = format!("version: 2\nname: t\nscene: {{ball: {ball}}}\nscript: {script}\ntime_limit_s: 4\n");
+        let text = format!(
+            "version: 2\nuser: fastest\nmodel: mobl-arms\nname: t\nscene: {{ball: {ball}}}\nscript: {script}\ntime_limit_s: 4\n"
+        );
         Task::from_yaml(&text, "t").unwrap()
     }
 

@@ -218,7 +218,7 @@ mod tests {
     use crate::ModelReach;
 
     /// A sphere of 2 cm half a metre before the shoulder, pointed at for 0.2 s within 4 s of control steps of 0.05 s.
-    const BALL: &str = "version: 2\nname: t\nscene: {ball: {kind: sphere, at: [0.5, 0, -0.1], radius: 0.02}}\n\
+    const BALL: &str = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: t\nscene: {ball: {kind: sphere, at: [0.5, 0, -0.1], radius: 0.02}}\n\
                         script: [dwell: {in: ball, for_s: 0.2}]\ntime_limit_s: 4\n";
 
     fn terms(text: &str) -> Vec<RewardTerm> {
@@ -283,7 +283,7 @@ mod tests {
 
     #[test]
     fn touching_a_button_costs_no_distance() {
-        let button = "version: 2\nname: t\nscene: {ok: {kind: button, at: [0.45, 0, -0.1], size: [0.1, 0.1, 0.02], tilt_deg: 90}}\n\
+        let button = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: t\nscene: {ok: {kind: button, at: [0.45, 0, -0.1], size: [0.1, 0.1, 0.02], tilt_deg: 90}}\n\
                       script: [press: ok]\ntime_limit_s: 4\n";
         assert!(term(&terms(button), "distance_cost").step[1].unwrap().abs() < 1e-4, "{:?}", terms(button));
     }
@@ -297,7 +297,9 @@ mod tests {
         for script in
             [steps.to_owned(), format!("[random_order: {steps}]"), format!("[wait: [0.2, 0.5], {}", &steps[1..])]
         {
-            let text = format!("version: 2\nname: t\n{scene}script: {script}\ntime_limit_s: 4\n");
+            let text = format!(
+                "version: 2\nuser: fastest\nmodel: mobl-arms\nname: t\n{scene}script: {script}\ntime_limit_s: 4\n"
+            );
             let task = Task::from_yaml(&text, "t").unwrap();
             for (step, y) in [(0, 0.2), (1, -0.2)] {
                 let whole =

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use myo_gpu::AdapterChoice;
 use myo_model::{Model, ModelDescription, ModelError, builtin};
-use myo_tasks::{Anywhere, Task, check};
+use myo_tasks::{Anywhere, Task, User, check};
 use myo_train::session::{Goal, Until};
 use myo_train::{Checkpoint, RunClaim, RunConfig, RunError, RunFolder};
 use serde::{Deserialize, Serialize};
@@ -69,11 +69,15 @@ pub struct WarmStartMoved {
 /// Parts of the observation that there are by default now, and were not when runs were written without them.
 const NEW_PARTS: [&str; 2] = ["target_direction", "control"];
 
-/// A description in which users perceive no more than they did when it was written: it names all parts that there were.
-fn as_perceived_then(mut value: Value) -> Value {
+/// A description in which users are who they were when it was written, and perceive no more: it names all parts that there were, and before
+/// it named users there was but one.
+fn as_it_was_then(mut value: Value) -> Value {
     let others = value["other_layouts"].as_array().map_or(0, Vec::len);
     let tasks = std::iter::once("/task".to_owned()).chain((0..others).map(|layout| format!("/other_layouts/{layout}")));
     for task in tasks {
+        if let Some(Value::Object(task)) = value.pointer_mut(&task) {
+            task.entry("user").or_insert_with(|| User::Fastest.name().into());
+        }
         if let Some(Value::Object(parts)) = value.pointer_mut(&format!("{task}/observation")) {
             for part in NEW_PARTS {
                 parts.entry(part).or_insert(Value::Bool(false));
@@ -114,7 +118,7 @@ impl RunDescription {
         let bad = |reason: String| RunError::BadConfig { path: run.path().join("config.json"), reason };
         let RunConfig { run: value, .. } = run.config().clone();
         let description: Self =
-            serde_json::from_value(as_perceived_then(value)).map_err(|error| bad(error.to_string()))?;
+            serde_json::from_value(as_it_was_then(value)).map_err(|error| bad(error.to_string()))?;
         description.check().map_err(bad)?;
         let others = description.other_layouts.into_iter().map(Task::with_costs_per_second).collect();
         Ok(Self { task: description.task.with_costs_per_second(), other_layouts: others, ..description })
@@ -206,15 +210,15 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn users_of_old_runs_perceive_what_they_did_then() {
+    fn users_of_old_runs_are_who_they_were_and_perceive_what_they_did_then() {
         let old = json!({"task": {"observation": {"activation": true}}, "other_layouts": [{"observation": {"control": true}}]});
         let expected = json!({
-            "task": {"observation": {"activation": true, "target_direction": false, "control": false}},
-            "other_layouts": [{"observation": {"control": true, "target_direction": false}}],
+            "task": {"user": "fastest", "observation": {"activation": true, "target_direction": false, "control": false}},
+            "other_layouts": [{"user": "fastest", "observation": {"control": true, "target_direction": false}}],
         });
-        assert_eq!(as_perceived_then(old), expected);
+        assert_eq!(as_it_was_then(old), expected);
         let new = serde_json::to_value(myo_tasks::preset("pointing").unwrap()).unwrap();
         let new = json!({"task": new});
-        assert_eq!(as_perceived_then(new.clone()), new, "all parts are written down");
+        assert_eq!(as_it_was_then(new.clone()), new, "all parts are written down");
     }
 }

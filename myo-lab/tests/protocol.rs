@@ -213,7 +213,7 @@ fn users_who_have_not_learnt_a_condition_have_no_law_and_times_of_the_others() {
 #[test]
 fn what_is_practised_can_be_done() {
     for name in ["mobl-arms", "mobl-arms-uitb", "myo-arm"] {
-        let (user, model) = (Task { model: name.into(), ..preset("pointing").unwrap() }, arm(name));
+        let (user, model) = (Task { model: name.into(), ..preset("pointing-uitb").unwrap() }, arm(name));
         for practice in Practice::ALL {
             let layouts = practice.layouts(&user).unwrap();
             one_structure(&model, &layouts).unwrap();
@@ -236,7 +236,7 @@ fn untrained(model: &Model, layouts: &[Task]) -> Policy {
 
 #[test]
 fn recordings_are_whole_episodes_and_the_same_again() {
-    let (user, model) = (preset("pointing").unwrap(), arm("mobl-arms-uitb"));
+    let (user, model) = (preset("pointing-uitb").unwrap(), arm("mobl-arms-uitb"));
     let mut layouts = Practice::Pointing.layouts(&user).unwrap();
     layouts.truncate(3);
     layouts.iter_mut().for_each(|layout| layout.time_limit_s = 1.0);
@@ -259,7 +259,7 @@ fn recordings_are_whole_episodes_and_the_same_again() {
 #[test]
 fn holds_and_activations_of_users_who_do_not_hold_are_refused() {
     let model = arm("myo-arm");
-    let user = Task { model: "myo-arm".into(), ..preset("pointing").unwrap() };
+    let user = Task { model: "myo-arm".into(), ..preset("pointing-uitb").unwrap() };
     let layouts = Practice::Holding.layouts(&user).unwrap();
     let found = record(&mut untrained(&model, &layouts), &model, &layouts, (6, 1)).unwrap().remove(0);
     let still = Stillness::of(std::slice::from_ref(&found)).unwrap_err();

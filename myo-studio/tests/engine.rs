@@ -34,7 +34,7 @@ fn refusal(engine: &Engine, call: &str, with: Value) -> String {
 /// A task that is learnt in a moment: one large sphere where the hand hangs.
 fn easy(x: f64) -> String {
     format!(
-        "version: 2\nname: easy\nscene:\n  ball: {{kind: sphere, at: [{x}, 0, -0.4], radius: 0.3}}\nscript:\n  - dwell: {{in: ball, for_s: 0.05}}\n\
+        "version: 2\nuser: fastest\nmodel: mobl-arms\nname: easy\nscene:\n  ball: {{kind: sphere, at: [{x}, 0, -0.4], radius: 0.3}}\nscript:\n  - dwell: {{in: ball, for_s: 0.05}}\n\
          time_limit_s: 1\n"
     )
 }
@@ -286,7 +286,7 @@ fn a_live_training_takes_its_user_to_every_task_that_comes() {
     let first = wait(&engine, id, |job| job["state"]["is"] == "done");
     assert_eq!(first["progress"]["before"], Value::Null);
     // Of another structure, too: a button instead of a sphere.
-    let button = "version: 2\nname: easy\nscene:\n  ok: {kind: button, at: [0.4, 0, -0.2], size: [0.3, 0.3, 0.02], tilt_deg: 60}\nscript:\n  - press: ok\n\
+    let button = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: easy\nscene:\n  ok: {kind: button, at: [0.4, 0, -0.2], size: [0.3, 0.3, 0.02], tilt_deg: 60}\nscript:\n  - press: ok\n\
                   time_limit_s: 2\n";
     let note = json!({"tags": ["mine"], "note": ""});
     ask(&engine, "note", json!({"name": "easy-1", "note": note})).unwrap();
@@ -486,7 +486,7 @@ fn a_studio_that_ends_leaves_its_training_with_a_checkpoint() {
 fn the_model_of_a_task_is_looked_for_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let engine = engine(folder.path());
-    let own = easy(0.1).replace("name: easy\n", "name: easy\nmodel: my-arm.yaml\n");
+    let own = easy(0.1).replace("model: mobl-arms\n", "model: my-arm.yaml\n");
     assert!(refusal(&engine, "train", order(&own, "0.5", false)).contains("my-arm.yaml"));
     let description = myo_model::builtin("mobl-arms").unwrap();
     std::fs::create_dir_all(folder.path().join("tasks")).unwrap();

@@ -10,8 +10,26 @@ use crate::range::Range;
 use crate::scene::{ButtonItem, Item, Scene, SphereItem};
 use crate::script::{Dwell, Instruction, Names};
 use crate::target::{Pointing, Pressing, Target};
+use crate::user::User;
+
+/// The body and the user of texts of version 1 that name none: what the defaults were while it was the newest.
+const MODEL_THEN: &str = "mobl-arms";
+const USER_THEN: User = User::Fastest;
 
 impl Task {
+    /// Gives a task of version 1 the body and the user that its text meant when it was written, wherever `is_given` does not know them.
+    pub(crate) fn as_meant_then(&mut self, is_given: impl Fn(&str) -> bool) {
+        if self.version >= FORMAT_VERSION {
+            return;
+        }
+        if !is_given("model") {
+            self.model = MODEL_THEN.to_owned();
+        }
+        if !is_given("user") {
+            self.user = USER_THEN;
+        }
+    }
+
     /// The same task in the newest version of the format; one that is in it already stays as it is.
     pub fn converted(self) -> Self {
         let mut task = self.collapsed();

@@ -21,7 +21,7 @@ const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
 const SCALE: Quantity = Quantity::between(0.0, 10.0, "m");
-const HELD: Quantity = Quantity::between(0.001, 10.0, "s");
+pub(crate) const HELD: Quantity = Quantity::between(0.001, 10.0, "s");
 pub(crate) const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
 
 /// The newest version of the task format. Files of version 1 are read as well.
@@ -49,14 +49,14 @@ pub struct Task {
     pub description: String,
 
     /// The body that does it: the name of a built-in model, or a model file, looked for in the folder of the task file.
-    /// Default `mobl-arms`.
+    /// Default `myo-arm`.
     #[serde(default = "default_model")]
     #[garde(custom(model_rule))]
     #[schemars(length(min = 1, max = 4096))]
     pub model: String,
 
     /// Who does it: what the simulated user is like where this task does not say. `human` moves as people do, `fastest` as fast as its muscles
-    /// allow. Default `fastest`.
+    /// allow. Default `human`.
     #[serde(default)]
     #[garde(skip)]
     pub user: User,
@@ -150,7 +150,7 @@ pub enum Stimulus {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Reset {
-    /// Joint angles at the start. Default `range_uniform`.
+    /// Joint angles at the start. Default for `user: human` `near_zero`, for `user: fastest` `range_uniform`.
     #[garde(skip)]
     pub pose: Pose,
 
@@ -164,7 +164,7 @@ pub struct Reset {
     #[schemars(transform = VELOCITY_SPREAD.schema())]
     pub velocity_spread_rad_s: f64,
 
-    /// Muscle activations are drawn from 0 to this. Default 1, for `user: human` 0: relaxed.
+    /// Muscle activations are drawn from 0 to this. Default for `user: human` 0: relaxed, for `user: fastest` 1.
     #[garde(custom(SHARE.rule()))]
     #[schemars(transform = SHARE.schema())]
     pub activation_max: f64,
@@ -364,12 +364,12 @@ impl Task {
     /// A task of this name with an empty scene and an empty script, all else as it is where a file says nothing: what a task
     /// begins with that is judged by code. As it is, without a script, [`flat`](Self::flat) refuses it.
     pub fn without_script(name: &str) -> Self {
-        Self {
+        let mut task = Self {
             version: FORMAT_VERSION,
             name: name.to_owned(),
             description: String::new(),
             model: default_model(),
-            user: User::Fastest,
+            user: User::default(),
             scene: Scene::default(),
             script: vec![],
             technique: Technique::default(),
@@ -383,7 +383,9 @@ impl Task {
             observation: Observation::default(),
             perception: Perception::default(),
             noise: Noise::default(),
-        }
+        };
+        task.fill_in(|_| false);
+        task
     }
 
     /// The same with costs as files have them now; see [`Reward::per_second`].
@@ -598,7 +600,7 @@ impl Default for Observation {
 }
 
 fn default_model() -> String {
-    "mobl-arms".into()
+    "myo-arm".into()
 }
 
 fn default_time_limit() -> f64 {

@@ -104,6 +104,7 @@ impl Source {
             place: SourceLocation::new(name, (1, 1)),
             message: "the file cannot be read a second time to find positions".into(),
         })?;
+        task.as_meant_then(|path| layout.has(path));
         task.fill_in(|path| layout.has(path));
         let mut values = bad_values(&task, name, &layout);
         values.extend(costs_twice(&task.reward, name, &layout));

@@ -20,7 +20,8 @@ presets!(
     "hello",
     "slider",
     "choice",
-    "wall-ray"
+    "wall-ray",
+    "pointing-uitb"
 );
 
 /// Names of the presets.

@@ -4,7 +4,7 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::{Noise, Reset, Reward, SHARE, Task, default_control_step};
+use crate::description::{HELD, Noise, Pose, Reset, Reward, SHARE, Task, default_control_step};
 use crate::quantity::Quantity;
 
 const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
@@ -16,15 +16,15 @@ const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
 pub enum User {
     /// Is to move as people do: with motor noise, with eyes that are late, and with regard to its effort. In shape and speed its movements are
     /// like people's; how far it is like them is told in `docs/people.md`.
+    #[default]
     Human,
     /// As fast as its muscles allow: no noise, no delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose
     /// speed is all that counts.
-    #[default]
     Fastest,
 }
 
 /// How late the simulated user perceives, in ms, rounded to whole control steps, and how far off.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
 #[serde(deny_unknown_fields, default)]
 pub struct Perception {
     /// What is seen: where objects are, what became of them, where a pointer other than the fingertip is. Default 0.
@@ -43,10 +43,23 @@ pub struct Perception {
     pub touch_delay_ms: f64,
 
     /// How far off a target seems that is away from the pointer: standard deviation along the line between them, as a share of its length and
-    /// another centimetre, and half as much across; drawn anew for each target. It shrinks on the way, so that a movement misses by far less. Default 0.
+    /// another centimetre, and half as much across; along the line at most two standard deviations. It shrinks on the way, so that a movement misses by
+    /// far less. Default 0.
     #[garde(custom(SHARE.rule()))]
     #[schemars(transform = SHARE.schema())]
     pub vision_noise: f64,
+
+    /// How long a target seems off in the same way: the time in s after which e-times less of it is left, and something new has taken its place, as of
+    /// people who look again several times a second. Default 0.3, as long as eyes rest on a place (Rayner 1998, doi 10.1037/0033-2909.124.3.372).
+    #[garde(custom(HELD.rule()))]
+    #[schemars(transform = HELD.schema())]
+    pub vision_held_s: f64,
+}
+
+impl Default for Perception {
+    fn default() -> Self {
+        Self { vision_delay_ms: 0.0, body_delay_ms: 0.0, touch_delay_ms: 0.0, vision_noise: 0.0, vision_held_s: 0.3 }
+    }
 }
 
 /// All that users differ in.
@@ -89,7 +102,7 @@ impl User {
 /// decisions a second, for who decides more often learns small targets late; time cheap, effort dear enough for a resting arm, and changes of controls
 /// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 1.9 to 2.7 % (people:
 /// 1 to 4 %); two decisions until something seen is known; targets that seem off by so much of their distance that first movements end beside them, more
-/// along the way than across it; and a start with muscles at rest, for nobody begins with every muscle tensed at random.
+/// along the way than across it; and a start from the hanging arm at rest, for nobody begins with joints and muscles as it happens.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
@@ -103,7 +116,7 @@ fn human(usual: Reward) -> Traits {
         },
         noise: Noise { signal_dependent: 0.05, constant: 0.0008, held_s: 0.4 },
         perception: Perception { vision_delay_ms: 80.0, vision_noise: 0.35, ..Perception::default() },
-        reset: Reset { activation_max: 0.0, ..Reset::default() },
+        reset: Reset { pose: Pose::NearZero, activation_max: 0.0, ..Reset::default() },
     }
 }
 
@@ -128,10 +141,14 @@ impl Task {
         fill(&mut self.noise.signal_dependent, noise.signal_dependent, &["noise.signal_dependent"]);
         fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
         fill(&mut self.noise.held_s, noise.held_s, &["noise.held_s"]);
+        if !is_given("reset.pose") {
+            self.reset.pose = reset.pose;
+        }
         fill(&mut self.reset.activation_max, reset.activation_max, &["reset.activation_max"]);
         let own = &mut self.perception;
         fill(&mut own.vision_delay_ms, perception.vision_delay_ms, &["perception.vision_delay_ms"]);
         fill(&mut own.vision_noise, perception.vision_noise, &["perception.vision_noise"]);
+        fill(&mut own.vision_held_s, perception.vision_held_s, &["perception.vision_held_s"]);
         fill(&mut own.body_delay_ms, perception.body_delay_ms, &["perception.body_delay_ms"]);
         fill(&mut own.touch_delay_ms, perception.touch_delay_ms, &["perception.touch_delay_ms"]);
     }

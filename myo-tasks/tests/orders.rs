@@ -252,5 +252,5 @@ fn what_is_shown_is_said_in_a_word() {
     let task = myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap();
     assert_eq!(task.flat().unwrap().stimulus, Stimulus::Current);
     let message = refusal(&text.replace("current", "nothing"));
-    assert_eq!(message, "t.yaml:8:11: unknown value `nothing`; valid are `all`, `current`, `before_movement`");
+    assert_eq!(message, "t.yaml:10:11: unknown value `nothing`; valid are `all`, `current`, `before_movement`");
 }

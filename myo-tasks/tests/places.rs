@@ -109,7 +109,7 @@ fn a_range_in_a_range_and_a_display_that_moves_are_refused() {
     );
     assert_eq!(
         refusal(&onto),
-        "t.yaml:8:42: `wall` has a range of places or sizes; a pointer needs a face that stays as it is"
+        "t.yaml:10:42: `wall` has a range of places or sizes; a pointer needs a face that stays as it is"
     );
     let lamps = format!("{PANEL}\n  c: {{kind: button, at: [0.4, 0.5, 0], size: [0.03, 0.03, 0.01]}}");
     let refused = refusal(&text(&lamps, "  - react: {among: [a, c], after_s: 1}"));

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use common::{VERSION_1, version_1};
 use myo_tasks::{
-    Anywhere, LoadError, Pointing, Range, Region, SCHEMA_HINT, Target, Task, check, load, preset, preset_names,
+    Anywhere, LoadError, Pointing, Range, Region, SCHEMA_HINT, Target, Task, User, check, load, preset, preset_names,
     preset_text, rounded_steps, task_schema,
 };
 use serde_json::Value;
@@ -16,9 +16,9 @@ fn presets_are_sound() {
     for name in preset_names() {
         let task = preset(name).unwrap();
         assert_eq!(task.name, name);
-        // The spheres in the far plane belong to the published systems' body; see the presets' comments.
-        let body = if name.starts_with("pointing") { "mobl-arms-uitb" } else { "mobl-arms" };
-        assert_eq!(task.model, body, "{name}");
+        let published = ["pointing-single", "pointing-uitb"].contains(&name);
+        let who = if published { ("mobl-arms-uitb", User::Fastest) } else { ("myo-arm", User::Human) };
+        assert_eq!((task.model.as_str(), task.user), who, "{name}");
         assert_eq!(check(&task, &Anywhere), Default::default(), "{name}");
         assert!(preset_text(name).unwrap().starts_with(SCHEMA_HINT), "{name}");
     }
@@ -42,13 +42,15 @@ fn presets_have_the_published_values() {
         let flat = task.flat().unwrap();
         let letter = |step| if flat.object(step).sphere().is_some() { 'S' } else { 'B' };
         let kinds: String = (0..flat.steps.len()).map(letter).collect();
-        (kinds, task.time_limit_steps())
+        (kinds, task.time_limit_s)
     };
-    assert_eq!(shape("pointing"), ("SSSSSSSSSS".into(), 240));
-    assert_eq!(shape("pointing-single"), ("S".into(), 80));
-    assert_eq!(shape("ar"), ("SBSBSBSB".into(), 200));
-    assert_eq!(shape("public-display"), ("BBBB".into(), 80));
-    assert_eq!(shape("mobile-typing"), ("SSSSS".into(), 80));
+    assert_eq!(shape("pointing-uitb"), ("SSSSSSSSSS".into(), 12.0));
+    assert_eq!(shape("pointing-single"), ("S".into(), 4.0));
+    assert_eq!(shape("ar"), ("SBSBSBSB".into(), 10.0));
+    assert_eq!(shape("public-display"), ("BBBB".into(), 4.0));
+    // People take their time.
+    assert_eq!(shape("pointing"), ("SSSSSSSSSS".into(), 20.0));
+    assert_eq!(shape("mobile-typing"), ("SSSSS".into(), 8.0));
 
     let pointing = preset("pointing").unwrap().flat().unwrap();
     let (y, z) = (Range::new(-0.2, 0.4), Range::new(-0.3, 0.3));
@@ -72,7 +74,8 @@ fn durations_are_rounded_to_steps() {
         assert_eq!(rounded_steps(duration, 0.05), steps, "{duration} s");
     }
     assert_eq!(rounded_steps(0.0, 0.05), 1);
-    assert_eq!(preset("pointing").unwrap().substeps(0.002), 25);
+    let substeps = ["pointing", "pointing-uitb"].map(|name| preset(name).unwrap().substeps(0.002));
+    assert_eq!(substeps, [20, 25]);
 }
 
 #[test]

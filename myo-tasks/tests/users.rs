@@ -11,14 +11,34 @@ fn read(more: &str) -> Task {
 
 /// All that users differ in.
 fn traits(task: &Task) -> String {
-    format!("{:?} {:?} {:?} {}", task.reward, task.noise, task.perception, task.control_dt_s)
+    let Task { reward, noise, perception, reset, control_dt_s, .. } = task;
+    format!("{reward:?} {noise:?} {perception:?} {reset:?} {control_dt_s}")
 }
 
 #[test]
-fn the_fastest_user_is_what_code_begins_with() {
-    let (read, made) = (read("user: fastest\n"), Task::without_script("t"));
-    assert_eq!((made.user, traits(&read)), (User::Fastest, traits(&made)));
-    assert_eq!((read.reward, read.perception), (Reward::default(), Perception::default()));
+fn a_human_with_a_human_arm_does_what_names_nobody() {
+    for (task, origin) in [(read(""), "a text"), (Task::without_script("t"), "code")] {
+        assert_eq!((task.user, task.model.as_str()), (User::Human, "myo-arm"), "{origin}");
+        assert_eq!(traits(&task), traits(&read("user: human\n")), "{origin}");
+    }
+}
+
+#[test]
+fn the_fastest_user_is_what_values_are_without_a_user() {
+    let fastest = read("user: fastest\n");
+    assert_eq!((fastest.reward, fastest.perception), (Reward::default(), Perception::default()));
+}
+
+#[test]
+fn texts_of_version_1_mean_what_they_meant() {
+    let text =
+        "version: 1\nname: t\ntargets: [{kind: pointing, position: {x: 0.4, y: 0, z: 0}, radius: 0.1, dwell_s: 0.2}]\n";
+    let read = |more: &str| Task::from_yaml(&format!("{text}{more}"), "t.yaml").unwrap();
+    let old = read("");
+    assert_eq!((old.user, old.model.as_str(), old.control_dt_s), (User::Fastest, "mobl-arms", 0.05));
+    assert_eq!(Task::from_yaml(&old.clone().converted().to_yaml(), "t.yaml").unwrap().user, User::Fastest);
+    let told = read("user: human\nmodel: myo-arm\n");
+    assert_eq!((told.user, told.model.as_str(), told.control_dt_s), (User::Human, "myo-arm", 0.04));
 }
 
 #[test]

@@ -292,6 +292,19 @@ fn learning_that_runs_away_goes_back_and_still_succeeds() {
 }
 
 #[test]
+fn steps_become_longer_again_when_all_goes_well() {
+    let place = tempfile::tempdir().unwrap();
+    let allowed = |updates: u64| {
+        let folder = place.path().join(updates.to_string());
+        run(recorded(session(Mishap::NanAt(16 * 70 + 1), config(), steps(updates * 4096)), &folder));
+        let checkpoint = RunFolder::open(&folder).unwrap().latest_checkpoint().unwrap().checkpoint.unwrap();
+        checkpoint.config().learning_rate_max / config().learning_rate_max
+    };
+    // It goes back from 70 updates to 64; every 64 updates a state is kept as a good one.
+    assert_eq!([100, 150, 200, 300].map(allowed), [0.25, 0.5, 1.0, 1.0]);
+}
+
+#[test]
 fn steps_far_too_long_are_shortened_until_they_fit() {
     let config = PpoConfig { kl_target: 0.0, learning_rate: 0.2, learning_rate_max: 0.2, ..config() };
     let (told, outcome) = run(session(Mishap::None, config, steps(300_000)));

@@ -19,7 +19,8 @@ const RULES: Swing = Swing { reach: 0.02, turns: 2.0 };
 
 #[test]
 fn lanes_and_card_do_what_the_reference_does() {
-    let (task, config) = (task(), EnvConfig { num_envs: 40, seed: 3, ..EnvConfig::default() });
+    let task = Task { model: "mobl-arms".into(), ..task() };
+    let config = EnvConfig { num_envs: 40, seed: 3, ..EnvConfig::default() };
     let model = arm(&task);
     let mut reference = ReferenceEnv::with_rules(&model, &task, &RULES, &config).unwrap();
     let mut others: Vec<(&str, Box<dyn VectorEnv>)> =

@@ -12,6 +12,8 @@ use myo::tasks::Task;
 /// A sphere, an obstacle and two buttons, one of them pressed twice.
 const TASK: &str = "
 version: 2
+user: fastest
+model: mobl-arms
 name: picture
 time_limit_s: 2
 scene:

@@ -30,7 +30,7 @@ pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
         let done_before = env.task.phase;
         S::outline(stages::Draw { world, mask, env });
         logic::begin_step(&world.parameters.task, mask, env.counter(), &mut env.task);
-        misjudge::misjudge(world, mask, env);
+        misjudge::look(world, mask, env);
         S::outline(stages::Explore { world, mask, done_before, env, physics: &mut ws.physics });
     }
     let mut goal = Goal::of(&world.parameters.task, &env.task);

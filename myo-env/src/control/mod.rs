@@ -87,7 +87,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     // After the last step is done it stays the current one.
     let begins = progress.target_done & !progress.task_done;
     logic::begin_step(&world.parameters.task, begins, env.counter(), &mut env.task);
-    misjudge::misjudge(world, begins, env);
+    misjudge::look_again(world, begins, env);
     choose(world, &sensed.body, env);
     let goal = Goal::of(&world.parameters.task, &env.task);
     sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);

@@ -4,7 +4,7 @@
 use myo_env::{StepStorage, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_model::{Model, builtin};
-use myo_tasks::{Instruction, Item, SphereItem, Task, preset};
+use myo_tasks::{Instruction, Item, Source, SphereItem, Task, User, preset_text};
 
 pub fn arm(task: &Task) -> Model {
     Model::new(&builtin(&task.model).unwrap()).unwrap()
@@ -24,9 +24,16 @@ pub fn without_gpu() -> bool {
     skip
 }
 
-/// A task short enough to end often.
+/// A preset done by the fastest user, on a body of straight muscles: what is tested with it holds whoever does it, and these are quick.
+pub fn fast(name: &str) -> Task {
+    let task = Source::parse(preset_text(name).unwrap(), name).unwrap().done_by(User::Fastest).task;
+    let model = if task.model == "myo-arm" { "mobl-arms".into() } else { task.model };
+    Task { model, ..task }
+}
+
+/// The same, short enough to end often.
 pub fn short(name: &str) -> Task {
-    let mut task = preset(name).unwrap();
+    let mut task = fast(name);
     task.time_limit_s = 0.5;
     task
 }
@@ -38,7 +45,7 @@ pub fn following() -> Task {
 
 /// The same with other numbers: pairs of a text in it and what stands there instead.
 pub fn following_with(changes: &[(&str, &str)]) -> Task {
-    let text = "version: 2\nname: following\nscene:\n  wall: {kind: obstacle, at: [1, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: following\nscene:\n  wall: {kind: obstacle, at: [1, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  \
                 ball: {kind: sphere, at: [0.99, [-0.1, 0.1], 0], radius: 0.3, moves: {kind: random, by: [0, 0.2, 0.2], period_s: 1}}\n  \
                 slow: {kind: sphere, at: [0.99, 0, 0], radius: [0.1, 0.3], moves: {kind: circle, diameter: 0.2, period_s: 3}}\n\
                 technique: {kind: cursor, onto: wall, at: [0.3, 0, -0.2], gain: 4}\nscript:\n  - wait: [0.05, 0.2]\n  \
@@ -58,7 +65,7 @@ pub fn changed(name: &str, text: &str, changes: &[(&str, &str)]) -> Task {
 
 /// Spheres in a drawn order and in any, a way between two of them, and a plate before the body, which presses that take back others.
 pub fn shuffled() -> Task {
-    let text = "version: 2\nname: shuffled\nscene:\n  wide: {kind: sphere, at: [[0.1, 0.4], [-0.3, 0.3], [-0.5, 0.1]], radius: 0.35, copies: 7}\n  \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: shuffled\nscene:\n  wide: {kind: sphere, at: [[0.1, 0.4], [-0.3, 0.3], [-0.5, 0.1]], radius: 0.35, copies: 7}\n  \
                 plate: {kind: button, at: [0.25, 0, -0.2], size: [1.2, 0.9, 0.02], min_force_n: 0.05}\n  \
                 back: {kind: button, at: [0.25, 0, 0.4], size: [1.2, 0.3, 0.02], min_force_n: 0.05}\n\
                 stimulus: current\ncorrection: back\nscript:\n  - random_order: [{dwell: {in: [wide.1, wide.2, wide.3], for_s: 0.05}}]\n  \
@@ -74,7 +81,7 @@ pub fn drifting() -> Task {
 
 /// The same with other numbers.
 pub fn drifting_with(changes: &[(&str, &str)]) -> Task {
-    let text = "version: 2\nname: drifting\nscene:\n  desk:\n    kind: group\n    at: [[0.15, 0.35], [-0.2, 0.2], [-0.3, 0.1]]\n    \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: drifting\nscene:\n  desk:\n    kind: group\n    at: [[0.15, 0.35], [-0.2, 0.2], [-0.3, 0.1]]\n    \
                 turn_deg: 20\n    objects:\n      plate: {kind: button, at: [0, 0.3, 0], size: [0.55, 0.9, 0.02], min_force_n: 0.05}\n      \
                 other: {kind: button, at: [0, -0.3, 0], size: [[0.3, 0.55], [0.5, 0.9], [0.02, 0.1]], min_force_n: 0.05}\n      \
                 spot: {kind: sphere, at: [0, 0, 0.2], radius: [0.25, 0.35]}\n  \
@@ -92,7 +99,7 @@ pub fn steered() -> Task {
 
 /// The same with other numbers.
 pub fn steered_with(changes: &[(&str, &str)]) -> Task {
-    let text = "version: 2\nname: steered\nscene:\n  wall: {kind: obstacle, at: [1, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: steered\nscene:\n  wall: {kind: obstacle, at: [1, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  \
                 ball: {kind: sphere, at: [0.99, [-0.1, 0.1], 0], radius: 0.3, moves: {kind: random, by: [0, 0.2, 0.2], period_s: 1}}\n  \
                 spot: {kind: sphere, at: [0.99, [-0.2, 0.2], [-0.2, 0.2]], radius: 0.2, min_distance_from_previous: 0}\n\
                 technique: {kind: rate_cursor, onto: wall, at: [0.3, 0, -0.2], gain: 3}\nstimulus: before_movement\n\
@@ -108,7 +115,7 @@ pub fn swung() -> Task {
 
 /// The same with other numbers.
 pub fn swung_with(changes: &[(&str, &str)]) -> Task {
-    let text = "version: 2\nname: swung\nscene:\n  desk:\n    kind: group\n    at: [[0.2, 0.4], -0.1, [-0.6, -0.5]]\n    objects:\n      \
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: swung\nscene:\n  desk:\n    kind: group\n    at: [[0.2, 0.4], -0.1, [-0.6, -0.5]]\n    objects:\n      \
                 lever: {kind: stick, length: 0.3, knob: 0.2, range_deg: [-60, 50], angle_deg: [-60, 20], tilt_deg: 20}\n      \
                 ball: {kind: sphere, at: [0, 0.1, 0.2], radius: 0.3, moves: {kind: line, by: [0, 0.2, 0], period_s: 1}}\n  \
                 switch: {kind: stick, at: [0.2, 0, -0.2], length: 0.25, knob: 0.24, swings: up, tilt_deg: 90}\n  \

@@ -16,7 +16,7 @@ pub type Deed = ([f64; 3], Option<(usize, f64)>);
 pub const OFF: Deed = ([0.3, 0.0, 0.1], None);
 
 pub fn text(scene: &str, script: &str) -> String {
-    format!("version: 2\nname: t\nscene:\n{scene}\nscript:\n{script}\n")
+    format!("version: 2\nname: t\nscene:\n{scene}\nscript:\n{script}\nuser: fastest\nmodel: mobl-arms\n")
 }
 
 pub fn task(scene: &str, script: &str) -> Task {

@@ -48,6 +48,9 @@ pub struct Memory {
     pub evaluations: u64,
     /// How often the training went back to its good state.
     pub tries: u32,
+    /// How long steps were allowed to be at first; 0 where that is not known any more.
+    #[serde(default)]
+    pub learning_rate_max: f64,
     /// Whether it was told that nothing improves.
     pub told_flat: bool,
     /// Seconds spent on evaluations.
@@ -70,6 +73,7 @@ impl Memory {
             all_counts: first_cost_share(trainer) == 1.0,
             evaluations: 0,
             tries: 0,
+            learning_rate_max: trainer.config().learning_rate_max,
             told_flat: false,
             evaluation_s: 0.0,
             confirmed: None,

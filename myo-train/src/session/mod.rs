@@ -218,7 +218,7 @@ impl Session {
             return Ok(Updated::Back(self.go_back(reason)?));
         }
         let Some(metrics) = updated? else { return Ok(Updated::Interrupted) };
-        self.recovery.went_well(&self.trainer)?;
+        self.recovery.went_well(&mut self.trainer, self.memory.learning_rate_max)?;
         self.memory.hear(&metrics, self.trainer.spec().num_envs);
         self.follow_costs()?;
         self.record.as_mut().map_or(Ok(()), |record| record.hear(&metrics))?;

@@ -8,6 +8,9 @@ const EVERY: u64 = 64;
 /// By how much steps become shorter each time.
 const FACTOR: f64 = 0.25;
 
+/// By how much they may become longer again after as many updates that went well.
+const LONGER: f64 = 2.0;
+
 /// How often to go back to the same state before giving up.
 pub const TRIES: u32 = 4;
 
@@ -40,9 +43,11 @@ impl Recovery {
         (!is_same).then_some(&self.good)
     }
 
-    /// Hears of an update that went well.
-    pub fn went_well(&mut self, trainer: &Trainer) -> Result<(), TrainError> {
+    /// Hears of an update that went well. After so many that the state is good, steps may become longer again, as long as they were allowed to be at first:
+    /// a long training runs away now and then, and would end with steps of no length.
+    pub fn went_well(&mut self, trainer: &mut Trainer, learning_rate_max: f64) -> Result<(), TrainError> {
         if trainer.updates() >= self.good.updates() + EVERY {
+            trainer.allow_longer_steps(LONGER, learning_rate_max);
             *self = Self::new(trainer.save()?);
         }
         Ok(())

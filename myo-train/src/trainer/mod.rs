@@ -448,6 +448,12 @@ impl Trainer {
         Ok(())
     }
 
+    /// Lets steps become `factor` times as long as they were allowed to, but no longer than `most`.
+    pub(crate) fn allow_longer_steps(&mut self, factor: f64, most: f64) {
+        let allowed = &mut self.brain.config.learning_rate_max;
+        *allowed = (*allowed * factor).min(most).max(*allowed);
+    }
+
     /// Goes on with another task of the same structure, between two updates; see [`VectorEnv::set_task`]. Checkpoints of before are
     /// of the other task and do not fit any more.
     ///

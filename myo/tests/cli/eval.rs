@@ -38,7 +38,7 @@ fn a_user_can_be_tried_on_a_layout_that_it_was_not_trained_on() {
     );
 
     // More steps, and of other kinds; the same is perceived.
-    let typing = stdout(&here(&["task", "show", "mobile-typing"])) + "model: mobl-arms-uitb\n";
+    let typing = stdout(&here(&["task", "show", "mobile-typing"])) + "model: mobl-arms-uitb\nuser: fastest\n";
     std::fs::write(folder.path().join("typing.yaml"), typing).unwrap();
     let other = evaluate(&["--task", "typing.yaml"]);
     assert_eq!((&other["task"], &other["trained_task"]), (&"mobile-typing".into(), &"pointing-single".into()));
@@ -66,7 +66,7 @@ fn a_user_is_not_tried_where_it_cannot_act_and_all_that_differs_is_named() {
     refused(
         "public-display",
         &[],
-        &["cannot do public-display: its body is mobl-arms instead of mobl-arms-uitb. To train"],
+        &["cannot do public-display: its body is myo-arm instead of mobl-arms-uitb. To train"],
     );
     // A body of the same name and with the same muscles is another one all the same.
     let more_text = stdout(&here(&["model", "export", "mobl-arms-uitb", "--format", "yaml"]));

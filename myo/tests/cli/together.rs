@@ -127,7 +127,7 @@ fn what_cannot_be_learned_together_is_refused_with_the_file_that_differs() {
     let refused = |args: &[&str], sentence: &str| assert_refused(&myo(folder.path(), args), sentence);
     let two = "two.yaml cannot be learned together with a.yaml: it has 2 steps instead of 1. ";
     refused(&["train", "a.yaml", "b.yaml", "two.yaml", "--together"], two);
-    let body = "ar cannot be learned together with a.yaml: its body is mobl-arms instead of mobl-arms-uitb";
+    let body = "ar cannot be learned together with a.yaml: its body is myo-arm instead of mobl-arms-uitb";
     refused(&["train", "a.yaml", "ar", "--together"], body);
     refused(&["train", "a.yaml", "b.yaml"], "2 tasks are named: with --together one user learns all of them");
     refused(&["train", "a.yaml", "--together"], "--together needs several tasks; there is only a.yaml");

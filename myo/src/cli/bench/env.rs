@@ -25,7 +25,7 @@ use crate::cli::scenario::Scenario;
 #[command(after_help = HELP)]
 pub struct EnvArgs {
     /// Name of a task, or a task file
-    #[arg(long, default_value = "pointing")]
+    #[arg(long, default_value = "pointing-uitb")]
     task: String,
 
     /// Environments side by side, separated by commas

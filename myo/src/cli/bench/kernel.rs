@@ -22,7 +22,7 @@ const WORKGROUP: u32 = 64;
 #[command(after_help = HELP)]
 pub struct KernelArgs {
     /// Name of a task, or a task file
-    #[arg(long, default_value = "pointing")]
+    #[arg(long, default_value = "pointing-uitb")]
     task: String,
 
     /// Which kernel

@@ -54,7 +54,7 @@ pub struct NanArgs {
 const HELP: &str = "\
 Examples:
   myo bench nan
-  myo bench nan --task pointing --steps 1M --seed 7
+  myo bench nan --task pointing-uitb --steps 1M --seed 7
 
 Actions are uniform or at their bounds and held for some steps; episodes end at their limit or are reset at random.
 Exit status 1 if an observation or a reward was NaN or infinite.
