@@ -9,8 +9,8 @@ import myoenv.sweep
 SHORT = {"until": None, "steps": 512, "num_envs": 32, "backend": "cpu", "settings": {"rollout_s": 0.8}}
 
 
-def test_two_layouts_are_compared(tmp_path):
-    table = myoenv.compare("pointing-single", "public-display", seeds=2, out=tmp_path, **SHORT)
+def test_two_layouts_are_compared(tmp_path, fast):
+    table = myoenv.compare("pointing-single", fast("public-display"), seeds=2, out=tmp_path, **SHORT)
     assert list(table.index) == ["success", "episode_length_s", "effort"]
     assert table.attrs["names"] == ["pointing-single", "public-display"] and table.attrs["users"] == [2, 2]
     assert len(table.attrs["sentences"]) == 3
@@ -25,8 +25,8 @@ def test_two_layouts_are_compared(tmp_path):
     assert (alone["verdict"] == "unknown").all() and alone["low"].isna().all()
 
 
-def test_users_on_a_card_are_trained_at_once_and_as_if_each_were_alone(tmp_path):
-    layouts = myoenv.sweep.button_grid(columns=2, rows=1).values()
+def test_users_on_a_card_are_trained_at_once_and_as_if_each_were_alone(tmp_path, fast):
+    layouts = myoenv.sweep.button_grid(fast("public-display"), columns=2, rows=1).values()
     short = {**SHORT, "backend": "gpu", "device": 0}
     at_once = myoenv.compare(*layouts, seeds=2, **short)
     alone = myoenv.compare(*layouts, seeds=2, out=tmp_path, **short)

@@ -91,12 +91,12 @@ def test_one_policy_learns_several_layouts(tmp_path, layouts, two_targets):
     assert len(myoenv.evaluate(run.run, 5, task=two_targets)["return"]) == 5, "a layout that it was not trained on"
 
 
-def test_a_user_is_not_asked_about_a_layout_where_it_cannot_act(tmp_path, short_task):
+def test_a_user_is_not_asked_about_a_layout_where_it_cannot_act(tmp_path, short_task, fast):
     run = myoenv.train(short_task, settings=SMALL, num_envs=32, steps=512, until=None, out=tmp_path / "run").run
     for other, sentence in [
         ({**short_task, "model": "mobl-arms-uitb"}, "its body is mobl-arms-uitb instead of mobl-arms"),
-        ("wall-ray", "its technique is a ray from the forearm onto a display instead of the fingertip; `pointer"),
-        ("slider", "`drag` is perceived there, and was not in training .it is there only where there is a slider"),
+        (fast("wall-ray"), "its technique is a ray from the forearm onto a display instead of the fingertip; `pointer"),
+        (fast("slider"), "`drag` is perceived there, and was not in training .it is there only where there is a slider"),
         ({**short_task, "control_dt_s": 0.01}, "its control step is 0.01 s instead of 0.05 s"),
     ]:
         with pytest.raises(ValueError, match=sentence):

@@ -64,8 +64,8 @@ def test_a_peek_agrees_with_the_body(make):
             np.testing.assert_allclose(path[row], seen.body_positions[row, bodies] + turned, atol=1e-12)
 
 
-def test_some_environments_are_seen_as_they_are_among_all(make):
-    env = make("ticket", 9)
+def test_some_environments_are_seen_as_they_are_among_all(make, fast):
+    env = make(fast("ticket"), 9)
     env.reset(seed=1)
     steps(env, 2)
     state, every, some = env.save_state(), env.peek(), env.peek(4, 7)

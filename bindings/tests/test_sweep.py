@@ -52,10 +52,10 @@ def test_without_ray_it_says_what_to_install(monkeypatch, tmp_path):
         sweep(button_grid(), folder=tmp_path)
 
 
-def test_a_card_trains_layouts_at_once_each_as_alone(tmp_path):
+def test_a_card_trains_layouts_at_once_each_as_alone(tmp_path, fast):
     if os.environ.get("MYO_NO_GPU") == "1":
         pytest.skip("MYO_NO_GPU=1")
-    layouts = button_grid(columns=2, rows=1)
+    layouts = button_grid(fast("public-display"), columns=2, rows=1)
     rows = sweep(layouts, [1, 2], tmp_path, backend="gpu", device=0, until=None, **SHORT)
     assert [(row["layout"], row["seed"], row["error"]) for row in rows] == [
         ("r0c0", 1, ""),
@@ -111,9 +111,9 @@ def test_bad_grids_are_told():
             button_grid(task)
 
 
-def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
+def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path, fast):
     assert len([node for node in cluster.nodes() if node["Alive"]]) == 2
-    grid = button_grid(columns=2, rows=1)
+    grid = button_grid(fast("public-display"), columns=2, rows=1)
     first = sweep({"r0c0": grid["r0c0"]}, [1, 2], tmp_path, **SHORT)
     files = {path: path.stat().st_mtime_ns for path in (tmp_path / "trials").iterdir()}
     assert len(files) == 2
@@ -129,12 +129,12 @@ def test_a_sweep_is_one_table_and_goes_on(cluster, tmp_path):
         assert [row["layout"] for row in csv.DictReader(file)] == [row["layout"] for row in rows]
 
 
-def test_tune_varies_settings_and_layouts(cluster, tmp_path):
+def test_tune_varies_settings_and_layouts(cluster, tmp_path, fast):
     from ray import tune
 
     from myoenv.tune import trainable
 
-    layouts = button_grid(columns=2, rows=1)
+    layouts = button_grid(fast("public-display"), columns=2, rows=1)
     space = {"layout": tune.grid_search(list(layouts)), "learning_rate": tune.choice([5e-4]), "seed": 3}
     run = trainable(layouts=layouts, **SHORT, until=None)
     tuner = tune.Tuner(run, param_space=space, run_config=tune.RunConfig(storage_path=str(tmp_path), verbose=0))
@@ -167,8 +167,8 @@ def test_tune_tells_bad_arguments(monkeypatch):
         trainable("pointing")
 
 
-def test_a_failed_trial_has_its_error_in_the_table_and_no_file(cluster, tmp_path):
-    grid = button_grid(columns=1, rows=1)
+def test_a_failed_trial_has_its_error_in_the_table_and_no_file(cluster, tmp_path, fast):
+    grid = button_grid(fast("public-display"), columns=1, rows=1)
     [row] = sweep(grid, [1], tmp_path, **SHORT | {"settings": {"discount_per_s": 2.0}})
     assert "discount_per_s" in row["error"]
     assert list((tmp_path / "trials").iterdir()) == []

@@ -335,9 +335,9 @@ def test_learning_that_runs_away_is_told_and_healed():
     assert result.stopped_by == "steps" and len(heard) >= result.updates == 5
 
 
-def test_a_training_begins_with_what_another_learned(run, tmp_path):
+def test_a_training_begins_with_what_another_learned(run, tmp_path, fast):
     short = {"until": None, "steps": 128, "num_envs": 32, "settings": {"rollout_s": 0.2}, "backend": "cpu"}
-    warm = myoenv.train("public-display", start_from=run.run, out=tmp_path / "warm", **short)
+    warm = myoenv.train(fast("public-display"), start_from=run.run, out=tmp_path / "warm", **short)
     config = json.loads((warm.run / "config.json").read_text())
     assert config["run"]["from"] == {"run": str(run.run), "env_steps": 1024}
     assert config["ppo"]["policy_hidden"] == [16]

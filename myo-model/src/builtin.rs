@@ -20,8 +20,8 @@ pub fn builtin_names() -> &'static [&'static str] {
 
 /// Description of a built-in model.
 ///
-/// `mobl-arms` is the default arm; `mobl-arms-uitb` is the same arm with the heavy phantom bodies of the published
-/// systems, for comparison with them. `myo-arm` is a human arm with a wrist, whose muscles bend over its bones.
+/// `myo-arm` is a human arm with a wrist, whose muscles bend over its bones, and the default of tasks. `mobl-arms` is an arm with straight muscles;
+/// `mobl-arms-uitb` is the same with the heavy phantom bodies of the published systems, for comparison with them.
 pub fn builtin(name: &str) -> Result<ModelDescription, ModelError> {
     match name {
         "mobl-arms" => mobl_arms(),

@@ -418,7 +418,7 @@ fn what_cannot_be_is_refused_by_name_and_place() {
         (with(ray, WALL, "  - press: wall"), "`wall` is an obstacle; only buttons can be pressed"),
         (
             with(ray, &format!("{WALL}\n{LAMPS}"), "  - press: lamps.1"),
-            "t.yaml:10:12: a ray cannot press, only the fingertip can; take spheres to dwell in, or `technique: fingertip`",
+            "t.yaml:8:12: a ray cannot press, only the fingertip can; take spheres to dwell in, or `technique: fingertip`",
         ),
         (
             with(ray, &format!("{WALL}\n{SLIDER}"), "  - drag: {slider: s, to: 70, within: 5}"),

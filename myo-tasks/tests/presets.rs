@@ -52,7 +52,7 @@ fn presets_have_the_published_values() {
     assert_eq!(shape("pointing"), ("SSSSSSSSSS".into(), 20.0));
     assert_eq!(shape("mobile-typing"), ("SSSSS".into(), 8.0));
 
-    let pointing = preset("pointing").unwrap().flat().unwrap();
+    let pointing = preset("pointing-uitb").unwrap().flat().unwrap();
     let (y, z) = (Range::new(-0.2, 0.4), Range::new(-0.3, 0.3));
     assert_eq!(pointing.object(9).name, "ball.10");
     assert_eq!(pointing.object(9).region(), Region { x: 0.55.into(), y, z });

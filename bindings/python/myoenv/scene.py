@@ -882,15 +882,14 @@ class Reset(Described):
     """How the body starts an episode. Coupled joints follow the independent ones.
 
     Args:
-        pose: Joint angles at the start. Default `range_uniform`. `range_uniform`: Every independent joint anywhere in
-            its range. `near_zero`: Every independent joint close to zero: the arm hangs. `zero`: Every joint at zero,
-            at rest.
+        pose: Joint angles at the start. Default for `user="human"` `near_zero`, for `user="fastest"` `range_uniform`.
+            `range_uniform`: Every independent joint anywhere in its range. `zero`: Every joint at zero, at rest.
         pose_spread_rad: With `near_zero`: angles are drawn from plus or minus this, in rad, kept within the joint
             range. Default 0.05. From 0 to 1 rad.
         velocity_spread_rad_s: Joint velocities are drawn from plus or minus this, in rad/s; the pose `zero` always
             starts at rest. Default 0.05. From 0 to 10 rad/s.
-        activation_max: Muscle activations are drawn from 0 to this. Default 1, for `user="human"` 0: relaxed. From 0 to
-            1.
+        activation_max: Muscle activations are drawn from 0 to this. Default for `user="human"` 0: relaxed, for
+            `user="fastest"` 1. From 0 to 1.
     """
 
     pose: Literal["range_uniform", "near_zero", "zero"] | None = None
@@ -909,14 +908,19 @@ class Perception(Described):
         body_delay_ms: What is felt of the own body: joints, fingertip, activations. Default 0. From 0 to 1,000 ms.
         touch_delay_ms: The force of a touch. Default 0. From 0 to 1,000 ms.
         vision_noise: How far off a target seems that is away from the pointer: standard deviation along the line
-            between them, as a share of its length and another centimetre, and half as much across; drawn anew for each
-            target. It shrinks on the way, so that a movement misses by far less. Default 0. From 0 to 1.
+            between them, as a share of its length and another centimetre, and half as much across; along the line at
+            most two standard deviations. It shrinks on the way, so that a movement misses by far less. Default 0. From
+            0 to 1.
+        vision_held_s: How long a target seems off in the same way: the time in s after which e-times less of it is
+            left, and something new has taken its place, as of people who look again several times a second. Default
+            0.3, as long as eyes rest on a place (Rayner 1998, doi 10.1037/0033-2909.124.3.372). From 0.001 to 10 s.
     """
 
     vision_delay_ms: float | None = None
     body_delay_ms: float | None = None
     touch_delay_ms: float | None = None
     vision_noise: float | None = None
+    vision_held_s: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -974,11 +978,11 @@ def build_task(
         time_limit_s: When an episode ends without success, in s. Rounded to whole control steps. Default 12. From 0.001
             to 600 s.
         user: Who does it: what the simulated user is like where this task does not say. `human` moves as people do,
-            `fastest` as fast as its muscles allow. Default `fastest`. `human`: Is to move as people do: with motor
-            noise, with eyes that are late, and with regard to its effort. In shape and speed its movements are like
-            people's; how far it is like them is told in `docs/people.md`. `fastest`: As fast as its muscles allow: no
-            noise, no delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose speed is
-            all that counts.
+            `fastest` as fast as its muscles allow. Default `human`. `human`: Is to move as people do: with motor noise,
+            with eyes that are late, and with regard to its effort. In shape and speed its movements are like people's;
+            how far it is like them is told in `docs/people.md`. `fastest`: As fast as its muscles allow: no noise, no
+            delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose speed is all that
+            counts.
         reward: What the simulated user is rewarded for.
         observation: What the simulated user perceives.
         reset: How the body starts an episode.
@@ -987,7 +991,7 @@ def build_task(
         control_dt_s: Time between two decisions of the simulated user, in s; muscle controls are held in between. From
             0.001 to 0.5; default 0.05 (20 Hz).
         model: The body that does it: the name of a built-in model, or a model file, looked for in the working
-            directory. Default `mobl-arms`.
+            directory. Default `myo-arm`.
         description: What the task stands for, for people. Default: empty; at most 10,000 characters.
 
     Raises:

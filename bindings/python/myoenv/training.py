@@ -169,7 +169,7 @@ def as_json(settings: dict[str, Any]) -> str:
         raise ValueError(f"bad training setting: {error}") from None
 
 
-def default_settings(user: str = "fastest") -> dict[str, Any]:
+def default_settings(user: str = "human") -> dict[str, Any]:
     """The settings of PPO that a `user` of a task, `fastest` or `human`, learns with where nothing else is said."""
     settings: dict[str, Any] = json.loads(_native.default_settings(user))
     return settings

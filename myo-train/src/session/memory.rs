@@ -221,6 +221,7 @@ mod tests {
             all_counts: true,
             evaluations: 0,
             tries: 0,
+            learning_rate_max: 0.0,
             told_flat: false,
             evaluation_s: 0.0,
             confirmed: None,
