@@ -32,6 +32,11 @@ export async function begin(page: Page, preset: string) {
   await expect(page.getByRole('list', { name: 'Objects' }).getByRole('button').first()).toBeVisible();
 }
 
+/** Lets the task that is open be done by who learns it soonest: people take their time. */
+export async function hurry(page: Page) {
+  await page.getByLabel('Done by').selectOption('fastest');
+}
+
 export async function add(page: Page, kind: string) {
   await page.getByRole('button', { name: '+ Add' }).click();
   await page.getByRole('group', { name: 'What to add' }).getByRole('button', { name: kind, exact: true }).click();

@@ -3,7 +3,7 @@ import { existsSync, mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { add, barriers, begin, taskName } from './page';
+import { add, barriers, begin, hurry, taskName } from './page';
 
 test.beforeEach(({ page }) => {
   page.on('pageerror', (error) => {
@@ -15,6 +15,7 @@ test.beforeEach(({ page }) => {
 async function easyTask(page: Page) {
   await page.goto('/');
   await page.getByRole('button', { name: 'New task' }).click();
+  await hurry(page);
   await add(page, 'sphere');
   await page.getByRole('list', { name: 'Objects' }).getByRole('button').first().click();
   const radius = page.getByRole('spinbutton', { name: 'radius', exact: true });

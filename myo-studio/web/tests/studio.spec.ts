@@ -1,7 +1,7 @@
 import { expect, test } from '@playwright/test';
 import { existsSync, readFileSync } from 'node:fs';
 import { curveSvg } from '../src/lib/curve-svg';
-import { add, barriers, begin, taskName } from './page';
+import { add, barriers, begin, hurry, taskName } from './page';
 
 /** Nothing on the page may fail unnoticed. */
 test.beforeEach(({ page }) => {
@@ -13,6 +13,8 @@ test.beforeEach(({ page }) => {
 test('two buttons of one’s own are set up, moved, learnt, replayed and found again', async ({ page }) => {
   await page.goto('/');
   await page.getByRole('button', { name: 'New task' }).click();
+  await expect(page.getByLabel('Done by')).toHaveValue('human');
+  await hurry(page);
   await add(page, 'button');
   const objects = page.getByRole('list', { name: 'Objects' });
   await expect(objects.getByRole('button', { name: /^button/ })).toBeVisible();
@@ -80,6 +82,7 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
 
 test('a user that has learnt a layout goes on when it is changed', async ({ page }) => {
   await begin(page, 'public-display');
+  await hurry(page);
   await page.getByRole('button', { name: 'Training', exact: true }).click();
   await page.getByLabel('Practice until').selectOption('0.8');
   await page.getByRole('checkbox', { name: /^Live/ }).check();
