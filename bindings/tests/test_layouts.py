@@ -96,7 +96,10 @@ def test_a_user_is_not_asked_about_a_layout_where_it_cannot_act(tmp_path, short_
     for other, sentence in [
         ({**short_task, "model": "mobl-arms-uitb"}, "its body is mobl-arms-uitb instead of mobl-arms"),
         (fast("wall-ray"), "its technique is a ray from the forearm onto a display instead of the fingertip; `pointer"),
-        (fast("slider"), "`drag` is perceived there, and was not in training .it is there only where there is a slider"),
+        (
+            fast("slider"),
+            "`drag` is perceived there, and was not in training .it is there only where there is a slider",
+        ),
         ({**short_task, "control_dt_s": 0.01}, "its control step is 0.01 s instead of 0.05 s"),
     ]:
         with pytest.raises(ValueError, match=sentence):
