@@ -182,6 +182,27 @@ fn every_term_of_the_reward() {
 }
 
 #[test]
+fn changing_controls_costs_no_more_at_once_than_is_earned_at_once() {
+    let cost_of = |subtask_bonus: f64, completion_bonus: f64, squared_change: f64| {
+        let weights = Reward { control_change_cost: 0.1, subtask_bonus, completion_bonus, ..Reward::default() };
+        let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
+        let nothing: Progress<f64> =
+            Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
+        reward(&task, &nothing, 0.0, Efforts { squared_change, ..Efforts::none() }).control_change
+    };
+    // Of steps of 0.05 s, twice the sum of squares.
+    for (bonuses, squared_change, cost) in [
+        ([5.0, 0.0], 2.4, 4.8),
+        ([5.0, 0.0], 2.6, 5.0),
+        ([5.0, 11.0], 4.0, 8.0),
+        ([5.0, 11.0], 40.0, 11.0),
+        ([0.0, 0.0], 40.0, 80.0),
+    ] {
+        assert_close(cost_of(bonuses[0], bonuses[1], squared_change), -cost);
+    }
+}
+
+#[test]
 fn a_dwell_is_counted_in_a_row_and_starts_again_outside() {
     let (task, mut state) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.15)], Reward::default()));
     let (near, far) = (at([0.3, 0.04, 0.0]), at([0.3, 0.06, 0.0]));
