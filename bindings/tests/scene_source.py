@@ -70,6 +70,7 @@ TASK_FIELDS = [
     "reset",
     "perception",
     "noise",
+    "reflex",
     "control_dt_s",
     "model",
     "description",
@@ -319,7 +320,7 @@ class Writer:
             self.base("Step", "Instruction", self.parts["Instruction"]["description"]),
             *(self.step(action) for action in self.steps),
             *self.kinds("Technique"),
-            *(self.plain_part(name) for name in ("Reward", "Observation", "Reset", "Perception", "Noise")),
+            *(self.plain_part(name) for name in ("Reward", "Observation", "Reset", "Perception", "Noise", "Reflex")),
             self.build_task(),
         ]
         listed = "".join(f'    "{name}",\n' for name in sorted([*self.names, "Place"]))

@@ -107,6 +107,7 @@ def test_classes_have_the_fields_of_the_schema():
         "Reset",
         "Perception",
         "Noise",
+        "Reflex",
     )
     for name, part in [*((name, parts[name]) for name in same), ("Type", parts["Text"])]:
         expected[name] = {key: key in part.get("required", ()) for key in part["properties"]}

@@ -17,6 +17,8 @@ pub struct Parameters<T> {
     pub task: CompiledTask<T>,
     /// Motor noise.
     pub noise: Option<Motor<T>>,
+    /// Stretch reflexes.
+    pub reflex: Option<Stretch<T>>,
     /// How far off targets seem.
     pub vision_noise: Option<Vision<T>>,
     /// How episodes begin.
@@ -30,6 +32,15 @@ pub struct Motor<T> {
     pub deviations: [T; 2],
     /// How it changes.
     pub process: MotorNoise<T>,
+}
+
+/// Stretch reflexes of all muscles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch<T> {
+    /// By how much of itself an excitation grows, per greatest shortening speed at which the muscle lengthens.
+    pub gain: T,
+    /// By how much of itself it changes at most.
+    pub most: T,
 }
 
 /// How far off targets seem.
@@ -78,6 +89,7 @@ impl<C: Real> Parameters<C> {
         Self {
             task: CompiledTask::of(task, flat),
             noise: Motor::new(task),
+            reflex: Stretch::new(task),
             vision_noise: Vision::new(task),
             start: Start::new(task, ranges),
         }
@@ -92,6 +104,10 @@ impl<C: Real> Parameters<C> {
             // Noise of no size is noise all the same.
             let silent = |motor| Motor { deviations: [C::from_f64(0.0); 2], ..motor };
             self.noise = self.noise.or(others.noise.map(silent));
+        }
+        if others.reflex.is_some() {
+            let idle = |reflex| Stretch { gain: C::from_f64(0.0), ..reflex };
+            self.reflex = self.reflex.or(others.reflex.map(idle));
         }
         if others.task.weights.change_cost.is_some() {
             let cost = &mut self.task.weights.change_cost;
@@ -116,6 +132,7 @@ impl<T> Parameters<T> {
         Parameters {
             task: self.task.map(f),
             noise: self.noise.as_ref().map(|noise| noise.map(f)),
+            reflex: self.reflex.as_ref().map(|reflex| reflex.map(f)),
             vision_noise: self.vision_noise.as_ref().map(|vision| vision.map(f)),
             start: self.start.map(f),
         }
@@ -208,6 +225,9 @@ impl Parameters<()> {
         if self.noise != other.noise {
             return Some("it has motor noise where there was none".into());
         }
+        if self.reflex != other.reflex {
+            return Some("its muscles have reflexes where they had none (reflex.gain)".into());
+        }
         if self.vision_noise != other.vision_noise {
             return Some(
                 "its targets are seen with noise where they were seen without (perception.vision_noise)".into(),
@@ -264,6 +284,21 @@ impl<T> Motor<T> {
     #[inline(always)]
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Motor<U> {
         Motor { deviations: self.deviations.each_ref().map(&mut *f), process: self.process.map(f) }
+    }
+}
+
+impl<C: Real> Stretch<C> {
+    /// Those of a task; none without.
+    fn new(task: &Task) -> Option<Self> {
+        let [gain, most] = [task.reflex.gain, task.reflex.most].map(C::from_f64);
+        (task.reflex.gain > 0.0).then_some(Self { gain, most })
+    }
+}
+
+impl<T> Stretch<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Stretch<U> {
+        Stretch { gain: f(&self.gain), most: f(&self.most) }
     }
 }
 

@@ -105,6 +105,7 @@ fn generated(random: &mut Random) -> Value {
         "reward": reward,
         "observation": observation,
         "noise": {"signal_dependent": random.between(0.0, 1.0), "constant": random.between(0.0, 1.0)},
+        "reflex": {"gain": random.between(0.0, 50.0), "most": random.between(0.0, 1.0)},
     })
 }
 

@@ -126,6 +126,15 @@ impl<T: Copy> ForceCurves<T> {
     /// Number of coefficients.
     pub const ROW: usize = 11;
 
+    /// From tendon velocity (m/s) to the normalised velocity, of which 1 is the greatest shortening speed.
+    #[inline(always)]
+    pub fn velocity_scale(&self) -> T
+    where
+        T: Copy,
+    {
+        self.velocity_scale
+    }
+
     /// All coefficients in a row, for tables.
     #[inline(always)]
     pub fn row(&self) -> [T; 11] {

@@ -20,6 +20,7 @@ const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
 const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
+const GAIN: Quantity = Quantity::between(0.0, 1000.0, "");
 const SCALE: Quantity = Quantity::between(0.0, 10.0, "m");
 pub(crate) const HELD: Quantity = Quantity::between(0.001, 10.0, "s");
 pub(crate) const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
@@ -131,6 +132,11 @@ pub struct Task {
     #[serde(default)]
     #[garde(dive)]
     pub noise: Noise,
+
+    /// Stretch reflexes of muscles, off by default.
+    #[serde(default)]
+    #[garde(dive)]
+    pub reflex: Reflex,
 }
 
 /// What the simulated user sees of the task. Default `all`.
@@ -354,6 +360,30 @@ pub struct Noise {
     pub held_s: f64,
 }
 
+/// Stretch reflexes: a muscle that works is excited more while it lengthens and less while it shortens, without a decision, and so a held arm gives
+/// way less. It is by how fast the muscle lengthens at the start of a control step, and so late by half of one on average; it is in proportion to what
+/// is asked of the muscle (Matthews 1986, doi 10.1113/jphysiol.1986.sp016044), great for slow changes of length and no greater for fast ones (Matthews and Stein 1969,
+/// doi 10.1113/jphysiol.1969.sp008679), and changing it costs nothing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields, default)]
+pub struct Reflex {
+    /// By how much of itself an excitation grows, per greatest shortening speed of the muscle at which it lengthens. Default 0 (off).
+    #[garde(custom(GAIN.rule()))]
+    #[schemars(transform = GAIN.schema())]
+    pub gain: f64,
+
+    /// By how much of itself it grows or shrinks at most. Default 0.3.
+    #[garde(custom(SHARE.rule()))]
+    #[schemars(transform = SHARE.schema())]
+    pub most: f64,
+}
+
+impl Default for Reflex {
+    fn default() -> Self {
+        Self { gain: 0.0, most: 0.3 }
+    }
+}
+
 impl Default for Noise {
     fn default() -> Self {
         Self { signal_dependent: 0.0, constant: 0.0, held_s: 0.05 }
@@ -383,6 +413,7 @@ impl Task {
             observation: Observation::default(),
             perception: Perception::default(),
             noise: Noise::default(),
+            reflex: Reflex::default(),
         };
         task.fill_in(|_| false);
         task

@@ -62,7 +62,7 @@ mod user;
 mod weakness;
 
 pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check, places_apart};
-pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reset, Reward, Stimulus, Task, rounded_steps};
+pub use description::{FORMAT_VERSION, Noise, Observation, Pose, Reflex, Reset, Reward, Stimulus, Task, rounded_steps};
 pub use expand::{OBJECTS_MAX, STEPS_MAX};
 pub use flat::{Action, Block, Cue, FlatTask, Object, Order, Pointer, Shape, Shift, Sphere, Step};
 pub use geometry::spread;

@@ -69,6 +69,7 @@ __all__ = [
     "RateCursor",
     "Ray",
     "React",
+    "Reflex",
     "Region",
     "Repeat",
     "Reset",
@@ -943,6 +944,24 @@ class Noise(Described):
     held_s: float | None = None
 
 
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Reflex(Described):
+    """Stretch reflexes: a muscle that works is excited more while it lengthens and less while it shortens, without a
+    decision, and so a held arm gives way less. It is by how fast the muscle lengthens at the start of a control step,
+    and so late by half of one on average; it is in proportion to what is asked of the muscle (Matthews 1986, doi
+    10.1113/jphysiol.1986.sp016044), great for slow changes of length and no greater for fast ones (Matthews and Stein
+    1969, doi 10.1113/jphysiol.1969.sp008679), and changing it costs nothing.
+
+    Args:
+        gain: By how much of itself an excitation grows, per greatest shortening speed of the muscle at which it
+            lengthens. Default 0 (off). From 0 to 1,000.
+        most: By how much of itself it grows or shrinks at most. Default 0.3. From 0 to 1.
+    """
+
+    gain: float | None = None
+    most: float | None = None
+
+
 def build_task(
     name: str,
     *,
@@ -958,6 +977,7 @@ def build_task(
     reset: Reset | None = None,
     perception: Perception | None = None,
     noise: Noise | None = None,
+    reflex: Reflex | None = None,
     control_dt_s: float | None = None,
     model: str | None = None,
     description: str | None = None,
@@ -988,6 +1008,7 @@ def build_task(
         reset: How the body starts an episode.
         perception: How late it is perceived.
         noise: Motor noise, off by default.
+        reflex: Stretch reflexes of muscles, off by default.
         control_dt_s: Time between two decisions of the simulated user, in s; muscle controls are held in between. From
             0.001 to 0.5; default 0.05 (20 Hz).
         model: The body that does it: the name of a built-in model, or a model file, looked for in the working
@@ -1012,6 +1033,7 @@ def build_task(
         "reset": reset,
         "perception": perception,
         "noise": noise,
+        "reflex": reflex,
         "control_dt_s": control_dt_s,
         "model": model,
         "description": description,

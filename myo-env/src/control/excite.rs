@@ -1,8 +1,10 @@
-//! From actions to excitations: the range of controls, and motor noise.
+//! From actions to excitations: the range of controls, stretch reflexes, and motor noise.
 
 use super::Scratch;
-use crate::parameters::{Motor, World};
+use super::stages;
+use crate::parameters::{Motor, Stretch, World};
 use crate::state::EnvState;
+use myo_dynamics::{State, Workspace, step};
 use myo_muscle::noisy_excitation;
 use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
 
@@ -15,14 +17,17 @@ pub fn excitation<S: Scalar>(action: S) -> S {
     action.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5))
 }
 
-/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds motor noise, which begins anew with each episode.
+/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds reflexes and motor noise, which begins anew with each episode.
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
-    let Scratch { ctrl, squared_change, draws, .. } = ws;
+    let Scratch { physics, ctrl, squared_change, draws, .. } = ws;
     for u in ctrl.iter_mut() {
         *u = excitation(*u);
     }
     *squared_change = remember(ctrl, &mut env.asked);
+    if let Some(reflex) = world.parameters.reflex {
+        S::outline(stages::Reflex { world, reflex, body: &env.body, physics, ctrl });
+    }
     if let Some(Motor { deviations: [signal_dependent, constant], process }) = world.parameters.noise {
         let counter = env.counter();
         // One block of random words serves four muscles.
@@ -38,6 +43,25 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
         }
     }
     env.step = env.step + S::Word::splat(1);
+}
+
+/// Lets muscles that lengthen be excited more, and those that shorten less.
+#[inline(always)]
+pub fn resist_stretch<S: Scalar>(
+    world: &World<'_, S>,
+    Stretch { gain, most }: Stretch<S>,
+    body: &State<S>,
+    physics: &mut Workspace<S>,
+    ctrl: &mut [S],
+) {
+    let plan = &world.tables.plan;
+    step::kinematics::kinematics(plan, &body.qpos, &body.qvel, physics);
+    step::tendon::lengths(plan, physics);
+    let velocity_scale = |muscle: usize| [plan.muscles[muscle].curves.velocity_scale()];
+    S::for_rows(velocity_scale, [&physics.tendon_velocity], ctrl, |[scale], [velocity], u| {
+        let more = (velocity * scale * gain).max(-most).min(most);
+        more.mul_add(u, u).min(S::lit(1.0))
+    });
 }
 
 /// Sum of squared changes since what was asked before, where that is remembered; remembers what is asked now.

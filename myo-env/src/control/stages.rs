@@ -2,13 +2,13 @@
 
 use super::Scratch;
 use super::episode::draw_episode;
-use super::excite::excite;
+use super::excite::{excite, resist_stretch};
 use super::explore::{draw_any_pose, explore};
 use super::simulate::{Watch, landmarks, simulate};
 use crate::observe::observe;
-use crate::parameters::World;
+use crate::parameters::{Stretch, World};
 use crate::state::EnvState;
-use myo_dynamics::{Workspace, step};
+use myo_dynamics::{State, Workspace, step};
 use myo_scalar::{Scalar, Stage};
 use myo_tasks::logic::{Goal, Landmarks, Sensed, choose_nearest};
 
@@ -25,6 +25,24 @@ impl<S: Scalar> Stage<S> for Excite<'_, S> {
     #[inline(always)]
     fn run(self) {
         excite(self.world, self.env, self.ws);
+    }
+}
+
+/// Stretch reflexes.
+pub struct Reflex<'a, S: Scalar> {
+    pub world: &'a World<'a, S>,
+    pub reflex: Stretch<S>,
+    pub body: &'a State<S>,
+    pub physics: &'a mut Workspace<S>,
+    pub ctrl: &'a mut [S],
+}
+
+impl<S: Scalar> Stage<S> for Reflex<'_, S> {
+    const NAME: &'static str = "stretch reflexes";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        resist_stretch(self.world, self.reflex, self.body, self.physics, self.ctrl);
     }
 }
 

@@ -125,6 +125,7 @@ impl Layout {
             reward: user.reward.clone(),
             observation: user.observation.clone(),
             noise: user.noise.clone(),
+            reflex: user.reflex.clone(),
             reset: Reset { pose: Pose::NearZero, activation_max: 0.0, ..Reset::default() },
             ..task
         })
