@@ -17,8 +17,8 @@ pub struct Parameters<T> {
     pub task: CompiledTask<T>,
     /// Motor noise.
     pub noise: Option<Motor<T>>,
-    /// Stretch reflexes.
-    pub reflex: Option<Stretch<T>>,
+    /// Reflex reflexes.
+    pub reflex: Option<Reflex<T>>,
     /// How far off targets seem.
     pub vision_noise: Option<Vision<T>>,
     /// How episodes begin.
@@ -34,9 +34,9 @@ pub struct Motor<T> {
     pub process: MotorNoise<T>,
 }
 
-/// Stretch reflexes of all muscles.
+/// Reflex reflexes of all muscles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch<T> {
+pub struct Reflex<T> {
     /// By how much of itself an excitation grows, per greatest shortening speed at which the muscle lengthens.
     pub gain: T,
     /// By how much of itself it changes at most.
@@ -89,7 +89,7 @@ impl<C: Real> Parameters<C> {
         Self {
             task: CompiledTask::of(task, flat),
             noise: Motor::new(task),
-            reflex: Stretch::new(task),
+            reflex: Reflex::new(task),
             vision_noise: Vision::new(task),
             start: Start::new(task, ranges),
         }
@@ -106,7 +106,7 @@ impl<C: Real> Parameters<C> {
             self.noise = self.noise.or(others.noise.map(silent));
         }
         if others.reflex.is_some() {
-            let idle = |reflex| Stretch { gain: C::from_f64(0.0), ..reflex };
+            let idle = |reflex| Reflex { gain: C::from_f64(0.0), ..reflex };
             self.reflex = self.reflex.or(others.reflex.map(idle));
         }
         if others.task.weights.change_cost.is_some() {
@@ -287,7 +287,7 @@ impl<T> Motor<T> {
     }
 }
 
-impl<C: Real> Stretch<C> {
+impl<C: Real> Reflex<C> {
     /// Those of a task; none without.
     fn new(task: &Task) -> Option<Self> {
         let [gain, most] = [task.reflex.gain, task.reflex.most].map(C::from_f64);
@@ -295,10 +295,10 @@ impl<C: Real> Stretch<C> {
     }
 }
 
-impl<T> Stretch<T> {
+impl<T> Reflex<T> {
     #[inline(always)]
-    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Stretch<U> {
-        Stretch { gain: f(&self.gain), most: f(&self.most) }
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Reflex<U> {
+        Reflex { gain: f(&self.gain), most: f(&self.most) }
     }
 }
 

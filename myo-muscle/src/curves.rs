@@ -128,10 +128,7 @@ impl<T: Copy> ForceCurves<T> {
 
     /// From tendon velocity (m/s) to the normalised velocity, of which 1 is the greatest shortening speed.
     #[inline(always)]
-    pub fn velocity_scale(&self) -> T
-    where
-        T: Copy,
-    {
+    pub fn velocity_scale(&self) -> T {
         self.velocity_scale
     }
 

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::value_errors;
+use crate::motor::{Noise, Reflex};
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::report::{InvalidTask, TaskError};
@@ -20,7 +21,6 @@ const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
 const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
-const GAIN: Quantity = Quantity::between(0.0, 1000.0, "");
 const SCALE: Quantity = Quantity::between(0.0, 10.0, "m");
 pub(crate) const HELD: Quantity = Quantity::between(0.001, 10.0, "s");
 pub(crate) const SHARE: Quantity = Quantity::between(0.0, 1.0, "");
@@ -336,58 +336,6 @@ pub struct Observation {
     /// From the fingertip to the nearest place of the surface of any box but the current target, in m, shortened to 1 where it is farther, and
     /// 1 downwards where there is none; in tasks with boxes. Default false.
     pub nearest_obstacle: bool,
-}
-
-/// Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any control step as noise
-/// that is drawn every `held_s` and held.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields, default)]
-pub struct Noise {
-    /// Standard deviation as a share of the control itself. Default 0 (off); the literature's level is 0.103.
-    #[garde(custom(SHARE.rule()))]
-    #[schemars(transform = SHARE.schema())]
-    pub signal_dependent: f64,
-
-    /// Standard deviation that does not depend on the control. Default 0 (off); the literature's level is 0.185.
-    #[garde(custom(SHARE.rule()))]
-    #[schemars(transform = SHARE.schema())]
-    pub constant: f64,
-
-    /// How slow the noise is: as slow as noise that is drawn every so many seconds and held until then. The force of people's muscles varies by slow
-    /// common fluctuations of what drives them for the most part (Dideriksen et al. 2012, doi 10.1152/jn.00938.2011). Default 0.05.
-    #[garde(custom(HELD.rule()))]
-    #[schemars(transform = HELD.schema())]
-    pub held_s: f64,
-}
-
-/// Stretch reflexes: a muscle that works is excited more while it lengthens and less while it shortens, without a decision, and so a held arm gives
-/// way less. It is by how fast the muscle lengthens at the start of a control step, and so late by half of one on average; it is in proportion to what
-/// is asked of the muscle (Matthews 1986, doi 10.1113/jphysiol.1986.sp016044), great for slow changes of length and no greater for fast ones (Matthews and Stein 1969,
-/// doi 10.1113/jphysiol.1969.sp008679), and changing it costs nothing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
-#[serde(deny_unknown_fields, default)]
-pub struct Reflex {
-    /// By how much of itself an excitation grows, per greatest shortening speed of the muscle at which it lengthens. Default 0 (off).
-    #[garde(custom(GAIN.rule()))]
-    #[schemars(transform = GAIN.schema())]
-    pub gain: f64,
-
-    /// By how much of itself it grows or shrinks at most. Default 0.3.
-    #[garde(custom(SHARE.rule()))]
-    #[schemars(transform = SHARE.schema())]
-    pub most: f64,
-}
-
-impl Default for Reflex {
-    fn default() -> Self {
-        Self { gain: 0.0, most: 0.3 }
-    }
-}
-
-impl Default for Noise {
-    fn default() -> Self {
-        Self { signal_dependent: 0.0, constant: 0.0, held_s: 0.05 }
-    }
 }
 
 impl Task {

@@ -4,7 +4,8 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::{HELD, Noise, Pose, Reset, Reward, SHARE, Task, default_control_step};
+use crate::description::{HELD, Pose, Reset, Reward, SHARE, Task, default_control_step};
+use crate::motor::Noise;
 use crate::quantity::Quantity;
 
 const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");

@@ -948,9 +948,10 @@ class Noise(Described):
 class Reflex(Described):
     """Stretch reflexes: a muscle that works is excited more while it lengthens and less while it shortens, without a
     decision, and so a held arm gives way less. It is by how fast the muscle lengthens at the start of a control step,
-    and so late by half of one on average; it is in proportion to what is asked of the muscle (Matthews 1986, doi
-    10.1113/jphysiol.1986.sp016044), great for slow changes of length and no greater for fast ones (Matthews and Stein
-    1969, doi 10.1113/jphysiol.1969.sp008679), and changing it costs nothing.
+    and so late by half of one on average. It is in proportion to what is asked of the muscle (Matthews 1986, doi
+    10.1113/jphysiol.1986.sp016066), in proportion to slow changes of length and no greater for fast ones, a coarse form
+    of spindles that tell of the root of the speed (Prochazka and Gorassini 1998, doi 10.1111/j.1469-7793.1998.277bu.x),
+    and changing it costs nothing.
 
     Args:
         gain: By how much of itself an excitation grows, per greatest shortening speed of the muscle at which it

@@ -2,7 +2,7 @@
 
 use super::Scratch;
 use super::stages;
-use crate::parameters::{Motor, Stretch, World};
+use crate::parameters::{Motor, Reflex, World};
 use crate::state::EnvState;
 use myo_dynamics::{State, Workspace, step};
 use myo_muscle::noisy_excitation;
@@ -26,7 +26,7 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
     }
     *squared_change = remember(ctrl, &mut env.asked);
     if let Some(reflex) = world.parameters.reflex {
-        S::outline(stages::Reflex { world, reflex, body: &env.body, physics, ctrl });
+        S::outline(stages::ResistStretch { world, reflex, body: &env.body, physics, ctrl });
     }
     if let Some(Motor { deviations: [signal_dependent, constant], process }) = world.parameters.noise {
         let counter = env.counter();
@@ -49,7 +49,7 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
 #[inline(always)]
 pub fn resist_stretch<S: Scalar>(
     world: &World<'_, S>,
-    Stretch { gain, most }: Stretch<S>,
+    Reflex { gain, most }: Reflex<S>,
     body: &State<S>,
     physics: &mut Workspace<S>,
     ctrl: &mut [S],

@@ -6,7 +6,7 @@ use super::excite::{excite, resist_stretch};
 use super::explore::{draw_any_pose, explore};
 use super::simulate::{Watch, landmarks, simulate};
 use crate::observe::observe;
-use crate::parameters::{Stretch, World};
+use crate::parameters::{Reflex, World};
 use crate::state::EnvState;
 use myo_dynamics::{State, Workspace, step};
 use myo_scalar::{Scalar, Stage};
@@ -29,15 +29,15 @@ impl<S: Scalar> Stage<S> for Excite<'_, S> {
 }
 
 /// Stretch reflexes.
-pub struct Reflex<'a, S: Scalar> {
+pub struct ResistStretch<'a, S: Scalar> {
     pub world: &'a World<'a, S>,
-    pub reflex: Stretch<S>,
+    pub reflex: Reflex<S>,
     pub body: &'a State<S>,
     pub physics: &'a mut Workspace<S>,
     pub ctrl: &'a mut [S],
 }
 
-impl<S: Scalar> Stage<S> for Reflex<'_, S> {
+impl<S: Scalar> Stage<S> for ResistStretch<'_, S> {
     const NAME: &'static str = "stretch reflexes";
     type Output = ();
     #[inline(always)]
