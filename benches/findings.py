@@ -4,9 +4,9 @@
     python3 benches/findings.py [--seeds 5] [--only 1,4] [--out DIR] [-- MORE OPTIONS OF `myo train`]
 
 The findings and what counts as their right sign are those of `docs/findings.md`. Every study trains users to their
-plateau with `myo train`, on tasks made here, and asks them with `myo eval --json`. A finding holds when the sign is
-right in every seed; a user who did not learn its task has no sign, and the finding does not hold. Who is trained
-already is asked again at once.
+plateau with `myo train --seeds`, on tasks made here, and asks them with `myo eval --json`. A finding holds when the
+sign is right in every seed; a user who did not learn its task has no sign, and the finding does not hold. Who is
+trained already is asked again at once, and who was interrupted goes on first.
 """
 
 import argparse
@@ -163,19 +163,29 @@ FINDINGS = [
 class Users:
     """Trains users with the program, and asks them."""
 
-    def __init__(self, myo, out, options):
-        self.myo, self.out, self.options = myo, out, options
+    def __init__(self, myo, out, seeds, options):
+        self.myo, self.out, self.seeds, self.options = myo, out, seeds, options
+        self.finished = set()
 
-    def asked(self, tasks, seed):
-        """What a user of these layouts comes to, trained first where its folder is not there."""
-        run = self.out / f"{'-'.join(task['name'] for task in tasks)}-{seed}"
-        if not run.exists():
+    def trained(self, tasks):
+        """The folder of users of these layouts, one for each seed: new ones, or those there once they have finished."""
+        runs = self.out / "-".join(task["name"] for task in tasks)
+        if runs in self.finished:
+            return runs
+        if runs.exists():
+            self.call("train", "--resume", runs)
+        else:
             files = [self.out / f"{task['name']}.yaml" for task in tasks]
             for file, text in zip(files, tasks, strict=True):
                 file.write_text(json.dumps(text))
             together = ["--together"] if len(files) > 1 else []
-            self.call("train", *files, *together, "--out", run, "--seed", seed, *self.options)
-        return json.loads(self.call("eval", run, "--json"))
+            self.call("train", *files, *together, "--out", runs, "--seeds", self.seeds, *self.options)
+        self.finished.add(runs)
+        return runs
+
+    def asked(self, studies, seed):
+        """What the users of a seed come to, one for each study."""
+        return [json.loads(self.call("eval", self.trained(tasks) / f"seed-{seed}", "--json")) for tasks in studies]
 
     def call(self, *words):
         return subprocess.run([self.myo, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -198,7 +208,7 @@ def main():
     parser.add_argument("options", nargs="*", help="more options of `myo train`, after `--`")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    users = Users(args.myo, args.out, args.options)
+    users = Users(args.myo, args.out, args.seeds, args.options)
     asked = [int(number) for number in args.only.split(",")] if args.only else [number for number, *_ in FINDINGS]
     missed = 0
     for number, claim, studies, judge in FINDINGS:
@@ -206,7 +216,7 @@ def main():
             continue
         right = 0
         for seed in range(1, args.seeds + 1):
-            has_sign, says = verdict(judge, [users.asked(tasks, seed) for tasks in studies])
+            has_sign, says = verdict(judge, users.asked(studies, seed))
             right += has_sign
             print(f"  seed {seed} {'right' if has_sign else 'WRONG'}: {says}", flush=True)
         missed += right < args.seeds

@@ -16,11 +16,15 @@ import findings  # noqa: E402
 PRETENDS = """#!{python}
 import json, pathlib, sys
 words = sys.argv[1:]
-if words[0] == "train":
-    run = pathlib.Path(words[words.index("--out") + 1])
-    run.mkdir()
+if words[:2] == ["train", "--resume"]:
+    assert pathlib.Path(words[2]).is_dir() and len(words) == 3
+elif words[0] == "train":
+    runs = pathlib.Path(words[words.index("--out") + 1])
     tasks = [json.load(open(word)) for word in words[1:] if word.endswith(".yaml")]
-    (run / "tasks.json").write_text(json.dumps(tasks))
+    for seed in range(1, int(words[words.index("--seeds") + 1]) + 1):
+        run = runs / f"seed-{{seed}}"
+        run.mkdir(parents=True)
+        (run / "tasks.json").write_text(json.dumps(tasks))
     assert ("--together" in words) == (len(tasks) > 1)
     assert words[-2:] == ["--steps", "1k"]
 else:
