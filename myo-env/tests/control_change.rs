@@ -14,6 +14,8 @@ const COST: f64 = 0.02;
 fn task(cost: f64) -> Task {
     let mut task = short("pointing-uitb");
     task.reward.control_change_cost = cost;
+    // What movements cost has a bound that grows with it.
+    task.reward.completion_bonus = 100.0;
     task.noise.signal_dependent = 0.1;
     task.reset.activation_max = 0.0;
     task

@@ -255,7 +255,7 @@ pub struct Reward {
     pub acceleration_cost: f64,
 
     /// Cost per second of changing what is asked of muscles: times the sum over muscles of the squared rate of change of the control, in 1/s, before
-    /// motor noise. Holding still costs none of it, fast movement most, and one control step at most the greatest bonus. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593).
+    /// motor noise. Holding still costs none of it, fast movement most. Effort, acceleration and this cost together at most four times the greatest bonus per second. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593).
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub control_change_cost: f64,

@@ -150,7 +150,7 @@ fn every_term_of_the_reward() {
         distance_cost: 40.0,
         time_cost: 0.4,
         subtask_bonus: 5.0,
-        completion_bonus: 11.0,
+        completion_bonus: 16.0,
         effort_cost: 5.0,
         acceleration_cost: 0.02,
         control_change_cost: 0.1,
@@ -161,7 +161,7 @@ fn every_term_of_the_reward() {
     let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
     // 40 a second and metre, 0.4 a second, at 20 steps a second: 2 and 0.02 a step.
     for (target_done, task_done, bonuses) in
-        [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 11.0])]
+        [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 16.0])]
     {
         let progress: Progress<f64> =
             Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
@@ -182,23 +182,34 @@ fn every_term_of_the_reward() {
 }
 
 #[test]
-fn changing_controls_costs_no_more_at_once_than_is_earned_at_once() {
-    let cost_of = |subtask_bonus: f64, completion_bonus: f64, squared_change: f64| {
-        let weights = Reward { control_change_cost: 0.1, subtask_bonus, completion_bonus, ..Reward::default() };
+fn movements_cost_no_more_in_a_quarter_of_a_second_than_is_earned_at_once() {
+    let costs_of = |subtask_bonus: f64, completion_bonus: f64, squared_change: f64| {
+        let weights = Reward {
+            subtask_bonus,
+            completion_bonus,
+            effort_cost: 20.0,
+            acceleration_cost: 0.2,
+            control_change_cost: 0.1,
+            ..Reward::default()
+        };
         let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
         let nothing: Progress<f64> =
             Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
-        reward(&task, &nothing, 0.0, Efforts { squared_change, ..Efforts::none() }).control_change
+        let terms =
+            reward(&task, &nothing, 0.0, Efforts { squared_control: 0.2, squared_acceleration: 30.0, squared_change });
+        [terms.neural_effort, terms.acceleration_effort, terms.control_change]
     };
-    // Of steps of 0.05 s, twice the sum of squares.
-    for (bonuses, squared_change, cost) in [
-        ([5.0, 0.0], 2.4, 4.8),
-        ([5.0, 0.0], 2.6, 5.0),
-        ([5.0, 11.0], 4.0, 8.0),
-        ([5.0, 11.0], 40.0, 11.0),
-        ([0.0, 0.0], 40.0, 80.0),
+    // In a step of 0.05 s effort costs 0.2, acceleration 0.3, and changes twice the sum of squares.
+    for (bonuses, squared_change, costs) in [
+        ([5.0, 0.0], 0.2, [0.2, 0.3, 0.4]),
+        ([5.0, 0.0], 0.75, [0.1, 0.15, 0.75]),
+        ([5.0, 11.0], 0.75, [0.2, 0.3, 1.5]),
+        ([5.0, 11.0], 1.95, [0.1, 0.15, 1.95]),
+        ([0.0, 0.0], 40.0, [0.2, 0.3, 80.0]),
     ] {
-        assert_close(cost_of(bonuses[0], bonuses[1], squared_change), -cost);
+        for (found, cost) in costs_of(bonuses[0], bonuses[1], squared_change).into_iter().zip(costs) {
+            assert_close(found, -cost);
+        }
     }
 }
 

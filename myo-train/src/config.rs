@@ -53,6 +53,9 @@ pub struct PpoConfig {
     /// (default 0). A muscle that is asked for more than all, or for less than nothing by more than the noise, does not feel a small change of what it
     /// is asked for, and does not learn to do anything else.
     pub bound_coefficient: f64,
+    /// What an advantage counts for at most, for better or worse, in units of reward (default 0), where it is not 0. A single environment that goes to ruin, such as an
+    /// arm in cramps, may otherwise weigh as much as all others. Errors of the value network are bounded alike.
+    pub advantage_max: f64,
     /// Weight of the mean squared error of the value network (default 0.5).
     pub value_coefficient: f64,
     /// Rewards are multiplied by this before learning (default 1); metrics show them unscaled.
@@ -136,6 +139,7 @@ impl Default for PpoConfig {
             clip: 0.2,
             entropy_coefficient: 0.005,
             bound_coefficient: 0.0,
+            advantage_max: 0.0,
             value_coefficient: 0.5,
             reward_scale: 1.0,
             learning_rate: 1e-3,
@@ -270,6 +274,7 @@ impl PpoConfig {
                 learning_rate: 2.5e-4,
                 entropy_coefficient: 0.0003,
                 bound_coefficient: 1.0,
+                advantage_max: 6.0,
                 log_std_initial: -1.4,
                 log_std_min: -5.0,
                 log_std_max: -1.4,
@@ -369,6 +374,7 @@ impl PpoConfig {
         for (name, value) in [
             ("entropy_coefficient", self.entropy_coefficient),
             ("bound_coefficient", self.bound_coefficient),
+            ("advantage_max", self.advantage_max),
             ("value_coefficient", self.value_coefficient),
             ("kl_target", self.kl_target),
         ] {

@@ -28,6 +28,13 @@ pub fn advantages(
     }
 }
 
+/// Lets no advantage count for more than `most`, for better or worse, where that is not 0.
+pub fn bound(advantage: &mut [f32], most: f32) {
+    if most > 0.0 {
+        advantage.iter_mut().for_each(|advantage| *advantage = advantage.clamp(-most, most));
+    }
+}
+
 /// Share of the variance of `target` that `prediction` explains: 1 is perfect, 0 no better than the mean.
 pub fn explained_variance(prediction: &[f32], target: &[f32]) -> f64 {
     let variance = |x: &mut dyn Iterator<Item = f64>| {
@@ -88,6 +95,16 @@ mod tests {
         advantages(1, (0.5, 0.5), &reward, &value, &next, &[false, true, false, false], &mut got);
         // Deltas: 1 + 0.5 - 0.5 = 1, 2 - 1 = 1, -1 + 0.5 - 2 = -2.5, 4 + 1 - 1 = 4.
         assert_eq!(got, [1.25, 1.0, -1.5, 4.0]);
+    }
+
+    #[test]
+    fn advantages_have_bounds_where_they_are_to() {
+        let all = [-200.0, -6.0, 0.5, 7.0, f32::INFINITY];
+        for (most, expected) in [(6.0, [-6.0, -6.0, 0.5, 6.0, 6.0]), (0.0, all)] {
+            let mut bounded = all;
+            bound(&mut bounded, most);
+            assert_eq!(bounded, expected);
+        }
     }
 
     #[test]

@@ -260,7 +260,7 @@ impl Rollout {
         }
     }
 
-    /// Advantages and targets, from values and rewards. What is done without noise has no advantage: nothing else was tried.
+    /// Advantages, within their bounds, and targets, from values and rewards. What is done without noise has no advantage: nothing else was tried.
     pub fn estimate(&mut self, config: &PpoConfig) {
         let envs = self.value.len() - self.reward.len();
         let value = &self.value[..self.reward.len()];
@@ -273,6 +273,7 @@ impl Rollout {
             &self.ended,
             &mut self.advantage,
         );
+        crate::gae::bound(&mut self.advantage, config.advantage_max as f32);
         for ((target, advantage), value) in self.target.iter_mut().zip(&self.advantage).zip(value) {
             *target = advantage + value;
         }

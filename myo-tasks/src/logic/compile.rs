@@ -9,6 +9,8 @@ use std::borrow::Cow;
 
 /// Control steps of a dwell of no seconds: less than any physics step.
 const AT_ONCE: f64 = 1e-6;
+/// What movements cost per second at most, in greatest bonuses: in a quarter of a second no more than is earned at once.
+const MOST_COST: f64 = 4.0;
 
 /// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
 /// shoulder centre, times in control steps, forces N.
@@ -112,6 +114,8 @@ pub struct Weights<T> {
     pub acceleration_cost: T,
     /// Per squared change of a control from one control step to the next; none where it costs nothing.
     pub change_cost: Option<T>,
+    /// The most that these three cost in a control step.
+    pub most_cost: T,
     /// How much of these three counts: 1, or less for a learner who is to find out first what there is to do.
     pub cost_share: T,
 }
@@ -437,6 +441,7 @@ impl<T> Weights<T> {
             effort_cost: f(&self.effort_cost),
             acceleration_cost: f(&self.acceleration_cost),
             change_cost: self.change_cost.as_ref().map(&mut *f),
+            most_cost: f(&self.most_cost),
             cost_share: f(&self.cost_share),
         }
     }
@@ -446,6 +451,9 @@ impl<C: Real> Weights<C> {
     fn new(reward: &Reward, control_dt_s: f64) -> Self {
         let (c, reward) = (C::from_f64, reward.per_second(control_dt_s));
         let per_step = |per_second: f64| c(per_second * control_dt_s);
+        let bonus = reward.subtask_bonus.max(reward.completion_bonus);
+        // Where nothing is earned there is nothing to compare with.
+        let greatest_bonus = if bonus > 0.0 { bonus } else { 1e12 };
         Self {
             distance_cost: per_step(reward.distance_cost),
             distance_scale: (reward.distance_scale_m > 0.0).then(|| c(reward.distance_scale_m)),
@@ -460,6 +468,7 @@ impl<C: Real> Weights<C> {
             acceleration_cost: per_step(reward.acceleration_cost),
             // Per second of a rate squared: a change over one control step is a rate times it.
             change_cost: (reward.control_change_cost > 0.0).then(|| c(reward.control_change_cost / control_dt_s)),
+            most_cost: per_step(MOST_COST * greatest_bonus),
             cost_share: c(1.0),
         }
     }

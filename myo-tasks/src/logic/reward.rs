@@ -146,25 +146,30 @@ pub fn reward<S: Scalar>(
     efforts: Efforts<S>,
 ) -> RewardTerms<S> {
     let w = &task.weights;
-    let Efforts { squared_control, squared_acceleration, squared_change } = efforts;
+    let [neural_effort, acceleration_effort, control_change] = movement_costs(w, efforts);
     RewardTerms {
         distance: -(w.distance_cost.mul_add(felt(distance, w.distance_scale), w.time_cost)),
         subtask: w.subtask_bonus.only(progress.target_done),
         completion: w.completion_bonus.only(progress.task_done),
-        neural_effort: -(w.cost_share * w.effort_cost * squared_control),
-        acceleration_effort: -(w.cost_share * w.acceleration_cost * squared_acceleration),
-        control_change: w.change_cost.map_or(S::zero(), |cost| -bearable(w, w.cost_share * cost * squared_change)),
+        neural_effort: -neural_effort,
+        acceleration_effort: -acceleration_effort,
+        control_change: -control_change,
         wrong_press: -(w.wrong_press * progress.wrong_presses),
         exit: -(w.exit * progress.exits),
     }
 }
 
-/// What changing controls costs in a control step, at most as much as is earned at once where anything is.
+/// What effort, acceleration and changes of controls cost in a control step, together at most [`Weights::most_cost`].
 ///
-/// An arm that whirls, all muscles pulling in turn, pays a thousand times as much as one that does what it should. One such step among forty thousand
-/// drowns what a learner could learn from all others.
+/// An arm in cramps, all of its muscles tensed or pulling in turn, would pay a hundred times as much as one that does what it should, for as long as it does not find out.
+/// One such arm among four thousand drowns what a learner could learn from all others.
 #[inline(always)]
-fn bearable<S: Scalar>(weights: &Weights<S>, cost: S) -> S {
-    let earned = weights.subtask_bonus.max(weights.completion_bonus);
-    S::select(S::zero().lt(earned), cost.min(earned), cost)
+fn movement_costs<S: Scalar>(w: &Weights<S>, efforts: Efforts<S>) -> [S; 3] {
+    let Efforts { squared_control, squared_acceleration, squared_change } = efforts;
+    let effort = w.cost_share * w.effort_cost * squared_control;
+    let acceleration = w.cost_share * w.acceleration_cost * squared_acceleration;
+    let change = w.change_cost.map_or(S::zero(), |cost| w.cost_share * cost * squared_change);
+    let all = effort + acceleration + change;
+    let paid = S::select(w.most_cost.lt(all), w.most_cost * all.recip(), S::lit(1.0));
+    [paid * effort, paid * acceleration, paid * change]
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Episodes, UpdateMetrics};
+use crate::Episodes;
 
 /// Columns of an episode with what it earned.
 const EARNED: [&str; 2] = ["reward_subtask", "reward_completion"];
@@ -32,16 +32,20 @@ impl Balance {
         Self { start, known: false, earned: 0.0, price: 0.0 }
     }
 
-    /// Hears of an update of so many environments.
-    pub fn hear(&mut self, metrics: &UpdateMetrics, num_envs: usize) {
-        let UpdateMetrics { env_steps, episodes, cost_share, .. } = metrics;
-        if *env_steps < self.start || episodes.count == 0 || *cost_share == 0.0 {
+    /// Hears of episodes that ended in so many environments after `env_steps`, while such a share of the price counted.
+    pub fn hear(&mut self, env_steps: u64, episodes: &Episodes, num_envs: usize, cost_share: f64) {
+        if env_steps < self.start || episodes.count == 0 || cost_share == 0.0 {
             return;
         }
         let weight = 1.0 - (-(episodes.count as f64) / num_envs as f64).exp();
         self.known = true;
         self.earned += weight * (sum(episodes, &EARNED) - self.earned);
         self.price += weight * (-sum(episodes, &SPENT) / cost_share - self.price);
+    }
+
+    /// What an episode earned, once that is known.
+    pub fn earned(&self) -> Option<f64> {
+        self.known.then_some(self.earned)
     }
 
     /// The share of the price that comes to such a part of what is earned; all where it costs nothing. Nobody can tell before anything is known.
@@ -58,36 +62,40 @@ fn sum(episodes: &Episodes, columns: &[&str]) -> f64 {
 mod tests {
     use super::*;
 
-    /// So many episodes that earned and spent so much each, while a share of what movement costs counted.
-    fn update(count: u64, earned: f64, spent: f64, cost_share: f64) -> UpdateMetrics {
+    /// So many episodes that earned and spent so much each.
+    fn ended(count: u64, earned: f64, spent: f64) -> Episodes {
         let means = [
             ("reward_subtask", earned),
             ("reward_control_change", -0.25 * spent),
             ("reward_neural_effort", -0.75 * spent),
         ];
-        let means = means.map(|(name, mean)| (name.to_owned(), mean)).to_vec();
-        UpdateMetrics { env_steps: 1_000, episodes: Episodes { count, means }, cost_share, ..UpdateMetrics::default() }
+        Episodes { count, means: means.map(|(name, mean)| (name.to_owned(), mean)).to_vec() }
+    }
+
+    /// Hears of them after a thousand control steps of a hundred environments.
+    fn hear(balance: &mut Balance, (count, earned, spent): (u64, f64, f64), cost_share: f64) {
+        balance.hear(1_000, &ended(count, earned, spent), 100, cost_share);
     }
 
     #[test]
     fn a_part_of_what_is_earned_can_be_spent() {
         let mut balance = Balance::new(1_000);
         assert_eq!(balance.affordable(0.5), None, "nothing is known yet");
-        balance.hear(&update(1_000_000, 8.0, 2.0, 0.25), 100);
+        hear(&mut balance, (1_000_000, 8.0, 2.0), 0.25);
         assert_eq!(balance.affordable(0.5), Some(0.5), "all of it would be 8");
-        balance.hear(&update(1_000_000, 0.0, 2.0, 0.25), 100);
+        hear(&mut balance, (1_000_000, 0.0, 2.0), 0.25);
         assert_eq!(balance.affordable(0.5), Some(0.0), "who does nothing can spend nothing");
         let mut free = Balance::new(0);
-        free.hear(&update(1, 0.0, 0.0, 0.25), 100);
+        hear(&mut free, (1, 0.0, 0.0), 0.25);
         assert_eq!(free.affordable(0.5), Some(1.0), "what costs nothing");
     }
 
     #[test]
     fn it_takes_an_episode_of_every_environment_to_learn_of_a_change() {
         let mut balance = Balance::new(0);
-        (0..50).for_each(|_| balance.hear(&update(10, 8.0, 2.0, 0.25), 100));
+        (0..50).for_each(|_| hear(&mut balance, (10, 8.0, 2.0), 0.25));
         let before = balance.affordable(0.5).unwrap();
-        balance.hear(&update(10, 8.0, 8.0, 0.25), 100);
+        hear(&mut balance, (10, 8.0, 8.0), 0.25);
         let after = balance.affordable(0.5).unwrap();
         assert!(
             (0.7..0.8).contains(&(after / before)),
@@ -98,11 +106,11 @@ mod tests {
     #[test]
     fn the_first_episodes_to_end_do_not_count_nor_those_of_which_no_price_is_known() {
         let mut balance = Balance::new(1_001);
-        balance.hear(&update(10, 8.0, 2.0, 0.25), 100);
+        hear(&mut balance, (10, 8.0, 2.0), 0.25);
         assert_eq!(balance, Balance::new(1_001));
         let mut balance = Balance::new(0);
-        balance.hear(&update(10, 8.0, 0.0, 0.0), 100);
-        balance.hear(&update(0, f64::NAN, f64::NAN, 0.5), 100);
+        hear(&mut balance, (10, 8.0, 0.0), 0.0);
+        hear(&mut balance, (0, f64::NAN, f64::NAN), 0.5);
         assert_eq!(balance, Balance::new(0));
     }
 }

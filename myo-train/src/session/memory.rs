@@ -41,6 +41,9 @@ pub struct Memory {
     /// What the user earns and spends.
     #[serde(default)]
     pub balance: Balance,
+    /// The same in each layout; empty where there is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layout_balances: Vec<Balance>,
     /// Whether nothing improved with less: from then on all counts.
     #[serde(default)]
     pub all_counts: bool,
@@ -62,14 +65,16 @@ pub struct Memory {
 impl Memory {
     /// Nothing seen yet of a training that is about to go on from where it is.
     pub fn new(trainer: &Trainer) -> Self {
+        let (start, layouts) = (first_whole_episodes(trainer), told_layouts(trainer.spec()));
         Self {
             looks: Looks::new(trainer.env_steps()),
-            curve: Curve::new(first_whole_episodes(trainer)),
-            noise_free: Curve::new(first_whole_episodes(trainer)),
-            layouts: vec![Curve::new(first_whole_episodes(trainer)); told_layouts(trainer.spec())],
+            curve: Curve::new(start),
+            noise_free: Curve::new(start),
+            layouts: vec![Curve::new(start); layouts],
             cost_share: first_cost_share(trainer),
             costs_changed_at: 0,
-            balance: Balance::new(first_whole_episodes(trainer)),
+            balance: Balance::new(start),
+            layout_balances: vec![Balance::new(start); layouts],
             all_counts: first_cost_share(trainer) == 1.0,
             evaluations: 0,
             tries: 0,
@@ -84,22 +89,31 @@ impl Memory {
     ///
     /// Who does nothing of its task yet pays nearly nothing, or it would learn to keep still. As more gets done, and by cheaper movements, more counts:
     /// small shares grow by the same factor and great ones by the same amount in the same time, all at the earliest when the sum of
-    /// `growth` is 2. From when nothing improves with what the user can afford, it comes to be all in any case, at least as fast as the
+    /// `growth` is 2. Of several layouts none is given up: a user who earns less in one than in another can afford as much less, or it would leave what is hard,
+    /// and be rich by what is not done. From when nothing improves with what the user can afford, it comes to be all in any case, at least as fast as the
     /// steps grow, of which the newest are `newest`.
     pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
         let counted = self.share_that_counts();
-        self.all_counts |= self.trend().is_some_and(|trend| trend.is_plateau());
+        self.all_counts |= self.overall_trend().is_some_and(|trend| trend.is_plateau());
         let share = self.cost_share;
         let grown = |growth: f64| share + growth.min(share * (LEAST.powf(-growth) - 1.0));
         self.cost_share = if self.all_counts {
             grown(growth.max(newest as f64 / env_steps as f64))
         } else {
-            self.balance.affordable(PART).map_or(share, |most| grown(growth).min(most))
+            self.affordable().map_or(share, |most| grown(growth).min(most))
         }
         .clamp(LEAST, 1.0);
         if self.share_that_counts() != counted {
             self.costs_changed_at = env_steps;
         }
+    }
+
+    /// The share that a user can afford, as far as it does all of its layouts.
+    fn affordable(&self) -> Option<f64> {
+        let earned = || self.layout_balances.iter().filter_map(Balance::earned);
+        let (least, most) = (earned().reduce(f64::min), earned().reduce(f64::max));
+        let evenness = least.zip(most).map_or(1.0, |(least, most)| if most > 0.0 { least / most } else { 1.0 });
+        Some(self.balance.affordable(PART)? * evenness)
     }
 
     /// The share in steps: to write it into a card's memory takes time.
@@ -150,7 +164,12 @@ impl Memory {
 
     /// Hears of an update.
     pub fn hear(&mut self, metrics: &UpdateMetrics, num_envs: usize) {
-        self.balance.hear(metrics, num_envs);
+        let UpdateMetrics { env_steps, cost_share, .. } = *metrics;
+        self.balance.hear(env_steps, &metrics.episodes, num_envs, cost_share);
+        let of_layout = num_envs / self.layout_balances.len().max(1);
+        for (balance, ended) in self.layout_balances.iter_mut().zip(&metrics.layouts) {
+            balance.hear(env_steps, ended, of_layout, cost_share);
+        }
         self.curve.hear(metrics.env_steps, &metrics.episodes);
         self.noise_free.hear(metrics.env_steps, &metrics.noise_free);
         for (curve, ended) in self.layouts.iter_mut().zip(&metrics.layouts) {
@@ -162,8 +181,13 @@ impl Memory {
     /// evaluated, or of training episodes where too few act without. Where there are several layouts, that of the one that is
     /// farthest from a plateau, by its training episodes, if it is farther than all together.
     pub fn trend(&self) -> Option<Trend> {
-        let all = self.noise_free.trend().or_else(|| self.curve.trend())?;
+        let all = self.overall_trend()?;
         self.layouts.iter().try_fold(all, |farthest, curve| Some(farthest.or_farther(curve.trend()?)))
+    }
+
+    /// The same over all layouts together.
+    fn overall_trend(&self) -> Option<Trend> {
+        self.noise_free.trend().or_else(|| self.curve.trend())
     }
 
     /// Forgets what came after `env_steps`.
@@ -218,6 +242,7 @@ mod tests {
             cost_share: 1.0,
             costs_changed_at: 0,
             balance: Balance::new(0),
+            layout_balances: vec![],
             all_counts: true,
             evaluations: 0,
             tries: 0,
@@ -228,14 +253,13 @@ mod tests {
         }
     }
 
-    /// A user of whom nothing is known but what an episode earned, and spent while all that movement costs counted.
-    fn with(earned: f64, spent: f64, layouts: Vec<Curve>) -> Memory {
-        let mut memory = Memory { cost_share: LEAST, all_counts: false, ..memory(layouts) };
+    /// A user of whom nothing is known but how success grew, and what an episode earned, and spent while all that movement costs counted.
+    fn with(earned: f64, spent: f64, curve: Curve) -> Memory {
+        let mut memory = Memory { curve, cost_share: LEAST, all_counts: false, ..memory(vec![]) };
         let means = [("reward_completion", earned), ("reward_neural_effort", -spent)];
         let means = means.map(|(name, mean)| (name.to_owned(), mean)).to_vec();
         let episodes = Episodes { count: 1_000_000, means };
-        let metrics = UpdateMetrics { env_steps: 32_000_000, episodes, cost_share: 1.0, ..UpdateMetrics::default() };
-        memory.balance.hear(&metrics, 1);
+        memory.balance.hear(32_000_000, &episodes, 1, 1.0);
         memory
     }
 
@@ -252,7 +276,7 @@ mod tests {
 
     #[test]
     fn costs_follow_what_the_user_can_afford() {
-        let still_learning = || vec![curve(|_| 4.0, 0.0)];
+        let still_learning = || curve(|_| 4.0, 0.0);
         let mut rich = with(8.0, 2.0, still_learning());
         let shares = [0.25; 8].map(|growth| charged(&mut rich, growth));
         let expected = [LEAST.powf(0.75), LEAST.powf(0.5), LEAST.powf(0.25), 0.375, 0.625, 0.875, 1.0, 1.0];
@@ -269,14 +293,27 @@ mod tests {
     }
 
     #[test]
+    fn no_layout_is_given_up_for_being_dear() {
+        let still_learning = || curve(|_| 4.0, 0.0);
+        let earning = |earned: f64| with(earned, 1.0, still_learning()).balance;
+        let mut memory = with(3.0, 8.0, still_learning());
+        memory.layout_balances = vec![earning(4.0), earning(2.0), Balance::new(0)];
+        assert!(same(charged(&mut memory, 1.0), 0.125), "a half of a quarter; of the third nothing is known yet");
+        memory.layout_balances[2] = earning(0.0);
+        assert!(same(charged(&mut memory, 1.0), LEAST), "a layout that nothing is done in");
+        memory.layout_balances = vec![earning(0.0), earning(0.0)];
+        assert!(same(charged(&mut memory, 1.0), 0.25), "all alike");
+    }
+
+    #[test]
     fn the_share_stays_until_earnings_are_known() {
-        let earlier = Memory { all_counts: false, cost_share: 0.2, ..memory(vec![curve(|_| 4.0, 0.0)]) };
+        let earlier = Memory { curve: curve(|_| 4.0, 0.0), all_counts: false, cost_share: 0.2, ..memory(vec![]) };
         assert!(same(charged(&mut { earlier }, 1.0), 0.2), "a training of an earlier program goes on as it was");
     }
 
     #[test]
     fn all_counts_when_nothing_improves_with_less() {
-        let mut settled = with(0.0, 1.0, vec![]);
+        let mut settled = with(0.0, 1.0, curve(|_| 1.0, 0.9));
         assert!(same(charged(&mut settled, 0.0), LEAST.powf(0.75)), "as fast as the steps grow");
         assert!(same(charged(&mut settled, 0.75), 0.75));
         assert_eq!(charged(&mut settled, 1.0), 1.0);

@@ -11,6 +11,8 @@ struct Shape {
     decay: f32,
     // The first so many environments acted without noise: they tried nothing that could have an advantage.
     noise_free: u32,
+    // What an advantage counts for at most, where it is not 0.
+    most: f32,
 }
 
 @group(0) @binding(0) var<storage, read> reward: array<f32>;
@@ -46,10 +48,11 @@ fn main(
         if ended[i] != 0u { later = 0.0; }
         let delta = reward[i] + shape.gamma * next - value[i];
         later = delta + shape.decay * later;
-        let goal = later + value[i];
-        estimate[i] = select(later, 0.0, env < shape.noise_free);
+        let advantage = select(later, clamp(later, -shape.most, shape.most), shape.most > 0.0);
+        let goal = advantage + value[i];
+        estimate[i] = select(advantage, 0.0, env < shape.noise_free);
         estimate[samples + i] = goal;
-        sum += vec4<f32>(later, goal, later * later, goal * goal);
+        sum += vec4<f32>(advantage, goal, advantage * advantage, goal * goal);
     }
     sums[env] = sum.x;
     sums[shape.num_envs + env] = sum.y;

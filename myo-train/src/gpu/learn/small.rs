@@ -70,7 +70,8 @@ impl Context<'_> {
         let (gamma, lambda) = (self.config.gamma(control_dt) as f32, self.config.gae_lambda(control_dt) as f32);
         let numbers = [gamma, gamma * lambda].map(f32::to_bits);
         let whole = [envs, padded, steps, between_cuts].map(|x| x as u32);
-        let shape: Vec<_> = whole.into_iter().chain(numbers).chain([noise_free as u32]).collect();
+        let most = (self.config.advantage_max as f32).to_bits();
+        let shape: Vec<_> = whole.into_iter().chain(numbers).chain([noise_free as u32, most]).collect();
         let (record, memory) = (self.record, self.memory);
         let buffers = [
             record.reward.binding(),

@@ -24,7 +24,10 @@ fn collected(gpu: &Gpu, num_envs: usize) -> (DeviceRollout, Brain, Rollout) {
     card.collect(&brain.actor(), FIRST_STEP, &mut rollout, &mut observation).unwrap();
     // The policy has moved since, so that some ratios leave the band.
     brain.parameters.iter_mut().enumerate().for_each(|(i, w)| *w += 0.03 * (i as f32).sin());
+    // Some advantages are beyond this.
+    brain.config.advantage_max = 0.3;
     rollout.estimate(&brain.config);
+    assert!(rollout.advantage.iter().any(|a| a.abs() == 0.3) && rollout.advantage.iter().any(|a| a.abs() < 0.3));
     // As if most means lay beyond what has an effect.
     (brain.config.bound_coefficient, brain.config.action_scale) = (0.3, 50.0);
     (card, brain, rollout)
