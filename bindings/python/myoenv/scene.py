@@ -790,8 +790,9 @@ class Reward(Described):
             1,000,000.
         control_change_cost: Cost per second of changing what is asked of muscles: times the sum over muscles of the
             squared rate of change of the control, in 1/s, before motor noise. Holding still costs none of it, fast
-            movement most, and one control step at most the greatest bonus. Default 0. After minimum torque change (Uno,
-            Kawato and Suzuki 1989, doi 10.1007/BF00204593). From 0 to 1,000,000.
+            movement most. Effort, acceleration and this cost together at most four times the greatest bonus per second.
+            Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593). From 0 to
+            1,000,000.
     """
 
     distance_cost: float | None = None
