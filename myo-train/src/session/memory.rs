@@ -321,6 +321,16 @@ mod tests {
     }
 
     #[test]
+    fn all_counts_also_where_one_layout_is_never_done() {
+        // Else who does the others would never pay.
+        let mut settled = with(0.0, 1.0, curve(|_| 1.0, 0.9));
+        settled.layouts = vec![curve(|_| 1.0, 0.9), curve(|_| 4.0, 0.0)];
+        assert!(settled.trend().is_none(), "and it is at no plateau");
+        assert_eq!([0.75, 1.0].map(|growth| charged(&mut settled, growth)).last(), Some(&1.0));
+        assert!(!settled.has_settled());
+    }
+
+    #[test]
     fn a_half_learned_layout_does_not_hide_behind_the_mean() {
         let [done, learning, hopeless] = [curve(|_| 1.0, 0.9), curve(|x| 1.0 + 8.0 / x, 0.8), curve(|_| 4.0, 0.0)];
         let is_plateau = |layouts: &[&Curve]| {
