@@ -36,9 +36,10 @@ def sphere(at, radius):
 
 
 def display(row, height):
-    """Two buttons of a display in one row, each tapped from a place of rest at the hip."""
+    """Two buttons in one row of an upright wall, each tapped from a place of rest at the hip."""
     button = {"kind": "button", "size": [0.05, 0.05, 0.02], "tilt_deg": 90, "min_force_n": 1}
     scene = {
+        "wall": {"kind": "obstacle", "at": [0.441, 0, -0.1], "size": [0.5, 0.6, 0.02], "tilt_deg": 90},
         "hip": sphere([0.2, -0.05, -0.45], 0.06),
         "right": {**button, "at": [0.42, -0.15, height]},
         "left": {**button, "at": [0.42, 0.15, height]},
@@ -48,9 +49,9 @@ def display(row, height):
 
 
 def keys(width_mm):
-    """Five keys in a row, pressed in an order that each episode draws."""
+    """Five keys in a row on a plate, pressed in an order that each episode draws."""
     width = width_mm / 1000
-    button = {"kind": "button", "size": [width, width, 0.004], "min_force_n": 0.3}
+    button = {"kind": "button", "size": [width, width, 0.001], "min_force_n": 0.3}
     row = {
         "kind": "grid",
         "at": [0.32, 0, -0.3],
@@ -59,7 +60,10 @@ def keys(width_mm):
         "pitch": round(width + 0.001, 4),
         "of": button,
     }
-    return task(f"keys-{width_mm}-mm", {"keys": row}, [{"random_order": [{"press": [1, 2, 3, 4, 5]}]}], 8)
+    plate = {"kind": "obstacle", "at": [0.32, 0, -0.306], "size": [0.09, 0.04, 0.01]}
+    return task(
+        f"keys-{width_mm}-mm", {"keys": row, "plate": plate}, [{"random_order": [{"press": [1, 2, 3, 4, 5]}]}], 8
+    )
 
 
 def sides():

@@ -18,13 +18,19 @@ SMALL = s.Button(size=(0.045, 0.045, 0.02), min_force_n=1.5)
 PANEL = s.Grid(at=(0.42, 0, -0.15), tilt_deg=60, rows=2, columns=3, pitch=0.06, of=SMALL)
 PRESETS = {
     "ticket": {
-        "scene": {"panel": PANEL},
+        "scene": {
+            "panel": PANEL,
+            "board": s.Obstacle(at=(0.438, 0, -0.1603), size=(0.2, 0.14, 0.02), tilt_deg=60),
+        },
         "script": [s.PressAndRelease(1, 3, 3, 5)],
         "reward": s.Reward(wrong_press=0.3),
         "time_limit_s": 6,
     },
     "hello": {
-        "scene": {"phone": s.Keyboard(at=(0.32, 0, -0.3), layout="qwerty", pitch=0.01, key=0.009, min_force_n=0.5)},
+        "scene": {
+            "phone": s.Keyboard(at=(0.32, 0, -0.3), layout="qwerty", pitch=0.01, key=0.009, min_force_n=0.5),
+            "case": s.Obstacle(at=(0.32, 0, -0.3085), size=(0.11, 0.06, 0.01)),
+        },
         "script": [s.Type("hello")],
         "reward": s.Reward(wrong_press=0.3),
         "time_limit_s": 6,
@@ -38,7 +44,8 @@ PRESETS = {
         "scene": {
             "lamps": s.Grid(
                 at=(0.42, 0, -0.15), tilt_deg=60, rows=1, columns=4, pitch=0.06, of=s.Button(size=(0.04, 0.04, 0.02))
-            )
+            ),
+            "board": s.Obstacle(at=(0.438, 0, -0.1603), size=(0.26, 0.08, 0.02), tilt_deg=60),
         },
         "script": [s.Repeat(5, steps=[s.React("lamps", after_s=(0.5, 1.5))])],
         "reward": s.Reward(wrong_press=0.4),

@@ -86,6 +86,8 @@ pub struct Contact<S: Scalar> {
     pub distance: S,
     /// Out of the box.
     pub normal: Vec3<S>,
+    /// Cosine of the angle between it and the third axis of the box: 1 on the face, 0 on a side.
+    pub facing: S,
     /// The four edges of the friction pyramid.
     pub rows: [Row<S>; 4],
     /// Sum of normal forces (N): what MuJoCo's touch sensor reads.
@@ -96,7 +98,15 @@ impl<S: Scalar> Contact<S> {
     /// No contact.
     pub fn none() -> Self {
         let (no, o) = (S::Mask::splat(false), S::zero());
-        Self { exists: no, index: o, distance: o, normal: Vec3::zero(), rows: [Row::none(); PYRAMID], force: o }
+        Self {
+            exists: no,
+            index: o,
+            distance: o,
+            normal: Vec3::zero(),
+            facing: o,
+            rows: [Row::none(); PYRAMID],
+            force: o,
+        }
     }
 
     /// Ends it, everywhere.

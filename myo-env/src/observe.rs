@@ -62,6 +62,8 @@ pub enum ObservationPart {
     Touch,
     /// One where the current step counts already, where some must be waited for.
     Cue,
+    /// Share of the pause after a wrong press that is left, where there is one.
+    Pause,
     /// One while the current handle or knob is held, and the way that it must go (m), where there are sliders or sticks.
     Drag,
     /// From the pointer to the farthest place of the current way that was come to (m), and one within the way, where there are ways.
@@ -110,7 +112,8 @@ impl ObservationPart {
             | Self::TimeLeft
             | Self::Inside
             | Self::Touch
-            | Self::Cue => 1,
+            | Self::Cue
+            | Self::Pause => 1,
             Self::Drag | Self::Steer => 4,
         }
     }
@@ -139,6 +142,7 @@ impl ObservationPart {
             Self::Inside => "inside",
             Self::Touch => "touch",
             Self::Cue => "cue",
+            Self::Pause => "pause",
             Self::Drag => "drag",
             Self::Steer => "steer",
             Self::NearestObstacle => "nearest_obstacle",
@@ -152,6 +156,7 @@ impl ObservationPart {
             Self::PointerPosition => Some("where the technique is not the fingertip"),
             Self::TargetVelocity => Some("where something moves"),
             Self::Cue => Some("where a step must be waited for"),
+            Self::Pause => Some("where a wrong press takes time"),
             Self::Drag => Some("where there is a slider to drag or a stick to swing"),
             Self::Steer => Some("where there is a way to steer along"),
             Self::NearestObstacle => Some("where there are boxes"),
@@ -185,6 +190,7 @@ pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart>
         (o.inside, ObservationPart::Inside),
         (o.touch, ObservationPart::Touch),
         (o.cue && cue, ObservationPart::Cue),
+        (o.pause && task.error_pause.is_some(), ObservationPart::Pause),
         (o.drag && (drag || swing), ObservationPart::Drag),
         (o.steer && steer, ObservationPart::Steer),
         (o.nearest_obstacle && !task.boxes.is_empty(), ObservationPart::NearestObstacle),
@@ -220,7 +226,8 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             | ObservationPart::TimeLeft
             | ObservationPart::Inside
             | ObservationPart::Touch
-            | ObservationPart::Cue => vec![name.into()],
+            | ObservationPart::Cue
+            | ObservationPart::Pause => vec![name.into()],
             ObservationPart::Drag => of(&["held", "x", "y", "z"].map(String::from)),
             ObservationPart::Steer => of(&["x", "y", "z", "within"].map(String::from)),
         }
@@ -259,6 +266,7 @@ pub fn observe<S: Scalar>(
             ObservationPart::Inside => out.push(S::indicator(inside(sensed, goal) & goal.lit() & goal.is_seen())),
             ObservationPart::Touch => out.push(touch(goal, env.touch)),
             ObservationPart::Cue => out.push(S::indicator(goal.lit())),
+            ObservationPart::Pause => out.push(pause(task, state)),
             ObservationPart::Drag => drag(goal, state, out),
             ObservationPart::Steer => steer(goal, state, sensed, out),
             ObservationPart::NearestObstacle => {
@@ -348,13 +356,21 @@ fn velocity<S: Scalar>(world: &World<'_, S>, goal: &Goal<S>) -> [S; 3] {
     goal.moves.map_or([S::zero(); 3], |moves| moves.map(|x| (x * S::lit(per_second)).only(is_sphere)))
 }
 
+/// Share of the pause after a wrong press that is left; none where there is no such pause.
+#[inline(always)]
+fn pause<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -> S {
+    let (Some(left), Some(whole)) = (state.pause, task.error_pause) else { return S::zero() };
+    // A pause of no length is never begun.
+    left * whole.max(S::lit(1.0)).recip()
+}
+
 /// Appends whether the current handle or knob is held, and the way that it must go (m); zeros where the step asks for none.
 #[inline(always)]
 fn drag<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, out: &mut Vec<S>) {
     let mut sum = [S::zero(); 4];
     if let Some(drag) = goal.drag() {
         let [x, y, z] = drag.way_left(drag.value);
-        sum = [state.down.only(drag.is_drag), x, y, z];
+        sum = [S::indicator(drag.is_drag & S::lit(0.5).lt(state.down)), x, y, z];
     }
     if let (Some(swing), Some(sticks)) = (&goal.swing, &state.sticks) {
         let [x, y, z] = swing.way_left();

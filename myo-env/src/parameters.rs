@@ -113,6 +113,14 @@ impl<C: Real> Parameters<C> {
             let cost = &mut self.task.weights.change_cost;
             *cost = cost.or(Some(C::from_f64(0.0)));
         }
+        if others.task.error_pause.is_some() {
+            let pause = &mut self.task.error_pause;
+            *pause = pause.or(Some(C::from_f64(0.0)));
+        }
+        if others.task.weights.contact_cost.is_some() {
+            let cost = &mut self.task.weights.contact_cost;
+            *cost = cost.or(Some(C::from_f64(0.0)));
+        }
         if others.vision_noise.is_some() {
             let clear = |vision| Vision { share: C::from_f64(0.0), ..vision };
             self.vision_noise = self.vision_noise.or(others.vision_noise.map(clear));
@@ -216,6 +224,12 @@ impl Parameters<()> {
         }
         if ours.weights.change_cost != theirs.weights.change_cost {
             return Some("changing controls costs something where it cost nothing (reward.control_change_cost)".into());
+        }
+        if ours.error_pause != theirs.error_pause {
+            return Some("wrong presses take time where they took none (perception.error_pause_s)".into());
+        }
+        if ours.weights.contact_cost != theirs.weights.contact_cost {
+            return Some("touching costs something where it cost nothing (reward.contact_cost)".into());
         }
         if self.task.weights != other.task.weights {
             return Some(

@@ -26,7 +26,7 @@ const fn sense(part: ObservationPart) -> Sense {
         | Part::Activation => Sense::Body,
         Part::Touch => Sense::Touch,
         // What one asks for oneself one knows.
-        Part::TimeLeft | Part::Control => Sense::Clock,
+        Part::TimeLeft | Part::Control | Part::Pause => Sense::Clock,
         Part::PointerPosition
         | Part::TargetPosition
         | Part::TargetSize

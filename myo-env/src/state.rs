@@ -9,7 +9,7 @@ use myo_scalar::{Counter, Real, Scalar, Word};
 use myo_tasks::logic::TaskState;
 
 /// Number of weighted reward terms that are summed up over an episode.
-pub const REWARD_TERMS: usize = 8;
+pub const REWARD_TERMS: usize = 9;
 
 /// Where the other sums over an episode stand behind those of the reward terms.
 pub const EFFORT_SUM: usize = REWARD_TERMS;

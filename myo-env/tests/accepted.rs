@@ -92,7 +92,7 @@ fn generated(random: &mut Random) -> Value {
     let mut weight = || if random.coin() { random.unit() } else { random.between(0.0, 1e6) };
     let reward = json!({"distance_cost": weight(), "time_cost": weight(), "subtask_bonus": weight(), "completion_bonus": weight(),
         "effort_cost": weight(), "acceleration_cost": weight(),
-        "control_change_cost": weight()});
+        "control_change_cost": weight(), "contact_cost": weight(), "wrong_press": weight()});
     json!({
         "version": 1,
         "name": "generated",
@@ -105,6 +105,7 @@ fn generated(random: &mut Random) -> Value {
         "reward": reward,
         "observation": observation,
         "noise": {"signal_dependent": random.between(0.0, 1.0), "constant": random.between(0.0, 1.0)},
+        "perception": {"error_pause_s": random.between(0.0, 1.0)},
         "reflex": {"gain": random.between(0.0, 50.0), "most": random.between(0.0, 1.0)},
     })
 }

@@ -277,10 +277,11 @@ fn a_dwell_ends_after_its_seconds<E: Subject>() {
     let row = &out.episode[..env.spec().episode_size()];
     assert_eq!(row[column(&env, "success")], 1.0);
     assert!((row[column(&env, "target_1_time")] - 0.3).abs() < 1e-6);
-    let terms: f32 = ["distance", "subtask", "completion", "neural_effort", "acceleration_effort", "wrong_press"]
-        .iter()
-        .map(|name| row[column(&env, &format!("reward_{name}"))])
-        .sum();
+    let terms: f32 =
+        ["distance", "subtask", "completion", "neural_effort", "acceleration_effort", "contact", "wrong_press"]
+            .iter()
+            .map(|name| row[column(&env, &format!("reward_{name}"))])
+            .sum();
     assert!((row[column(&env, "return")] - terms).abs() < 1e-4, "the return is the sum of its terms");
 }
 

@@ -47,6 +47,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         pointer_position: false,
         target_velocity: false,
         cue: false,
+        pause: false,
         drag: false,
         steer: false,
         target_normal: false,

@@ -141,6 +141,9 @@ pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Ve
             [0.0, muscles as f64 / dt],
         ),
     ];
+    if !trial.task.boxes.is_empty() {
+        terms.push(unbounded("contact_cost", w.contact_cost, "s times the squared force of contact (N²)"));
+    }
     if trial.task.kinds.press {
         terms.push(unbounded("wrong_press", w.wrong_press, "press that was not asked for"));
     }

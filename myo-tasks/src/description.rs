@@ -233,7 +233,7 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub completion_bonus: f64,
 
-    /// Cost of pressing a button that the current step does not ask for, each time. Default 0: it is counted, and that is all.
+    /// Cost of pressing a button that the current step does not ask for, each time. Default 0: it is counted, and takes the time of `perception.error_pause_s`.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub wrong_press: f64,
@@ -255,10 +255,16 @@ pub struct Reward {
     pub acceleration_cost: f64,
 
     /// Cost per second of changing what is asked of muscles: times the sum over muscles of the squared rate of change of the control, in 1/s, before
-    /// motor noise. Holding still costs none of it, fast movement most. Effort, acceleration and this cost together at most four times the greatest bonus per second. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593).
+    /// motor noise. Holding still costs none of it, fast movement most. What effort, acceleration, this and contact cost together counts for less beyond four times the greatest bonus per second. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593).
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub control_change_cost: f64,
+
+    /// Cost per second of touching hard: times the squared force in N between the fingertip and all that it touches. Default 0; for `user: human` 0.12: 25 N,
+    /// which hurt a fingertip, cost as much in 0.04 s as a target brings.
+    #[garde(custom(WEIGHT.rule()))]
+    #[schemars(transform = WEIGHT.schema())]
+    pub contact_cost: f64,
 
     /// Until costs were per second: per metre and control step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -327,6 +333,8 @@ pub struct Observation {
     pub touch: bool,
     /// Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks with waits. Default true.
     pub cue: bool,
+    /// Share of the pause after a wrong press that is left, in tasks and of users where there is one (`perception.error_pause_s`). Default true.
+    pub pause: bool,
     /// Whether the handle of the current slider, or the knob of the current stick, is held, 1 or 0, and the way it must go, in m; in tasks with
     /// sliders or sticks. Default true.
     pub drag: bool,
@@ -459,7 +467,7 @@ impl Stimulus {
 
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 24] {
+    pub fn parts(&self) -> [(&'static str, bool); 25] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
@@ -482,6 +490,7 @@ impl Observation {
             ("inside", self.inside),
             ("touch", self.touch),
             ("cue", self.cue),
+            ("pause", self.pause),
             ("drag", self.drag),
             ("steer", self.steer),
             ("nearest_obstacle", self.nearest_obstacle),
@@ -540,6 +549,7 @@ impl Default for Reward {
             effort_cost: 0.02,
             acceleration_cost: 0.0,
             control_change_cost: 0.0,
+            contact_cost: 0.0,
             distance: None,
             neural_effort: None,
             acceleration_effort: None,
@@ -571,6 +581,7 @@ impl Default for Observation {
             inside: true,
             touch: true,
             cue: true,
+            pause: true,
             drag: true,
             steer: true,
             nearest_obstacle: false,

@@ -9,6 +9,7 @@ use crate::motor::Noise;
 use crate::quantity::Quantity;
 
 const DELAY: Quantity = Quantity::between(0.0, 1000.0, "ms");
+const PAUSE: Quantity = Quantity::between(0.0, 10.0, "s");
 
 /// What the simulated user is like where the task says nothing else: how often it decides, what it perceives how late, its motor noise,
 /// and what speed and effort are worth to it.
@@ -44,7 +45,7 @@ pub struct Perception {
     pub touch_delay_ms: f64,
 
     /// How far off a target seems that is away from the pointer: standard deviation along the line between them, as a share of its length and
-    /// another centimetre, and half as much across; along the line at most two standard deviations. It shrinks on the way, so that a movement misses by
+    /// another 4 mm, and half as much across; along the line at most two standard deviations. It shrinks on the way, so that a movement misses by
     /// far less. Default 0.
     #[garde(custom(SHARE.rule()))]
     #[schemars(transform = SHARE.schema())]
@@ -55,11 +56,24 @@ pub struct Perception {
     #[garde(custom(HELD.rule()))]
     #[schemars(transform = HELD.schema())]
     pub vision_held_s: f64,
+
+    /// How long it takes to go on after a wrong press, in s: presses do not count in that time. Default 0; for `user: human` 0.5, about the time of two
+    /// keystrokes of people (0.24 s each, Dhakal et al. 2018, doi 10.1145/3173574.3174220), as to take back and press again.
+    #[garde(custom(PAUSE.rule()))]
+    #[schemars(transform = PAUSE.schema())]
+    pub error_pause_s: f64,
 }
 
 impl Default for Perception {
     fn default() -> Self {
-        Self { vision_delay_ms: 0.0, body_delay_ms: 0.0, touch_delay_ms: 0.0, vision_noise: 0.0, vision_held_s: 0.3 }
+        Self {
+            vision_delay_ms: 0.0,
+            body_delay_ms: 0.0,
+            touch_delay_ms: 0.0,
+            vision_noise: 0.0,
+            vision_held_s: 0.3,
+            error_pause_s: 0.0,
+        }
     }
 }
 
@@ -103,7 +117,8 @@ impl User {
 /// decisions a second, for who decides more often learns small targets late; time cheap, effort dear enough for a resting arm, and changes of controls
 /// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 1.9 to 2.7 % (people:
 /// 1 to 4 %); two decisions until something seen is known; targets that seem off by so much of their distance that first movements end beside them, more
-/// along the way than across it; and a start from the hanging arm at rest, for nobody begins with joints and muscles as it happens.
+/// along the way than across it; and a start from the hanging arm at rest, for nobody begins with joints and muscles as it happens. What touching hard and
+/// errors cost has had no search: 25 N, which hurt a fingertip, cost in a decision what a target brings, and an error takes half a second.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
@@ -112,11 +127,17 @@ fn human(usual: Reward) -> Traits {
             distance_scale_m: 0.5,
             time_cost: 0.0,
             effort_cost: 8.0,
-            control_change_cost: 5.0,
+            control_change_cost: 7.0,
+            contact_cost: 0.12,
             ..usual
         },
         noise: Noise { signal_dependent: 0.05, constant: 0.0008, held_s: 0.4 },
-        perception: Perception { vision_delay_ms: 80.0, vision_noise: 0.35, ..Perception::default() },
+        perception: Perception {
+            vision_delay_ms: 80.0,
+            vision_noise: 0.35,
+            error_pause_s: 0.5,
+            ..Perception::default()
+        },
         reset: Reset { pose: Pose::NearZero, activation_max: 0.0, ..Reset::default() },
     }
 }
@@ -139,6 +160,7 @@ impl Task {
         let acceleration = ["reward.acceleration_cost", "reward.acceleration_effort"];
         fill(&mut own.acceleration_cost, reward.acceleration_cost, &acceleration);
         fill(&mut own.control_change_cost, reward.control_change_cost, &["reward.control_change_cost"]);
+        fill(&mut own.contact_cost, reward.contact_cost, &["reward.contact_cost"]);
         fill(&mut self.noise.signal_dependent, noise.signal_dependent, &["noise.signal_dependent"]);
         fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
         fill(&mut self.noise.held_s, noise.held_s, &["noise.held_s"]);
@@ -150,6 +172,7 @@ impl Task {
         fill(&mut own.vision_delay_ms, perception.vision_delay_ms, &["perception.vision_delay_ms"]);
         fill(&mut own.vision_noise, perception.vision_noise, &["perception.vision_noise"]);
         fill(&mut own.vision_held_s, perception.vision_held_s, &["perception.vision_held_s"]);
+        fill(&mut own.error_pause_s, perception.error_pause_s, &["perception.error_pause_s"]);
         fill(&mut own.body_delay_ms, perception.body_delay_ms, &["perception.body_delay_ms"]);
         fill(&mut own.touch_delay_ms, perception.touch_delay_ms, &["perception.touch_delay_ms"]);
     }

@@ -10,7 +10,7 @@ use myo_tasks::{Pointing, Pressing, Range, Region, Target, Task};
 const SUBSTEPS: usize = 25;
 /// A point that is in no target and on no button.
 const AWAY: Point<f64> = [0.0; 3];
-const NO_CONTACT: Contact<f64> = Contact { exists: false, number: 0.0, force: 0.0 };
+const NO_CONTACT: Contact<f64> = Contact { exists: false, number: 0.0, force: 0.0, facing: 1.0 };
 
 /// A sphere of 5 cm around a point `x` m ahead; its dwell in control steps.
 fn sphere(x: f64, dwell: u32) -> Target {
@@ -32,7 +32,7 @@ fn button() -> Target {
 
 /// A contact with a button.
 fn touch(button: usize, force: f64) -> Contact<f64> {
-    Contact { exists: true, number: button as f64, force }
+    Contact { exists: true, number: button as f64, force, facing: 1.0 }
 }
 
 /// Moves through the targets; `body` says where the fingertip is and what it touches at a physics step since the reset.

@@ -46,10 +46,12 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
     let stay = Stay {
         held,
         touch,
+        squared_force: 0.0,
         pressed,
         let_go,
         down: 0.0,
         old: -1.0,
+        old_down: 0.0,
         wrong: 0.0,
         wrong_presses: 0.0,
         value: 0.0,
@@ -64,7 +66,7 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
 /// The fingertip pressing a button for some physics steps, as it was followed.
 fn pressing(task: &CompiledTask<f64>, state: &TaskState<f64>, button: usize, force: f64) -> Sensed<f64> {
     let mut sensed = at([0.0; 3]);
-    let contact = Contact { exists: true, number: button as f64, force };
+    let contact = Contact { exists: true, number: button as f64, force, facing: 1.0 };
     for _ in 0..5 {
         sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], SHARE, std::iter::once(contact));
     }
@@ -166,7 +168,8 @@ fn every_term_of_the_reward() {
         let progress: Progress<f64> =
             Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
         // A change by 0.3 within 0.05 s is a rate of 6 a second: 3.6 a second are 0.18 a step.
-        let efforts = Efforts { squared_control: 8.0, squared_acceleration: 1000.0, squared_change: 0.09 };
+        let efforts =
+            Efforts { squared_control: 8.0, squared_acceleration: 1000.0, squared_change: 0.09, squared_force: 100.0 };
         let terms = reward(&task, &progress, 0.3, efforts);
         assert_close(terms.distance, -0.62);
         assert_close(terms.subtask, bonuses[0]);
@@ -182,7 +185,7 @@ fn every_term_of_the_reward() {
 }
 
 #[test]
-fn movements_cost_no_more_in_a_quarter_of_a_second_than_is_earned_at_once() {
+fn what_movements_cost_beyond_what_is_earned_at_once_in_a_quarter_of_a_second_counts_for_less_and_less() {
     let costs_of = |subtask_bonus: f64, completion_bonus: f64, squared_change: f64| {
         let weights = Reward {
             subtask_bonus,
@@ -195,18 +198,23 @@ fn movements_cost_no_more_in_a_quarter_of_a_second_than_is_earned_at_once() {
         let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
         let nothing: Progress<f64> =
             Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
-        let terms =
-            reward(&task, &nothing, 0.0, Efforts { squared_control: 0.2, squared_acceleration: 30.0, squared_change });
+        let efforts = Efforts { squared_control: 0.2, squared_acceleration: 30.0, squared_change, squared_force: 0.0 };
+        let terms = reward(&task, &nothing, 0.0, efforts);
         [terms.neural_effort, terms.acceleration_effort, terms.control_change]
     };
-    // In a step of 0.05 s effort costs 0.2, acceleration 0.3, and changes twice the sum of squares.
-    for (bonuses, squared_change, costs) in [
-        ([5.0, 0.0], 0.2, [0.2, 0.3, 0.4]),
-        ([5.0, 0.0], 0.75, [0.1, 0.15, 0.75]),
-        ([5.0, 11.0], 0.75, [0.2, 0.3, 1.5]),
-        ([5.0, 11.0], 1.95, [0.1, 0.15, 1.95]),
-        ([0.0, 0.0], 40.0, [0.2, 0.3, 80.0]),
+    // In a step of 0.05 s effort costs 0.2, acceleration 0.3, and changes twice the sum of squares; a fifth of the greatest bonus counts in full.
+    for (bonuses, squared_change, all) in [
+        ([5.0, 0.0], 0.2, 0.9),
+        ([5.0, 0.0], 0.25, 1.0),
+        ([5.0, 0.0], 0.75, 1.0 + 2.0_f64.ln()),
+        ([5.0, 11.0], 0.75, 2.0),
+        ([5.0, 11.0], 1.95, 2.2 * (1.0 + 2.0_f64.ln())),
+        ([5.0, 0.0], 49.75, 1.0 + 100.0_f64.ln()),
+        ([0.0, 0.0], 40.0, 80.5),
     ] {
+        // All of them shrink alike.
+        let shrunk = all / (0.5 + 2.0 * squared_change);
+        let costs = [0.2, 0.3, 2.0 * squared_change].map(|cost| cost * shrunk);
         for (found, cost) in costs_of(bonuses[0], bonuses[1], squared_change).into_iter().zip(costs) {
             assert_close(found, -cost);
         }

@@ -125,7 +125,7 @@ fn who_rests_on_a_button_until_it_lights_up_must_let_go_first() {
     let rest = move |_: &Goal<f64>, _: usize| ([0.4, 0.0, 0.0], Some((object, 2.0)));
     assert!(!run.run(10, rest));
     assert_eq!(run.wrong_presses, 1.0);
-    let again = move |_: &Goal<f64>, now: usize| if now < 260 { OFF } else { ([0.4, 0.0, 0.0], Some((object, 2.0))) };
+    let again = move |_: &Goal<f64>, now: usize| if now < 270 { OFF } else { ([0.4, 0.0, 0.0], Some((object, 2.0))) };
     assert!(run.run(1, again));
 }
 

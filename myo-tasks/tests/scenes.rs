@@ -129,7 +129,14 @@ fn a_task_of_version_1_is_the_same_task_in_version_2() {
         let old = version_1(name);
         // What the presets were before people did them, at their ease.
         let renamed = if name == "pointing" { "pointing-uitb" } else { name };
-        let new = Source::parse(preset_text(renamed).unwrap(), name).unwrap().done_by(User::Fastest).task;
+        // The wall behind the buttons is new.
+        let text: String = preset_text(renamed)
+            .unwrap()
+            .lines()
+            .filter(|line| !line.contains("wall:"))
+            .flat_map(|line| [line, "\n"])
+            .collect();
+        let new = Source::parse(&text, name).unwrap().done_by(User::Fastest).task;
         assert_eq!((old.version, new.version), (1, 2));
         let Task { name: its_name, description, model, time_limit_s, .. } = old.clone();
         let new = Task { name: its_name, description, model, time_limit_s, ..new };
@@ -357,7 +364,7 @@ fn press(script: &str, contact: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)
         let mut stay = Stay::new(&state, &goal);
         for now in step * SUBSTEPS..(step + 1) * SUBSTEPS {
             let touch = contact(now);
-            let contact = Contact { exists: touch.is_some(), number: 0.0, force: touch.unwrap_or(0.0) };
+            let contact = Contact { exists: touch.is_some(), number: 0.0, force: touch.unwrap_or(0.0), facing: 1.0 };
             stay.follow(&task, &goal, [0.0; 3], 1.0 / SUBSTEPS as f64, std::iter::once(contact));
         }
         let sensed =
@@ -379,8 +386,9 @@ fn a_button_that_is_pressed_twice_must_be_let_go_in_between() {
     let twice = "  - press: [b, b]";
     // Held down from 30 on: the second press never comes.
     assert_eq!(press(twice, during(&[(30, 500)])), [(2.0, 30.0), (-1.0, -1.0)]);
-    // Let go at 80, pressed again at 90.
-    assert_eq!(press(twice, during(&[(30, 80), (90, 500)])), [(2.0, 30.0), (4.0, 90.0)]);
+    // Let go at 80, pressed again at 100; who comes back within 30 ms bounced.
+    assert_eq!(press(twice, during(&[(30, 80), (100, 500)])), [(2.0, 30.0), (5.0, 100.0)]);
+    assert_eq!(press(twice, during(&[(30, 80), (94, 500)])), [(2.0, 30.0), (-1.0, -1.0)]);
     // Let go within the control step of the first press: what comes after its end counts.
     assert_eq!(press(twice, during(&[(30, 35), (60, 65)])), [(2.0, 30.0), (3.0, 60.0)]);
     // Two presses within one control step are one.
@@ -398,14 +406,17 @@ fn a_button_that_is_pressed_twice_must_be_let_go_in_between() {
 fn press_and_release_is_done_when_the_button_is_let_go() {
     let once = "  - press_and_release: b";
     assert_eq!(press(once, during(&[(30, 110)])), [(5.0, 30.0)]);
-    assert_eq!(press(once, during(&[(30, 40)])), [(2.0, 30.0)], "a tap within a control step");
+    assert_eq!(press(once, during(&[(30, 34)])), [(2.0, 30.0)], "a tap within a control step");
+    assert_eq!(press(once, during(&[(30, 40)])), [(3.0, 30.0)], "let go 30 ms after the last touch, in the next one");
     assert_eq!(press(once, during(&[(30, 1000)])), [(-1.0, 30.0)], "reached, but never let go");
     let twice = "  - press_and_release: [b, b]";
     assert_eq!(press(twice, during(&[(30, 60), (80, 130)])), [(3.0, 30.0), (6.0, 80.0)]);
+    // Off for less than 30 ms: a bounce.
+    assert_eq!(press(twice, during(&[(30, 60), (74, 90)])), [(5.0, 30.0), (-1.0, -1.0)]);
     // Still down from the press before: to let go of that is no release of this one.
     let mixed = "  - press: b\n  - press_and_release: b";
     assert_eq!(press(mixed, during(&[(30, 80)])), [(2.0, 30.0), (-1.0, -1.0)]);
-    assert_eq!(press(mixed, during(&[(30, 80), (100, 140)])), [(2.0, 30.0), (6.0, 100.0)]);
+    assert_eq!(press(mixed, during(&[(30, 80), (100, 140)])), [(2.0, 30.0), (7.0, 100.0)]);
 }
 
 /// How often a wrong button is counted in each control step of a task that asks for `a`, then `b`; `contact` tells which
@@ -421,10 +432,10 @@ fn wrong_presses(contact: impl Fn(usize) -> Vec<(f64, f64)>) -> Vec<f64> {
         let goal = Goal::of(&task, &state);
         let mut stay = Stay::new(&state, &goal);
         for now in step * 25..(step + 1) * 25 {
-            let none = Contact { exists: false, number: 0.0, force: 0.0 };
+            let none = Contact { exists: false, number: 0.0, force: 0.0, facing: 1.0 };
             let mut contacts = [none; 2];
             for (slot, (number, force)) in contacts.iter_mut().zip(contact(now)) {
-                *slot = Contact { exists: true, number, force };
+                *slot = Contact { exists: true, number, force, facing: 1.0 };
             }
             stay.follow(&task, &goal, [0.0; 3], 0.04, contacts.into_iter());
         }
@@ -445,12 +456,14 @@ fn presses_that_were_not_asked_for_are_counted_once_each() {
     // The second button first, held over control steps: once. Lightly touched: not at all.
     assert_eq!(wrong_presses(at(&[(30, 80, 1.0, 1.0)])), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     assert_eq!(wrong_presses(at(&[(30, 80, 1.0, 0.9)])), [0.0; 6]);
-    // Let go, and again.
-    assert_eq!(wrong_presses(at(&[(30, 40, 1.0, 1.0), (45, 60, 1.0, 1.0)])), [0.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
-    // Together with the right one.
-    assert_eq!(wrong_presses(at(&[(30, 40, 0.0, 2.0), (30, 40, 1.0, 1.0)])), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    // Let go, and again; off for less than 30 ms it is one press.
+    assert_eq!(wrong_presses(at(&[(30, 40, 1.0, 1.0), (55, 60, 1.0, 1.0)])), [0.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    assert_eq!(wrong_presses(at(&[(30, 40, 1.0, 1.0), (54, 60, 1.0, 1.0)])), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    // Together with the right one: the one on which there is more force.
+    assert_eq!(wrong_presses(at(&[(30, 40, 0.0, 2.0), (30, 40, 1.0, 1.0)])), [0.0; 6]);
+    assert_eq!(wrong_presses(at(&[(30, 40, 0.0, 2.0), (30, 40, 1.0, 2.1)])), [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     // The first button is right, and still down while the second is asked for; once let go, it is wrong.
-    let again = at(&[(30, 70, 0.0, 3.0), (80, 90, 0.0, 3.0), (110, 120, 1.0, 1.0)]);
+    let again = at(&[(30, 70, 0.0, 3.0), (90, 100, 0.0, 3.0), (110, 120, 1.0, 1.0)]);
     assert_eq!(wrong_presses(again), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     // What only stands in the way cannot be pressed.
     assert_eq!(wrong_presses(at(&[(30, 80, 2.0, 500.0)])), [0.0; 6]);

@@ -780,7 +780,7 @@ class Reward(Described):
         subtask_bonus: Given once when a target is done, the last one included. Default 3. From 0 to 1,000,000.
         completion_bonus: Given once when the whole task is done. Default 6. From 0 to 1,000,000.
         wrong_press: Cost of pressing a button that the current step does not ask for, each time. Default 0: it is
-            counted, and that is all. From 0 to 1,000,000.
+            counted, and takes the time of `perception.error_pause_s`. From 0 to 1,000,000.
         exit: Cost of leaving the way of a `steer`, each time. Default 0: it is counted, and that is all. From 0 to
             1,000,000.
         effort_cost: Cost per second of muscle control: times the sum over muscles of the squared control. Default 0.02.
@@ -790,9 +790,12 @@ class Reward(Described):
             1,000,000.
         control_change_cost: Cost per second of changing what is asked of muscles: times the sum over muscles of the
             squared rate of change of the control, in 1/s, before motor noise. Holding still costs none of it, fast
-            movement most. Effort, acceleration and this cost together at most four times the greatest bonus per second.
-            Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi 10.1007/BF00204593). From 0 to
-            1,000,000.
+            movement most. What effort, acceleration, this and contact cost together counts for less beyond four times
+            the greatest bonus per second. Default 0. After minimum torque change (Uno, Kawato and Suzuki 1989, doi
+            10.1007/BF00204593). From 0 to 1,000,000.
+        contact_cost: Cost per second of touching hard: times the squared force in N between the fingertip and all that
+            it touches. Default 0; for `user="human"` 0.12: 25 N, which hurt a fingertip, cost as much in 0.04 s as a
+            target brings. From 0 to 1,000,000.
     """
 
     distance_cost: float | None = None
@@ -807,6 +810,7 @@ class Reward(Described):
     effort_cost: float | None = None
     acceleration_cost: float | None = None
     control_change_cost: float | None = None
+    contact_cost: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -844,6 +848,8 @@ class Observation(Described):
         touch: Force on the current button, as a share of what it needs, at most 1. Default True.
         cue: Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks
             with waits. Default True.
+        pause: Share of the pause after a wrong press that is left, in tasks and of users where there is one
+            (`perception.error_pause_s`). Default True.
         drag: Whether the handle of the current slider, or the knob of the current stick, is held, 1 or 0, and the way
             it must go, in m; in tasks with sliders or sticks. Default True.
         steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
@@ -874,6 +880,7 @@ class Observation(Described):
     inside: bool | None = None
     touch: bool | None = None
     cue: bool | None = None
+    pause: bool | None = None
     drag: bool | None = None
     steer: bool | None = None
     nearest_obstacle: bool | None = None
@@ -910,12 +917,14 @@ class Perception(Described):
         body_delay_ms: What is felt of the own body: joints, fingertip, activations. Default 0. From 0 to 1,000 ms.
         touch_delay_ms: The force of a touch. Default 0. From 0 to 1,000 ms.
         vision_noise: How far off a target seems that is away from the pointer: standard deviation along the line
-            between them, as a share of its length and another centimetre, and half as much across; along the line at
-            most two standard deviations. It shrinks on the way, so that a movement misses by far less. Default 0. From
-            0 to 1.
+            between them, as a share of its length and another 4 mm, and half as much across; along the line at most two
+            standard deviations. It shrinks on the way, so that a movement misses by far less. Default 0. From 0 to 1.
         vision_held_s: How long a target seems off in the same way: the time in s after which e-times less of it is
             left, and something new has taken its place, as of people who look again several times a second. Default
             0.3, as long as eyes rest on a place (Rayner 1998, doi 10.1037/0033-2909.124.3.372). From 0.001 to 10 s.
+        error_pause_s: How long it takes to go on after a wrong press, in s: presses do not count in that time. Default
+            0; for `user="human"` 0.5, about the time of two keystrokes of people (0.24 s each, Dhakal et al. 2018, doi
+            10.1145/3173574.3174220), as to take back and press again. From 0 to 10 s.
     """
 
     vision_delay_ms: float | None = None
@@ -923,6 +932,7 @@ class Perception(Described):
     touch_delay_ms: float | None = None
     vision_noise: float | None = None
     vision_held_s: float | None = None
+    error_pause_s: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

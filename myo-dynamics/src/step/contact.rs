@@ -103,9 +103,9 @@ struct Around<'a, S: Scalar> {
 
 /// Shows what a look around finds of a contact; its rows and its force come later.
 fn visit_found<S: Scalar>(contact: &mut Contact<S>, visitor: &mut impl Visitor<S>) {
-    let Contact { exists, index, distance, normal, .. } = contact;
+    let Contact { exists, index, distance, normal, facing, .. } = contact;
     visitor.mask(exists);
-    visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
+    visitor.numbers([index, distance, &mut normal.x, &mut normal.y, &mut normal.z, facing]);
 }
 
 impl<S: Scalar> Carried<S> for Around<'_, S> {
@@ -192,7 +192,9 @@ impl<S: Scalar> Stage<S> for Inspect<'_, '_, '_, S> {
         *clear = S::select(near, distance - reach, *clear);
         let touches = near & clear.lt(S::zero());
         let distance = distance - S::splat(sphere.radius);
-        around.add(touches, Contact { index: which.number(), distance, normal, ..Contact::none() });
+        let [x, y, z] = axes[2];
+        let facing = normal.dot(Vec3::new(x, y, z));
+        around.add(touches, Contact { index: which.number(), distance, normal, facing, ..Contact::none() });
     }
 }
 
@@ -220,6 +222,7 @@ impl<S: Scalar> Around<'_, S> {
             contact.index = S::select(here, new.index, contact.index);
             contact.distance = S::select(here, new.distance, contact.distance);
             contact.normal = Vec3::select(here, new.normal, contact.normal);
+            contact.facing = S::select(here, new.facing, contact.facing);
         }
         self.found += S::indicator(mask);
     }

@@ -96,6 +96,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
         squared_control: effort,
         squared_acceleration: sum_of_squares(&env.qacc),
         squared_change: ws.squared_change,
+        squared_force: sensed.stay.squared_force * S::lit(world.tables.share()),
     };
     let terms = logic::reward(&world.parameters.task, &progress, distance, efforts);
     let errors = [progress.wrong_presses, progress.exits];

@@ -71,10 +71,12 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
         let Stay {
             held,
             touch,
+            squared_force,
             pressed,
             let_go,
             down,
             old,
+            old_down,
             wrong,
             wrong_presses,
             value,
@@ -87,6 +89,9 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
         if kinds.press {
             visitor.number(touch);
         }
+        if world.parameters.task.weights.contact_cost.is_some() {
+            visitor.number(squared_force);
+        }
         if kinds.steer {
             let Steering { along, within, exits } = steering;
             visitor.numbers([along, within, exits]);
@@ -96,7 +101,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             visitor.numbers([angle, held]);
         }
         if kinds.release {
-            visitor.numbers([let_go, down, old, wrong, wrong_presses]);
+            visitor.numbers([let_go, down, old, old_down, wrong, wrong_presses]);
         }
         if kinds.drag {
             visitor.number(value);
@@ -141,7 +146,8 @@ impl<S: Scalar> Stage<S> for Follow<'_, S> {
         let body = landmarks(world, physics, stay.cursor);
         let pointer = task.pointer.place(&body, at);
         let contacts = physics.contacts.iter();
-        let contacts = contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force });
+        let contacts =
+            contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force, facing: c.facing });
         stay.follow(task, goal, pointer, share, contacts);
         stay.cursor = task.pointer.moved(&body, share);
     }

@@ -8,7 +8,7 @@ use myo_scalar::Scalar;
 use myo_tasks::logic::{self, Goal, Progress, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
-pub const EPISODE_COLUMNS: [Column; 18] = [
+pub const EPISODE_COLUMNS: [Column; 19] = [
     columns::RETURN,
     columns::LENGTH,
     Column::new("success", "", "1 if every target was done, else 0."),
@@ -25,6 +25,7 @@ pub const EPISODE_COLUMNS: [Column; 18] = [
     Column::new("reward_neural_effort", "", "What muscle control cost, negative."),
     Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
     Column::new("reward_control_change", "", "What changing controls cost, negative."),
+    Column::new("reward_contact", "", "What touching hard cost, negative."),
     Column::new("reward_wrong_press", "", "What presses cost that were not asked for, negative."),
     Column::new("reward_exit", "", "What leaving ways cost, negative."),
     columns::SOLVER_ROUNDS,

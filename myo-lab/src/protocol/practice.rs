@@ -26,11 +26,17 @@ const HOLD_AT: f64 = 0.55;
 const HOLD_S: f64 = 2.0;
 /// Angles (degrees) between the hanging arm and the one that is held.
 pub const HOLD_DEG: [f64; 2] = [45.0, 90.0];
-/// Keys: how many, from one to the next, width and height (m), and the force that presses them (N).
+/// Keys, nearly flush as on glass: how many, from one to the next, width and height, how thick (m), and the force that presses them (N).
 const KEYS: usize = 5;
 const KEY_PITCH: f64 = 0.01;
 const KEY_SIZE: [f64; 2] = [0.006, 0.009];
+const KEY_DEPTH: f64 = 0.001;
 const KEY_FORCE_N: f64 = 0.3;
+/// The middle of the keys (m), and the size of the plate on which they lie, which no finger goes through (m).
+const KEYS_AT: [f64; 3] = [0.3, 0.0, -0.3];
+const PLATE_SIZE: [f64; 3] = [0.08, 0.04, 0.01];
+/// From the keys to the plate below them (m): boxes may not overlap.
+const PLATE_BELOW: f64 = 0.0005;
 /// Least logarithm of the standard deviation of exploration.
 const LOG_STD_MIN: f64 = -3.5;
 /// Presses of an episode, of one key.
@@ -43,7 +49,7 @@ pub enum Practice {
     Pointing,
     /// Holding the fingertip in a sphere of 10 cm with the arm raised by 45 and by 90 degrees: K3, K5.
     Holding,
-    /// Pressing five keys of 6 by 9 mm in random orders: T1.
+    /// Pressing five keys of 6 by 9 mm on a plate in random orders: T1.
     Keys,
     /// Pressing one key as fast as possible: T1.
     Tapping,
@@ -166,18 +172,24 @@ fn holding() -> Layout {
 
 /// A key that lies level, 30 cm before and 30 cm below the shoulder, so many places to the left of the middle.
 fn key(place: f64) -> Value {
-    let [width, height] = KEY_SIZE;
+    let ([width, height], [x, y, z]) = (KEY_SIZE, KEYS_AT);
     json!({
-        "kind": "button", "at": [0.3, place * KEY_PITCH, -0.3], "size": [width, height, 0.005], "tilt_deg": 90,
-        "min_force_n": KEY_FORCE_N,
+        "kind": "button", "at": [x, y + place * KEY_PITCH, z], "size": [width, height, KEY_DEPTH], "min_force_n": KEY_FORCE_N,
     })
+}
+
+/// What keys stand on.
+fn plate() -> Value {
+    let ([x, y, z], [.., depth]) = (KEYS_AT, PLATE_SIZE);
+    json!({"kind": "obstacle", "at": [x, y, z - 0.5 * (KEY_DEPTH + depth) - PLATE_BELOW], "size": PLATE_SIZE})
 }
 
 fn keys() -> Layout {
     let name = |number: usize| format!("key{}", number + 1);
     let middle = 0.5 * (KEYS - 1) as f64;
-    let scene: serde_json::Map<String, Value> =
+    let mut scene: serde_json::Map<String, Value> =
         (0..KEYS).map(|number| (name(number), key(middle - number as f64))).collect();
+    scene.insert("plate".into(), plate());
     let names: Vec<String> = (0..KEYS).map(name).collect();
     let round = json!({"random_order": [{"press_and_release": names}]});
     Layout {
@@ -191,7 +203,7 @@ fn keys() -> Layout {
 fn tapping() -> Layout {
     Layout {
         name: "tapping".into(),
-        scene: json!({"key": key(0.0)}),
+        scene: json!({"key": key(0.0), "plate": plate()}),
         script: json!([{"press_and_release": vec!["key"; PRESSES]}]),
         time_limit_s: 12.0,
     }

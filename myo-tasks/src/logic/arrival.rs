@@ -15,6 +15,16 @@ pub struct Contact<S: Scalar> {
     pub number: S,
     /// Its force (N).
     pub force: S,
+    /// Cosine of the angle between the force and the way out of the face of the box: 1 on the face, 0 on a side.
+    pub facing: S,
+}
+
+impl<S: Scalar> Contact<S> {
+    /// How hard it presses the face (N): to brush a side presses nothing.
+    #[inline(always)]
+    fn press(&self) -> S {
+        self.force * self.facing.max(S::zero())
+    }
 }
 
 /// What the fingertip did with the current object, up to a physics step.
@@ -23,8 +33,10 @@ pub struct Stay<S> {
     /// Physics steps inside the sphere or in contact with the button, or with the knob held, without a break; of what is followed, all
     /// those inside. Whole numbers, so that no rounding adds up.
     pub held: S,
-    /// Greatest force on the button within the control step (N).
+    /// Greatest force on the face of the button within the control step (N).
     pub touch: S,
+    /// Sum over the physics steps of the control step of the squared force of all contacts (N^2), where that costs something; else zero.
+    pub squared_force: S,
     /// Physics steps from the arrival for what first counted within the control step until now, zero where nothing did: from the onset
     /// of the contact that pressed the button, from the beginning of the stay that completed the dwell, from the end of a way or of a
     /// swing, or from the first entry into what is followed.
@@ -35,6 +47,8 @@ pub struct Stay<S> {
     pub down: S,
     /// See [`TaskState::old`].
     pub old: S,
+    /// See [`TaskState::old_down`].
+    pub old_down: S,
     /// See [`TaskState::wrong`].
     pub wrong: S,
     /// Presses of buttons that were not asked for, within the control step.
@@ -56,16 +70,18 @@ impl<S: Scalar> Stay<S> {
     #[inline(always)]
     pub fn new(state: &TaskState<S>, goal: &Goal<S>) -> Self {
         let o = S::zero();
-        let TaskState { held, down, old, wrong, .. } = *state;
+        let TaskState { held, down, old, old_down, wrong, .. } = *state;
         let value = goal.drag().map_or(o, |drag| drag.value);
         let steering = state.steering.map_or_else(Steering::new, |steering| Steering { exits: o, ..steering });
         Self {
             held,
             touch: o,
+            squared_force: o,
             pressed: o,
             let_go: o,
             down,
             old,
+            old_down,
             wrong,
             wrong_presses: o,
             value,
@@ -87,6 +103,9 @@ impl<S: Scalar> Stay<S> {
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
         let one = S::lit(1.0);
+        if task.weights.contact_cost.is_some() {
+            self.feel(contacts.clone());
+        }
         let mut inside = S::Mask::splat(false);
         if task.kinds.dwell {
             let off = difference(pointer, goal.centre_after(self.passed * S::lit(share)));
@@ -120,27 +139,38 @@ impl<S: Scalar> Stay<S> {
             return;
         };
         let (touches, force) = touch(contacts.clone(), button.number);
+        let bounce = task.bounce * S::lit(share).recip();
         self.stay(goal, on | touches);
         self.touch = self.touch.max(force);
         let mut presses = touches & button.min_force.le(force);
         if task.kinds.release {
-            presses = presses & !is_same(button.number, self.old);
+            let rival = self.watch_others(task, goal, button, [force, bounce], contacts.clone());
+            presses = presses & !is_same(button.number, self.old) & rival.le(force);
+            if let Some(pauses) = goal.pauses {
+                presses = presses & !pauses;
+            }
         }
         if let Some(drag) = &button.drag {
             let is_on_handle = (drag.share(pointer) - self.value).abs().le(drag.half);
             presses = presses & (is_on_handle | !drag.is_drag);
         }
-        let counts = presses | (inside & self.counts(goal, share));
+        // Who bounces off what is down did not come for it a second time.
+        let comes = presses & self.down.lt(S::lit(0.5));
+        let counts = comes | (inside & self.counts(goal, share));
         self.press(S::select(arrives, one, self.held.only(counts)));
         if task.kinds.release {
-            self.down = S::select(presses, one, self.down);
-            self.release(button, pointer, touches);
+            self.down = S::select(presses, bounce, self.down);
+            self.release(button, pointer, touches, bounce);
             let (touches_old, _) = touch(contacts.clone(), self.old);
-            self.old = S::select(touches_old, self.old, S::lit(-1.0));
-            self.watch_others(task, button, contacts.clone());
+            self.old_down = still_down(self.old_down, touches_old, bounce);
+            self.old = S::select(S::lit(0.5).lt(self.old_down), self.old, S::lit(-1.0));
         }
         if let Some(is_lit) = goal.is_lit {
-            self.rest(is_lit, contacts);
+            let was_wrong = !is_lit & S::lit(0.5).lt(self.wrong);
+            self.rest(was_wrong, bounce, contacts.clone());
+        }
+        if let Some(pauses) = goal.pauses {
+            self.rest(pauses, bounce, contacts);
         }
     }
 
@@ -170,55 +200,81 @@ impl<S: Scalar> Stay<S> {
 
     /// What is down may be moved, and may be let go.
     #[inline(always)]
-    fn release(&mut self, button: &GoalButton<S>, pointer: Point<S>, touches: S::Mask) {
+    fn release(&mut self, button: &GoalButton<S>, pointer: Point<S>, touches: S::Mask, bounce: S) {
         let is_down = S::lit(0.5).lt(self.down);
-        let mut counts = is_down & !touches;
+        self.down = still_down(self.down, touches, bounce);
+        let mut counts = is_down & self.down.lt(S::lit(0.5));
         if let Some(drag) = &button.drag {
             let value = drag.share(pointer).clamp(0.0, 1.0);
             self.value = S::select(is_down & touches & drag.is_drag, value, self.value);
             counts = counts & ((drag.to - self.value).abs().le(drag.within) | !drag.is_drag);
         }
         self.let_go = S::select(counts, S::lit(1.0), self.let_go);
-        self.down = S::select(is_down & !touches, S::zero(), self.down);
     }
 
-    /// What was pressed before the step counts must be let go before it can be pressed for it; the press was a wrong one.
+    /// What is touched before presses count must be let go before it can be pressed.
     #[inline(always)]
-    fn rest(&mut self, is_lit: S::Mask, contacts: impl Iterator<Item = Contact<S>>) {
+    fn rest(&mut self, too_early: S::Mask, bounce: S, contacts: impl Iterator<Item = Contact<S>>) {
         let mut touched = S::lit(-1.0);
         for contact in contacts {
             touched = S::select(contact.exists, contact.number, touched);
         }
-        let is_new = !is_lit & S::lit(0.5).lt(self.wrong) & self.old.lt(S::zero());
+        let is_new = too_early & S::zero().le(touched) & self.old.lt(S::zero());
         self.old = S::select(is_new, touched, self.old);
+        self.old_down = S::select(is_new, bounce, self.old_down);
     }
 
-    /// Counts presses of boxes that are neither to be pressed nor still down from the step before. From the first one to where no such
-    /// box is touched any more is one press.
+    /// Counts presses of boxes that are neither to be pressed nor still down from the step before, and tells the greatest force (N) on any
+    /// box that can be pressed, but the one to be pressed. From the first press to where no such box was touched for so long is one press.
+    ///
+    /// A finger presses one thing at a time: between two keys, the one on which there is more force, and the one to be pressed where there
+    /// is as much on both. `force` is that on the button to be pressed, `bounce` how many physics steps it takes to let go.
     #[inline(always)]
     fn watch_others(
         &mut self,
         task: &CompiledTask<S>,
+        goal: &Goal<S>,
         button: &GoalButton<S>,
+        [force, bounce]: [S; 2],
         contacts: impl Iterator<Item = Contact<S>> + Clone,
-    ) {
+    ) -> S {
         // A closure for both loops would not be inlined.
         let old = self.old;
-        let mut touched = S::Mask::splat(false);
+        let (mut touched, mut is_beside) = (S::Mask::splat(false), S::Mask::splat(false));
         for contact in contacts.clone() {
             touched = touched | is_other(task, button, old, &contact);
+            is_beside = is_beside | (contact.exists & !is_same(contact.number, button.number));
         }
-        S::when(touched, &mut Wrong(self), |Wrong(stay)| {
+        let mut beside = Beside { stay: self, rival: S::zero() };
+        S::when(is_beside, &mut beside, |Beside { stay, rival }| {
             let mut pressed = S::Mask::splat(false);
             for contact in contacts {
                 let [min_force] = S::gather(task.boxes.len(), |k| [task.boxes[k].min_force], contact.number);
-                pressed = pressed | (is_other(task, button, old, &contact) & min_force.le(contact.force));
+                let press = contact.press();
+                let is_pressed = contact.exists & min_force.le(press);
+                *rival = (*rival).max(press.only(is_pressed & !is_same(contact.number, button.number)));
+                pressed = pressed | (is_other(task, button, old, &contact) & is_pressed & force.lt(press));
             }
-            let begins = pressed & stay.wrong.lt(S::lit(0.5));
+            let mut begins = pressed & stay.wrong.lt(S::lit(0.5));
+            if let Some(pauses) = goal.pauses {
+                begins = begins & !pauses;
+            }
             stay.wrong_presses += S::indicator(begins);
-            stay.wrong = S::select(begins, S::lit(1.0), stay.wrong);
+            stay.wrong = S::select(begins, bounce, stay.wrong);
         });
-        self.wrong = self.wrong.only(touched);
+        let rival = beside.rival;
+        self.wrong = still_down(self.wrong, touched, bounce);
+        rival
+    }
+
+    /// Adds up what is felt of all contacts.
+    #[inline(always)]
+    fn feel(&mut self, contacts: impl Iterator<Item = Contact<S>>) {
+        let mut force = S::zero();
+        for contact in contacts {
+            force += contact.force.only(contact.exists);
+        }
+        self.squared_force = force.mul_add(force, self.squared_force);
     }
 
     /// Physics steps from the arrival at the current object until now: that of [`pressed`](Self::pressed), and where nothing counted yet,
@@ -229,12 +285,24 @@ impl<S: Scalar> Stay<S> {
     }
 }
 
-/// What a wrong press changes.
-struct Wrong<'a, S>(&'a mut Stay<S>);
+/// Physics steps until what is down counts as let go: `bounce` of them while it is touched, and then one fewer each; zero of what is not
+/// down.
+#[inline(always)]
+fn still_down<S: Scalar>(left: S, touches: S::Mask, bounce: S) -> S {
+    let is_down = S::lit(0.5).lt(left);
+    S::select(touches, bounce, left - S::lit(1.0)).max(S::zero()).only(is_down)
+}
 
-impl<S: Scalar> Carried<S> for Wrong<'_, S> {
+/// What contacts beside the button change.
+struct Beside<'a, S> {
+    stay: &'a mut Stay<S>,
+    /// Greatest force on a box that is pressed and is not the one to be pressed (N).
+    rival: S,
+}
+
+impl<S: Scalar> Carried<S> for Beside<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        visitor.numbers([&mut self.0.wrong, &mut self.0.wrong_presses]);
+        visitor.numbers([&mut self.stay.wrong, &mut self.stay.wrong_presses, &mut self.rival]);
     }
 }
 
@@ -255,14 +323,14 @@ fn is_meant<S: Scalar>(task: &CompiledTask<S>, button: &GoalButton<S>, number: S
     task.correction.map_or(is_meant, |correction| is_meant | is_same(number, correction))
 }
 
-/// Whether the box of this number is touched, and how hard.
+/// Whether the box of this number is touched, and how hard its face is pressed.
 #[inline(always)]
 fn touch<S: Scalar>(contacts: impl Iterator<Item = Contact<S>>, number: S) -> (S::Mask, S) {
     let (mut touches, mut force) = (S::Mask::splat(false), S::zero());
     for contact in contacts {
         let here = contact.exists & is_same(contact.number, number);
         touches = touches | here;
-        force += contact.force.only(here);
+        force += contact.press().only(here);
     }
     (touches, force)
 }

@@ -9,8 +9,14 @@ use std::borrow::Cow;
 
 /// Control steps of a dwell of no seconds: less than any physics step.
 const AT_ONCE: f64 = 1e-6;
-/// What movements cost per second at most, in greatest bonuses: in a quarter of a second no more than is earned at once.
-const MOST_COST: f64 = 4.0;
+/// How long (s) the fingertip must be off a button for it to be let go: who bounces off it and comes back sooner pressed once. As in the
+/// recordings of presses of `myo-measure`.
+const BOUNCE_S: f64 = 0.03;
+/// What movements cost in full per second, in greatest bonuses: in a quarter of a second as much as is earned at once. What costs more counts
+/// for less.
+const DEAR: f64 = 4.0;
+/// What movements cost is compared with a bonus of at least so much: single precision divides by it.
+const LEAST_BONUS: f64 = 1e-6;
 
 /// A task ready to run, with numbers of type `T`: plain ones as it is compiled, one per lane as it runs. Lengths m from the
 /// shoulder centre, times in control steps, forces N.
@@ -51,6 +57,10 @@ pub struct CompiledTask<T> {
     pub orders: Vec<Order>,
     /// Number of the box that corrects a wrong press, where each must be corrected.
     pub correction: Option<T>,
+    /// Control steps after a wrong press in which presses do not count; none where they do, or nothing can be pressed by mistake.
+    pub error_pause: Option<T>,
+    /// Control steps for which the fingertip must be off a button for it to be let go.
+    pub bounce: T,
     /// What points.
     pub pointer: Pointer<T>,
     /// Control steps until the episode is cut.
@@ -114,9 +124,11 @@ pub struct Weights<T> {
     pub acceleration_cost: T,
     /// Per squared change of a control from one control step to the next; none where it costs nothing.
     pub change_cost: Option<T>,
-    /// The most that these three cost in a control step.
-    pub most_cost: T,
-    /// How much of these three counts: 1, or less for a learner who is to find out first what there is to do.
+    /// Per squared force of contact (N^2), in the mean over a control step; none where it costs nothing or there is nothing to touch.
+    pub contact_cost: Option<T>,
+    /// What these four cost in a control step beyond which more of it counts for less.
+    pub dear: T,
+    /// How much of these four counts: 1, or less for a learner who is to find out first what there is to do.
     pub cost_share: T,
 }
 
@@ -199,13 +211,20 @@ impl<C: Real> CompiledTask<C> {
             steers: if kinds.steer { steers(flat, &numbers) } else { vec![] },
             orders: flat.orders.clone(),
             correction: flat.correction.map(|object| numbers.number(object)),
+            error_pause: (kinds.release && task.perception.error_pause_s > 0.0)
+                .then(|| C::from_f64((task.perception.error_pause_s / task.control_dt_s).round())),
+            bounce: C::from_f64(BOUNCE_S / task.control_dt_s),
             pointer: Pointer::new(flat, task.control_dt_s),
             spheres: flat.objects.iter().enumerate().filter_map(sphere).collect(),
             boxes: flat.objects.iter().filter_map(TouchBox::new).collect(),
             steps: flat.steps.iter().map(step).collect(),
             kinds,
             time_limit: C::from_f64(f64::from(task.time_limit_steps())),
-            weights: Weights::new(&task.reward, task.control_dt_s),
+            weights: Weights::new(
+                &task.reward,
+                task.control_dt_s,
+                flat.objects.iter().any(|object| object.block().is_some()),
+            ),
         }
     }
 }
@@ -231,6 +250,8 @@ impl<T> CompiledTask<T> {
             steers: self.steers.iter().map(|steer| steer.map(f)).collect(),
             orders: self.orders.clone(),
             correction: self.correction.as_ref().map(&mut *f),
+            error_pause: self.error_pause.as_ref().map(&mut *f),
+            bounce: f(&self.bounce),
             pointer: self.pointer.map(f),
             time_limit: f(&self.time_limit),
             weights: self.weights.map(f),
@@ -441,19 +462,20 @@ impl<T> Weights<T> {
             effort_cost: f(&self.effort_cost),
             acceleration_cost: f(&self.acceleration_cost),
             change_cost: self.change_cost.as_ref().map(&mut *f),
-            most_cost: f(&self.most_cost),
+            contact_cost: self.contact_cost.as_ref().map(&mut *f),
+            dear: f(&self.dear),
             cost_share: f(&self.cost_share),
         }
     }
 }
 
 impl<C: Real> Weights<C> {
-    fn new(reward: &Reward, control_dt_s: f64) -> Self {
+    fn new(reward: &Reward, control_dt_s: f64, has_boxes: bool) -> Self {
         let (c, reward) = (C::from_f64, reward.per_second(control_dt_s));
         let per_step = |per_second: f64| c(per_second * control_dt_s);
         let bonus = reward.subtask_bonus.max(reward.completion_bonus);
         // Where nothing is earned there is nothing to compare with.
-        let greatest_bonus = if bonus > 0.0 { bonus } else { 1e12 };
+        let greatest_bonus = if bonus > 0.0 { bonus.max(LEAST_BONUS) } else { 1e12 };
         Self {
             distance_cost: per_step(reward.distance_cost),
             distance_scale: (reward.distance_scale_m > 0.0).then(|| c(reward.distance_scale_m)),
@@ -468,7 +490,8 @@ impl<C: Real> Weights<C> {
             acceleration_cost: per_step(reward.acceleration_cost),
             // Per second of a rate squared: a change over one control step is a rate times it.
             change_cost: (reward.control_change_cost > 0.0).then(|| c(reward.control_change_cost / control_dt_s)),
-            most_cost: per_step(MOST_COST * greatest_bonus),
+            contact_cost: (has_boxes && reward.contact_cost > 0.0).then(|| per_step(reward.contact_cost)),
+            dear: per_step(DEAR * greatest_bonus),
             cost_share: c(1.0),
         }
     }

@@ -25,6 +25,8 @@ pub struct Goal<S: Scalar> {
     pub is_press: S::Mask,
     /// Where the step counts already; none where all of the task count at once.
     pub is_lit: Option<S::Mask>,
+    /// See [`TaskState::pauses`].
+    pub pauses: Option<S::Mask>,
     /// Where the object is only remembered; none in tasks in which it is seen all the time.
     pub remembered: Option<S::Mask>,
     /// The way to go, in tasks with ways.
@@ -188,6 +190,7 @@ impl<S: Scalar> Goal<S> {
             follows,
             is_press,
             is_lit,
+            pauses: state.pauses(),
             steer: None,
             swing: None,
             corrects,

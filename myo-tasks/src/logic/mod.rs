@@ -64,6 +64,8 @@ pub struct TaskState<S> {
     pub cue: Option<CueState<S>>,
     /// Wrong presses that are still to be corrected; none where none must be.
     pub errors: Option<S>,
+    /// Control steps until the user goes on that pressed something wrong; none where it always goes on at once.
+    pub pause: Option<S>,
     /// How far the current way has been gone; none where no step has one.
     pub steering: Option<Steering<S>>,
     /// How sticks stand; none where there are none to swing.
@@ -78,11 +80,13 @@ pub struct TaskState<S> {
     pub dwell: S,
     /// Physics steps on the current object, up to the end of the last control step; see [`Stay::held`].
     pub held: S,
-    /// One where the current step's press has counted and the button was not let go since.
+    /// Physics steps until the button of the current step's press counts as let go, see [`CompiledTask::bounce`]; zero where it is, or was not pressed.
     pub down: S,
     /// Number of the button that the last step pressed and that was not let go since; negative without one.
     pub old: S,
-    /// One where a button is down that was not asked for.
+    /// Physics steps until that one counts as let go.
+    pub old_down: S,
+    /// Physics steps until a button that was not asked for and is down counts as let go; zero without one.
     pub wrong: S,
     /// Control steps since the episode began.
     pub step: S,
@@ -109,6 +113,7 @@ impl<S: Scalar> TaskState<S> {
             steering: task.kinds.steer.then(Steering::new),
             sticks: task.kinds.swing.then(|| Sticks::new(spheres)),
             errors: task.correction.is_some().then(S::zero),
+            pause: task.error_pause.is_some().then(S::zero),
             seen: task.kinds.memory.then(Seen::new),
             cursor: task.pointer.is_rate_cursor().then_some([o; 2]),
             phase: o,
@@ -116,6 +121,7 @@ impl<S: Scalar> TaskState<S> {
             held: o,
             down: o,
             old: S::lit(-1.0),
+            old_down: o,
             wrong: o,
             step: o,
             done_at: vec![o; steps],
@@ -126,11 +132,11 @@ impl<S: Scalar> TaskState<S> {
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        let marks = [&mut self.held, &mut self.down, &mut self.wrong];
+        let marks = [&mut self.held, &mut self.down, &mut self.old_down, &mut self.wrong];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
         let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
-        for counter in counters.chain(&mut self.errors).chain(steering).chain(pointed) {
+        for counter in counters.chain(&mut self.errors).chain(&mut self.pause).chain(steering).chain(pointed) {
             *counter = S::select(mask, S::zero(), *counter);
         }
         let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
@@ -154,6 +160,12 @@ impl<S: Scalar> TaskState<S> {
     #[inline(always)]
     pub fn corrects(&self) -> Option<S::Mask> {
         self.errors.map(|errors| S::lit(0.5).lt(errors))
+    }
+
+    /// Where presses do not count because the last one was wrong; none where that makes no difference.
+    #[inline(always)]
+    pub fn pauses(&self) -> Option<S::Mask> {
+        self.pause.map(|left| S::lit(0.5).lt(left))
     }
 
     /// Where step `index` is the current one, whose number is `current`; after the last is done it stays the current one.
@@ -182,6 +194,7 @@ impl<S: Scalar> TaskState<S> {
             steering,
             sticks,
             errors,
+            pause,
             seen,
             cursor,
             phase,
@@ -189,6 +202,7 @@ impl<S: Scalar> TaskState<S> {
             held,
             down,
             old,
+            old_down,
             wrong,
             step,
             done_at,
@@ -201,9 +215,9 @@ impl<S: Scalar> TaskState<S> {
             .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
         let times = done_at.iter_mut().chain(reached_at);
         let steering = steering.iter_mut().flat_map(Steering::kept);
-        let counters = [phase, dwell, held, down, old, step, wrong];
+        let counters = [phase, dwell, held, down, old, old_down, step, wrong];
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
-        let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors);
+        let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors).chain(pause);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);
         objects.chain(values).chain(sticks).chain(script).chain(steering).chain(pointed)
     }

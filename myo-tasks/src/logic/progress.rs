@@ -105,6 +105,7 @@ pub fn advance<S: Scalar>(
     if let Some(cursor) = &mut state.cursor {
         *cursor = sensed.stay.cursor;
     }
+    pause(task, sensed.stay.wrong_presses, state);
     state.phase += S::indicator(done);
     let mut task_done = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);
     if let Some(corrects) = state.corrects() {
@@ -113,6 +114,14 @@ pub fn advance<S: Scalar>(
     let timed_out = task.time_limit.le(state.step) & !task_done;
     let Stay { wrong_presses, steering, .. } = sensed.stay;
     Progress { target_done: done, task_done, timed_out, wrong_presses, exits: steering.exits }
+}
+
+/// Who pressed something wrong in this control step goes on some time later.
+#[inline(always)]
+fn pause<S: Scalar>(task: &CompiledTask<S>, wrong_presses: S, state: &mut TaskState<S>) {
+    let (Some(left), Some(whole)) = (&mut state.pause, task.error_pause) else { return };
+    let passes = (*left - S::lit(1.0)).max(S::zero());
+    *left = S::select(S::lit(0.5).lt(wrong_presses), whole, passes);
 }
 
 /// Where the step is to stay in a sphere.
@@ -135,6 +144,7 @@ fn hand_over<S: Scalar>(goal: &Goal<S>, stay: &Stay<S>, done: S::Mask, state: &m
     let Some(button) = &goal.button else { return };
     let stays_down = done & S::lit(0.5).lt(stay.down);
     state.old = S::select(stays_down, button.number, stay.old);
+    state.old_down = S::select(stays_down, stay.down, stay.old_down);
     state.down = S::select(done, S::zero(), stay.down);
 }
 

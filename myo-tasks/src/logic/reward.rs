@@ -19,6 +19,8 @@ pub struct RewardTerms<S> {
     pub acceleration_effort: S,
     /// Minus squared changes of controls.
     pub control_change: S,
+    /// Minus squared forces of contact.
+    pub contact: S,
     /// Minus presses that were not asked for.
     pub wrong_press: S,
     /// Minus ways that were left.
@@ -35,12 +37,13 @@ impl<S: Scalar> RewardTerms<S> {
             + self.neural_effort
             + self.acceleration_effort
             + self.control_change
+            + self.contact
             + self.wrong_press
             + self.exit
     }
     /// In the order of the fields.
     #[inline(always)]
-    pub fn array(&self) -> [S; 8] {
+    pub fn array(&self) -> [S; 9] {
         let Self {
             distance,
             subtask,
@@ -48,10 +51,11 @@ impl<S: Scalar> RewardTerms<S> {
             neural_effort,
             acceleration_effort,
             control_change,
+            contact,
             wrong_press,
             exit,
         } = *self;
-        [distance, subtask, completion, neural_effort, acceleration_effort, control_change, wrong_press, exit]
+        [distance, subtask, completion, neural_effort, acceleration_effort, control_change, contact, wrong_press, exit]
     }
 }
 
@@ -126,13 +130,16 @@ pub struct Efforts<S> {
     pub squared_acceleration: S,
     /// Sum over muscles of squared changes of the control since the control step before.
     pub squared_change: S,
+    /// Mean over physics steps of the squared force of all contacts (N^2).
+    pub squared_force: S,
 }
 
 impl<S: Scalar> Efforts<S> {
     /// None at all.
     #[inline(always)]
     pub fn none() -> Self {
-        Self { squared_control: S::zero(), squared_acceleration: S::zero(), squared_change: S::zero() }
+        let o = S::zero();
+        Self { squared_control: o, squared_acceleration: o, squared_change: o, squared_force: o }
     }
 }
 
@@ -146,7 +153,7 @@ pub fn reward<S: Scalar>(
     efforts: Efforts<S>,
 ) -> RewardTerms<S> {
     let w = &task.weights;
-    let [neural_effort, acceleration_effort, control_change] = movement_costs(w, efforts);
+    let [neural_effort, acceleration_effort, control_change, contact] = movement_costs(w, efforts);
     RewardTerms {
         distance: -(w.distance_cost.mul_add(felt(distance, w.distance_scale), w.time_cost)),
         subtask: w.subtask_bonus.only(progress.target_done),
@@ -154,22 +161,26 @@ pub fn reward<S: Scalar>(
         neural_effort: -neural_effort,
         acceleration_effort: -acceleration_effort,
         control_change: -control_change,
+        contact: -contact,
         wrong_press: -(w.wrong_press * progress.wrong_presses),
         exit: -(w.exit * progress.exits),
     }
 }
 
-/// What effort, acceleration and changes of controls cost in a control step, together at most [`Weights::most_cost`].
+/// What effort, acceleration, changes of controls and contact cost in a control step. Together they count in full up to
+/// [`Weights::dear`], `d`, and from there on a cost `c` as `d (1 + ln(c / d))`.
 ///
 /// An arm in cramps, all of its muscles tensed or pulling in turn, would pay a hundred times as much as one that does what it should, for as long as it does not find out.
-/// One such arm among four thousand drowns what a learner could learn from all others.
+/// One such arm among four thousand drowns what a learner could learn from all others. But more must cost more: where it is free beyond
+/// a bound, the most violent way to be fast is the best.
 #[inline(always)]
-fn movement_costs<S: Scalar>(w: &Weights<S>, efforts: Efforts<S>) -> [S; 3] {
-    let Efforts { squared_control, squared_acceleration, squared_change } = efforts;
+fn movement_costs<S: Scalar>(w: &Weights<S>, efforts: Efforts<S>) -> [S; 4] {
+    let Efforts { squared_control, squared_acceleration, squared_change, squared_force } = efforts;
     let effort = w.cost_share * w.effort_cost * squared_control;
     let acceleration = w.cost_share * w.acceleration_cost * squared_acceleration;
     let change = w.change_cost.map_or(S::zero(), |cost| w.cost_share * cost * squared_change);
-    let all = effort + acceleration + change;
-    let paid = S::select(w.most_cost.lt(all), w.most_cost * all.recip(), S::lit(1.0));
-    [paid * effort, paid * acceleration, paid * change]
+    let contact = w.contact_cost.map_or(S::zero(), |cost| w.cost_share * cost * squared_force);
+    let times_dear = ((effort + acceleration + change + contact) * w.dear.recip()).max(S::lit(1.0));
+    let paid = (S::lit(1.0) + times_dear.ln()) * times_dear.recip();
+    [paid * effort, paid * acceleration, paid * change, paid * contact]
 }

@@ -76,7 +76,7 @@ impl Run {
             for now in self.step * SUBSTEPS..(self.step + 1) * SUBSTEPS {
                 let (pointer, touch) = at(&goal, now);
                 let (number, force) = touch.unwrap_or((0, 0.0));
-                let contact = Contact { exists: touch.is_some(), number: number as f64, force };
+                let contact = Contact { exists: touch.is_some(), number: number as f64, force, facing: 1.0 };
                 stay.follow(&self.task, &goal, pointer, SHARE, std::iter::once(contact));
             }
             self.step += 1;

@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::Episodes;
 
-/// Columns of an episode with what it earned.
-const EARNED: [&str; 2] = ["reward_subtask", "reward_completion"];
+/// Columns of an episode with what it earned, less what was lost by errors: who errs can afford less.
+const EARNED: [&str; 4] = ["reward_subtask", "reward_completion", "reward_wrong_press", "reward_exit"];
 
 /// Columns with what movement cost, negative.
-const SPENT: [&str; 3] = ["reward_neural_effort", "reward_acceleration_effort", "reward_control_change"];
+const SPENT: [&str; 4] =
+    ["reward_neural_effort", "reward_acceleration_effort", "reward_control_change", "reward_contact"];
 
 /// Rewards of an episode, in the mean over as many as there are environments.
 ///
@@ -20,7 +21,7 @@ pub struct Balance {
     start: u64,
     /// Whether an episode that counts has ended.
     known: bool,
-    /// What was earned by targets.
+    /// What was earned by targets, errors paid.
     earned: f64,
     /// What movement would have cost if all of it had counted.
     price: f64,
@@ -50,7 +51,7 @@ impl Balance {
 
     /// The share of the price that comes to such a part of what is earned; all where it costs nothing. Nobody can tell before anything is known.
     pub fn affordable(&self, part: f64) -> Option<f64> {
-        self.known.then(|| if self.price > 0.0 { part * self.earned / self.price } else { 1.0 })
+        self.known.then(|| if self.price > 0.0 { part * self.earned.max(0.0) / self.price } else { 1.0 })
     }
 }
 
