@@ -39,7 +39,7 @@ user: fastest
 name: pressing
 model: mobl-arms-uitb
 scene:
-  button: {kind: button, at: [0.35, -0.1, -0.2], size: [0.3, 0.3, 0.05], tilt_deg: 45, min_force_n: 1}
+  button: {kind: button, at: [0.35, -0.1, -0.2], size: [0.8, 0.8, 0.02], tilt_deg: 45, min_force_n: 1}
 script:
   - press: button
 time_limit_s: 1

@@ -34,6 +34,7 @@ fn other(task: &Task) -> Task {
                 button.size[0] = Range::fixed(0.7 * button.size[0].centre());
                 button.min_force_n *= 1.5;
             }
+            Item::Obstacle(wall) => wall.at.0 = wall.at.0.moved([0.0, 0.03, 0.0]),
             other => panic!("{other:?} stays as it is"),
         }
     }

@@ -63,7 +63,7 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
 /// Two hundred buttons stand side by side before the body, so that it touches some now and then.
 fn crowded() -> Task {
     let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: crowded\nscene:\n  wall: {kind: grid, at: [0.3, 0, -0.3], tilt_deg: 45, rows: 10, columns: 20, \
-                pitch: 0.025, of: {kind: button, size: [0.02, 0.02, 0.01]}}\n  table: {kind: obstacle, at: [0.3, 0, -0.55], \
+                pitch: 0.025, of: {kind: button, size: [0.02, 0.02, 0.01], min_force_n: 0.01}}\n  table: {kind: obstacle, at: [0.3, 0, -0.55], \
                 size: [0.6, 0.6, 0.02]}\nscript:\n  - press: [10, 55, 130, 190, 64]\ntime_limit_s: 0.5\n";
     Task::from_yaml(text, "crowded").unwrap()
 }

@@ -69,7 +69,7 @@ fn a_text_is_looked_at_and_checked_in_the_words_of_the_command_line() {
     let text = preset_text("public-display").unwrap();
     let look = ask(&engine, "look", json!({"text": text})).unwrap();
     assert_eq!(look["findings"], json!([]));
-    assert_eq!(look["view"]["objects"].as_array().unwrap().len(), 4);
+    assert_eq!(look["view"]["objects"].as_array().unwrap().len(), 5, "four buttons and a wall");
     assert_eq!(look["view"]["steps"][1]["label"], "press upper_left");
     assert_eq!(look["view"]["objects"][1]["steps"], json!([1]));
     assert_eq!(look["view"]["items"][1]["path"], "scene.upper_left");

@@ -11,8 +11,11 @@ use myo::{Device, Envs, MOST_AT_ONCE, Start, User, batches, train_at_once};
 fn layout(up_m: f64) -> Task {
     let mut task = Task { time_limit_s: 0.6, ..preset("public-display").unwrap() };
     for item in task.scene.0.values_mut() {
-        let Item::Button(button) = item else { panic!("a button") };
-        button.at.0 = button.at.0.moved([0.0, 0.0, up_m]);
+        match item {
+            Item::Button(button) => button.at.0 = button.at.0.moved([0.0, 0.0, up_m]),
+            Item::Obstacle(wall) => wall.at.0 = wall.at.0.moved([0.0, 0.0, up_m]),
+            other => panic!("{other:?} stays as it is"),
+        }
     }
     task
 }

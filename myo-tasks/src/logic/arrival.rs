@@ -30,7 +30,7 @@ impl<S: Scalar> Contact<S> {
 /// What the fingertip did with the current object, up to a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stay<S> {
-    /// Physics steps inside the sphere or in contact with the button, or with the knob held, without a break; of what is followed, all
+    /// Physics steps inside the sphere or in contact with the face of the button, or with the knob held, without a break; of what is followed, all
     /// those inside. Whole numbers, so that no rounding adds up.
     pub held: S,
     /// Greatest force on the face of the button within the control step (N).
@@ -138,9 +138,9 @@ impl<S: Scalar> Stay<S> {
             self.press(S::select(arrives, one, stayed));
             return;
         };
-        let (touches, force) = touch(contacts.clone(), button.number);
+        let (touches, on_face, force) = touch(contacts.clone(), button.number);
         let bounce = task.bounce * S::lit(share).recip();
-        self.stay(goal, on | touches);
+        self.stay(goal, on | on_face);
         self.touch = self.touch.max(force);
         let mut presses = touches & button.min_force.le(force);
         if task.kinds.release {
@@ -161,7 +161,7 @@ impl<S: Scalar> Stay<S> {
         if task.kinds.release {
             self.down = S::select(presses, bounce, self.down);
             self.release(button, pointer, touches, bounce);
-            let (touches_old, _) = touch(contacts.clone(), self.old);
+            let (touches_old, ..) = touch(contacts.clone(), self.old);
             self.old_down = still_down(self.old_down, touches_old, bounce);
             self.old = S::select(S::lit(0.5).lt(self.old_down), self.old, S::lit(-1.0));
         }
@@ -323,14 +323,15 @@ fn is_meant<S: Scalar>(task: &CompiledTask<S>, button: &GoalButton<S>, number: S
     task.correction.map_or(is_meant, |correction| is_meant | is_same(number, correction))
 }
 
-/// Whether the box of this number is touched, and how hard its face is pressed.
+/// Whether the box of this number is touched, whether on its face, and how hard that is pressed.
 #[inline(always)]
-fn touch<S: Scalar>(contacts: impl Iterator<Item = Contact<S>>, number: S) -> (S::Mask, S) {
-    let (mut touches, mut force) = (S::Mask::splat(false), S::zero());
+fn touch<S: Scalar>(contacts: impl Iterator<Item = Contact<S>>, number: S) -> (S::Mask, S::Mask, S) {
+    let (mut touches, mut on_face, mut force) = (S::Mask::splat(false), S::Mask::splat(false), S::zero());
     for contact in contacts {
         let here = contact.exists & is_same(contact.number, number);
         touches = touches | here;
+        on_face = on_face | (here & S::zero().lt(contact.facing));
         force += contact.press().only(here);
     }
-    (touches, force)
+    (touches, on_face, force)
 }
