@@ -78,7 +78,7 @@ fn among_two_hundred_buttons_the_same_ones_are_touched() {
     let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, ..Default::default() });
     let wrong = column(&reference, "wrong_presses");
     let mut presses = 0.0;
-    let runs = rollout(&mut card, 40).into_iter().zip(rollout(&mut reference, 40));
+    let runs = rollout(&mut card, 140).into_iter().zip(rollout(&mut reference, 140));
     for (step, (got, want)) in runs.enumerate() {
         assert_follows(&reference, &got, &want, &format!("step {step}"));
         let size = reference.spec().episode_size();
