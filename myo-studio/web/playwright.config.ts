@@ -12,7 +12,7 @@ export default defineConfig({
   testDir: 'tests',
   // Two cores, and a training wants both.
   workers: 1,
-  timeout: 240_000,
+  timeout: 360_000,
   expect: { timeout: 15_000 },
   reporter: [['line']],
   use: {

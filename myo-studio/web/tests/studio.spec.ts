@@ -97,7 +97,7 @@ test('a user that has learnt a layout goes on when it is changed', async ({ page
   await y.press('Enter');
   await page.getByRole('button', { name: 'Training', exact: true }).click();
   await expect(page.getByText(/At first sight: .* not adapted yet/)).toBeVisible({ timeout: 20_000 });
-  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: 120_000 });
+  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: 200_000 });
   await page.getByRole('checkbox', { name: /^Live/ }).uncheck();
 });
 
