@@ -1,5 +1,6 @@
 //! An open device.
 
+use std::ops::Deref;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,10 +16,11 @@ use crate::transfer::Staging;
 /// An open device. Clones are handles on the same one.
 ///
 /// A device stays open until the process ends, and opening its adapter again gives the same one: drivers hang or crash when
-/// a device is closed while another thread ends. The memory of buffers is given back when they are dropped.
+/// a device is closed while another thread ends. The memory of buffers is given back when they are dropped. The last handle
+/// waits until the device has done what it was asked, since drivers crash also where the process ends before that.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    open: &'static Open,
+    open: Arc<Use>,
     cache: Option<Arc<Path>>,
     shelf: Arc<Shelf>,
     pub(crate) groups: Option<Groups>,
@@ -35,6 +37,25 @@ struct Open {
     queue: wgpu::Queue,
     health: Health,
     staging: Mutex<Staging>,
+}
+
+/// What the handles of a device share.
+#[derive(Debug)]
+struct Use(&'static Open);
+
+impl Deref for Use {
+    type Target = Open;
+
+    fn deref(&self) -> &Open {
+        self.0
+    }
+}
+
+impl Drop for Use {
+    fn drop(&mut self) {
+        // Nobody is left to be told of a loss.
+        _ = guarded(&self.device, &self.health, || self.device.poll(wgpu::PollType::wait_indefinitely()));
+    }
 }
 
 /// The devices of this process.
@@ -59,7 +80,7 @@ impl Gpu {
         let adapters: Vec<_> = candidates.iter().map(|candidate| &candidate.adapter).collect();
         let number = choice.choose(&adapters)?;
         let open = find_or_open(number, candidates.swap_remove(number))?;
-        Ok(Self { open, cache: folder.map(Arc::from), shelf: Arc::default(), groups: None })
+        Ok(Self { open: Arc::new(Use(open)), cache: folder.map(Arc::from), shelf: Arc::default(), groups: None })
     }
 
     /// The same device with other groups.
@@ -187,6 +208,8 @@ fn open(candidate: Candidate) -> Result<Open, GpuError> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
     use crate::{Access, Recipe, Source};
 
@@ -218,7 +241,7 @@ mod tests {
             return None;
         };
         let open = Box::leak(Box::new(open(candidate).unwrap()));
-        Some(Gpu { open, cache: None, shelf: Arc::default(), groups: None })
+        Some(Gpu { open: Arc::new(Use(open)), cache: None, shelf: Arc::default(), groups: None })
     }
 
     fn kernel(gpu: &Gpu) -> crate::Kernel {
@@ -255,11 +278,11 @@ mod tests {
             return;
         }
         let [first, second] = [(); 2].map(|()| Gpu::open_with_cache(&AdapterChoice::Any, None).unwrap());
-        assert!(std::ptr::eq(first.open, second.open));
+        assert!(std::ptr::eq(first.open.0, second.open.0));
         first.device().destroy();
         assert!(second.wait().is_err());
         let third = Gpu::open_with_cache(&AdapterChoice::Any, None).unwrap();
-        assert!(!std::ptr::eq(first.open, third.open));
+        assert!(!std::ptr::eq(first.open.0, third.open.0));
         assert!(calls(&third).iter().all(Result::is_ok));
     }
 
@@ -274,6 +297,23 @@ mod tests {
         assert!(Arc::ptr_eq(&kernel.0, &clone.kernel(&recipe()).unwrap().0));
         drop(clone);
         assert_eq!((shelf.strong_count(), Arc::strong_count(&kernel.0)), (0, 1));
+    }
+
+    #[test]
+    fn the_last_handle_waits_for_what_was_asked() {
+        let Some(gpu) = alone() else { return };
+        let (x, kernel) = (gpu.buffer::<f32>("x", 1).unwrap(), kernel(&gpu));
+        let bindings = kernel.bind(&[x.binding()]).unwrap();
+        let mut batch = gpu.batch();
+        batch.dispatch(&kernel, &bindings, 1);
+        batch.submit().unwrap();
+        let done = Arc::new(AtomicBool::new(false));
+        gpu.queue().on_submitted_work_done({
+            let done = Arc::clone(&done);
+            move || done.store(true, Ordering::Relaxed)
+        });
+        drop((bindings, kernel, x, gpu));
+        assert!(done.load(Ordering::Relaxed));
     }
 
     #[test]
