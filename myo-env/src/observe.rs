@@ -58,7 +58,7 @@ pub enum ObservationPart {
     TimeLeft,
     /// One inside the current sphere.
     Inside,
-    /// Share of the force that the current button needs, at most one.
+    /// Greatest force on the fingertip within the control step, whatever it touches, as a share of what the current button needs, at most one.
     Touch,
     /// One where the current step counts already, where some must be waited for.
     Cue,
@@ -436,7 +436,7 @@ impl<S: Scalar> Carried<S> for Nearest<S> {
     }
 }
 
-/// Share of the force that the current button needs, at most one.
+/// Greatest force on the fingertip within the control step, whatever it touches, as a share of what the current button needs, at most one.
 #[inline(always)]
 fn touch<S: Scalar>(goal: &Goal<S>, force: S) -> S {
     let Some(button) = &goal.button else { return S::zero() };

@@ -13,7 +13,7 @@ use myo_tasks::Task;
 /// How every state begins.
 const MAGIC: &[u8; 8] = b"MYOSTATE";
 /// The version of the format that this library reads and writes.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Where the checksum stands, and where what it covers begins.
 const CHECKSUM: std::ops::Range<usize> = 12..16;
 /// Integers per environment.

@@ -7,7 +7,9 @@ mod common;
 
 use common::{actions, arm, column, dwell_for, entry, gpu, sphere, without_gpu};
 use myo_env::{CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
+use myo_model::StaticBox;
 use myo_scalar::Level;
+use myo_tasks::logic::CompiledTask;
 use myo_tasks::{Item, Task};
 
 const ENVS: usize = 64;
@@ -31,7 +33,7 @@ time_limit_s: 1
     Task::from_yaml(text, "pointing").unwrap()
 }
 
-/// A large button there.
+/// A button there that is so large that nobody comes to its sides.
 fn pressing() -> Task {
     let text = "\
 version: 2
@@ -39,7 +41,7 @@ user: fastest
 name: pressing
 model: mobl-arms-uitb
 scene:
-  button: {kind: button, at: [0.35, -0.1, -0.2], size: [0.8, 0.8, 0.02], tilt_deg: 45, min_force_n: 1}
+  button: {kind: button, at: [0.35, -0.1, -0.2], size: [2, 2, 0.02], tilt_deg: 45, min_force_n: 1}
 script:
   - press: button
 time_limit_s: 1
@@ -167,9 +169,15 @@ fn an_entry_is_where_the_fingertip_was_seen_to_enter() {
 #[test]
 fn a_press_is_where_its_contact_was_seen_to_begin() {
     let task = pressing();
-    let seen = watch(task.clone(), "touch", 1);
+    let (seen, places) = (watch(task.clone(), "touch", 1), watch(task.clone(), "fingertip_position.x", 3));
+    let StaticBox { centre, axes, .. } = CompiledTask::<f64>::new(&task).unwrap().boxes[0].shape;
+    // Who comes from behind touches, and does not press.
+    let is_before = |place: &[f64]| (0..3).map(|k| (place[k] - centre[k]) * axes[2][k]).sum::<f64>() > 0.0;
     // The observation after a step tells of the force in it.
-    let force = |i: usize| -> Vec<f64> { seen[1..].iter().map(|rows| rows[i][0] * WATCHED_FORCE).collect() };
+    let force = |i: usize| -> Vec<f64> {
+        let steps = seen[1..].iter().zip(&places);
+        steps.map(|(rows, places)| if is_before(&places[i]) { rows[i][0] * WATCHED_FORCE } else { 0.0 }).collect()
+    };
     let truth: Vec<_> = (0..ENVS).map(|i| press(&force(i))).collect();
     check(&task, &truth, 10);
 }

@@ -74,14 +74,14 @@ fn a_trace_goes_on_where_the_last_one_ended() {
 }
 
 #[test]
-fn the_force_of_a_trace_is_what_presses_the_face_of_the_button_and_its_sides() {
+fn the_force_of_a_trace_is_what_the_fingertip_feels_on_faces_and_on_sides() {
     let scene = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: wall\nscene: {wall: {kind: button, at: [0.3, 0, -0.2], size: [2, 2, 0.1], min_force_n: 1000}}\n\
                  script: [{press: wall}]\n";
     let task = Task::from_yaml(scene, "wall").unwrap();
     let mut env = env(&task);
     let shape = env.trace_shape();
     let (mut out, mut trace) = (StepStorage::new(env.spec()), vec![0.0; ENVS * shape.len_per_env()]);
-    let (mut pressed, mut brushed) = (0, 0);
+    let mut touched = 0;
     for step in 0..40 {
         let actions = actions(&env, step / 10);
         env.step_traced(&actions, out.buffers(), &mut trace).unwrap();
@@ -89,13 +89,11 @@ fn the_force_of_a_trace_is_what_presses_the_face_of_the_button_and_its_sides() {
             let rows = trace[number * shape.len_per_env()..][..shape.len_per_env()].chunks_exact(shape.columns);
             let most = rows.map(|row| TraceSample::of(row).unwrap().force).fold(0.0, f64::max);
             let is_all = (most - seen.touch).abs() <= 1e-5 * most;
-            // Who came from below or from beside touches, and presses nothing.
-            assert!(is_all || seen.touch == 0.0, "step {step}, environment {number}: {most} {}", seen.touch);
-            pressed += usize::from(most > 0.0 && is_all);
-            brushed += usize::from(!is_all);
+            assert!(is_all, "step {step}, environment {number}: {most} {}", seen.touch);
+            touched += usize::from(most > 0.0);
         }
     }
-    assert!(pressed > 20 && brushed > 20, "{pressed} {brushed}");
+    assert!(touched > 40, "{touched}");
 }
 
 #[test]

@@ -329,7 +329,7 @@ pub struct Observation {
     pub time_left: bool,
     /// Whether the fingertip is inside the current sphere: 1 or 0. Default true.
     pub inside: bool,
-    /// Force on the current button, as a share of what it needs, at most 1. Default true.
+    /// Force on the fingertip, whatever it touches, as a share of what the current button needs, at most 1. Default true.
     pub touch: bool,
     /// Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks with waits. Default true.
     pub cue: bool,

@@ -252,8 +252,8 @@ fn each_target_is_reached_by_what_it_asks_for() {
     let reached = run(targets, |now| {
         let fingertip = if (10..300).contains(&now) { [0.4, 0.0, 0.0] } else { AWAY };
         let contact = match now {
-            30..33 => touch(1, 5.0),
-            50..58 => touch(1, 1.0),
+            10..13 => touch(1, 5.0),
+            30..38 => touch(1, 1.0),
             58..62 => touch(0, 2.0),
             80..200 => touch(1, 1.0),
             200..210 => touch(1, 4.0),

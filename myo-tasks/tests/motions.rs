@@ -86,8 +86,8 @@ fn what_lights_up_is_drawn_and_what_was_touched_before_does_not_count() {
     let task = task(LAMPS, "  - repeat: {times: 250, steps: [{react: {among: lamps, after_s: [0.2, 0.4]}}]}");
     let mut run = Run::new(&task);
     let (mut objects, mut waits) = ([0; 3], [0; 9]);
-    let (mut last, mut wrong) = (None, 0);
-    for _ in 0..250 {
+    let mut wrong = 0;
+    for round in 0..250 {
         let (begin, cue) = (run.state.step, run.state.cue.clone().unwrap());
         waits[(cue.lit_at - begin) as usize] += 1;
         objects[cue.object as usize] += 1;
@@ -95,10 +95,13 @@ fn what_lights_up_is_drawn_and_what_was_touched_before_does_not_count() {
         assert!((middle[1]).abs() < 1e-12, "nothing tells which one it is: {middle:?}");
         let lit_at = cue.lit_at as usize * SUBSTEPS;
         let object = cue.object as usize;
-        // A tap before the light and one after it. Where the button is still down from the step before, that is no new press.
-        wrong += usize::from(last.replace(object) != Some(object));
+        // A tap before the light and one after it. Who still presses from the step before, this button or another, presses nothing anew.
+        let lifts = round % 3 > 0;
+        wrong += usize::from(lifts || round == 0);
+        let (from, to) = (begin as usize * SUBSTEPS, begin as usize * SUBSTEPS + 20);
         let tap = move |_: &Goal<f64>, now: usize| match now {
-            now if now < begin as usize * SUBSTEPS + 5 => ([0.4, 0.0, 0.0], Some((object, 2.0))),
+            now if lifts && now < from + 15 => OFF,
+            now if now < to => ([0.4, 0.0, 0.0], Some((object, 2.0))),
             now if now >= lit_at + 3 => ([0.4, 0.0, 0.0], Some((object, 2.0))),
             _ => OFF,
         };
@@ -114,7 +117,6 @@ fn what_lights_up_is_drawn_and_what_was_touched_before_does_not_count() {
     assert!(waits[4..].iter().all(|&count| count > 30), "{waits:?}");
     assert!(objects.iter().all(|&count| count > 60), "{objects:?}");
     assert_eq!(run.wrong_presses, wrong as f64);
-    assert!((145..190).contains(&wrong), "{wrong}");
 }
 
 #[test]

@@ -151,8 +151,8 @@ fn a_dwell_begins_again_after_a_correction() {
     let mut run = Run::new(&myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap());
     let inside = ([0.4, 0.0, 0.1], None);
     run.run(1, tap(0));
-    // Three of four control steps inside, with a neighbour pressed at the end of the last, which breaks nothing by itself.
-    run.run(3, move |_, now| if now < 95 { inside } else { (inside.0, Some((1, 2.0))) });
+    // Three of four control steps inside, with a neighbour pressed in the last, which breaks nothing by itself.
+    run.run(3, move |_, now| if (80..83).contains(&now) { (inside.0, Some((1, 2.0))) } else { inside });
     assert_eq!((run.state.dwell, run.state.errors), (3.0, Some(1.0)));
     assert!(!run.run(1, tap(4)));
     assert_eq!((run.state.dwell, run.state.errors), (0.0, Some(0.0)));
@@ -167,12 +167,13 @@ fn a_task_is_not_done_while_something_is_to_be_corrected() {
     let mut run = Run::new(&myo_tasks::Task::from_yaml(&text, "t.yaml").unwrap());
     // The neighbour and the key in one control step.
     let both = |_: &Goal<f64>, now: usize| match now % SUBSTEPS {
-        0..5 => on(1),
-        10..15 => on(0),
+        0..2 => on(1),
+        17..20 => on(0),
         _ => OFF,
     };
     assert!(!run.run(1, both));
     assert_eq!((run.state.phase, run.state.errors), (1.0, Some(1.0)));
+    assert!(!run.run(1, |_, _| OFF));
     assert!(run.run(1, tap(4)));
     assert_eq!(run.state.done_at, [1.0]);
 }

@@ -90,6 +90,28 @@ fn a_finger_presses_one_thing_at_a_time() {
 }
 
 #[test]
+fn what_the_finger_slides_onto_is_not_pressed() {
+    let told = |contacts: &[(usize, usize, f64, f64, f64)]| {
+        let told = touched(&press(0.0, 0.0), contacts);
+        (told.done_at, told.wrong)
+    };
+    let on_a = (30, 40, A, 5.0, 1.0);
+    assert_eq!(told(&[(20, 60, DESK, 1.0, 1.0), on_a]), (-1.0, 0.0), "from the desk");
+    assert_eq!(told(&[(20, 60, DESK, 1.0, 1.0), (30, 40, B, 5.0, 1.0)]), (-1.0, 0.0), "nor is that an error");
+    assert_eq!(told(&[(20, 30, B, 0.9, 1.0), on_a]), (-1.0, 0.0), "from a key that was not pressed");
+    assert_eq!(told(&[(20, 30, B, 1.1, 1.0), on_a]), (-1.0, 1.0), "from a key that was pressed by mistake");
+    assert_eq!(
+        told(&[(20, 30, A, 1.9, 1.0), (30, 35, DESK, 1.0, 1.0), (35, 40, A, 2.0, 1.0)]),
+        (2.0, 0.0),
+        "it came down on it"
+    );
+    // Lifted for 30 ms, fifteen physics steps, it comes down anew.
+    for (lifted, done_at) in [(16, -1.0), (15, 2.0)] {
+        assert_eq!(told(&[(0, lifted, DESK, 1.0, 1.0), on_a]).0, done_at, "lifted at {lifted}");
+    }
+}
+
+#[test]
 fn after_a_wrong_press_presses_do_not_count_for_a_while() {
     // Two control steps.
     let task = press(0.1, 0.0);

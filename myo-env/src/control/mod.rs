@@ -150,8 +150,7 @@ fn judge<S: Scalar>(
         distance += logic::remaining_path(task, &env.task);
     }
     let progress = logic::advance(task, goal, sensed, &mut env.task, world.tables.share());
-    // What comes next was not touched yet; the last one stays the current one.
-    env.touch = sensed.stay.touch.only(!progress.target_done | progress.task_done);
+    env.touch = sensed.stay.touch;
     (distance, progress)
 }
 

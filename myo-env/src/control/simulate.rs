@@ -75,9 +75,9 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             pressed,
             let_go,
             down,
-            old,
-            old_down,
-            wrong,
+            landed,
+            grounded,
+            used,
             wrong_presses,
             value,
             steering,
@@ -101,7 +101,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             visitor.numbers([angle, held]);
         }
         if kinds.release {
-            visitor.numbers([let_go, down, old, old_down, wrong, wrong_presses]);
+            visitor.numbers([let_go, down, landed, grounded, used, wrong_presses]);
         }
         if kinds.drag {
             visitor.number(value);

@@ -12,6 +12,8 @@ const AT_ONCE: f64 = 1e-6;
 /// How long (s) the fingertip must be off a button for it to be let go: who bounces off it and comes back sooner pressed once. As in the
 /// recordings of presses of `myo-measure`.
 const BOUNCE_S: f64 = 0.03;
+/// The force (N) that an obstacle asks for: none is as great.
+pub(super) const NEVER_PRESSED_N: f64 = f32::MAX as f64;
 /// What movements cost in full per second, in greatest bonuses: in a quarter of a second as much as is earned at once. What costs more counts
 /// for less.
 const DEAR: f64 = 4.0;
@@ -59,7 +61,7 @@ pub struct CompiledTask<T> {
     pub correction: Option<T>,
     /// Control steps after a wrong press in which presses do not count; none where they do, or nothing can be pressed by mistake.
     pub error_pause: Option<T>,
-    /// Control steps for which the fingertip must be off a button for it to be let go.
+    /// Control steps for which the fingertip must be off a button for it to be let go, and off everything to be lifted.
     pub bounce: T,
     /// What points.
     pub pointer: Pointer<T>,
@@ -390,7 +392,7 @@ impl<C: Real> TouchBox<C> {
         let shape = StaticBox { radius: shape(&largest).radius, ..shape(block) };
         Some(Self {
             shape: shape.map(&mut |&x| C::from_f64(x)),
-            min_force: C::from_f64(block.min_force_n.min(f64::from(f32::MAX))),
+            min_force: C::from_f64(block.min_force_n.min(NEVER_PRESSED_N)),
         })
     }
 }

@@ -17,9 +17,10 @@ mod shift;
 mod slide;
 mod steer;
 mod swing;
+mod touch;
 mod waves;
 
-pub use arrival::{Contact, Stay};
+pub use arrival::Stay;
 pub use compile::{CompiledTask, DrawnSphere, Kinds, TaskStep, TouchBox, Weights, Which};
 pub use cue::{CueState, StepCue, begin_step};
 pub use goal::{Goal, GoalButton, begins_at, centre_ahead, sphere};
@@ -34,6 +35,7 @@ pub use slide::{DragStep, GoalDrag, Handle};
 pub use steer::{GoalSteer, SteerStep, Steering};
 pub(crate) use swing::arm;
 pub use swing::{GoalSwing, Hold, Sticks, Swing, SwingStep};
+pub use touch::Contact;
 pub use waves::{Wave, Waves};
 
 use myo_scalar::Scalar;
@@ -82,12 +84,12 @@ pub struct TaskState<S> {
     pub held: S,
     /// Physics steps until the button of the current step's press counts as let go, see [`CompiledTask::bounce`]; zero where it is, or was not pressed.
     pub down: S,
-    /// Number of the button that the last step pressed and that was not let go since; negative without one.
-    pub old: S,
-    /// Physics steps until that one counts as let go.
-    pub old_down: S,
-    /// Physics steps until a button that was not asked for and is down counts as let go; zero without one.
-    pub wrong: S,
+    /// Number of the box that the fingertip came down on since it was lifted; negative while it is in the air.
+    pub landed: S,
+    /// Physics steps without contact until it counts as lifted; zero while it is.
+    pub grounded: S,
+    /// One where it pressed something since, rightly or wrongly, or came down when presses did not count: it must be lifted to press.
+    pub used: S,
     /// Control steps since the episode began.
     pub step: S,
     /// Per step: the control step at which it was done; negative if it was not.
@@ -120,9 +122,9 @@ impl<S: Scalar> TaskState<S> {
             dwell: o,
             held: o,
             down: o,
-            old: S::lit(-1.0),
-            old_down: o,
-            wrong: o,
+            landed: S::lit(-1.0),
+            grounded: o,
+            used: o,
             step: o,
             done_at: vec![o; steps],
             reached_at: vec![o; steps],
@@ -132,7 +134,7 @@ impl<S: Scalar> TaskState<S> {
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        let marks = [&mut self.held, &mut self.down, &mut self.old_down, &mut self.wrong];
+        let marks = [&mut self.held, &mut self.down, &mut self.grounded, &mut self.used];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
         let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
@@ -140,7 +142,7 @@ impl<S: Scalar> TaskState<S> {
             *counter = S::select(mask, S::zero(), *counter);
         }
         let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
-        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain(shown_at).chain([&mut self.old]) {
+        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain(shown_at).chain([&mut self.landed]) {
             *at = S::select(mask, S::lit(-1.0), *at);
         }
     }
@@ -201,9 +203,9 @@ impl<S: Scalar> TaskState<S> {
             dwell,
             held,
             down,
-            old,
-            old_down,
-            wrong,
+            landed,
+            grounded,
+            used,
             step,
             done_at,
             reached_at,
@@ -215,7 +217,7 @@ impl<S: Scalar> TaskState<S> {
             .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
         let times = done_at.iter_mut().chain(reached_at);
         let steering = steering.iter_mut().flat_map(Steering::kept);
-        let counters = [phase, dwell, held, down, old, old_down, step, wrong];
+        let counters = [phase, dwell, held, down, landed, grounded, step, used];
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
         let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors).chain(pause);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);

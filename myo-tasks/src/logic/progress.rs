@@ -84,8 +84,9 @@ pub fn advance<S: Scalar>(
         state.dwell = (state.held * S::lit(share)).only(is_stay(goal));
     }
     if task.kinds.release {
-        hand_over(goal, &sensed.stay, is_over, state);
-        state.wrong = sensed.stay.wrong;
+        let Stay { down, landed, grounded, used, .. } = sensed.stay;
+        (state.landed, state.grounded, state.used) = (landed, grounded, used);
+        state.down = S::select(is_over, S::zero(), down);
     }
     if let Some(drag) = goal.drag() {
         for (number, value) in state.values.iter_mut().enumerate() {
@@ -136,16 +137,6 @@ fn is_stay<S: Scalar>(goal: &Goal<S>) -> S::Mask {
 fn count_errors<S: Scalar>(stay: &Stay<S>, corrected: S::Mask, state: &mut TaskState<S>) {
     let Some(errors) = &mut state.errors else { return };
     *errors += stay.wrong_presses - S::indicator(corrected);
-}
-
-/// A button that is still down when its step is done must be let go before it can be pressed again.
-#[inline(always)]
-fn hand_over<S: Scalar>(goal: &Goal<S>, stay: &Stay<S>, done: S::Mask, state: &mut TaskState<S>) {
-    let Some(button) = &goal.button else { return };
-    let stays_down = done & S::lit(0.5).lt(stay.down);
-    state.old = S::select(stays_down, button.number, stay.old);
-    state.old_down = S::select(stays_down, stay.down, stay.old_down);
-    state.down = S::select(done, S::zero(), stay.down);
 }
 
 /// Where the pointer is inside the current sphere, for a goal that was gathered there and then. (For buttons the value means
