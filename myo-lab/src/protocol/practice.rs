@@ -34,7 +34,7 @@ const KEY_DEPTH: f64 = 0.001;
 const KEY_FORCE_N: f64 = 0.3;
 /// The middle of the keys (m), and the size of the plate on which they lie, which no finger goes through (m).
 const KEYS_AT: [f64; 3] = [0.3, 0.0, -0.3];
-const PLATE_SIZE: [f64; 3] = [0.08, 0.04, 0.01];
+const PLATE_SIZE: [f64; 3] = [0.08, 0.04, 0.05];
 /// From the keys to the plate below them (m): boxes may not overlap.
 const PLATE_BELOW: f64 = 0.0005;
 /// Least logarithm of the standard deviation of exploration.
