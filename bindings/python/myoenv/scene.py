@@ -845,7 +845,8 @@ class Observation(Described):
         dwell_fraction: How much of the current dwell has passed, as a share. Default True.
         time_left: Time left until the limit, as a share. Default True.
         inside: Whether the fingertip is inside the current sphere: 1 or 0. Default True.
-        touch: Force on the current button, as a share of what it needs, at most 1. Default True.
+        touch: Force on the fingertip, whatever it touches, as a share of what the current button needs, at most 1.
+            Default True.
         cue: Whether the current target may be gone for: 0 before it lights up or the wait is over, else 1; in tasks
             with waits. Default True.
         pause: Share of the pause after a wrong press that is left, in tasks and of users where there is one
