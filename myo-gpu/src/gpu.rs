@@ -20,7 +20,7 @@ use crate::transfer::Staging;
 /// waits until the device has done what it was asked, since drivers crash also where the process ends before that.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    open: Arc<Use>,
+    open: Arc<Shared>,
     cache: Option<Arc<Path>>,
     shelf: Arc<Shelf>,
     pub(crate) groups: Option<Groups>,
@@ -39,11 +39,11 @@ struct Open {
     staging: Mutex<Staging>,
 }
 
-/// What the handles of a device share.
+/// What the handles of a device share; with the last of them it goes.
 #[derive(Debug)]
-struct Use(&'static Open);
+struct Shared(&'static Open);
 
-impl Deref for Use {
+impl Deref for Shared {
     type Target = Open;
 
     fn deref(&self) -> &Open {
@@ -51,7 +51,7 @@ impl Deref for Use {
     }
 }
 
-impl Drop for Use {
+impl Drop for Shared {
     fn drop(&mut self) {
         // Nobody is left to be told of a loss.
         _ = guarded(&self.device, &self.health, || self.device.poll(wgpu::PollType::wait_indefinitely()));
@@ -80,7 +80,7 @@ impl Gpu {
         let adapters: Vec<_> = candidates.iter().map(|candidate| &candidate.adapter).collect();
         let number = choice.choose(&adapters)?;
         let open = find_or_open(number, candidates.swap_remove(number))?;
-        Ok(Self { open: Arc::new(Use(open)), cache: folder.map(Arc::from), shelf: Arc::default(), groups: None })
+        Ok(Self { open: Arc::new(Shared(open)), cache: folder.map(Arc::from), shelf: Arc::default(), groups: None })
     }
 
     /// The same device with other groups.
@@ -241,7 +241,7 @@ mod tests {
             return None;
         };
         let open = Box::leak(Box::new(open(candidate).unwrap()));
-        Some(Gpu { open: Arc::new(Use(open)), cache: None, shelf: Arc::default(), groups: None })
+        Some(Gpu { open: Arc::new(Shared(open)), cache: None, shelf: Arc::default(), groups: None })
     }
 
     fn kernel(gpu: &Gpu) -> crate::Kernel {
