@@ -5,6 +5,7 @@ mod common;
 use common::exact;
 use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace, step};
 use myo_scalar::Level;
+use nalgebra::Vector3;
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -134,4 +135,39 @@ fn lanes_feel_every_box_that_they_touch() {
     let difference = |a: &[f64]| a.iter().zip(batch.qpos(0)).map(|(a, b)| (a - f64::from(b)).abs()).fold(0.0, f64::max);
     let (right, wrong) = (difference(&both), difference(&one));
     assert!(right < 1e-5 && wrong > 10.0 * right, "{right} {wrong}");
+}
+
+#[test]
+fn no_arm_comes_through_a_plate() {
+    let plan = Plan::exact(&common::arm("myo-arm"), CouplingMode::Reduced).unwrap();
+    let radius = plan.contact_sphere.as_ref().unwrap().radius;
+    let place = |state: &State<f64>| {
+        let mut ws = Workspace::<f64>::new(&plan);
+        step::kinematics::kinematics(&plan, &state.qpos, &state.qvel, &mut ws);
+        Vector3::from(step::fingertip(&plan, &ws))
+    };
+    // Shoulder, elbow and wrist, each alone, at one metre per second.
+    for dof in [1, 3, 6] {
+        let mut state = State { qpos: vec![0.6, 0.9, -0.5, 1.2, 0.3, 0.0, 0.0], ..State::<f64>::new(&plan) };
+        let from = place(&state);
+        state.qpos[dof] += 1e-6;
+        let way = (place(&state) - from) / 1e-6;
+        state.qvel[dof] = 1.0 / way.norm();
+        let out = -way.normalize();
+        let up = out.cross(&Vector3::new(0.3, 0.5, 0.7)).normalize();
+        let axes = [up, out.cross(&up), out].map(Into::into);
+        let half = 0.005;
+        let middle = from - (radius + 0.005 + half) * out;
+        let obstacles =
+            Obstacles::new(&plan, &[StaticBox::new(middle.into(), axes, [0.3, 0.3, half])], Surface::default());
+        let mut ws = Workspace::<f64>::new(&plan);
+        let mut most = 0.0_f64;
+        for _ in 0..100 {
+            step::step(&plan, &obstacles, &vec![0.0; plan.nmuscle()], &mut state, &mut ws);
+            most = most.max(ws.contacts[0].force);
+            let above = (place(&state) - middle).dot(&out);
+            assert!(above > 0.0, "degree of freedom {dof}: {above} m above the middle of the plate");
+        }
+        assert!(most > 1.0, "degree of freedom {dof} touches with {most} N");
+    }
 }

@@ -56,8 +56,9 @@ FINGERTIP_BODY = "distph2_r"
 FINGERTIP_SITE = "IFtip_r"
 # A capsule around the last bone, from which the radius of the fingertip is taken.
 FINGERTIP_GEOM = "distph2_coll_r"
-# A finger yields when it touches, its joints, which are held here, and its pulp, which stiffens as it is pressed (Pawluk and Howe 1999,
-# https://doi.org/10.1115/1.2800860); yet nobody comes through a plate. MuJoCo takes the mean of this and of what is touched.
+# A finger yields when it touches, its joints, which are held here, and its pulp, which stiffens as it is pressed
+# (Pawluk and Howe 1999, https://doi.org/10.1115/1.2800860); yet nobody comes through a plate. MuJoCo takes the mean of
+# this and of what is touched.
 FINGER = {"solref": [0.04, 1.0], "solimp": [0.1, 0.95, 0.003, 0.5, 2.0]}
 SAME_BODY = 1e-12
 
@@ -630,7 +631,8 @@ def describe(repairs="all", keep=()):
         "landmarks": {"fingertip": tip, "shoulder": "humphant", "elbow": "ulna", "wrist": "hand"},
         "bodies": bodies(model, data, owner), "joints": joints(model, owner), "couplings": couplings(model),
         "sites": places.sites, "wraps": places.wraps,
-        "geoms": [{"name": "fingertip", "body": "hand", "shape": {"sphere": {"radius": model.geom(FINGERTIP_GEOM).size[0]}}, "pos": tip_pos,
+        "geoms": [{"name": "fingertip", "body": "hand",
+                   "shape": {"sphere": {"radius": model.geom(FINGERTIP_GEOM).size[0]}}, "pos": tip_pos,
                    "margin": 0.001, "friction": [1.0, 0.005, 0.0001], "softness": FINGER}],
         "muscles": paths,
     }  # fmt: skip
