@@ -52,7 +52,6 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
         down: 0.0,
         landed: -1.0,
         grounded: 0.0,
-        used: 0.0,
         wrong_presses: 0.0,
         value: 0.0,
         steering: Steering::new(),

@@ -77,7 +77,6 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             down,
             landed,
             grounded,
-            used,
             wrong_presses,
             value,
             steering,
@@ -101,7 +100,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             visitor.numbers([angle, held]);
         }
         if kinds.release {
-            visitor.numbers([let_go, down, landed, grounded, used, wrong_presses]);
+            visitor.numbers([let_go, down, landed, grounded, wrong_presses]);
         }
         if kinds.drag {
             visitor.number(value);

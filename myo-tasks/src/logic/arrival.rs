@@ -28,8 +28,6 @@ pub struct Stay<S> {
     pub landed: S,
     /// See [`TaskState::grounded`].
     pub grounded: S,
-    /// See [`TaskState::used`].
-    pub used: S,
     /// Presses of buttons that were not asked for, within the control step.
     pub wrong_presses: S,
     /// Where the current handle stands, as a share of its way.
@@ -49,7 +47,7 @@ impl<S: Scalar> Stay<S> {
     #[inline(always)]
     pub fn new(state: &TaskState<S>, goal: &Goal<S>) -> Self {
         let o = S::zero();
-        let TaskState { held, down, landed, grounded, used, .. } = *state;
+        let TaskState { held, down, landed, grounded, .. } = *state;
         let value = goal.drag().map_or(o, |drag| drag.value);
         let steering = state.steering.map_or_else(Steering::new, |steering| Steering { exits: o, ..steering });
         Self {
@@ -61,7 +59,6 @@ impl<S: Scalar> Stay<S> {
             down,
             landed,
             grounded,
-            used,
             wrong_presses: o,
             value,
             steering,

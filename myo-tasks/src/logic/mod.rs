@@ -84,12 +84,11 @@ pub struct TaskState<S> {
     pub held: S,
     /// Physics steps until the button of the current step's press counts as let go, see [`CompiledTask::bounce`]; zero where it is, or was not pressed.
     pub down: S,
-    /// Number of the box that the fingertip came down on since it was lifted; negative while it is in the air.
+    /// Number of the box that the fingertip came down on and may press; negative while it is in the air, and where it must be lifted first:
+    /// it pressed that box since, rightly or wrongly, or touched it when presses did not count.
     pub landed: S,
-    /// Physics steps without contact until it counts as lifted; zero while it is.
+    /// Physics steps without contact until the fingertip counts as lifted; zero while it is.
     pub grounded: S,
-    /// One where it pressed something since, rightly or wrongly, or came down when presses did not count: it must be lifted to press.
-    pub used: S,
     /// Control steps since the episode began.
     pub step: S,
     /// Per step: the control step at which it was done; negative if it was not.
@@ -124,7 +123,6 @@ impl<S: Scalar> TaskState<S> {
             down: o,
             landed: S::lit(-1.0),
             grounded: o,
-            used: o,
             step: o,
             done_at: vec![o; steps],
             reached_at: vec![o; steps],
@@ -134,7 +132,7 @@ impl<S: Scalar> TaskState<S> {
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        let marks = [&mut self.held, &mut self.down, &mut self.grounded, &mut self.used];
+        let marks = [&mut self.held, &mut self.down, &mut self.grounded];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
         let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
@@ -205,7 +203,6 @@ impl<S: Scalar> TaskState<S> {
             down,
             landed,
             grounded,
-            used,
             step,
             done_at,
             reached_at,
@@ -217,7 +214,7 @@ impl<S: Scalar> TaskState<S> {
             .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
         let times = done_at.iter_mut().chain(reached_at);
         let steering = steering.iter_mut().flat_map(Steering::kept);
-        let counters = [phase, dwell, held, down, landed, grounded, step, used];
+        let counters = [phase, dwell, held, down, landed, grounded, step];
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
         let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors).chain(pause);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);

@@ -84,8 +84,8 @@ pub fn advance<S: Scalar>(
         state.dwell = (state.held * S::lit(share)).only(is_stay(goal));
     }
     if task.kinds.release {
-        let Stay { down, landed, grounded, used, .. } = sensed.stay;
-        (state.landed, state.grounded, state.used) = (landed, grounded, used);
+        let Stay { down, landed, grounded, .. } = sensed.stay;
+        (state.landed, state.grounded) = (landed, grounded);
         state.down = S::select(is_over, S::zero(), down);
     }
     if let Some(drag) = goal.drag() {

@@ -70,32 +70,30 @@ impl<S: Scalar> Stay<S> {
         self.land(task, bounce, contacts.clone());
         if let Some(pauses) = goal.pauses {
             // What is touched before presses count must be let go before it can be pressed.
-            self.used = S::select(pauses & S::zero().le(self.landed), S::lit(1.0), self.used);
+            self.landed = S::select(pauses, S::lit(-1.0), self.landed);
         }
-        comes = comes & is_same(button.number, self.landed) & self.used.lt(S::lit(0.5));
+        comes = comes & is_same(button.number, self.landed);
         if let Some(drag) = &button.drag {
             let is_on_handle = (drag.share(pointer) - self.value).abs().le(drag.half);
             comes = comes & (is_on_handle | !drag.is_drag);
         }
-        self.used = S::select(comes, S::lit(1.0), self.used);
+        self.landed = S::select(comes, S::lit(-1.0), self.landed);
         self.down = S::select(comes, bounce, self.down);
         self.release(button, pointer, touches, bounce);
         self.watch_others(task, button, contacts);
         Touched { on_face, comes }
     }
 
-    /// Follows whether the fingertip is in the air, or on which box it came down.
+    /// Follows whether the fingertip is in the air, and on which box it comes down.
     #[inline(always)]
     fn land(&mut self, task: &CompiledTask<S>, bounce: S, contacts: impl Iterator<Item = Contact<S>> + Clone) {
         let mut touches = S::Mask::splat(false);
         for contact in contacts.clone() {
             touches = touches | contact.exists;
         }
-        let lands = touches & self.landed.lt(S::zero());
+        let lands = touches & self.grounded.lt(S::lit(0.5));
         S::when(lands, &mut Landing(self), |Landing(stay)| {
-            let number = first_touched(task, contacts);
-            stay.landed = S::select(lands, number, stay.landed);
-            stay.used = S::select(lands, S::zero(), stay.used);
+            stay.landed = S::select(lands, first_touched(task, contacts), stay.landed);
         });
         self.grounded = S::select(touches, bounce, self.grounded - S::lit(1.0)).max(S::zero());
         self.landed = S::select(S::lit(0.5).lt(self.grounded), self.landed, S::lit(-1.0));
@@ -123,13 +121,13 @@ impl<S: Scalar> Stay<S> {
         button: &GoalButton<S>,
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
-        let may_err = S::zero().le(self.landed) & self.used.lt(S::lit(0.5)) & !is_meant(task, button, self.landed);
+        let may_err = S::zero().le(self.landed) & !is_meant(task, button, self.landed);
         S::when(may_err, &mut Landing(self), |Landing(stay)| {
             let [min_force] = S::gather(task.boxes.len(), |k| [task.boxes[k].min_force], stay.landed);
             let (touches, _, force) = touch(contacts, stay.landed);
             let errs = may_err & touches & min_force.le(force);
             stay.wrong_presses += S::indicator(errs);
-            stay.used = S::select(errs, S::lit(1.0), stay.used);
+            stay.landed = S::select(errs, S::lit(-1.0), stay.landed);
         });
     }
 }
@@ -139,8 +137,8 @@ struct Landing<'a, S>(&'a mut Stay<S>);
 
 impl<S: Scalar> Carried<S> for Landing<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Stay { landed, used, wrong_presses, .. } = &mut *self.0;
-        visitor.numbers([landed, used, wrong_presses]);
+        let Stay { landed, wrong_presses, .. } = &mut *self.0;
+        visitor.numbers([landed, wrong_presses]);
     }
 }
 
