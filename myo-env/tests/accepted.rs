@@ -1,4 +1,5 @@
-//! Check what is checked: every task that `check` accepts runs a thousand random control steps with finite numbers.
+//! Check what is checked: every task that `check` accepts runs a thousand random control steps with finite numbers, and can be told to a
+//! graphics card.
 //!
 //! Tasks are generated within the bounds, at the bounds, and by changing single values of the presets. `MYO_TEST_ALL=1` runs
 //! ten times as many.
@@ -6,7 +7,9 @@
 mod common;
 
 use common::arm;
-use myo_env::{CpuEnv, EnvConfig, StepStorage, VectorEnv};
+use myo_env::gpu::record;
+use myo_env::{Autoreset, CpuEnv, EnvConfig, ReferenceEnv, StepStorage, VectorEnv};
+use myo_scalar::symbolic::Form;
 use myo_tasks::{Reach, Source, Task, preset, preset_names};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -178,12 +181,33 @@ fn names_of_rewards(out: &StepStorage) -> Option<(&'static String, &f32)> {
     out.reward.iter().find(|x| !x.is_finite()).map(|x| (&*NAME, x))
 }
 
+/// Records what a graphics card would run: that does not depend on there being one.
+fn record(task: &Task) -> Result<(), String> {
+    let env =
+        ReferenceEnv::new(&arm(task), task, &EnvConfig::default()).map_err(|error| format!("not built: {error}"))?;
+    let recorded = || {
+        (
+            record::step(env.tables(), Autoreset::SameStep, Form::Straight),
+            record::reset_program(env.tables(), Form::Straight),
+        )
+    };
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(recorded)).map(drop).map_err(|_| "not recorded".into())
+}
+
 /// Whether a task is accepted, and whether it then runs.
 fn outcome(text: &str, seed: u64) -> Option<Result<(), String>> {
     let source = Source::parse(text, "generated").ok()?;
     let model = myo_model::builtin(&source.task.model).ok()?;
     let report = source.check(&Body(model.options.timestep));
-    report.is_ok().then(|| run(&source.task, seed).map_err(|fault| format!("{fault}\n{text}")))
+    let runs = || record(&source.task).and_then(|()| run(&source.task, seed));
+    report.is_ok().then(|| runs().map_err(|fault| format!("{fault}\n{text}")))
+}
+
+#[test]
+fn every_preset_can_be_told_to_a_graphics_card() {
+    for name in preset_names() {
+        record(&preset(name).unwrap()).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub enum AdapterChoice {
     /// The best one, software if there is nothing else.
     Any,
     /// By its number in [`adapters`](crate::adapters), or, if this is no number, by its name or a part of it that no other
-    /// adapter's name has, in upper or lower case.
+    /// adapter's name has, in upper or lower case. Of several cards of one name, the first.
     Named(String),
 }
 
@@ -47,8 +47,9 @@ fn named(name: &str, adapters: &[&Adapter]) -> Result<usize, GpuError> {
     };
     let whole = fitting(&|name| name == wanted);
     let part = if wanted.is_empty() { Vec::new() } else { fitting(&|name| name.contains(&wanted)) };
-    match if whole.len() == 1 { &whole[..] } else { &part[..] } {
-        [only] => Ok(*only),
+    match if whole.is_empty() { &part[..] } else { &whole[..] } {
+        // Twins do the same, and a run that began on one goes on on any.
+        [first, others @ ..] if others.iter().all(|&i| adapters[i].name == adapters[*first].name) => Ok(*first),
         [] => Err(GpuError::NoSuchAdapter { wanted: name.to_owned(), found: all() }),
         several => {
             Err(GpuError::SeveralAdapters { wanted: name.to_owned(), found: several.iter().map(numbered).collect() })
@@ -104,6 +105,14 @@ mod tests {
         // A whole name is meant, even where it is part of another one.
         let longer = adapter("Chip Pro", AdapterKind::Discrete);
         assert_eq!(AdapterChoice::Named("chip".into()).choose(&[&longer, &other]), Ok(1));
+    }
+
+    #[test]
+    fn of_twins_a_name_means_the_first_and_a_number_each() {
+        let [chip, twin] = ["Chip", "Card H"].map(|name| adapter(name, AdapterKind::Discrete));
+        let all = [&chip, &twin, &twin, &twin];
+        let named = |name: &str| AdapterChoice::Named(name.into()).choose(&all);
+        assert_eq!([named("card h"), named("card"), named("3")], [Ok(1), Ok(1), Ok(3)]);
     }
 
     #[test]

@@ -272,6 +272,7 @@ impl PpoConfig {
             User::Human => Self {
                 rollout_s: 0.4,
                 learning_rate: 2.5e-4,
+                learning_rate_min: 1e-6,
                 entropy_coefficient: 0.0003,
                 bound_coefficient: 1.0,
                 advantage_max: 6.0,

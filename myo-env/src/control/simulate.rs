@@ -85,7 +85,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             cursor,
         } = &mut self.stay;
         visitor.numbers([held, pressed]);
-        if kinds.press {
+        if world.parameters.task.is_felt() {
             visitor.number(touch);
         }
         if world.parameters.task.weights.contact_cost.is_some() {

@@ -79,7 +79,7 @@ impl<S: Scalar> Stay<S> {
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
         let one = S::lit(1.0);
-        if task.kinds.press || task.weights.contact_cost.is_some() {
+        if task.is_felt() {
             self.feel(task, contacts.clone());
         }
         let mut inside = S::Mask::splat(false);

@@ -232,6 +232,12 @@ impl<C: Real> CompiledTask<C> {
 }
 
 impl<T> CompiledTask<T> {
+    /// Whether it matters how hard the fingertip touches: something is pressed, or touching costs something.
+    #[inline(always)]
+    pub fn is_felt(&self) -> bool {
+        self.kinds.press || self.weights.contact_cost.is_some()
+    }
+
     /// The same structure with other numbers: each is what `f` makes of this one, in a fixed order.
     #[inline(always)]
     pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> CompiledTask<U> {

@@ -22,8 +22,8 @@ Examples:
   myo devices
   myo train pointing --envs 16384 --device 0
 
-`--device` takes the number, or the name, or a part of the name that no other adapter has, in upper or lower case. A
-number is never looked for in names.
+`--device` takes the number, or the name, or a part of the name that no other adapter has, in upper or lower case; of
+several cards of one name, the first. A number is never looked for in names.
 
 JSON: `devices`, a list of objects with `number`, `name`, `kind` (`discrete`, `integrated`, `virtual` or `software`),
 `backend` (the interface: `vulkan`, `metal` or `dx12`), `driver`, `max_buffer_bytes`, `max_binding_bytes`,
