@@ -374,7 +374,7 @@ mod tests {
     use crate::Device;
 
     const NONE: Change = Change { episode_time: 0.0, success: 0.0, episode_return: 0.0 };
-    const SETTLED: Trend = Trend { env_steps: 1, last_doubling: NONE, four_times: NONE };
+    const SETTLED: Trend = Trend { env_steps: 1, since: 0, last_doubling: NONE, four_times: NONE };
 
     fn user(success: f64, seconds: f64, effort: f64) -> TrainedUser {
         let evaluation = serde_json::json!({

@@ -271,6 +271,7 @@ impl PpoConfig {
             User::Fastest => Self::default(),
             User::Human => Self {
                 rollout_s: 0.4,
+                discount_per_s: 0.7,
                 learning_rate: 2.5e-4,
                 learning_rate_min: 1e-6,
                 entropy_coefficient: 0.0003,

@@ -142,22 +142,27 @@ impl Curve {
         (slope > 0.0 && left.is_finite()).then_some(left as u64)
     }
 
-    /// What the last doubling brought and four times the steps would; none before the user could do what it can do now half as
-    /// often, two doublings ago.
-    pub fn trend(&self) -> Option<Trend> {
+    /// What the last doubling brought and four times the steps would, steps counted from `start`, in a training whose return was
+    /// `first_return` at first; none before the user could do what it can do now half as often, two doublings ago.
+    pub fn trend_since(&self, start: u64, first_return: f64) -> Option<Trend> {
         let now = self.now()?;
-        let [quarter, half, whole] = [now / 4, now / 2, now].map(|env_steps| self.around(env_steps));
+        let steps = now.checked_sub(start)?;
+        let [quarter, half, whole] = [steps / 4, steps / 2, steps].map(|steps| self.around(start, steps));
         let (quarter, half, whole) = (quarter?, half?, whole?);
         let learnt = self.points.iter().find(|point| 2.0 * point.mean.success >= whole.success)?;
-        let is_told = whole.success >= 0.01 && learnt.env_steps <= now / 4;
-        let first = self.points.first()?.mean.episode_return;
-        is_told.then(|| Trend::new(now, first, [&quarter, &half, &whole]))
+        let is_told = whole.success >= 0.01 && learnt.env_steps <= start + steps / 4;
+        is_told.then(|| Trend::new(start..now, first_return, [&quarter, &half, &whole]))
     }
 
-    /// How the training did after so many steps, if enough is known of it.
-    fn around(&self, env_steps: u64) -> Option<EpisodeMeans> {
-        let start = env_steps - (WINDOW * env_steps as f64) as u64;
-        let mut points = self.between(start..env_steps).iter().cloned();
+    /// Return of the first episodes, when nothing had been learnt and next to nothing was paid.
+    pub fn first_return(&self) -> Option<f64> {
+        Some(self.points.first()?.mean.episode_return)
+    }
+
+    /// How the training did so many steps after `start`, if enough is known of it.
+    fn around(&self, start: u64, steps: u64) -> Option<EpisodeMeans> {
+        let end = start + steps;
+        let mut points = self.between(end - (WINDOW * steps as f64) as u64..end).iter().cloned();
         let first = points.next()?;
         let all = points.fold(first, |all, Point { env_steps, episodes, mean }| all.with(env_steps, episodes, mean));
         (all.episodes >= WINDOW_EPISODES).then_some(all.mean)
@@ -207,6 +212,13 @@ fn line(points: impl Iterator<Item = (f64, f64)> + Clone, at: f64) -> (f64, f64)
 mod tests {
     use super::super::trend::Change;
     use super::*;
+
+    impl Curve {
+        /// From the beginning.
+        fn trend(&self) -> Option<Trend> {
+            self.trend_since(0, self.first_return()?)
+        }
+    }
 
     fn episodes(count: u64, means: &[(&str, f64)]) -> Episodes {
         Episodes { count, means: means.iter().map(|&(name, mean)| (name.to_owned(), mean)).collect() }
@@ -328,7 +340,7 @@ mod tests {
         let plateau = plateau.unwrap_or(all[all.len() - 1].0);
         // A window around it tells where it was, as the mean of its middle.
         let level =
-            |env_steps: u64| curve.around((1.14 * env_steps as f64) as u64).expect("it is in the record").length;
+            |env_steps: u64| curve.around(0, (1.14 * env_steps as f64) as u64).expect("it is in the record").length;
         let last = 220_000_000.min(4 * plateau);
         (plateau, 1.0 - level(last.max(plateau)) / level(plateau.min(last)))
     }
@@ -405,7 +417,8 @@ mod tests {
     #[test]
     fn a_trend_is_told_in_half_a_sentence() {
         let change = |episode_time, success| Change { episode_time, success, episode_return: 0.0 };
-        let trend = Trend { env_steps: 1, last_doubling: change(-0.081, 0.02), four_times: change(-0.1, 0.0) };
+        let trend =
+            Trend { env_steps: 1, since: 0, last_doubling: change(-0.081, 0.02), four_times: change(-0.1, 0.0) };
         assert_eq!(
             trend.to_string(),
             "the last doubling of training made episodes 8.1 % shorter and 2.0 % more of them succeed; four times as much \

@@ -94,7 +94,7 @@ impl Memory {
     /// steps grow, of which the newest are `newest`.
     pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
         let counted = self.share_that_counts();
-        self.all_counts |= self.overall_trend().is_some_and(|trend| trend.is_plateau());
+        self.all_counts |= self.overall_trend(0).is_some_and(|trend| trend.is_plateau());
         let share = self.cost_share;
         let grown = |growth: f64| share + growth.min(share * (LEAST.powf(-growth) - 1.0));
         self.cost_share = if self.all_counts {
@@ -180,14 +180,25 @@ impl Memory {
     /// What the last doubling brought and more would, if that can be told: of the policy without its noise, as it will be
     /// evaluated, or of training episodes where too few act without. Where there are several layouts, that of the one that is
     /// farthest from a plateau, by its training episodes, if it is farther than all together.
+    ///
+    /// Steps are counted from when all of what movements cost counted, once that tells enough.
     pub fn trend(&self) -> Option<Trend> {
-        let all = self.overall_trend()?;
-        self.layouts.iter().try_fold(all, |farthest, curve| Some(farthest.or_farther(curve.trend()?)))
+        let paid = (self.cost_share == 1.0).then(|| self.trend_since(self.costs_changed_at)).flatten();
+        paid.or_else(|| self.trend_since(0))
     }
 
-    /// The same over all layouts together.
-    fn overall_trend(&self) -> Option<Trend> {
-        self.noise_free.trend().or_else(|| self.curve.trend())
+    /// The same with the steps counted from `start`.
+    fn trend_since(&self, start: u64) -> Option<Trend> {
+        let all = self.overall_trend(start)?;
+        let of_layout = |curve: &Curve| curve.trend_since(start, curve.first_return()?);
+        self.layouts.iter().try_fold(all, |farthest, curve| Some(farthest.or_farther(of_layout(curve)?)))
+    }
+
+    /// The same over all layouts together. What the return gained is counted from the first training episodes: when enough have ended of those
+    /// without noise, much may have been learnt.
+    fn overall_trend(&self, start: u64) -> Option<Trend> {
+        let first = self.curve.first_return()?;
+        self.noise_free.trend_since(start, first).or_else(|| self.curve.trend_since(start, first))
     }
 
     /// Forgets what came after `env_steps`.
@@ -328,6 +339,41 @@ mod tests {
         assert!(settled.trend().is_none(), "and it is at no plateau");
         assert_eq!([0.75, 1.0].map(|growth| charged(&mut settled, growth)).last(), Some(&1.0));
         assert!(!settled.has_settled());
+    }
+
+    /// A user of whom episodes without noise first end when it has learnt its task, for whom costs then grow until 60 million steps, and who goes on
+    /// becoming cheaper and faster by so little that nobody would wait for it.
+    fn paying(until: u64) -> Memory {
+        let (mut trained, mut noise_free) = (Curve::new(0), Curve::new(0));
+        for env_steps in (16_384..=until).step_by(16_384) {
+            let x = env_steps as f64 / 1e6;
+            let paid = (x / 60.0).min(1.0);
+            let since = 1.0 + (x - 60.0).max(0.0) / 10.0;
+            let (seconds, earned) = (5.0 + 4.0 * paid - 0.2 * since.ln(), 27.0 - 7.0 * paid + 0.3 * since.ln());
+            let means = |episode_return, success| {
+                let means = [("success", success), ("length", 25.0 * seconds), ("return", episode_return)];
+                let means = means.map(|(name, mean)| (String::from(name), mean)).to_vec();
+                Episodes { count: 500, means }
+            };
+            if x < 3.0 {
+                trained.hear(env_steps, &means(-14.0, 0.0));
+            } else {
+                trained.hear(env_steps, &means(earned, 1.0));
+                noise_free.hear(env_steps, &means(earned, 1.0));
+            }
+        }
+        Memory { curve: trained, noise_free, costs_changed_at: 60_000_000, ..memory(vec![]) }
+    }
+
+    #[test]
+    fn practice_is_counted_from_when_all_costs_counted() {
+        let [early, settled] = [100_000_000, 140_000_000].map(|until| paying(until).has_settled());
+        assert!(!early && settled, "as long with all of the costs as with less: {early}, {settled}");
+        let trend = paying(140_000_000).trend().unwrap();
+        assert_eq!((trend.since, trend.env_steps / 1_000_000), (60_000_000, 139));
+        assert!(trend.last_doubling.episode_time < 0.0, "from 100 million on it became faster: {trend:?}");
+        // A return of 27 with nothing to pay is no measure of what was learnt: it is 20 with all of the costs.
+        assert!(trend.last_doubling.episode_return.abs() < 0.01, "{trend:?}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! How much better a user becomes by further training, and when that has come to an end.
 
 use std::fmt;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
@@ -53,12 +54,16 @@ impl Change {
 ///
 /// The first is the mean over the last quarter of its steps less that over the last quarter of their first half. The second is the
 /// sum over two further doublings, each of which brings so much less than the one before as the last brought less than that
-/// before it. Both are about the policy without its noise, or with it where too few environments act without.
+/// before it. Both are about the policy without its noise, or with it where too few environments act without. Steps are counted from
+/// when all of what movements cost counted, as soon as enough is known of them: before, the user practised something else.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trend {
     /// Control steps that this is about.
     pub env_steps: u64,
+    /// Those from which on they are counted.
+    #[serde(default)]
+    pub since: u64,
     /// What the last doubling brought.
     pub last_doubling: Change,
     /// What four times as many steps would bring in addition.
@@ -66,9 +71,9 @@ pub struct Trend {
 }
 
 impl Trend {
-    /// After `env_steps` control steps, from how the training did after a quarter, half and all of them, and from the return at
+    /// After `steps` control steps, from how the training did after a quarter, half and all of those in them, and from the return at
     /// its start.
-    pub(super) fn new(env_steps: u64, first_return: f64, did: [&EpisodeMeans; 3]) -> Self {
+    pub(super) fn new(steps: Range<u64>, first_return: f64, did: [&EpisodeMeans; 3]) -> Self {
         let share = |change: f64, of: f64| if of > 0.0 { change / of } else { 0.0 };
         let [_, half, whole] = did;
         let changes = |change: fn([f64; 3]) -> f64, time: f64, gained: f64| Change {
@@ -78,7 +83,8 @@ impl Trend {
         };
         let gained = (whole.episode_return - first_return).abs().max(LEAST_GAIN * whole.episode_return.abs());
         Self {
-            env_steps,
+            env_steps: steps.end,
+            since: steps.start,
             last_doubling: changes(|[_, half, whole]| whole - half, half.length, gained),
             four_times: changes(to_come, whole.length, gained),
         }
@@ -97,7 +103,7 @@ impl Trend {
     /// Control steps that training may still take until a plateau.
     pub fn steps_left(&self) -> u64 {
         let doublings = (self.four_times.excess().max(1.0).ln() / -DECAY.ln()).min(32.0);
-        (self.env_steps as f64 * (doublings.exp2() - 1.0)) as u64
+        ((self.env_steps - self.since) as f64 * (doublings.exp2() - 1.0)) as u64
     }
 }
 
