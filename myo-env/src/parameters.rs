@@ -385,13 +385,19 @@ impl<S: Scalar> Poses<S> {
     }
 }
 
+/// The angle of this range that is nearest to `q`.
+fn within(range: JointRange, q: f64) -> f64 {
+    range.map_or(q, |[lo, hi]| q.clamp(lo, hi))
+}
+
 /// From where a joint of this range is drawn.
 fn interval(reset: &Reset, pose: Pose, range: JointRange) -> [f64; 2] {
     match (pose, range) {
-        (Pose::Zero, _) => [0.0, 0.0],
         (Pose::RangeUniform, Some(range)) => range,
+        (Pose::Zero, range) => [0.0; 2].map(|q| within(range, q)),
         // A joint without limits has no range to draw from.
-        (Pose::NearZero, None) | (Pose::RangeUniform, None) => [-reset.pose_spread_rad, reset.pose_spread_rad],
-        (Pose::NearZero, Some([lo, hi])) => [-reset.pose_spread_rad, reset.pose_spread_rad].map(|q| q.clamp(lo, hi)),
+        (Pose::NearZero | Pose::RangeUniform, range) => {
+            [-reset.pose_spread_rad, reset.pose_spread_rad].map(|off| within(range, within(range, 0.0) + off))
+        }
     }
 }

@@ -276,8 +276,8 @@ pub trait VectorEnv: Send {
         Err(EnvError::OtherTask { what: "these environments have no task".into() })
     }
 
-    /// Lets only so much of what effort and acceleration cost count, from 0 to 1, from the next step on; all of it counts where this was
-    /// never called. Neither saved states nor [other tasks](Self::set_tasks) change it. Environments where movement costs nothing, or that
+    /// Lets only so much of what movements and errors cost count, from 0 to 1, from the next step on; all of it counts where this was
+    /// never called. Neither saved states nor [other tasks](Self::set_tasks) change it. Environments where neither costs anything, or that
     /// are judged by code, need not do anything.
     ///
     /// # Errors

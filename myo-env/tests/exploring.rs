@@ -155,3 +155,13 @@ fn the_fingertip_begins_near_the_target_whatever_the_pose_of_the_task() {
         assert!(spread > 0.15, "{pose:?}: {spread}");
     }
 }
+
+#[test]
+fn the_fingertip_begins_in_front_of_buttons_not_behind_them() {
+    // Keys that face up.
+    let task = fast("hello");
+    let mut env = env(&task, EXPLORING);
+    let observation = observed(&mut env);
+    let behind = values(&env, &observation, "target_vector.z", true).iter().filter(|&&z| z > 0.0).count();
+    assert!(behind < EXPLORING / 10, "{behind} of {EXPLORING} begin below the keys");
+}

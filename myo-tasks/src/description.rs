@@ -233,7 +233,8 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub completion_bonus: f64,
 
-    /// Cost of pressing a button that the current step does not ask for, each time. Default 0: it is counted, and takes the time of `perception.error_pause_s`.
+    /// Cost of pressing a button that the current step does not ask for, each time. Default 0; for `user: human` 0.3, a tenth of what a target brings. It is
+    /// counted in any case, and takes the time of `perception.error_pause_s`.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub wrong_press: f64,

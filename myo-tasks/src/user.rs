@@ -118,7 +118,8 @@ impl User {
 /// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 1.9 to 2.7 % (people:
 /// 1 to 4 %); two decisions until something seen is known; targets that seem off by so much of their distance that first movements end beside them, more
 /// along the way than across it; and a start from the hanging arm at rest, for nobody begins with joints and muscles as it happens. What touching hard and
-/// errors cost has had no search: 25 N, fifty times what people press glass with, cost in a decision what a target brings, and an error takes half a second.
+/// errors cost has had no search: 25 N, fifty times what people press glass with, cost in a decision what a target brings, an error takes half a second, and a tenth of what a target
+/// brings.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,
@@ -129,6 +130,7 @@ fn human(usual: Reward) -> Traits {
             effort_cost: 8.0,
             control_change_cost: 7.0,
             contact_cost: 0.12,
+            wrong_press: 0.3,
             ..usual
         },
         noise: Noise { signal_dependent: 0.05, constant: 0.0008, held_s: 0.4 },
@@ -161,6 +163,7 @@ impl Task {
         fill(&mut own.acceleration_cost, reward.acceleration_cost, &acceleration);
         fill(&mut own.control_change_cost, reward.control_change_cost, &["reward.control_change_cost"]);
         fill(&mut own.contact_cost, reward.contact_cost, &["reward.contact_cost"]);
+        fill(&mut own.wrong_press, reward.wrong_press, &["reward.wrong_press"]);
         fill(&mut self.noise.signal_dependent, noise.signal_dependent, &["noise.signal_dependent"]);
         fill(&mut self.noise.constant, noise.constant, &["noise.constant"]);
         fill(&mut self.noise.held_s, noise.held_s, &["noise.held_s"]);

@@ -104,7 +104,7 @@ pub struct UpdateMetrics {
     pub action_std: f64,
     /// Step size of Adam that this update used.
     pub learning_rate: f64,
-    /// Share of what movement costs that counted in this update.
+    /// Share of what movement and errors cost that counted in this update.
     pub cost_share: f64,
 }
 

@@ -564,7 +564,15 @@ def repair(description, calibrate=True):
     reached = reached_lengths(description)
     for name in remeasure:
         find(muscles, name)["length_range"] = np.array(reached[name])
+    if calibrate:
+        find(description["joints"], "shoulder_elv")["range"][0] = HANGING
+        log.append("shoulder_elv: from 0 -> from 10 degrees: a hanging arm lies against the trunk. Straight down, the plane in which it is "
+                   "raised has no meaning, no muscle turns it, and an arm in one plane cannot be drawn back")
     return log
+
+
+# Elevation of an arm that hangs beside the trunk (rad), which is not in the model. A choice, not a fit.
+HANGING = 0.174532925
 
 
 # Base of the middle finger (third knuckle) in the frame of the hand, posture-free (m).

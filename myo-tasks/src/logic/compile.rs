@@ -130,7 +130,7 @@ pub struct Weights<T> {
     pub contact_cost: Option<T>,
     /// What these four cost in a control step beyond which more of it counts for less.
     pub dear: T,
-    /// How much of these four counts: 1, or less for a learner who is to find out first what there is to do.
+    /// How much of these four, of wrong presses and of ways that were left counts: 1, or less for a learner who is to find out first what there is to do.
     pub cost_share: T,
 }
 

@@ -102,15 +102,33 @@ fn box_of_step<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, step: S,
     if task.kinds.drag { slide::handle_of_step(task, state, step, centre) } else { centre }
 }
 
-/// Where the current step is begun (m): at the beginning of a way, else at its object.
+/// How far in front of its face the press of a button is begun (m): about the breadth of a hand.
+const BEFORE_FACE_M: f64 = 0.1;
+
+/// Where the current step is begun (m): at the beginning of a way, in front of a button, else at its object.
 #[inline(always)]
 pub fn begins_at<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -> Point<S> {
-    let centre = centre_ahead(task, state, 0);
+    let mut centre = centre_ahead(task, state, 0);
+    if task.kinds.press {
+        let before = before_face(task, state);
+        centre = [0, 1, 2].map(|k| centre[k] + before[k]);
+    }
     if !task.kinds.steer {
         return centre;
     }
     let steer = GoalSteer::of(task, state, state.step_ahead(0), centre, S::zero());
     select_point(steer.is_steer, steer.from, centre)
+}
+
+/// The way from the button of the current step to where its press is begun (m); none where the step is no press.
+#[inline(always)]
+fn before_face<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>) -> Point<S> {
+    let (steps, boxes) = (&task.steps, &task.boxes);
+    let step = state.step_ahead(0);
+    let [object, is_press] = S::gather(steps.len(), |k| [steps[k].object, steps[k].is_press], step);
+    let object = state.cue.as_ref().map_or(object, |cue| cue.object);
+    let out = S::gather(boxes.len(), |k| boxes[k].shape.axes[2], object);
+    out.map(|x| x * is_press * S::lit(BEFORE_FACE_M))
 }
 
 /// Centre of a sphere (m) at the beginning of the control step, its radius (m), and how far it moves within the control step.

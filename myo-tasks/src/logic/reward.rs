@@ -86,7 +86,11 @@ pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, g
     goal.is_lit.map_or(distance, |is_lit| distance.only(is_lit))
 }
 
-/// Distance (m) to the nearest point of the pressed face.
+/// How much farther it is from behind a face than it is through the button: whoever is there must come round to the front.
+const ROUND: f64 = 3.0;
+
+/// Distance (m) to the nearest point of the pressed face. Behind its plane, depth counts [`ROUND`] times: on the straight way there is the
+/// button, and whatever it stands on, where a fingertip would stay that is drawn there.
 #[inline(always)]
 fn distance_to_face<S: Scalar>(button: &StaticBox<S>, sensed: &Sensed<S>) -> S {
     let from_centre = difference(sensed.pointer, button.centre);
@@ -95,7 +99,8 @@ fn distance_to_face<S: Scalar>(button: &StaticBox<S>, sensed: &Sensed<S>) -> S {
         let along = dot(from_centre, button.axes[k]);
         let half = button.half_size[k];
         // Out of the face: from its plane. Along it: past its edge.
-        *e = if k == 2 { along - half } else { (along.abs() - half).max(S::zero()) };
+        let off = along - half;
+        *e = if k == 2 { off.max(off * S::lit(-ROUND)) } else { (along.abs() - half).max(S::zero()) };
     }
     norm(excess)
 }
@@ -162,8 +167,8 @@ pub fn reward<S: Scalar>(
         acceleration_effort: -acceleration_effort,
         control_change: -control_change,
         contact: -contact,
-        wrong_press: -(w.wrong_press * progress.wrong_presses),
-        exit: -(w.exit * progress.exits),
+        wrong_press: -(w.cost_share * w.wrong_press * progress.wrong_presses),
+        exit: -(w.cost_share * w.exit * progress.exits),
     }
 }
 

@@ -4,12 +4,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::Episodes;
 
-/// Columns of an episode with what it earned, less what was lost by errors: who errs can afford less.
-const EARNED: [&str; 4] = ["reward_subtask", "reward_completion", "reward_wrong_press", "reward_exit"];
+/// Columns of an episode with what it earned.
+const EARNED: [&str; 2] = ["reward_subtask", "reward_completion"];
 
-/// Columns with what movement cost, negative.
-const SPENT: [&str; 4] =
-    ["reward_neural_effort", "reward_acceleration_effort", "reward_control_change", "reward_contact"];
+/// Columns with what movement and errors cost, negative.
+const SPENT: [&str; 6] = [
+    "reward_neural_effort",
+    "reward_acceleration_effort",
+    "reward_control_change",
+    "reward_contact",
+    "reward_wrong_press",
+    "reward_exit",
+];
 
 /// Rewards of an episode, in the mean over as many as there are environments.
 ///
@@ -21,9 +27,9 @@ pub struct Balance {
     start: u64,
     /// Whether an episode that counts has ended.
     known: bool,
-    /// What was earned by targets, errors paid.
+    /// What was earned by targets.
     earned: f64,
-    /// What movement would have cost if all of it had counted.
+    /// What movement and errors would have cost if all of it had counted.
     price: f64,
 }
 

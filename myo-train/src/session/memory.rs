@@ -32,7 +32,7 @@ pub struct Memory {
     /// How success grew in each layout; empty where there is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layouts: Vec<Curve>,
-    /// Share of what movement costs that counts.
+    /// Share of what movement and errors cost that counts.
     #[serde(default = "all")]
     pub cost_share: f64,
     /// Control steps after which more or less of it began to count.

@@ -36,7 +36,7 @@ pub struct Trainer {
     updates: u64,
     wall_s: f64,
     inherited: Option<Inherited>,
-    /// Share of what movement costs that counts.
+    /// Share of what movement and errors cost that counts.
     cost_share: f64,
     /// Control steps between cuts of one environment that memory is laid out for, as far as an update goes.
     between_cuts: usize,
