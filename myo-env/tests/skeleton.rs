@@ -5,10 +5,10 @@ mod common;
 use common::{arm, entry, rollout, short, shuffled};
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Obstacles, Workspace, step};
-use myo_env::{EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, VectorEnv};
+use myo_env::{EnvConfig, EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, StepStorage, VectorEnv};
 use myo_model::Model;
 use myo_model::description::{Over, PathElement, Wrap, WrapShape};
-use myo_tasks::{Task, preset_names};
+use myo_tasks::{Pose, Task, preset_names};
 
 fn env(task: &Task, num_envs: usize) -> ReferenceEnv {
     let config = myo_env::EnvConfig { num_envs, seed: 4, ..Default::default() };
@@ -199,4 +199,44 @@ fn moments_of_other_tasks_and_bodies_are_refused() {
     assert_eq!(without(|moment| moment.task.size.pop()), wrong("task.size of the snapshot", 9, 10));
     let bad = Task { time_limit_s: -1.0, ..task.clone() };
     assert!(Skeleton::new(&arm(&task), &bad).err().unwrap().to_string().contains("time_limit_s"));
+}
+
+/// How far an arm that hangs, relaxed, draws its elbow back in half a second (m), with the muscles that draw it back excited in full.
+fn drawn_back(model: &Model) -> f64 {
+    let task = myo_tasks::preset("pointing-single").unwrap();
+    let human = Task { model: "myo-arm".into(), control_dt_s: 0.04, ..task };
+    let mut task = Task { reset: myo_tasks::preset("pointing").unwrap().reset, ..human };
+    task.reset.pose = Pose::Zero;
+    let mut env = ReferenceEnv::new(model, &task, &EnvConfig::default()).unwrap();
+    let skeleton = Skeleton::new(model, &task).unwrap();
+    let excited =
+        model.muscles.iter().map(|muscle| if ["DELT3", "TMAJ", "LAT1"].contains(&&*muscle.name) { 1.0 } else { -1.0 });
+    let actions: Vec<f32> = excited.collect();
+    let elbow = |env: &mut ReferenceEnv| {
+        let moment = env.peek(0..1).unwrap().remove(0);
+        let ulna = model.bodies.iter().position(|body| body.name == "ulna").unwrap();
+        skeleton.pose(&moment).unwrap().bodies[ulna].place(Vec3::new(0.0, 0.0, 0.0)).array()[0]
+    };
+    let mut out = StepStorage::new(env.spec());
+    let began = elbow(&mut env);
+    for _ in 0..12 {
+        env.step(&actions, out.buffers()).unwrap();
+    }
+    began - elbow(&mut env)
+}
+
+#[test]
+fn a_hanging_arm_can_be_drawn_back() {
+    let mut description = myo_model::builtin("myo-arm").unwrap();
+    let back = drawn_back(&Model::new(&description).unwrap());
+    // As MyoArm has it: straight down no muscle turns the plane in which the arm is raised, and the turn is damped twice.
+    for joint in &mut description.joints {
+        match &*joint.name {
+            "shoulder_elv" => joint.range = Some([0.0, 3.142]),
+            "shoulder1_r2" => joint.damping = 1.05,
+            _ => {}
+        }
+    }
+    let before = drawn_back(&Model::new(&description).unwrap());
+    assert!(back > 0.05 && back > 3.0 * before, "{back} m, it was {before} m");
 }

@@ -198,7 +198,8 @@ pub enum Pose {
 #[serde(deny_unknown_fields, default)]
 pub struct Reward {
     /// Cost per second and metre of the distance from the fingertip to the current target. Default 6:
-    /// where the arm must first go away from a target to reach it, a larger cost makes stopping short pay.
+    /// where the arm must first go away from a target to reach it, a larger cost makes stopping short pay. Depth behind the face of a button counts
+    /// three times: the way there goes round it.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub distance_cost: f64,

@@ -124,8 +124,9 @@ fn distance_to_a_button() {
     assert_close(distance(true, 90.0, [0.39, 0.03, 0.02]), 0.0);
     // 3 cm past the edge in y, 4 cm past it in z, 12 cm before the face: 3, 4 and 12 make 13.
     assert_close(distance(true, 90.0, [0.27, 0.06, -0.06]), 0.13);
-    // Within the box, 1 cm behind the face: there too it counts from the face.
-    assert_close(distance(true, 90.0, [0.4, 0.0, 0.0]), 0.01);
+    // 1 cm behind the face, within the box and 4 cm past its edge: three times as far, for whoever is there must come round.
+    assert_close(distance(true, 90.0, [0.4, 0.0, 0.0]), 0.03);
+    assert_close(distance(true, 90.0, [0.4, 0.07, 0.0]), 0.05);
     // Lying: the face looks up at z = 0.01; its height runs along x.
     assert_close(distance(true, 0.0, [0.42, 0.03, 0.06]), 0.05);
     assert_close(distance(true, 0.0, [0.45, 0.07, 0.01]), 0.05);
@@ -159,7 +160,7 @@ fn every_term_of_the_reward() {
         exit: 0.75,
         ..Reward::default()
     };
-    let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
+    let (mut task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
     // 40 a second and metre, 0.4 a second, at 20 steps a second: 2 and 0.02 a step.
     for (target_done, task_done, bonuses) in
         [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 16.0])]
@@ -181,6 +182,15 @@ fn every_term_of_the_reward() {
         assert_close(terms.sum(), -6.8 + bonuses[0] + bonuses[1]);
         assert_eq!(terms.array().iter().sum::<f64>(), terms.sum());
     }
+    // Of a learner: a half of what movements and errors cost, and all of the rest.
+    task.weights.cost_share = 0.5;
+    let progress: Progress<f64> =
+        Progress { target_done: true, task_done: false, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
+    let efforts =
+        Efforts { squared_control: 8.0, squared_acceleration: 1000.0, squared_change: 0.09, squared_force: 100.0 };
+    let terms = reward(&task, &progress, 0.3, efforts);
+    let expected = [-0.62, 5.0, 0.0, -1.0, -0.5, -0.09, 0.0, -0.75, -0.75];
+    terms.array().iter().zip(expected).for_each(|(&term, expected)| assert_close(term, expected));
 }
 
 #[test]

@@ -190,5 +190,5 @@ pub const LAST_COLUMNS: [Column; 11] = [
     Column::new("action_std", "", "Mean standard deviation of the policy's outputs."),
     Column::new("gradient_norm", "", "Length of the gradient before it was shortened, mean."),
     Column::new("learning_rate", "", "Step size of Adam that this update used."),
-    Column::new("cost_share", "", "Share of what effort and acceleration cost that counted in this update."),
+    Column::new("cost_share", "", "Share of what movement and errors cost that counted in this update."),
 ];

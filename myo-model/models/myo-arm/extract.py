@@ -566,8 +566,10 @@ def repair(description, calibrate=True):
         find(muscles, name)["length_range"] = np.array(reached[name])
     if calibrate:
         find(description["joints"], "shoulder_elv")["range"][0] = HANGING
+        find(description["joints"], "shoulder1_r2")["damping"] = 0.0
         log.append("shoulder_elv: from 0 -> from 10 degrees: a hanging arm lies against the trunk. Straight down, the plane in which it is "
-                   "raised has no meaning, no muscle turns it, and an arm in one plane cannot be drawn back")
+                   "raised has no meaning, no muscle turns it, and an arm in one plane cannot be drawn back; shoulder1_r2, which turns back "
+                   "what elv_angle turns: damping 1.05 -> 0 N m s/rad, for the same turn was damped twice")
     return log
 
 

@@ -98,6 +98,21 @@ mod tests {
     }
 
     #[test]
+    fn errors_are_paid_as_movement_is() {
+        let mut balance = Balance::new(0);
+        let means = [
+            ("reward_subtask", 8.0),
+            ("reward_control_change", -0.25),
+            ("reward_wrong_press", -0.5),
+            ("reward_exit", -0.25),
+        ];
+        let means = means.map(|(name, mean)| (name.to_owned(), mean)).to_vec();
+        balance.hear(0, &Episodes { count: 1_000_000, means }, 100, 0.125);
+        assert_eq!(balance.earned(), Some(8.0));
+        assert_eq!(balance.affordable(0.5), Some(0.5), "an eighth of them was 1");
+    }
+
+    #[test]
     fn it_takes_an_episode_of_every_environment_to_learn_of_a_change() {
         let mut balance = Balance::new(0);
         (0..50).for_each(|_| hear(&mut balance, (10, 8.0, 2.0), 0.25));
