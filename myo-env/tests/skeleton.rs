@@ -11,7 +11,7 @@ use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_tasks::{Pose, Task, preset_names};
 
 fn env(task: &Task, num_envs: usize) -> ReferenceEnv {
-    let config = myo_env::EnvConfig { num_envs, seed: 4, ..Default::default() };
+    let config = EnvConfig { num_envs, seed: 4, ..Default::default() };
     ReferenceEnv::new(&arm(task), task, &config).unwrap()
 }
 
@@ -72,7 +72,7 @@ fn bent_paths_have_points_on_the_arc() {
     let (name, body) = ("head".to_owned(), "humerus".to_owned());
     description.wraps.push(Wrap { name, body, shape, pos: [0.0; 3], quat: [1.0, 0.0, 0.0, 0.0] });
     let model = Model::new(&description).unwrap();
-    let config = myo_env::EnvConfig { num_envs: 20, seed: 4, ..Default::default() };
+    let config = EnvConfig { num_envs: 20, seed: 4, ..Default::default() };
     let mut env = ReferenceEnv::new(&model, &task, &config).unwrap();
     let skeleton = Skeleton::new(&model, &task).unwrap();
     rollout(&mut env, 3);
@@ -232,7 +232,7 @@ fn a_hanging_arm_can_be_drawn_back() {
     // As MyoArm has it: straight down no muscle turns the plane in which the arm is raised, and the turn is damped twice.
     for joint in &mut description.joints {
         match &*joint.name {
-            "shoulder_elv" => joint.range = Some([0.0, 3.142]),
+            "shoulder_elv" => joint.range = Some([0.0, std::f64::consts::PI]),
             "shoulder1_r2" => joint.damping = 1.05,
             _ => {}
         }
