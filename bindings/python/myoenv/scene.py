@@ -767,8 +767,8 @@ class Reward(Described):
 
     Args:
         distance_cost: Cost per second and metre of the distance from the fingertip to the current target. Default 6:
-            where the arm must first go away from a target to reach it, a larger cost makes stopping short pay. From 0
-            to 1,000,000.
+            where the arm must first go away from a target to reach it, a larger cost makes stopping short pay. Depth
+            behind the face of a button counts three times: the way there goes round it. From 0 to 1,000,000.
         distance_scale_m: Where distances count for less: the cost grows with `s (1 - e^(-d / s))` instead of the
             distance `d`, where `s` is this in m. Near the target it is the same, far away no more than `s`. Default 0:
             the distance itself. From 0 to 10 m.
@@ -779,8 +779,9 @@ class Reward(Described):
         time_cost: Cost per second as long as the task is not finished. Default 0.6. From 0 to 1,000,000.
         subtask_bonus: Given once when a target is done, the last one included. Default 3. From 0 to 1,000,000.
         completion_bonus: Given once when the whole task is done. Default 6. From 0 to 1,000,000.
-        wrong_press: Cost of pressing a button that the current step does not ask for, each time. Default 0: it is
-            counted, and takes the time of `perception.error_pause_s`. From 0 to 1,000,000.
+        wrong_press: Cost of pressing a button that the current step does not ask for, each time. Default 0; for
+            `user="human"` 0.3, a tenth of what a target brings. It is counted in any case, and takes the time of
+            `perception.error_pause_s`. From 0 to 1,000,000.
         exit: Cost of leaving the way of a `steer`, each time. Default 0: it is counted, and that is all. From 0 to
             1,000,000.
         effort_cost: Cost per second of muscle control: times the sum over muscles of the squared control. Default 0.02.
