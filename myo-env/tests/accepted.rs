@@ -182,7 +182,7 @@ fn names_of_rewards(out: &StepStorage) -> Option<(&'static String, &f32)> {
 }
 
 /// Records what a graphics card would run: that does not depend on there being one.
-fn record(task: &Task) -> Result<(), String> {
+fn tell_card(task: &Task) -> Result<(), String> {
     let env =
         ReferenceEnv::new(&arm(task), task, &EnvConfig::default()).map_err(|error| format!("not built: {error}"))?;
     let recorded = || {
@@ -199,14 +199,14 @@ fn outcome(text: &str, seed: u64) -> Option<Result<(), String>> {
     let source = Source::parse(text, "generated").ok()?;
     let model = myo_model::builtin(&source.task.model).ok()?;
     let report = source.check(&Body(model.options.timestep));
-    let runs = || record(&source.task).and_then(|()| run(&source.task, seed));
+    let runs = || tell_card(&source.task).and_then(|()| run(&source.task, seed));
     report.is_ok().then(|| runs().map_err(|fault| format!("{fault}\n{text}")))
 }
 
 #[test]
 fn every_preset_can_be_told_to_a_graphics_card() {
     for name in preset_names() {
-        record(&preset(name).unwrap()).unwrap_or_else(|fault| panic!("{name}: {fault}"));
+        tell_card(&preset(name).unwrap()).unwrap_or_else(|fault| panic!("{name}: {fault}"));
     }
 }
 

@@ -118,8 +118,8 @@ impl User {
 /// dear enough for movements of people's shape and speed; slow noise with which the torque of a joint of three to six muscles varies by 1.9 to 2.7 % (people:
 /// 1 to 4 %); two decisions until something seen is known; targets that seem off by so much of their distance that first movements end beside them, more
 /// along the way than across it; and a start from the hanging arm at rest, for nobody begins with joints and muscles as it happens. What touching hard and
-/// errors cost has had no search: 25 N, fifty times what people press glass with, cost in a decision what a target brings, an error takes half a second, and a tenth of what a target
-/// brings.
+/// errors cost has had no search: 25 N, fifty times what people press glass with, cost in a decision what a target brings, and an error takes half a
+/// second and a tenth of that.
 fn human(usual: Reward) -> Traits {
     Traits {
         control_dt_s: 0.04,

@@ -3,8 +3,7 @@
 //! A target that is not done hides all that come after it, and a posture in which the arm comes to rest near a target hides
 //! the one in which it would do it. So some environments of a training begin their episodes with any of the targets, late,
 //! and in that of several random poses from which the fingertip has the least way to go: to the front of a button, not to its back, from where
-//! nobody comes to press it. Mostly they begin with the target
-//! at which their last episode ended, if it was not done: what fails is practised most. After a success every other episode
+//! nobody comes to press it. Mostly they begin with the target at which their last episode ended, if it was not done: what fails is practised most. After a success every other episode
 //! is a whole one: the better the user, the less is left to explore.
 
 use super::episode::uniform;
