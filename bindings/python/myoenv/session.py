@@ -37,9 +37,9 @@ class TrainResult:
     wall_s: float
     #: The deterministic policy on fresh episodes, with the keys of `evaluation.json`; none after an interrupt.
     evaluation: Evaluation | None
-    #: What the `last_doubling` of the training brought, at `env_steps` counted from `since`, and what `four_times` as many would:
-    #: changes of `episode_time` and `return` as shares of themselves and of what was gained, of `success` as a share of
-    #: all episodes; none where that cannot be told.
+    #: What the `last_doubling` of the training brought, at `env_steps` counted from `since`, and what `four_times` as
+    #: many steps would: changes of `episode_time` and `return` as shares of themselves and of what was gained, of
+    #: `success` as a share of all episodes; none where that cannot be told.
     trend: Metrics | None
     #: The policy.
     policy: Policy = field(repr=False)
