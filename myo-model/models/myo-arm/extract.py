@@ -524,7 +524,8 @@ def repair(description, calibrate=True):
             for curve in ("gain", "bias"):
                 find(muscles, name)[curve] = {**find(muscles, name)[curve], "fpmax": fpmax}
         log.append("TRIlong: fpmax 1.87 -> 0.45 (passive force up to 1.2 times the peak force in pointing postures); BRD: "
-                   "fpmax 0.94 -> 0.3 (held a relaxed elbow at 47 degrees); DELT2: 1.73 -> 0.45 (held a relaxed arm up)")
+                   "fpmax 0.94 -> 0.3 (held a relaxed elbow at 47 degrees); DELT2: 1.73 -> 0.45 (held a relaxed arm up); DELT1: "
+                   "0.52 -> 0.13 (held a relaxed arm 14 degrees forward, and an arm drawn back by as much with 12 N m)")
         drop_from_path(description, "DELT2", "DELT2-P2", "Deltoid2_ellipsoid_DELT2")
         remeasure.append("DELT2")
         log.append("DELT2: its side site lies inside its sphere, which therefore pulls the path towards the joint above 45 "
@@ -606,7 +607,7 @@ def biceps_over_elbow(description):
 GIRDLE = ["clavicle", "scapula", *PHANTOMS]
 
 # Passive force scales that `repair` lowers.
-SOFTER = {"TRIlong": 0.45, "BRD": 0.3, "DELT2": 0.45}
+SOFTER = {"TRIlong": 0.45, "BRD": 0.3, "DELT2": 0.45, "DELT1": 0.13}
 
 # Wrapping objects that do next to nothing: found with wraps.py.
 IDLE = [("DELT3", "delt3hum_ellipsoid_DELT3"), ("INFSP", "infsp_new_cylinder"), ("CORB", "TMAJ_LAT_PEC_CORBhh_sphere"),
