@@ -125,29 +125,30 @@ Examples:
   myo train --resume runs/pointing-1          after Ctrl-C, or a crash; also the folder of --seeds
 
 The run folder holds config.json, metrics.csv, tensorboard/, checkpoints/ and evaluation.json.
-The plateau is where four times as many steps would change the time of an episode by less than 3 %, success by less than 1 % and the
-return by less than 2 % of what it has gained, as far as the last two doublings tell, counted from when all costs counted: what a
-movement costs is put on a beginner little by little, and who could not afford it yet still changes. Whether a share is reached is
-tried in 256 fresh episodes (1,024 on a graphics card) whenever training does well, and confirmed in 1,000 others. The final table
-is about 1,000 fresh episodes that had no say in when to stop, with 95 % confidence intervals, and says by how much the user was
-still improving. Ctrl-C stops with a checkpoint, a second Ctrl-C at once; the loss of a graphics card stops with status 3. However a
-run was stopped, --resume ends it with the same weights and metrics as if it had not been stopped, bit for bit, and adds an
-evaluation that is missing. When learning runs away (a NaN, or a policy that moves by more than `kl_max`), it returns to its last
-good state with shorter steps and says so; when nothing improves for six million control steps, the likely cause is named.
+The plateau is where four times as many steps would change the time of an episode by less than 3 %, success by less than 1 % and \
+the return by less than 2 % of what it has gained, as far as the last two doublings tell, counted from when all costs counted: \
+what a movement costs is put on a beginner little by little, and who could not afford it yet still changes. Whether a share is \
+reached is tried in 256 fresh episodes (1,024 on a graphics card) whenever training does well, and confirmed in 1,000 others. The \
+final table is about 1,000 fresh episodes that had no say in when to stop, with 95 % confidence intervals, and says by how much \
+the user was still improving. Ctrl-C stops with a checkpoint, a second Ctrl-C at once; the loss of a graphics card stops with \
+status 3. However a run was stopped, --resume ends it with the same weights and metrics as if it had not been stopped, bit for \
+bit, and adds an evaluation that is missing. When learning runs away (a NaN, or a policy that moves by more than `kl_max`), it \
+returns to its last good state with shorter steps and says so; when nothing improves for six million control steps, the likely \
+cause is named.
 
-With --together one user learns all layouts at once. They may differ in numbers alone: where objects are, how large, which of them
-a step asks for, times, forces, weights; else the one that differs is named. A goal is reached when it is in every layout: each
-must succeed in as many of so many episodes of its own, and the plateau is that of the layout that still improves most. The table, and
-`evaluation`, have each layout and the mean.
+With --together one user learns all layouts at once. They may differ in numbers alone: where objects are, how large, which of them \
+a step asks for, times, forces, weights; else the one that differs is named. A goal is reached when it is in every layout: each \
+must succeed in as many of so many episodes of its own, and the plateau is that of the layout that still improves most. The table, \
+and `evaluation`, have each layout and the mean.
 
 With --backend gpu the policy acts, learns and is evaluated on the card.
 
-JSON: `run`, `task`, `layouts` (names, one or more), `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu),
-`env_steps`, `updates`, `wall_s` (evaluations included), `stopped_by` (`until`, `plateau`, `steps`, `interrupt` or `device_lost`),
-`until`, `trend` (`env_steps`, `since`, the steps from which on it counts, and what the `last_doubling` of training brought and
-`four_times` as much would: `episode_time` and `return` as shares, `success`; or null), and `evaluation`, with the keys that `myo
-eval --json` prints; null after an interrupt or a loss. With --seeds: `task`, `folder`, `runs`, a list of such objects, `reached`,
-the number of seeds that reached the goal, and `mean` and `sd`, each with `wall_s`, `env_steps`, `success`, `episode_length_s` and
+JSON: `run`, `task`, `layouts` (names, one or more), `seed`, `backend` (`cpu` or `gpu`), `device` (its name, null on the cpu), \
+`env_steps`, `updates`, `wall_s` (evaluations included), `stopped_by` (`until`, `plateau`, `steps`, `interrupt` or `device_lost`), \
+`until`, `trend` (`env_steps`, `since`, the steps from which on it counts, and what the `last_doubling` of training brought and \
+`four_times` as much would: `episode_time` and `return` as shares, `success`; or null), and `evaluation`, with the keys that `myo \
+eval --json` prints; null after an interrupt or a loss. With --seeds: `task`, `folder`, `runs`, a list of such objects, `reached`, \
+the number of seeds that reached the goal, and `mean` and `sd`, each with `wall_s`, `env_steps`, `success`, `episode_length_s` and \
 `effort`.";
 
 impl TrainingOptions {
