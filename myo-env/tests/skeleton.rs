@@ -201,9 +201,8 @@ fn moments_of_other_tasks_and_bodies_are_refused() {
     assert!(Skeleton::new(&arm(&task), &bad).err().unwrap().to_string().contains("time_limit_s"));
 }
 
-/// The arm as it hangs, relaxed, after `steps` control steps in which these muscles are excited in full: where the elbow is from the
-/// shoulder (m), before and after.
-fn elbow_moves(model: &Model, excited: &[&str], steps: usize) -> [[f64; 3]; 2] {
+/// The arm as it hangs, relaxed, and after `steps` control steps in which these muscles are excited in full.
+fn moved(model: &Model, excited: &[&str], steps: usize) -> [Moved; 2] {
     let task = myo_tasks::preset("pointing-single").unwrap();
     let human = Task { model: "myo-arm".into(), control_dt_s: 0.04, ..task };
     let mut task = Task { reset: myo_tasks::preset("pointing").unwrap().reset, ..human };
@@ -212,44 +211,56 @@ fn elbow_moves(model: &Model, excited: &[&str], steps: usize) -> [[f64; 3]; 2] {
     let skeleton = Skeleton::new(model, &task).unwrap();
     let excitation = model.muscles.iter().map(|muscle| if excited.contains(&&*muscle.name) { 1.0 } else { -1.0 });
     let actions: Vec<f32> = excitation.collect();
-    let elbow = |env: &mut ReferenceEnv| {
+    let look = |env: &mut ReferenceEnv| {
         let moment = env.peek(0..1).unwrap().remove(0);
         let pose = skeleton.pose(&moment).unwrap();
         let [ulna, shoulder] = ["ulna", "humphant"].map(|name| {
             let body = model.bodies.iter().position(|body| body.name == name).unwrap();
             pose.bodies[body].place(Vec3::new(0.0, 0.0, 0.0)).array()
         });
-        [0, 1, 2].map(|axis| ulna[axis] - shoulder[axis])
+        Moved { elbow: [0, 1, 2].map(|axis| ulna[axis] - shoulder[axis]), qpos: moment.body.qpos }
     };
     let mut out = StepStorage::new(env.spec());
-    let before = elbow(&mut env);
+    let before = look(&mut env);
     for _ in 0..steps {
         env.step(&actions, out.buffers()).unwrap();
     }
-    [before, elbow(&mut env)]
+    [before, look(&mut env)]
+}
+
+/// How an arm is held: its elbow from the shoulder (m), and its free joints (rad).
+struct Moved {
+    elbow: [f64; 3],
+    qpos: Vec<f64>,
 }
 
 /// How far an arm that hangs, relaxed, draws its elbow back in half a second (m), with the muscles that draw it back excited in full.
 fn drawn_back(model: &Model) -> f64 {
-    let [before, after] = elbow_moves(model, &["DELT3", "TMAJ", "LAT1"], 12);
-    before[0] - after[0]
+    let [before, after] = moved(model, &["DELT3", "TMAJ", "LAT1"], 12);
+    before.elbow[0] - after.elbow[0]
 }
 
-/// By how many degrees the upper arm of a relaxed arm is raised forward, once it has come to rest.
-fn hangs_forward(model: &Model) -> f64 {
-    let [_, [forward, _, up]] = elbow_moves(model, &[], 90);
-    forward.atan2(-up).to_degrees()
+/// By how many degrees the upper arm of a relaxed arm is raised forward once it has come to rest, and its wrist bent, the more of its
+/// two ways.
+fn hangs(model: &Model) -> [f64; 2] {
+    let [_, Moved { elbow: [forward, _, up], qpos }] = moved(model, &[], 90);
+    let [.., deviation, flexion] = qpos[..] else { panic!("no wrist") };
+    [forward.atan2(-up).to_degrees(), deviation.abs().max(flexion.abs()).to_degrees()]
 }
 
 #[test]
 fn a_relaxed_arm_hangs() {
     let mut description = myo_model::builtin("myo-arm").unwrap();
-    let forward = hangs_forward(&Model::new(&description).unwrap());
-    // As MyoArm has it: the front of the deltoid is so stiff that it holds the arm up.
+    let [forward, wrist] = hangs(&Model::new(&description).unwrap());
+    // As MyoArm has it: the front of the deltoid is so stiff that it holds the arm up, and nothing holds the wrist.
     let front = description.muscles.iter_mut().find(|muscle| muscle.name == "DELT1").unwrap();
     front.parameters.bias.fpmax = 0.518315;
-    let before = hangs_forward(&Model::new(&description).unwrap());
-    assert!((0.0..10.0).contains(&forward) && before > 13.0, "{forward} degrees, it was {before}");
+    for joint in description.joints.iter_mut().filter(|joint| ["deviation", "flexion"].contains(&&*joint.name)) {
+        joint.stiffness = 0.0;
+    }
+    let [held, fallen] = hangs(&Model::new(&description).unwrap());
+    assert!((0.0..10.0).contains(&forward) && held > 13.0, "{forward} degrees, it was {held}");
+    assert!(wrist < 10.0 && fallen > 20.0, "a wrist of {wrist} degrees, it was {fallen}");
 }
 
 #[test]

@@ -263,16 +263,15 @@ impl PpoConfig {
     /// What users of a kind learn with where nothing else is said.
     ///
     /// The defaults learn fast. A human user must stay in small targets in spite of noise, and with muscles that cost
-    /// something: costs grow slowly, it learns in smaller steps from longer roll-outs with a larger policy, and what it explores with is small and may
-    /// fade, and grows in no muscle that is at rest, where it would go unnoticed. It looks farther ahead, or it would give up what is dear to begin
-    /// with, and its steps may become shorter, for the less it explores, the shorter is one of a given divergence. Its first updates run away with steps of 1e-3, and do not with a quarter
-    /// of that.
+    /// something: costs grow slowly, it learns in smaller steps from longer roll-outs with a larger policy, and what it
+    /// explores with is small and may fade, and grows in no muscle that is at rest, where it would go unnoticed. Its steps
+    /// may become shorter, for the less it explores, the shorter is one of a given divergence. Its first updates run away
+    /// with steps of 1e-3, and do not with a quarter of that.
     pub fn for_user(user: User) -> Self {
         match user {
             User::Fastest => Self::default(),
             User::Human => Self {
                 rollout_s: 0.4,
-                discount_per_s: 0.7,
                 learning_rate: 2.5e-4,
                 learning_rate_min: 1e-6,
                 entropy_coefficient: 0.0003,
