@@ -23,6 +23,8 @@ UNBALANCED = 0.1
 OFF = 0.01
 #: Postures from which the search begins are drawn from this share of the range of each joint, from its lower limit.
 DRAWN = np.array([1.0, 0.4, 1.0, 1.0, 1.0, 0.3, 0.3])
+#: How much more a torque that is left unbalanced (N m) weighs than activation.
+WEIGHT = 100
 #: How long the relaxed arm is given to come to rest (s).
 REST_S = 10
 
@@ -70,16 +72,16 @@ class Arm:
         self.pose(angles)
         moves = self.along_couplings()
         arms = np.zeros((model.nu, model.nv))
-        rows = (data.moment_rownnz, data.moment_rowadr, data.moment_colind)
-        mujoco.mju_sparse2dense(arms, data.actuator_moment.ravel(), *rows)
+        mujoco.mju_sparse2dense(
+            arms, data.actuator_moment.ravel(), data.moment_rownnz, data.moment_rowadr, data.moment_colind
+        )
         passive = data.actuator_force.copy()
         data.act[:] = 1
         mujoco.mj_fwdActuation(model, data)
         active = (arms @ moves).T * (data.actuator_force - passive)
         asked = moves.T @ (data.qfrc_bias - data.qfrc_passive) - (arms @ moves).T @ passive
-        heavy = 100 * active, 100 * asked  # to balance comes first
-        rows = np.vstack([heavy[0], np.eye(model.nu)]), np.append(heavy[1], np.zeros(model.nu))
-        activation = lsq_linear(*rows, bounds=(0, 1)).x
+        rows, sides = np.vstack([WEIGHT * active, np.eye(model.nu)]), np.append(WEIGHT * asked, np.zeros(model.nu))
+        activation = lsq_linear(rows, sides, bounds=(0, 1)).x
         holds = np.abs(active @ activation - asked).max() < UNBALANCED
         return np.mean(activation**2) if holds else np.inf
 
@@ -91,10 +93,10 @@ class Arm:
             return self.data.site("fingertip").xpos - place
 
         inside = np.clip(start, self.lower + 1e-3, self.upper - 1e-3)
-        rows = least_squares(
+        found = least_squares(
             lambda a: np.append(10 * off(a), 1e-3 * (a - start)), inside, bounds=(self.lower, self.upper)
         )
-        return rows.x, np.linalg.norm(off(rows.x))
+        return found.x, np.linalg.norm(off(found.x))
 
     def hang(self):
         """Angles of the upper arm of the relaxed arm at rest, forward and outward of straight down, and its elbow's."""
