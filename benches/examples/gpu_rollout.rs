@@ -11,7 +11,7 @@ use clap::{ArgAction, Parser, ValueEnum};
 use myo_benches::{Failure, breakdown, seconds};
 use myo_env::{GpuEnv, VectorEnv};
 use myo_gpu::{AdapterChoice, Batch, Gpu};
-use myo_model::{Model, builtin};
+use myo_model::builtin;
 use myo_train::gpu::{DeviceRollout, Tile};
 use myo_train::{Member, Normalizer, PpoConfig, TrainError, Trainer, UpdateMetrics};
 
@@ -39,7 +39,7 @@ enum Instead {
 }
 
 fn measure_rollout(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
-    let model = Model::new(&builtin(&task.model)?)?;
+    let model = task.embody(&builtin(&task.model)?)?;
     let config = PpoConfig { num_envs, ..PpoConfig::default() };
     let make = || GpuEnv::new(gpu, &model, task, &config.envs(0));
     let card = DeviceRollout::new(make()?, &config)?;
@@ -101,7 +101,7 @@ const TILES: &[Tile] = &[
 
 /// The networks alone, layer by layer, with every tile.
 fn tiles(gpu: &Gpu, task: &myo_tasks::Task, num_envs: usize) -> Result<(), Failure> {
-    let model = Model::new(&builtin(&task.model)?)?;
+    let model = task.embody(&builtin(&task.model)?)?;
     let config = PpoConfig { num_envs, ..PpoConfig::default() };
     for &tile in TILES {
         let env = GpuEnv::new(gpu, &model, task, &config.envs(0))?;

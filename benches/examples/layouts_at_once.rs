@@ -8,7 +8,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use myo::gpu::{AdapterChoice, Gpu};
-use myo::model::{Model, builtin};
+use myo::model::builtin;
 use myo::tasks::{Item, Range, Task, preset, spread};
 use myo::train::PpoConfig;
 use myo::train::session::{Goal, Outcome, SessionError, Until};
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (layouts, seeds): (u32, u64) = (layouts.parse()?, seeds.parse()?);
     let tasks: Vec<Task> = (0..layouts).map(layout).collect();
-    let model = Model::new(&builtin(&tasks[0].model)?)?;
+    let model = tasks[0].embody(&builtin(&tasks[0].model)?)?;
     let device = Device::Gpu(Gpu::open(&AdapterChoice::Hardware)?);
     let users: Vec<User<'_>> = tasks.iter().flat_map(|task| (1..=seeds).map(move |seed| User { task, seed })).collect();
     let together = match rest {

@@ -87,17 +87,18 @@ impl Env {
         let choice = BackendChoice::new(backend, device)?;
         let config = EnvConfig { num_envs, seed, autoreset: autoreset_mode(autoreset)?, ..EnvConfig::default() };
         let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
-        let (layouts, model) = (inner(&layouts), model.inner());
-        let built = choice.build(py, &pool, (model, &layouts), &config)?;
+        let layouts = inner(&layouts);
+        let model = model.of_first(&layouts)?;
+        let built = choice.build(py, &pool, (&model, &layouts), &config)?;
         let (taken, env) = (built.device(), built.boxed());
         let views = (!copy).then(|| Arrays::new(py, env.spec()).into_views());
-        let scenery = Scenery::new(model, &layouts, &env.spec().observation_names)?;
+        let scenery = Scenery::new(&model, &layouts, &env.spec().observation_names)?;
         Ok(Self {
             batch: Arc::new(Batch::new(env, pool)),
             views,
             backend: taken.backend(),
             device: taken.card().map(String::from),
-            model: model.clone(),
+            model,
             scenery: RwLock::new(scenery),
         })
     }

@@ -5,6 +5,7 @@
 //! - [`task`], [`model`]: tasks and the bodies that do them; [`space`]: what an observation can be
 //! - [`backend`]: processor or graphics card; [`process`]: threads and forks; [`signals`]: Ctrl-C
 //! - [`simulation`]: the body alone
+//! - [`trajectories`]: what a user does, physics step by physics step
 //! - [`files`]: files that are whole or not there
 //! - [`xla`]: steps without Python, in programs of JAX
 //! - [`peek`]: some environments at one moment, as arrays; [`picture`]: one of them drawn
@@ -29,6 +30,7 @@ mod simulation;
 mod space;
 mod task;
 mod train;
+mod trajectories;
 mod xla;
 
 use pyo3::exceptions::PyValueError;
@@ -52,6 +54,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(train::evaluation_seed, m)?)?;
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
     m.add_function(wrap_pyfunction!(train::misfits, m)?)?;
+    m.add_function(wrap_pyfunction!(trajectories::trajectories, m)?)?;
     m.add_function(wrap_pyfunction!(train::compare, m)?)?;
     m.add_function(wrap_pyfunction!(train::trained_users, m)?)?;
     m.add_function(wrap_pyfunction!(train::train_at_once, m)?)?;

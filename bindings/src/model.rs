@@ -21,6 +21,16 @@ impl Model {
         &self.model
     }
 
+    /// As the body of a task's user.
+    pub fn of(&self, task: &myo::tasks::Task) -> PyResult<myo::model::Model> {
+        task.embody(&self.description).map_err(error::task)
+    }
+
+    /// As the body of the user of these layouts, who has one body.
+    pub fn of_first(&self, layouts: &[myo::tasks::Task]) -> PyResult<myo::model::Model> {
+        layouts.first().map_or_else(|| Ok(self.model.clone()), |task| self.of(task))
+    }
+
     /// The description, unless it is that of the body which comes with the library under this name.
     pub fn unless_built_in(&self, name: &str) -> Option<ModelDescription> {
         let is_built_in = builtin(name).is_ok_and(|known| known == self.description);

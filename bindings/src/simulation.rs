@@ -99,10 +99,10 @@ impl Simulation {
     #[new]
     #[pyo3(signature = (model, task = None))]
     fn new(model: &Model, task: Option<&Task>) -> PyResult<Self> {
-        let model = model.inner();
-        let plan = Plan::exact(model, CouplingMode::Reduced).map_err(error::task)?;
+        let model = task.map_or_else(|| Ok(model.inner().clone()), |task| model.of(task.inner()))?;
+        let plan = Plan::exact(&model, CouplingMode::Reduced).map_err(error::task)?;
         let obstacles = match task {
-            Some(task) => Tables::<f64>::new(model, task.inner()).map_err(error::build)?.obstacles(),
+            Some(task) => Tables::<f64>::new(&model, task.inner()).map_err(error::build)?.obstacles(),
             None => Obstacles::none(&plan),
         };
         let names = |all: Vec<&String>| all.into_iter().cloned().collect();

@@ -85,7 +85,9 @@ impl Regions {
             "target_vector" => difference(self.target[axis], self.pointer[axis]),
             "next_target_vector" => including_zero(difference(self.target[axis], self.target[axis])),
             "activation" | "control" => [-1.0, 1.0],
-            "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" | "target_kind" => [0.0, 1.0],
+            "fatigue" | "phase" | "dwell_fraction" | "time_left" | "inside" | "touch" | "cue" | "target_kind" => {
+                [0.0, 1.0]
+            }
             // Unit vectors, and what is no longer.
             "target_normal" | "target_direction" | "nearest_obstacle" => [-1.0, 1.0],
             "drag" if entry == "held" => [0.0, 1.0],

@@ -49,11 +49,17 @@ impl Task {
 
     /// Refuses what the body cannot do; returns sentences about what is odd.
     fn check(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<String>> {
-        let report = compute(py, || Ok(self.source.check(&ModelReach::for_task(model.inner(), &self.source.task)?)))?
+        let body = model.of(&self.source.task)?;
+        let report = compute(py, || Ok(self.source.check(&ModelReach::for_task(&body, &self.source.task)?)))?
             .map_err(|refusal: myo::dynamics::PlanError| error::task(refusal))?;
         let sentences = self.source.messages(&report);
         let (errors, warnings) = sentences.split_at(report.errors.len());
         if errors.is_empty() { Ok(warnings.to_vec()) } else { Err(TaskError::new_err(errors.join("\n"))) }
+    }
+
+    /// The same done by the user of another task, with that user's body, where this text says nothing of them.
+    fn done_as(&self, other: &Self) -> Self {
+        Self { source: self.source.clone().done_as(&other.source.task) }
     }
 
     /// Short name.

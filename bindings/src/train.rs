@@ -199,7 +199,7 @@ impl Session {
         let base =
             other.as_ref().map_or_else(|| PpoConfig::for_user(user), |other| other.config().with_learning_of(user));
         let setup = Setup {
-            model: model.inner().clone(),
+            model: model.of_first(&layouts)?,
             own_model: layouts.first().and_then(|task| model.unless_built_in(&task.model)),
             layouts,
             config: settings(config, &base)?,
@@ -446,9 +446,9 @@ pub fn train_at_once(
     let config = settings(config, &PpoConfig::for_user(user))?;
     let goal = Goal { until: goal_of(until)?, steps };
     let device = BackendChoice::new("gpu", device)?.device(config.num_envs)?;
-    let body = model.inner();
+    let body = model.of_first(&tasks)?;
     let (outcomes, raised) =
-        interruptible(py, &*pool()?, |go_on| myo::train_at_once(&device, body, &users, &config, goal, go_on))?;
+        interruptible(py, &*pool()?, |go_on| myo::train_at_once(&device, &body, &users, &config, goal, go_on))?;
     let describe = |user: &User<'_>| {
         let own_model = model.unless_built_in(&user.task.model);
         let run = RunDescription::new(user.task.clone(), own_model, &device, goal, None);
@@ -468,8 +468,9 @@ pub fn train_at_once(
 /// Which of these tasks users can do at once on a graphics card: batches of their numbers.
 #[pyfunction]
 pub fn task_batches(tasks: Vec<PyRef<'_, Task>>, model: &Model) -> PyResult<Vec<Vec<usize>>> {
-    let users: Vec<User<'_>> = tasks.iter().map(|task| User { task: task.inner(), seed: 0 }).collect();
-    myo::batches(model.inner(), &users).map_err(error::build)
+    let tasks = inner(&tasks);
+    let users: Vec<User<'_>> = tasks.iter().map(|task| User { task, seed: 0 }).collect();
+    myo::batches(&model.of_first(&tasks)?, &users).map_err(error::build)
 }
 
 /// `config.json` of a run folder, refused if no training could have begun with it.
@@ -505,7 +506,8 @@ pub fn misfits(py: Python<'_>, run: PathBuf, task: &Task, model: &Model) -> PyRe
     let body = trained.body().map_err(error::task)?;
     let own_model = model.unless_built_in(&task.inner().model);
     let own = Setting { task: &trained.task, model: &body, own_model: trained.model.as_ref() };
-    let other = Setting { task: task.inner(), model: model.inner(), own_model: own_model.as_ref() };
+    let there = model.of(task.inner())?;
+    let other = Setting { task: task.inner(), model: &there, own_model: own_model.as_ref() };
     let misfits = compute(py, || myo::misfits(own, other))?.map_err(error::build)?;
     Ok(misfits.iter().map(ToString::to_string).collect())
 }

@@ -65,16 +65,21 @@ TASK_FIELDS = [
     "correction",
     "time_limit_s",
     "user",
+    "body",
     "reward",
     "observation",
     "reset",
     "perception",
     "noise",
     "reflex",
+    "fatigue",
     "control_dt_s",
     "model",
     "description",
 ]
+
+# Parts that are classes of fields and nothing else.
+PLAIN_PARTS = ("Body", "Reward", "Observation", "Reset", "Perception", "Noise", "Reflex", "Fatigue")
 
 # Where it makes a difference that there is no file.
 IN_PYTHON = [
@@ -83,7 +88,7 @@ IN_PYTHON = [
 ]
 
 # Types of definitions that are no classes, and classes of those that have several.
-ALIASES = {"Place": "Place", "Names": "Names", "Pitch": "float | Pair", "Scene": "Mapping[str, Object]"}
+ALIASES = {"Place": "Place", "User": "User", "Names": "Names", "Pitch": "float | Pair", "Scene": "Mapping[str, Object]"}
 BASES = {"Item": "Object", "Instruction": "Step", "Motion": "Motion", "Technique": "Technique"}
 
 
@@ -233,6 +238,8 @@ class Writer:
                 return {2: "Pair", 3: "Triple"}[schema["maxItems"]]
             several = f"Sequence[{self.type_of(schema['items'])}]"
             return f"{several} | Array" if several == "Sequence[NumberOrRange]" else several
+        if kind == "object":
+            return f"Mapping[str, {self.type_of(schema['additionalProperties'])}]"
         return {"number": "float", "integer": "int", "string": "str", "boolean": "bool"}[kind]
 
     # Classes
@@ -280,6 +287,10 @@ class Writer:
             constant += "\nhas_short_form: ClassVar[bool] = True"
         return self.class_of(camel(action), "Step", told, fields, required, constant=constant, first=True)
 
+    def user(self) -> str:
+        names = "".join(f"    {json.dumps(one['const'])},\n" for one in self.parts["User"]["oneOf"])
+        return f"# Who does a task.\nUser: TypeAlias = Literal[\n{names}]\n"
+
     def plain_part(self, name: str) -> str:
         part = self.parts[name]
         return self.class_of(name, "Described", part["description"], in_order(part), part.get("required", []))
@@ -314,16 +325,17 @@ class Writer:
         parts = [
             self.plain_part("Region"),
             "# Three numbers or ranges.\nPlace: TypeAlias = Sequence[NumberOrRange] | Array | Region\n",
+            self.user(),
             self.plain_part("Wave"),
             *self.kinds("Motion", "Motion"),
             *self.kinds("Item"),
             self.base("Step", "Instruction", self.parts["Instruction"]["description"]),
             *(self.step(action) for action in self.steps),
             *self.kinds("Technique"),
-            *(self.plain_part(name) for name in ("Reward", "Observation", "Reset", "Perception", "Noise", "Reflex")),
+            *(self.plain_part(name) for name in PLAIN_PARTS),
             self.build_task(),
         ]
-        listed = "".join(f'    "{name}",\n' for name in sorted([*self.names, "Place"]))
+        listed = "".join(f'    "{name}",\n' for name in sorted([*self.names, "Place", "User"]))
         return f"{HEAD}\n__all__ = [\n{listed}]\n\n\n" + "\n\n".join(parts)
 
 

@@ -64,6 +64,18 @@ def test_observations_of_a_user_who_misjudges_lie_in_the_space(make, short_task)
     assert np.isclose(seen.high[names.index("target_position.y")], 0.1, atol=1e-4)
 
 
+def test_tired_muscles_are_felt_within_the_space(make, short_task):
+    envs = make({**short_task, "fatigue": {"speed": 100, "initial_max": 0.8}}, 16, seed=1)
+    observation, _ = envs.reset()
+    tired = [k for k, name in enumerate(envs.observation_names) if name.startswith("fatigue.")]
+    assert len(tired) == envs.single_action_space.shape[0]
+    space = envs.single_observation_space
+    assert np.allclose(space.low[tired], 0, atol=1e-4) and np.allclose(space.high[tired], 1, atol=1e-4)
+    after, *_ = envs.step(np.ones(envs.action_space.shape, np.float32))
+    assert observation in envs.observation_space and after in envs.observation_space
+    assert after[:, tired].mean() > observation[:, tired].mean() > 0.3
+
+
 def test_environment_i_of_a_seed_is_the_single_one_of_seed_plus_i(make):
     rows, _ = make(num_envs=20).reset(seed=5)
     single = myoenv.make("pointing-single")

@@ -23,7 +23,6 @@ PRESETS = {
             "board": s.Obstacle(at=(0.438, 0, -0.1603), size=(0.2, 0.14, 0.02), tilt_deg=60),
         },
         "script": [s.PressAndRelease(1, 3, 3, 5)],
-        "reward": s.Reward(wrong_press=0.3),
         "time_limit_s": 6,
     },
     "hello": {
@@ -32,7 +31,6 @@ PRESETS = {
             "case": s.Obstacle(at=(0.32, 0, -0.3085), size=(0.11, 0.06, 0.01)),
         },
         "script": [s.Type("hello")],
-        "reward": s.Reward(wrong_press=0.3),
         "time_limit_s": 6,
     },
     "slider": {
@@ -48,7 +46,6 @@ PRESETS = {
             "board": s.Obstacle(at=(0.438, 0, -0.1603), size=(0.26, 0.08, 0.02), tilt_deg=60),
         },
         "script": [s.Repeat(5, steps=[s.React("lamps", after_s=(0.5, 1.5))])],
-        "reward": s.Reward(wrong_press=0.4),
         "time_limit_s": 15,
     },
     "wall-ray": {
@@ -112,9 +109,11 @@ def test_classes_have_the_fields_of_the_schema():
         "Reward",
         "Observation",
         "Reset",
+        "Body",
         "Perception",
         "Noise",
         "Reflex",
+        "Fatigue",
     )
     for name, part in [*((name, parts[name]) for name in same), ("Type", parts["Text"])]:
         expected[name] = {key: key in part.get("required", ()) for key in part["properties"]}
@@ -130,7 +129,7 @@ def test_classes_have_the_fields_of_the_schema():
 def test_every_field_is_explained_where_editors_look():
     for name in s.__all__:
         part = getattr(s, name)
-        if name != "Place":
+        if name not in ("Place", "User"):
             explained = inspect.getdoc(part).partition("\nArgs:")[2].partition("\nRaises:")[0]
             keys = (
                 inspect.signature(part).parameters if name == "build_task" else [field.name for field in fields(part)]

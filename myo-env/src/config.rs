@@ -48,6 +48,18 @@ pub enum BuildError {
     /// The model cannot be simulated.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// The body is not that of the task's user.
+    #[error(
+        "the task's user changes the model by: {}; the body that is given was changed by: {}. Make it with `task.embody(&description)`",
+        change(task),
+        change(body)
+    )]
+    OtherBody {
+        /// In what the user's body differs from the model, as the task has it.
+        task: String,
+        /// The same of the body that was given.
+        body: String,
+    },
     /// The task has values out of bounds.
     #[error(transparent)]
     Task(#[from] InvalidTask),
@@ -148,6 +160,11 @@ pub enum BuildError {
         /// What the system said.
         reason: String,
     },
+}
+
+/// What a body differs in, for people.
+fn change(words: &str) -> &str {
+    if words.is_empty() { "nothing" } else { words }
 }
 
 /// Every layout needs an environment: number `env` does the task of number `env` modulo how many there are.

@@ -16,8 +16,8 @@ const VISION_STREAM: u32 = 0x7000;
 /// Numbers that this takes, see [`EnvState::misjudged`].
 pub const DRAWS: usize = 3;
 /// As if a target were so much (m) farther away than it is: where hand and target are to each other is not quite known near the target, either. With
-/// a share of 0.35 it is 1.4 mm along the way, 0.7 mm across; a centimetre, 3.5 and 1.7 mm, bent Fitts' law (`docs/search.md`).
-const NEAR: f64 = 0.004;
+/// a share of 0.2 it is 0.2 mm along the way; ten times as much bent Fitts' law, and four times as much made fingers miss keys (`docs/search.md`).
+const NEAR: f64 = 0.001;
 /// How much of it is across the way, as a share of that along it.
 const ACROSS: f64 = 0.5;
 /// Standard deviations by which a distance is misjudged at most. Who took a target for being where the hand is, half way to it, would look for it there

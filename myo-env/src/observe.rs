@@ -2,7 +2,7 @@
 
 use crate::control::offsets;
 use crate::misjudge::seems_off;
-use crate::parameters::World;
+use crate::parameters::{Parameters, World};
 use crate::state::EnvState;
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::step::boxes::{Boxes, Which};
@@ -32,6 +32,8 @@ pub enum ObservationPart {
     PointerPosition,
     /// Muscle activations, [0, 1] mapped to [-1, 1].
     Activation,
+    /// What of each muscle is fatigued, where muscles tire.
+    Fatigue,
     /// Centre of the current target (m).
     TargetPosition,
     /// Radius of the current sphere or half the width of the button (m).
@@ -83,6 +85,7 @@ impl ObservationPart {
                 | Part::JointAcceleration
                 | Part::FingertipPosition
                 | Part::Activation
+                | Part::Fatigue
                 | Part::Control
                 | Part::TimeLeft
                 | Part::NearestObstacle
@@ -95,7 +98,7 @@ impl ObservationPart {
     pub(crate) const fn width(self, [ndof, nmuscle]: [usize; 2]) -> usize {
         match self {
             Self::JointPosition | Self::JointVelocity | Self::JointAcceleration => ndof,
-            Self::Activation | Self::Control => nmuscle,
+            Self::Activation | Self::Fatigue | Self::Control => nmuscle,
             Self::FingertipPosition
             | Self::PointerPosition
             | Self::TargetPosition
@@ -127,6 +130,7 @@ impl ObservationPart {
             Self::FingertipPosition => "fingertip_position",
             Self::PointerPosition => "pointer_position",
             Self::Activation => "activation",
+            Self::Fatigue => "fatigue",
             Self::Control => "control",
             Self::TargetPosition => "target_position",
             Self::TargetSize => "target_size",
@@ -152,6 +156,7 @@ impl ObservationPart {
     /// In which tasks there is such a part, as half a sentence; none if in all that ask for it.
     pub const fn only_where(self) -> Option<&'static str> {
         match self {
+            Self::Fatigue => Some("where muscles tire"),
             Self::Control => Some("where changing controls costs something"),
             Self::PointerPosition => Some("where the technique is not the fingertip"),
             Self::TargetVelocity => Some("where something moves"),
@@ -166,7 +171,8 @@ impl ObservationPart {
 }
 
 /// The parts that a task asks for and has, in order.
-pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart> {
+pub fn parts<T>(o: &Observation, parameters: &Parameters<T>) -> Vec<ObservationPart> {
+    let task = &parameters.task;
     let Kinds { motion, cue, drag, swing, steer, .. } = task.kinds;
     let all = [
         (o.joint_position, ObservationPart::JointPosition),
@@ -175,6 +181,7 @@ pub fn parts<T>(o: &Observation, task: &CompiledTask<T>) -> Vec<ObservationPart>
         (o.fingertip_position, ObservationPart::FingertipPosition),
         (o.pointer_position && !task.pointer.is_fingertip(), ObservationPart::PointerPosition),
         (o.activation, ObservationPart::Activation),
+        (o.fatigue && parameters.fatigue.is_some(), ObservationPart::Fatigue),
         (o.control && task.weights.change_cost.is_some(), ObservationPart::Control),
         (o.target_position, ObservationPart::TargetPosition),
         (o.target_size, ObservationPart::TargetSize),
@@ -218,7 +225,7 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             | ObservationPart::TargetVelocity
             | ObservationPart::NextTargetVector
             | ObservationPart::NearestObstacle => of(&axes),
-            ObservationPart::Activation | ObservationPart::Control => of(&muscles),
+            ObservationPart::Activation | ObservationPart::Fatigue | ObservationPart::Control => of(&muscles),
             ObservationPart::TargetSize
             | ObservationPart::TargetKind
             | ObservationPart::Phase
@@ -293,6 +300,7 @@ pub fn observe_body<S: Scalar>(
         ObservationPart::JointAcceleration => scaled(&env.qacc, 0.01, 0.0, out),
         ObservationPart::FingertipPosition => out.extend_from_slice(fingertip),
         ObservationPart::Activation => scaled(&env.body.act, 2.0, -1.0, out),
+        ObservationPart::Fatigue => out.extend_from_slice(&env.fatigue),
         ObservationPart::Control => scaled(&env.asked, 2.0, -1.0, out),
         ObservationPart::TimeLeft => out.push(S::lit(1.0) - env.task.step * world.parameters.task.time_limit.recip()),
         ObservationPart::NearestObstacle => {

@@ -2,7 +2,7 @@
 
 use crate::tables::Tables;
 use myo_dynamics::{Obstacles, Plan};
-use myo_muscle::MotorNoise;
+use myo_muscle::{Fatigue, FatigueRates, MotorNoise, MuscleGroup};
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{CompiledTask, Shifts};
 use myo_tasks::{FlatTask, Pose, Reset, Task};
@@ -17,8 +17,10 @@ pub struct Parameters<T> {
     pub task: CompiledTask<T>,
     /// Motor noise.
     pub noise: Option<Motor<T>>,
-    /// Reflex reflexes.
+    /// Stretch reflexes.
     pub reflex: Option<Reflex<T>>,
+    /// Fatigue.
+    pub fatigue: Option<Tiring<T>>,
     /// How far off targets seem.
     pub vision_noise: Option<Vision<T>>,
     /// How episodes begin.
@@ -34,13 +36,26 @@ pub struct Motor<T> {
     pub process: MotorNoise<T>,
 }
 
-/// Reflex reflexes of all muscles.
+/// Stretch reflexes of all muscles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflex<T> {
     /// By how much of itself an excitation grows, per greatest shortening speed at which the muscle lengthens.
     pub gain: T,
     /// By how much of itself it changes at most.
     pub most: T,
+}
+
+/// Fatigue of all muscles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tiring<T> {
+    /// How those tire that move one joint.
+    pub groups: Vec<Fatigue<T>>,
+    /// To which of these each muscle belongs.
+    pub group: Vec<usize>,
+    /// Greatest share that is fatigued at the start.
+    pub initial: T,
+    /// Whether it lasts from one episode to the next.
+    pub lasts: bool,
 }
 
 /// How far off targets seem.
@@ -84,12 +99,13 @@ pub struct World<'a, S: Scalar> {
 }
 
 impl<C: Real> Parameters<C> {
-    /// Those of a task of this flat form, for a body whose joints have these ranges (rad).
-    pub(crate) fn new(task: &Task, flat: &FlatTask, ranges: &[JointRange]) -> Self {
+    /// Those of a task of this flat form, for a body whose joints have these ranges (rad) and whose muscles move these joints.
+    pub(crate) fn new(task: &Task, flat: &FlatTask, ranges: &[JointRange], groups: &[Option<MuscleGroup>]) -> Self {
         Self {
             task: CompiledTask::of(task, flat),
             noise: Motor::new(task),
             reflex: Reflex::new(task),
+            fatigue: Tiring::new(task, groups),
             vision_noise: Vision::new(task),
             start: Start::new(task, ranges),
         }
@@ -108,6 +124,9 @@ impl<C: Real> Parameters<C> {
         if others.reflex.is_some() {
             let idle = |reflex| Reflex { gain: C::from_f64(0.0), ..reflex };
             self.reflex = self.reflex.or(others.reflex.map(idle));
+        }
+        if let Some(tiring) = &others.fatigue {
+            self.fatigue = self.fatigue.or_else(|| Some(tiring.none()));
         }
         if others.task.weights.change_cost.is_some() {
             let cost = &mut self.task.weights.change_cost;
@@ -141,6 +160,7 @@ impl<T> Parameters<T> {
             task: self.task.map(f),
             noise: self.noise.as_ref().map(|noise| noise.map(f)),
             reflex: self.reflex.as_ref().map(|reflex| reflex.map(f)),
+            fatigue: self.fatigue.as_ref().map(|tiring| tiring.map(f)),
             vision_noise: self.vision_noise.as_ref().map(|vision| vision.map(f)),
             start: self.start.map(f),
         }
@@ -242,6 +262,13 @@ impl Parameters<()> {
         if self.reflex != other.reflex {
             return Some("its muscles have reflexes where they had none (reflex.gain)".into());
         }
+        match (&self.fatigue, &other.fatigue) {
+            (Some(_), None) => return Some("its muscles tire where they did not (fatigue.speed)".into()),
+            (Some(new), Some(old)) if new.lasts != old.lasts => {
+                return Some("its fatigue lasts from one episode to the next where it did not, or the other way round (fatigue.lasts)".into());
+            }
+            _ => {}
+        }
         if self.vision_noise != other.vision_noise {
             return Some(
                 "its targets are seen with noise where they were seen without (perception.vision_noise)".into(),
@@ -313,6 +340,42 @@ impl<T> Reflex<T> {
     #[inline(always)]
     fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Reflex<U> {
         Reflex { gain: f(&self.gain), most: f(&self.most) }
+    }
+}
+
+impl<C: Real> Tiring<C> {
+    /// That of a task, for muscles that move these joints; none where none tires.
+    fn new(task: &Task, muscles: &[Option<MuscleGroup>]) -> Option<Self> {
+        let settings = &task.fatigue;
+        let mut joints = muscles.to_vec();
+        joints.sort_unstable();
+        joints.dedup();
+        let number = |joint| joints.binary_search(joint).expect("every joint is among them");
+        let fatigue = |&joint| Fatigue::new(FatigueRates::of(joint), settings.speed, task.control_dt_s);
+        settings.is_on().then(|| Self {
+            groups: joints.iter().map(fatigue).collect(),
+            group: muscles.iter().map(number).collect(),
+            initial: C::from_f64(settings.initial_max),
+            lasts: settings.lasts,
+        })
+    }
+
+    /// The same for muscles that do not tire, and are not tired any more.
+    fn none(&self) -> Self {
+        let groups = vec![Fatigue::none(); self.groups.len()];
+        Self { groups, group: self.group.clone(), initial: C::from_f64(0.0), lasts: self.lasts }
+    }
+}
+
+impl<T> Tiring<T> {
+    #[inline(always)]
+    fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Tiring<U> {
+        Tiring {
+            groups: self.groups.iter().map(|group| group.map(f)).collect(),
+            group: self.group.clone(),
+            initial: f(&self.initial),
+            lasts: self.lasts,
+        }
     }
 }
 

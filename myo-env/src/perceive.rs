@@ -23,7 +23,8 @@ const fn sense(part: ObservationPart) -> Sense {
         | Part::JointVelocity
         | Part::JointAcceleration
         | Part::FingertipPosition
-        | Part::Activation => Sense::Body,
+        | Part::Activation
+        | Part::Fatigue => Sense::Body,
         Part::Touch => Sense::Touch,
         // What one asks for oneself one knows.
         Part::TimeLeft | Part::Control | Part::Pause => Sense::Clock,

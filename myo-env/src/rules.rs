@@ -88,7 +88,7 @@ pub struct Moment<'a, S> {
     pub qacc: &'a [S],
     /// Activations of the muscles in [0, 1], in the order of the model, `(nmuscle)`.
     pub activation: &'a [S],
-    /// Controls of the muscles in the last control step, noise included, `(nmuscle)`; in [0, 1] without noise, zero when an episode begins.
+    /// Controls of the muscles in the last control step, noise included and no more than fatigue leaves, `(nmuscle)`; in [0, 1] without noise, zero when an episode begins.
     pub controls: &'a [S],
     /// The point that touches.
     pub fingertip: Point<S>,

@@ -18,6 +18,8 @@ pub struct Snapshot {
     /// The body: `qpos` and `qvel` of the independent joints (rad, rad/s; m, m/s for slides), `(ndof)` each, and the
     /// activations `act` of the muscles in [0, 1], `(nmuscle)`.
     pub body: State<f64>,
+    /// What of each muscle is fatigued, a share, `(nmuscle)`; empty where muscles do not tire.
+    pub fatigue: Vec<f64>,
     /// Where spheres are in this episode (m from the shoulder centre, world axes), how large, and how far the task is.
     pub task: TaskState<f64>,
     /// Greatest force on the current button in the last control step (N); zero for a sphere and after a reset.
@@ -52,7 +54,7 @@ impl Snapshot {
         for (k, x) in env.numbers().enumerate() {
             *x = number(k);
         }
-        let EnvState { body, task, touch, pending, remembered, .. } = env;
-        Self { body, task, touch, remembered, ended: pending > 0.5, episode: word(EPISODE) }
+        let EnvState { body, fatigue, task, touch, pending, remembered, .. } = env;
+        Self { body, fatigue, task, touch, remembered, ended: pending > 0.5, episode: word(EPISODE) }
     }
 }

@@ -35,6 +35,8 @@ pub struct EnvState<S: Scalar> {
     pub qacc: Vec<S>,
     /// Motor noise of each muscle, in standard deviations; empty without.
     pub noise: Vec<S>,
+    /// What of each muscle is fatigued, a share; empty where muscles do not tire.
+    pub fatigue: Vec<S>,
     /// Control that each muscle was last asked for, without noise; empty where changing it costs nothing.
     pub asked: Vec<S>,
     /// What how far off the current target seems is made of, standard normal numbers, see [`misjudge`](crate::misjudge); empty where all is seen as it is.
@@ -81,6 +83,7 @@ impl<S: Scalar> EnvState<S> {
             task: TaskState::new(&tables.parameters.task),
             qacc: vec![o; tables.plan.ndof()],
             noise: vec![o; if tables.parameters.noise.is_some() { tables.plan.nmuscle() } else { 0 }],
+            fatigue: vec![o; if tables.parameters.fatigue.is_some() { tables.plan.nmuscle() } else { 0 }],
             asked: vec![
                 o;
                 if tables.parameters.task.weights.change_cost.is_some() { tables.plan.nmuscle() } else { 0 }
@@ -118,6 +121,7 @@ impl<S: Scalar> EnvState<S> {
             task,
             qacc,
             noise,
+            fatigue,
             asked,
             misjudged,
             touch,
@@ -131,7 +135,15 @@ impl<S: Scalar> EnvState<S> {
             episode: _,
             step: _,
         } = self;
-        let body = qpos.iter_mut().chain(qvel).chain(act).chain(qacc).chain(noise).chain(asked).chain(misjudged);
+        let body = qpos
+            .iter_mut()
+            .chain(qvel)
+            .chain(act)
+            .chain(qacc)
+            .chain(noise)
+            .chain(fatigue)
+            .chain(asked)
+            .chain(misjudged);
         body.chain(task.numbers()).chain([touch, pending]).chain(sums).chain(remembered).chain(observed).chain(late)
     }
 

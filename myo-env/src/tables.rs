@@ -9,6 +9,7 @@ use crate::rules::Outline;
 use crate::saved::Identity;
 use myo_dynamics::{CouplingMode, Obstacles, Plan};
 use myo_model::Model;
+use myo_muscle::MuscleGroup;
 use myo_scalar::{Real, Scalar};
 use myo_tasks::{FlatTask, InvalidTask, Task, TaskError};
 
@@ -20,6 +21,8 @@ const MOST_CONTACTS: usize = 16;
 pub struct Tables<C> {
     /// The body.
     pub plan: Plan<C>,
+    /// In what it differs from its model, in words.
+    body: String,
     /// How surfaces behave that it touches; without boxes.
     surface: Obstacles<C>,
     /// The numbers of the task; with layouts, of the first.
@@ -41,6 +44,8 @@ pub struct Tables<C> {
     pub(crate) rules: Option<Outline>,
     /// Of every independent joint, unrounded.
     ranges: Vec<JointRange>,
+    /// Of every muscle: which joint it moves.
+    groups: Vec<Option<MuscleGroup>>,
     /// Seconds of a physics step, unrounded.
     pub(crate) timestep: f64,
     /// Which model and task these are.
@@ -101,11 +106,16 @@ impl<C: Real> Tables<C> {
         plan: &dyn Fn(&Plan<f64>) -> Plan<C>,
     ) -> Result<Self, BuildError> {
         let flat = flat_of(task, rules.is_some())?;
+        let body = task.body.words();
+        if body != model.changes {
+            return Err(BuildError::OtherBody { task: body, body: model.changes.clone() });
+        }
         let task = task.clone().expanded();
         let mut exact = Plan::exact(model, CouplingMode::Reduced)?;
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
         let ranges: Vec<JointRange> = exact.dofs.iter().map(|dof| dof.range).collect();
-        let parameters = Parameters::new(&task, &flat, &ranges);
+        let groups: Vec<_> = model.muscles.iter().map(|muscle| muscle.parameters.group).collect();
+        let parameters = Parameters::new(&task, &flat, &ranges, &groups);
         let observation = parts_of(&task, &parameters, rules.as_ref());
         if observation.is_empty() && rules.as_ref().is_none_or(|rules| rules.observed.is_empty()) {
             return Err(nothing_observed().into());
@@ -122,6 +132,7 @@ impl<C: Real> Tables<C> {
             return Err(BuildError::Crowded { contacts, most: MOST_CONTACTS });
         }
         Ok(Self {
+            body,
             contacts,
             surface,
             layouts: vec![],
@@ -133,6 +144,7 @@ impl<C: Real> Tables<C> {
             identity: Identity::new(model, &[task], rules.as_ref()),
             rules,
             ranges,
+            groups,
             timestep: exact.timestep,
             plan,
         })
@@ -140,7 +152,7 @@ impl<C: Real> Tables<C> {
 
     /// The numbers of other tasks of the same structure, and which ones they are: everything may differ but the numbers of steps,
     /// spheres and boxes, which kinds of steps there are, what is observed, the length of a control step, how the reward measures
-    /// the distance, and whether there is noise. Environment `env` does the task of number `env` modulo how many there are.
+    /// the distance, and whether there is noise or fatigue and whether it lasts. Environment `env` does the task of number `env` modulo how many there are.
     ///
     /// # Errors
     /// [`BuildError::OtherStructure`] tells what differs; values out of bounds; no task.
@@ -184,11 +196,15 @@ impl<C: Real> Tables<C> {
         let flat = flat_of(task, self.rules.is_some())?;
         task.check_control_step(self.timestep).map_err(InvalidTask::from)?;
         let differs = |what: String| BuildError::OtherStructure { what };
+        if task.body.words() != self.body {
+            return Err(differs("its user has another body (`body`)".into()));
+        }
         if task.substeps(self.timestep) != self.substeps {
             let own = f64::from(self.substeps) * self.timestep;
             return Err(differs(format!("its control step is {} s instead of {own} s", task.control_dt_s)));
         }
-        let parameters = Parameters::new(task, &flat, &self.ranges).in_place_of(&self.parameters).map_err(differs)?;
+        let parameters =
+            Parameters::new(task, &flat, &self.ranges, &self.groups).in_place_of(&self.parameters).map_err(differs)?;
         if parts_of(task, &parameters, self.rules.as_ref()) != self.observation {
             return Err(differs("it is observed in another way".into()));
         }
@@ -289,7 +305,7 @@ fn flat_of(task: &Task, has_rules: bool) -> Result<FlatTask, InvalidTask> {
 
 /// What is observed of a task.
 fn parts_of<C>(task: &Task, parameters: &Parameters<C>, rules: Option<&Outline>) -> Vec<ObservationPart> {
-    let mut parts = observe::parts(&task.observation, &parameters.task);
+    let mut parts = observe::parts(&task.observation, parameters);
     parts.retain(|part| rules.is_none() || part.is_of_body());
     parts
 }

@@ -256,7 +256,7 @@ pub trait VectorEnv: Send {
     fn load_state(&mut self, state: &[u8]) -> Result<(), EnvError>;
 
     /// Goes on with another task of the same structure, whose numbers alone differ; nothing is compiled. Weights of the reward,
-    /// dwell, forces, noise, the time limit and where buttons are count from the next step on, where spheres are from an
+    /// dwell, forces, noise, fatigue, the time limit and where buttons are count from the next step on, where spheres are from an
     /// environment's next episode on. Observations of before are out of date: a [reset](Self::reset) of no environment gives the new ones.
     ///
     /// # Errors

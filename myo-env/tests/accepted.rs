@@ -110,6 +110,7 @@ fn generated(random: &mut Random) -> Value {
         "noise": {"signal_dependent": random.between(0.0, 1.0), "constant": random.between(0.0, 1.0)},
         "perception": {"error_pause_s": random.between(0.0, 1.0)},
         "reflex": {"gain": random.between(0.0, 50.0), "most": random.between(0.0, 1.0)},
+        "fatigue": {"speed": random.between(0.0, 1000.0), "lasts": random.coin(), "initial_max": random.unit()},
     })
 }
 

@@ -8,8 +8,9 @@ use common::{
 };
 use myo_env::gpu::{GpuOptions, record};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
+use myo_model::Model;
 use myo_scalar::symbolic::Form;
-use myo_tasks::{Instruction, Item, Range, Repeat, Stimulus, Task};
+use myo_tasks::{Body, Instruction, Item, Range, Repeat, Stimulus, Task};
 
 /// A short task with motor noise.
 fn noisy(name: &str) -> Task {
@@ -198,6 +199,27 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     let Instruction::RandomOrder(steps) = fixed.script.remove(0) else { panic!("an order") };
     fixed.script.splice(0..0, steps);
     assert!(refused(&plain, &fixed).ends_with("other steps of it change places with each other"));
+}
+
+#[test]
+fn a_body_is_that_of_the_tasks_user_or_refused() {
+    let task = short("pointing-uitb");
+    let strong = Task { body: Body { strength: 1.5, ..task.body.clone() }, ..task.clone() };
+    let (plain, other) = (arm(&task), strong.embody(&myo_model::builtin(&strong.model).unwrap()).unwrap());
+    let mismatch = |model: &Model, task: &Task| CpuEnv::new(model, task, &config(4)).err().unwrap().to_string();
+    assert_eq!(
+        mismatch(&plain, &strong),
+        "the task's user changes the model by: 1.5 times as strong; the body that is given was changed by: nothing. Make it with \
+         `task.embody(&description)`"
+    );
+    assert!(
+        mismatch(&other, &task)
+            .contains("changes the model by: nothing; the body that is given was changed by: 1.5 times as strong.")
+    );
+    let mut env = CpuEnv::new(&other, &strong, &config(4)).unwrap();
+    let error = env.set_task(&task).unwrap_err().to_string();
+    assert!(error.contains("its user has another body (`body`)"), "{error}");
+    assert!(CpuEnv::with_layouts(&other, &[strong, task], &config(4)).is_err());
 }
 
 #[test]

@@ -33,6 +33,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         joint_acceleration: false,
         fingertip_position: false,
         activation: false,
+        fatigue: false,
         control: false,
         target_position: false,
         target_size: false,

@@ -267,14 +267,15 @@ fn a_relaxed_arm_hangs() {
 fn a_hanging_arm_can_be_drawn_back() {
     let mut description = myo_model::builtin("myo-arm").unwrap();
     let back = drawn_back(&Model::new(&description).unwrap());
-    // As MyoArm has it: straight down no muscle turns the plane in which the arm is raised, and the turn is damped twice.
+    // As MyoArm has it: straight down no muscle turns the plane in which the arm is raised, and the turn is damped twice, and more
+    // than people's.
     for joint in &mut description.joints {
         match &*joint.name {
             "shoulder_elv" => joint.range = Some([0.0, std::f64::consts::PI]),
-            "shoulder1_r2" => joint.damping = 1.05,
+            "elv_angle" | "shoulder1_r2" => joint.damping = 1.05,
             _ => {}
         }
     }
     let before = drawn_back(&Model::new(&description).unwrap());
-    assert!(back > 0.05 && back > 3.0 * before, "{back} m, it was {before} m");
+    assert!(back > 0.15 && back > 3.0 * before, "{back} m, it was {before} m");
 }

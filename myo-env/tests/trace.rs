@@ -41,7 +41,10 @@ fn a_trace_goes_on_where_the_last_one_ended() {
     let task = fast("pointing-uitb");
     let mut env = env(&task);
     let (shape, spec) = (env.trace_shape(), env.spec().clone());
-    assert_eq!((shape.samples, shape.columns, shape.rate_hz.round() as u32), (25, 4 + spec.action_size(), 500));
+    assert_eq!(
+        (shape.samples, shape.columns, shape.rate_hz.round() as u32),
+        (25, 4 + 2 * (shape.joints + spec.action_size()), 500)
+    );
     let column = |name: &str| spec.observation_names.iter().position(|other| other.starts_with(name)).unwrap();
     let (fingertip, activation) = (column("fingertip_position."), column("activation."));
     let mut out = StepStorage::new(&spec);
@@ -53,12 +56,15 @@ fn a_trace_goes_on_where_the_last_one_ended() {
         env.step_traced(&actions, out.buffers(), &mut trace).unwrap();
         for number in 0..ENVS {
             let rows = trace[number * shape.len_per_env()..][..shape.len_per_env()].chunks_exact(shape.columns);
-            let rows: Vec<TraceSample<'_>> = rows.map(|row| TraceSample::of(row).unwrap()).collect();
+            let rows: Vec<TraceSample<'_>> = rows.map(|row| shape.sample(row).unwrap()).collect();
             let row = number * spec.observation_size();
             let was = before[row + fingertip..][..3].iter().map(|&x| f64::from(x)).collect::<Vec<_>>();
             assert!(rows[0].fingertip.iter().zip(&was).all(|(a, b)| (a - b).abs() < 1e-6), "{:?} {was:?}", rows[0]);
             let is = &out.observation[row + activation..][..spec.action_size()];
             let last = rows[24].activations;
+            let body = &env.peek(number..number + 1).unwrap()[0].body;
+            assert!(body.qpos.len() == shape.joints);
+            assert!(body.qpos.iter().zip(rows[24].qpos).all(|(q, &seen)| (q - f64::from(seen)).abs() < 1e-6));
             assert!(is.iter().zip(last).all(|(seen, act)| (seen - (2.0 * act - 1.0)).abs() < 1e-6));
             assert!(rows.iter().all(|row| row.force == 0.0), "there is nothing to touch");
             // 2 ms at 50 m/s are 10 cm: nothing jumps.
@@ -87,7 +93,7 @@ fn the_force_of_a_trace_is_what_the_fingertip_feels_on_faces_and_on_sides() {
         env.step_traced(&actions, out.buffers(), &mut trace).unwrap();
         for (number, seen) in env.peek(0..ENVS).unwrap().iter().enumerate() {
             let rows = trace[number * shape.len_per_env()..][..shape.len_per_env()].chunks_exact(shape.columns);
-            let most = rows.map(|row| TraceSample::of(row).unwrap().force).fold(0.0, f64::max);
+            let most = rows.map(|row| shape.sample(row).unwrap().force).fold(0.0, f64::max);
             let is_all = (most - seen.touch).abs() <= 1e-5 * most;
             assert!(is_all, "step {step}, environment {number}: {most} {}", seen.touch);
             touched += usize::from(most > 0.0);

@@ -85,7 +85,13 @@ pub fn misfits(trained: Setting<'_>, other: Setting<'_>) -> Result<Vec<Misfit>, 
     Ok(misfits)
 }
 
+/// Another size or strength of the same muscles of the same arm is the same body: what its user does there is the question.
 fn same_body(a: Setting<'_>, b: Setting<'_>) -> bool {
+    let muscles =
+        |setting: Setting<'_>| setting.model.muscles.iter().map(|muscle| muscle.name.clone()).collect::<Vec<_>>();
+    if muscles(a) != muscles(b) || a.model.has_left_arm() != b.model.has_left_arm() {
+        return false;
+    }
     match (a.own_model, b.own_model) {
         (None, None) => a.task.model == b.task.model,
         (own, other) => own == other,
@@ -115,5 +121,31 @@ fn words(technique: &Technique) -> String {
             format!("a ray from the {from} {onto}")
         }
         other => other.name().into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use myo_model::builtin;
+    use myo_tasks::{User, preset};
+
+    use super::*;
+
+    fn among(trained: &Task, other: &Task) -> Vec<String> {
+        let body = |task: &Task| task.embody(&builtin(&task.model).unwrap()).unwrap();
+        let (a, b) = (body(trained), body(other));
+        let own = Setting { task: trained, model: &a, own_model: None };
+        let there = Setting { task: other, model: &b, own_model: None };
+        misfits(own, there).unwrap().iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn a_user_may_be_tried_with_another_size_but_not_with_other_muscles() {
+        let human = Task { model: "myo-arm".into(), ..preset("pointing").unwrap().done_by(User::Human) };
+        let small = human.clone().done_by(User::SmallWoman);
+        assert_eq!(among(&human, &small), Vec::<String>::new());
+        assert_eq!(among(&human, &human.clone().done_by(User::LeftHanded)), ["its body is another myo-arm"]);
+        let transferred = human.clone().done_by(User::TendonTransfer);
+        assert_eq!(among(&human, &transferred), ["its body is another myo-arm"]);
     }
 }

@@ -7,6 +7,8 @@
 //! - [`Comparison`] tells two layouts apart, [`misfits`] whether a user can act on a layout that it was not trained on;
 //! - [`likely_cause`] and [`most_success`] say why a training leads nowhere or cannot reach its goal;
 //! - [`reward_terms`] says what each term of a reward can be worth, [`reward_slice`] how it lies in space;
+//! - [`trajectories()`] writes down what a user does, physics step by physics step;
+//! - [`published`] holds the experiments of the published system against ours;
 //! - [`picture`] draws the simulated user, [`ProgressLine`] says in a line how a training goes.
 //!
 //! This crate knows no command line, no browser and no Python.
@@ -19,11 +21,14 @@ mod models;
 pub mod picture;
 pub mod progress;
 pub mod protocol;
+pub mod published;
 mod reach;
+pub mod recordings;
 mod reward;
 mod run_description;
 mod runs;
 mod settings;
+mod trajectories;
 mod users;
 
 pub use advice::{Body, likely_cause, most_success};
@@ -38,4 +43,5 @@ pub use reward::{RewardTerm, Slice, reward_slice, reward_terms};
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
 pub use runs::{FoundRun, RunState, RunSummary, find_runs, run_summary};
 pub use settings::{LearnerSetting, SettingsError, changed_settings, learner_settings};
+pub use trajectories::{Column, Trajectories, TrajectoryError, Values, trajectories};
 pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};

@@ -170,8 +170,8 @@ impl RunDescription {
     /// It cannot be simulated, or no model of that name comes with the program.
     pub fn body(&self) -> Result<Model, ModelError> {
         match &self.model {
-            Some(own) => Model::new(own),
-            None => Model::new(&builtin(&self.task.model)?),
+            Some(own) => self.task.embody(own),
+            None => self.task.embody(&builtin(&self.task.model)?),
         }
     }
 

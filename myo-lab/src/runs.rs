@@ -27,6 +27,8 @@ pub struct FoundRun {
 pub struct RunSummary {
     /// Names of the layouts, one or more.
     pub layouts: Vec<String>,
+    /// Who does it: the user, and its body where that is not the model's.
+    pub user: String,
     /// Seed of the training.
     pub seed: u64,
     /// What computed the physics when it began: `cpu`, or the name of the graphics card.
@@ -119,6 +121,7 @@ pub fn run_summary(path: &Path) -> Result<RunSummary, RunError> {
     };
     Ok(RunSummary {
         layouts: layout_names(&description.layouts()),
+        user: description.task.who(),
         seed: run.config().seed,
         env_steps: run.env_steps()?,
         state,

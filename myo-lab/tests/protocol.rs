@@ -61,7 +61,7 @@ fn ideal(condition: usize, episode: usize) -> Recording {
         at = place(1.0);
     }
     let n = fingertip.len();
-    Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], activations: vec![0.1; n], done }
+    Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], qpos: vec![], activations: vec![0.1; n], done }
 }
 
 fn ideal_user(episodes: usize) -> UserReaches {
@@ -280,7 +280,8 @@ fn a_held_arm_is_as_still_as_it_was() {
     let fingertip: Vec<[f64; 3]> = (0..n).map(at).collect();
     let activations = vec![0.07; 32 * n];
     let done = vec![Done { begin: 0, entry: 0, end: n }; 2];
-    let holds = vec![Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], activations, done }; 6];
+    let holds =
+        vec![Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], qpos: vec![], activations, done }; 6];
     let found = Stillness::of(std::slice::from_ref(&holds)).unwrap();
     for row in &found.rows {
         assert!((row.mean_speed_m_s - 0.0062).abs() < 5e-4, "{row:?}");

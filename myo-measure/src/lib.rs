@@ -4,6 +4,7 @@
 //! - [`Movement`] finds onset and end of one movement, and its speeds, shape and [`smoothness`];
 //! - [`fitts`] is Fitts' law and throughput, of one user and over several;
 //! - [`EndpointCloud`] says how repeats of one movement scatter, [`Hold`] how still a hand is held;
+//! - [`ergonomics`] says how long a raised arm can be held and in which postures it is;
 //! - [`drive`] is about activations of muscles, [`taps`] about contact forces, [`steering`] about paths through tunnels;
 //! - [`bands`] holds figures of people, and judges figures of simulated users by them.
 //!
@@ -42,6 +43,7 @@ pub mod bands;
 mod check;
 pub mod drive;
 pub mod endpoints;
+pub mod ergonomics;
 mod error;
 pub mod fitts;
 pub mod hold;

@@ -34,6 +34,7 @@ impl Model {
         }
         check_options(description)?;
         let (bodies, body_index) = bodies(description)?;
+        check_anthropometry(description, &body_index)?;
         let joints = joints(description, &body_index)?;
         check_moving_mass(&bodies, &joints)?;
         let couplings = couplings(description, &joints)?;
@@ -47,6 +48,8 @@ impl Model {
         let body = |name: &Option<String>| name.as_deref().map(|name| body_index.find(name, &landmarks)).transpose();
         Ok(Self {
             name: description.name.clone(),
+            changes: description.changes.clone(),
+            stature_m: description.anthropometry.as_ref().map(|whose| whose.height_m),
             options: description.options.clone(),
             fingertip_site: site_index.find(&description.landmarks.fingertip, &landmarks)?,
             shoulder_body: body_index.find(&description.landmarks.shoulder, &landmarks)?,
@@ -100,6 +103,21 @@ fn check_options(description: &ModelDescription) -> Result<(), ModelError> {
     check.within("gravity", &description.options.gravity, &Bound::ACCELERATION)?;
     let timestep = description.options.timestep;
     check.require(TIMESTEPS.contains(&timestep), "timestep", timestep, " s", "from 0.00001 to 0.02 s")
+}
+
+fn check_anthropometry(description: &ModelDescription, bodies: &Index<'_>) -> Result<(), ModelError> {
+    let Some(whose) = &description.anthropometry else { return Ok(()) };
+    let check = Check::new(ElementKind::Anthropometry, "");
+    let is_height = (0.3..=3.0).contains(&whose.height_m);
+    check.require(is_height, "height_m", whose.height_m, " m", "from 0.3 to 3 m")?;
+    check.require((3.0..=500.0).contains(&whose.mass_kg), "mass_kg", whose.mass_kg, " kg", "from 3 to 500 kg")?;
+    let mut names: Vec<&String> = whose.upper_arm.iter().chain(&whose.forearm).chain(&whose.hand).collect();
+    names.iter().try_for_each(|name| bodies.find(name, &check.element).map(drop))?;
+    names.sort();
+    match names.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(ModelError::InTwoSegments { body: pair[0].clone() }),
+        None => Ok(()),
+    }
 }
 
 /// The bodies in depth-first order, and the index over their names (the world included).

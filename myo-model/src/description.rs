@@ -1,5 +1,6 @@
 //! The model as a person writes it: a plain typed tree, element names instead of indices.
 
+use crate::size::Anthropometry;
 #[cfg(feature = "files")]
 use garde::Validate;
 use myo_muscle::MuscleParameters;
@@ -33,6 +34,12 @@ pub struct ModelDescription {
     pub options: Options,
     /// Names of the elements that tasks refer to.
     pub landmarks: Landmarks,
+    /// Whose body it is; without it, it cannot be made as large as somebody else.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub anthropometry: Option<Anthropometry>,
+    /// In what it was changed for a person, in words; empty for a model as it stands in its file.
+    #[cfg_attr(feature = "files", serde(skip))]
+    pub changes: String,
     /// Rigid bodies, parents before children.
     #[cfg_attr(feature = "files", garde(dive))]
     pub bodies: Vec<Body>,

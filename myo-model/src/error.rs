@@ -182,6 +182,36 @@ pub enum ModelError {
         /// What it runs over then.
         second: String,
     },
+    /// A model that is nobody's body was to become somebody's.
+    #[error(
+        "the model `{model}` does not tell whose body it is (`anthropometry`), so that it cannot be made as large as somebody else; leave out sex, \
+         height and mass, or take the model `myo-arm`"
+    )]
+    NoAnthropometry {
+        /// The model.
+        model: String,
+    },
+    /// A body is in two segments of an arm.
+    #[error("body `{body}` is named twice in `anthropometry`; each belongs to one segment")]
+    InTwoSegments {
+        /// The body.
+        body: String,
+    },
+    /// A muscle has no force to scale.
+    #[error(
+        "{element} does not tell its peak isometric `force`, so that its model cannot be made as large as somebody else; give `gain` and `bias` of \
+         every muscle a force"
+    )]
+    NoForce {
+        /// The muscle.
+        element: Element,
+    },
+    /// A tendon transfer of what another one takes.
+    #[error("muscle `{muscle}` is moved or replaced by two tendon transfers; each muscle may be in one")]
+    TransferredTwice {
+        /// The muscle.
+        muscle: String,
+    },
     /// A muscle has nothing to pull between.
     #[error("{element}: its path has {sites} site(s); at least 2 are needed")]
     ShortPath {
@@ -200,6 +230,10 @@ pub enum ElementKind {
     Options,
     /// The `landmarks` block.
     Landmarks,
+    /// The `anthropometry` block.
+    Anthropometry,
+    /// What makes a body that of a person.
+    Person,
     /// A rigid body.
     Body,
     /// A joint.
@@ -221,6 +255,8 @@ impl fmt::Display for ElementKind {
         f.write_str(match self {
             Self::Options => "options",
             Self::Landmarks => "landmarks",
+            Self::Anthropometry => "anthropometry",
+            Self::Person => "the body of the user",
             Self::Body => "body",
             Self::Joint => "joint",
             Self::Coupling => "coupling of joint",

@@ -21,11 +21,14 @@ mod check;
 mod compile;
 pub mod description;
 mod error;
+mod mirror;
 pub mod mjcf;
 pub mod model;
 mod nearest;
 mod oriented_box;
+mod size;
 mod static_box;
+mod strength;
 #[cfg(feature = "files")]
 mod text;
 
@@ -37,4 +40,5 @@ pub use error::{Element, ElementKind, ModelError};
 pub use model::Model;
 pub use nearest::Nearest;
 pub use oriented_box::OrientedBox;
+pub use size::{Anthropometry, Sex, Size};
 pub use static_box::StaticBox;

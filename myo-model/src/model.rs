@@ -2,7 +2,7 @@
 
 use crate::description::{JointKind, Options, Shape, Softness, WrapShape};
 use myo_muscle::MuscleParameters;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 /// Index of the fixed root in [`Model::bodies`].
 pub const WORLD: usize = 0;
@@ -12,6 +12,10 @@ pub const WORLD: usize = 0;
 pub struct Model {
     /// Short name.
     pub name: String,
+    /// In what it was changed for a person, in words; empty for a model as it stands in its file.
+    pub changes: String,
+    /// Stature (m) of the person, where the description tells it.
+    pub stature_m: Option<f64>,
     /// Solver options.
     pub options: Options,
     /// Bodies, the world first, parents before children.
@@ -36,6 +40,29 @@ pub struct Model {
     pub elbow_body: Option<usize>,
     /// Index of the body whose origin is the wrist, where the description names one.
     pub wrist_body: Option<usize>,
+}
+
+impl Model {
+    /// Where each body is in the world, with all joints at zero.
+    pub fn frames_in_zero_pose(&self) -> Vec<Isometry3<f64>> {
+        let mut frames: Vec<Isometry3<f64>> = Vec::with_capacity(self.bodies.len());
+        // Parents come before their children, and the world before all.
+        for Body { pos, quat, parent, .. } in &self.bodies {
+            let on_parent = Isometry3::from_parts(Translation3::from(*pos), *quat);
+            frames.push(frames.get(*parent).map_or(on_parent, |parent| parent * on_parent));
+        }
+        frames
+    }
+
+    /// Where the centre of the shoulder is, from the origin of the world, with all joints at zero (m).
+    pub fn shoulder_in_zero_pose(&self) -> Vector3<f64> {
+        self.frames_in_zero_pose()[self.shoulder_body].translation.vector
+    }
+
+    /// Whether the arm is a left one: its shoulder is to the left of the middle.
+    pub fn has_left_arm(&self) -> bool {
+        self.shoulder_in_zero_pose().y > 0.0
+    }
 }
 
 /// A rigid body.

@@ -47,6 +47,29 @@ fn the_human_arm_has_a_wrist_and_muscles_that_bend_over_bones() {
 }
 
 #[test]
+fn joints_of_the_human_arm_are_damped_as_people_s() {
+    let arm = builtin("myo-arm").unwrap();
+    // N m s/rad, after Davidson and Charles 2017 (doi 10.1007/s10439-016-1765-5); elevation is flexion or abduction, by its plane.
+    let people = [
+        ("elv_angle", 0.3, 0.8),
+        ("shoulder_elv", 0.383, 0.756),
+        ("shoulder_rot", 0.5, 0.55),
+        ("elbow_flexion", 0.6, 0.62),
+    ];
+    for (name, least, most) in people {
+        let own = arm.joints.iter().find(|joint| joint.name == name).unwrap().damping;
+        let follow = arm.couplings.iter().filter(|coupling| coupling.independent.as_deref() == Some(name));
+        let along: f64 = follow
+            .map(|coupling| {
+                let follower = arm.joints.iter().find(|joint| joint.name == coupling.dependent).unwrap();
+                follower.damping * coupling.polycoef[1].powi(2)
+            })
+            .sum();
+        assert!((least..=most).contains(&(own + along)), "{name}: {own} + {along} N m s/rad");
+    }
+}
+
+#[test]
 fn weighs_the_sum_of_the_published_masses() {
     let mass: f64 = arm("mobl-arms").bodies.iter().map(|body| body.mass).sum();
     assert!((mass - 12.8025).abs() < 1e-12, "{mass} kg");

@@ -40,9 +40,9 @@ fn text_errors_point_at_line_and_column() {
     check_text(
         "fvmax: 1.4}",
         "fvmax: 0.4}",
-        "arm.yaml:186:24: `muscles[0].gain.fvmax` is lower than 1 (25 more like this)",
+        "arm.yaml:187:24: `muscles[0].gain.fvmax` is lower than 1 (25 more like this)",
     );
-    check_text("*passive, force: 1103.5}", "*passiv, force: 1103.5}", "arm.yaml:193:16: reference to unknown value");
+    check_text("*passive, force: 1103.5}", "*passiv, force: 1103.5}", "arm.yaml:195:16: reference to unknown value");
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn unknown_keys_come_with_the_nearest_valid_ones() {
     check_text(
         "length_range: [0.161563",
         "lengthrange: [0.161563",
-        "arm.yaml:191:5: unknown key `lengthrange`; did you mean `length_range`?",
+        "arm.yaml:193:5: unknown key `lengthrange`; did you mean `length_range`?",
     );
 }
 

@@ -1,4 +1,4 @@
-//! Hill-type muscle: activation dynamics, force-length-velocity curves, motor noise.
+//! Hill-type muscle: activation dynamics, force-length-velocity curves, motor noise, fatigue.
 //!
 //! [`MuscleParameters`] is what a person writes; [`Muscle`] is the same with every quotient worked out, in the precision
 //! of the numbers that run on it. The functions are generic over [`myo_scalar::Scalar`] and have no branches that depend
@@ -12,7 +12,7 @@
 //! };
 //! let parameters = MuscleParameters {
 //!     length_range: [0.1, 0.2], gain: curve.clone(), bias: curve,
-//!     tau_act: 0.01, tau_deact: 0.04, tau_smooth: 0.0, ctrl_range: [0.0, 1.0],
+//!     tau_act: 0.01, tau_deact: 0.04, tau_smooth: 0.0, ctrl_range: [0.0, 1.0], group: None,
 //! };
 //! let muscle = Muscle::<f64>::new(&parameters, 1.0);
 //! // At optimal length, standing still, fully active: the peak isometric force, pulling.
@@ -20,13 +20,14 @@
 //! assert!((muscle.force(optimal, 0.0, 1.0) + 500.0_f64).abs() < 1e-9);
 //! ```
 //!
-//! This crate does not know tendon paths, bodies or time steps. It has no tendon elasticity, no pennation and, so far,
-//! no fatigue; a fatigue state belongs between excitation and [`Muscle::activation_rate`].
+//! This crate does not know tendon paths, bodies or time steps. It has no tendon elasticity and no pennation.
 
 mod curves;
+mod fatigue;
 mod noise;
 mod parameters;
 
 pub use curves::{ActivationDynamics, ForceCurves, Muscle};
+pub use fatigue::{Endurance, Fatigue, FatigueRates, MuscleGroup, left_of};
 pub use noise::{CONSTANT_NOISE, MotorNoise, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
 pub use parameters::{CurveParameters, MuscleParameters};

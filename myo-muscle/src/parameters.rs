@@ -1,5 +1,6 @@
 //! Named muscle parameters, as a person writes them in a model file.
 
+use crate::fatigue::MuscleGroup;
 #[cfg(feature = "serde")]
 use garde::Validate;
 #[cfg(feature = "serde")]
@@ -37,6 +38,9 @@ pub struct MuscleParameters {
     /// Lower and upper bound of the control (neural excitation), usually 0 and 1.
     #[cfg_attr(feature = "serde", serde(default = "unit_range"))]
     pub ctrl_range: [f64; 2],
+    /// Which joint it moves, as far as fatigue differs; without, it tires as muscles of all joints do together.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub group: Option<MuscleGroup>,
 }
 
 /// Parameters of one pair of force curves (dimensionless unless said).

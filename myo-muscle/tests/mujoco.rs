@@ -21,6 +21,7 @@ fn muscle(tau_smooth: f64) -> Muscle<f64> {
         tau_deact: 0.04,
         tau_smooth,
         ctrl_range: [0.0, 1.0],
+        group: None,
     };
     Muscle::new(&parameters, 1.0)
 }

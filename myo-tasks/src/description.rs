@@ -4,8 +4,9 @@ use garde::Validate;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::body::{Body, body_rule};
 use crate::check::value_errors;
-use crate::motor::{Noise, Reflex};
+use crate::motor::{Fatigue, Noise, Reflex};
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::report::{InvalidTask, TaskError};
@@ -61,6 +62,11 @@ pub struct Task {
     #[serde(default)]
     #[garde(skip)]
     pub user: User,
+
+    /// What the user's body is like where it is not as the model has it: how large, how strong, which hand.
+    #[serde(default)]
+    #[garde(dive, custom(body_rule))]
+    pub body: Body,
 
     /// What stands there: objects by name, alone or in groups; up to 256.
     #[serde(default, skip_serializing_if = "Scene::is_empty")]
@@ -137,6 +143,11 @@ pub struct Task {
     #[serde(default)]
     #[garde(dive)]
     pub reflex: Reflex,
+
+    /// Fatigue of muscles, off by default.
+    #[serde(default)]
+    #[garde(dive)]
+    pub fatigue: Fatigue,
 }
 
 /// What the simulated user sees of the task. Default `all`.
@@ -234,7 +245,7 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub completion_bonus: f64,
 
-    /// Cost of pressing a button that the current step does not ask for, each time. Default 0; for `user: human` 0.3, a tenth of what a target brings. It is
+    /// Cost of pressing a button that the current step does not ask for, each time. Default 0; for `user: human` 2, two thirds of what a target brings. It is
     /// counted in any case, and takes the time of `perception.error_pause_s`.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
@@ -245,7 +256,8 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub exit: f64,
 
-    /// Cost per second of muscle control: times the sum over muscles of the squared control. Default 0.02.
+    /// Cost per second of muscle control: times the sum over muscles of the squared control that is asked for, also where fatigue leaves less of
+    /// a muscle. Default 0.02; for `user: human` 4.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub effort_cost: f64,
@@ -304,6 +316,8 @@ pub struct Observation {
     pub pointer_position: bool,
     /// Activation of each muscle, 0 to 1 mapped to -1 to 1. Default true.
     pub activation: bool,
+    /// What of each muscle is fatigued, a share, in tasks with fatigue. Default true.
+    pub fatigue: bool,
     /// Control that each muscle was last asked for, without motor noise, 0 to 1 mapped to -1 to 1, in tasks where changing it costs something. Default true.
     pub control: bool,
     /// Centre of the current target, in m from the shoulder centre. Default true.
@@ -358,6 +372,7 @@ impl Task {
             description: String::new(),
             model: default_model(),
             user: User::default(),
+            body: Body::default(),
             scene: Scene::default(),
             script: vec![],
             technique: Technique::default(),
@@ -372,6 +387,7 @@ impl Task {
             perception: Perception::default(),
             noise: Noise::default(),
             reflex: Reflex::default(),
+            fatigue: Fatigue::default(),
         };
         task.fill_in(|_| false);
         task
@@ -568,6 +584,7 @@ impl Default for Observation {
             fingertip_position: true,
             pointer_position: true,
             activation: true,
+            fatigue: true,
             control: true,
             target_position: true,
             target_size: true,

@@ -26,6 +26,7 @@
 //! What this crate does not know: bodies and how they move, random numbers' origin, learning, and what happens to a
 //! reward once it is given. Files it only reads.
 
+mod body;
 mod check;
 mod convert;
 mod description;
@@ -62,6 +63,7 @@ mod technique;
 mod user;
 mod weakness;
 
+pub use body::{Body, Hand};
 pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check, places_apart};
 pub use description::{FORMAT_VERSION, Observation, Pose, Reset, Reward, Stimulus, Task, rounded_steps};
 pub use expand::{OBJECTS_MAX, STEPS_MAX};
@@ -72,7 +74,7 @@ pub use layout::SourceLocation;
 pub use load::{SCHEMA_HINT, Source, load};
 pub use load_error::{BadValue, LoadError};
 pub use motion::{CircularMotion, LinearMotion, Motion, Path, PathWave, RandomMotion, Wave, Waves};
-pub use motor::{Noise, Reflex};
+pub use motor::{Fatigue, Noise, Reflex};
 pub use notation::{Name, Pitch, Place};
 pub use presets::{preset, preset_names, preset_text};
 pub use range::Range;

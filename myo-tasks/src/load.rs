@@ -123,6 +123,16 @@ impl Source {
         self
     }
 
+    /// The same done by the user of another task, with that user's body, where the text says nothing of them.
+    #[must_use]
+    pub fn done_as(self, other: &Task) -> Self {
+        let mut source = self.done_by(other.user);
+        if !source.layout.has("body") {
+            source.task.body = other.body.clone();
+        }
+        source
+    }
+
     /// Everything that [`check`] finds.
     pub fn check(&self, reach: &dyn Reach) -> Report {
         check(&self.task, reach)

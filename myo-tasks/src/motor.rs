@@ -1,4 +1,4 @@
-//! What muscles do that nobody decides: noise and reflexes.
+//! What muscles do that nobody decides: noise, reflexes and fatigue.
 
 use garde::Validate;
 use schemars::JsonSchema;
@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::description::{HELD, SHARE};
 use crate::quantity::Quantity;
 
+const SPEED: Quantity = Quantity::between(0.0, 1000.0, "");
 const GAIN: Quantity = Quantity::between(0.0, 1000.0, "");
 
 /// Gaussian motor noise on the muscle controls: independent for each muscle, and as strong and as slow at any control step as noise
@@ -58,5 +59,40 @@ pub struct Reflex {
 impl Default for Reflex {
     fn default() -> Self {
         Self { gain: 0.0, most: 0.3 }
+    }
+}
+
+/// Fatigue: what of a muscle cannot be driven after work, and comes back with rest. The three-compartment model with faster recovery at rest (3CC-r; Looft, Herkert and
+/// Frey-Law 2018, doi 10.1016/j.jbiomech.2018.06.005) with the published rates of each muscle's joint: of what is active a share fatigues (1.8 % per second at the
+/// shoulder, 0.9 at elbow and hand), and what is not fatigued is the most that a muscle can be excited. The user feels it (`observation.fatigue`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fatigue {
+    /// How many times as fast as people muscles tire and recover. Default 0 (off); 1 as people, 10 what takes people ten minutes in one.
+    #[garde(custom(SPEED.rule()))]
+    #[schemars(transform = SPEED.schema())]
+    pub speed: f64,
+
+    /// Whether it lasts from one episode to the next, until a reset with a seed: long work is many episodes. Otherwise every episode begins as `initial_max` says.
+    /// Default false.
+    #[garde(skip)]
+    pub lasts: bool,
+
+    /// What of each muscle is fatigued at the start is drawn from 0 to this. Default 0: rested.
+    #[garde(custom(SHARE.rule()))]
+    #[schemars(transform = SHARE.schema())]
+    pub initial_max: f64,
+}
+
+impl Default for Fatigue {
+    fn default() -> Self {
+        Self { speed: 0.0, lasts: false, initial_max: 0.0 }
+    }
+}
+
+impl Fatigue {
+    /// Whether muscles tire, or may be tired from the start.
+    pub fn is_on(&self) -> bool {
+        self.speed > 0.0 || self.initial_max > 0.0
     }
 }

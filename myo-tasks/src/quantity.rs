@@ -19,6 +19,16 @@ impl Quantity {
         Self { unit, min, max }
     }
 
+    /// The smallest value.
+    pub(crate) const fn least(self) -> f64 {
+        self.min
+    }
+
+    /// The greatest value.
+    pub(crate) const fn most(self) -> f64 {
+        self.max
+    }
+
     /// The garde rule of a plain number. NaN and infinities fail it.
     pub(crate) fn rule(self) -> impl Fn(&f64, &()) -> garde::Result {
         move |value, ()| self.check(*value)
@@ -93,7 +103,7 @@ impl Quantity {
                 object.insert("x-unit".into(), json!(self.unit));
             }
         }
-        for key in ["anyOf", "items"] {
+        for key in ["anyOf", "items", "additionalProperties"] {
             match object.get_mut(key) {
                 Some(Value::Object(child)) => self.mark(child),
                 Some(Value::Array(list)) => {

@@ -268,23 +268,23 @@ impl PpoConfig {
     /// may become shorter, for the less it explores, the shorter is one of a given divergence. Its first updates run away
     /// with steps of 1e-3, and do not with a quarter of that.
     pub fn for_user(user: User) -> Self {
-        match user {
-            User::Fastest => Self::default(),
-            User::Human => Self {
-                rollout_s: 0.4,
-                learning_rate: 2.5e-4,
-                learning_rate_min: 1e-6,
-                entropy_coefficient: 0.0003,
-                bound_coefficient: 1.0,
-                advantage_max: 6.0,
-                log_std_initial: -1.4,
-                log_std_min: -5.0,
-                log_std_max: -1.4,
-                action_offset: -0.8,
-                policy_hidden: vec![256, 256],
-                cost_ramp_s: 1e6,
-                ..Self::default()
-            },
+        if !user.is_human() {
+            return Self::default();
+        }
+        Self {
+            rollout_s: 0.4,
+            learning_rate: 2.5e-4,
+            learning_rate_min: 1e-6,
+            entropy_coefficient: 0.0003,
+            bound_coefficient: 1.0,
+            advantage_max: 6.0,
+            log_std_initial: -1.4,
+            log_std_min: -5.0,
+            log_std_max: -1.4,
+            action_offset: -0.8,
+            policy_hidden: vec![256, 256],
+            cost_ramp_s: 1e6,
+            ..Self::default()
         }
     }
 

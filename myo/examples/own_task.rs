@@ -2,7 +2,7 @@
 //! one function, which learns on a graphics card or on the processor: `cargo run --release -p myo-sim --example own_task`.
 
 use myo::env::{Moment, Rules, Verdict};
-use myo::model::{Model, builtin};
+use myo::model::builtin;
 use myo::scalar::Scalar;
 use myo::tasks::Task;
 use myo::train::PpoConfig;
@@ -50,7 +50,7 @@ pub fn task() -> Task {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (task, config) = (task(), PpoConfig { exploring_starts: 0.0, ..PpoConfig::default() });
     let device = Backend::Auto.device(config.num_envs, &mut |reason| eprintln!("{reason}"))?;
-    let (model, rules) = (Model::new(&builtin(&task.model)?)?, Swing { reach: 0.15, turns: 10.0 });
+    let (model, rules) = (task.embody(&builtin(&task.model)?)?, Swing { reach: 0.15, turns: 10.0 });
     let mut trainer = Envs::with_rules(&device, &model, &task, &rules, &config.envs(1))?.train(config, 1)?;
     for _ in 0..300 {
         println!("mean return: {:?}", trainer.update()?.episodes.mean("return"));

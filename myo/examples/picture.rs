@@ -1,7 +1,7 @@
 //! Draws one episode of a trained user as SVG: `cargo run --release -p myo-sim --example picture -- RUN TASK OUT.svg`.
 
 use myo::env::{Autoreset, CpuEnv, EnvConfig, StepStorage, VectorEnv};
-use myo::model::{Model, builtin};
+use myo::model::builtin;
 use myo::picture::Painter;
 use myo::train::RunFolder;
 
@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [run, task, out] = arguments.as_slice() else { return Err("usage: picture RUN TASK OUT.svg".into()) };
     let task = myo::tasks::load(task)?.task;
-    let model = Model::new(&builtin(&task.model)?)?;
+    let model = task.embody(&builtin(&task.model)?)?;
     let latest = RunFolder::open(run.as_ref())?.latest_checkpoint()?;
     let mut policy = latest.checkpoint.ok_or("the run has no checkpoint")?.policy();
 

@@ -17,7 +17,7 @@
 //! use myo::model::{Model, builtin};
 //!
 //! let task = myo::tasks::preset("pointing").unwrap();
-//! let model = Model::new(&builtin(&task.model)?)?;
+//! let model = task.embody(&builtin(&task.model)?)?;
 //! let mut env = CpuEnv::new(&model, &task, &EnvConfig { num_envs: 16, seed: 1, ..EnvConfig::default() })?;
 //!
 //! // Actions lie in [-1, 1]: zero excites every muscle by half.

@@ -17,6 +17,7 @@ const SHORT: &[(&str, &str, &str)] = &[
     ("compare", "--steps", "1k"),
     ("compare", "--seeds", "2"),
     ("eval", "--episodes", "20"),
+    ("export", "--episodes", "2"),
 ];
 
 /// Needs a card, or minutes, or goes on until it is stopped; the command line's own tests parse it.

@@ -8,6 +8,7 @@
 - `myoenv.sb3.MyoVecEnv`: environments for Stable-Baselines3
 - `check_vec_env`: does a vector environment, of anybody, keep its promises
 - `train`, `Policy`, `evaluate`: the library's own PPO; `Policy` goes to NumPy, PyTorch and ONNX and back
+- `trajectories`: what a user does, physics step by physics step
 - `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
 - `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
 - `build_task`, `myoenv.scene`: tasks built from objects; `task_schema`: the format of task files
@@ -49,6 +50,7 @@ from myoenv.session import Callback, TrainResult
 from myoenv.single import MyoEnv, make
 from myoenv.tasks import load_model, load_task, task_schema, to_dict
 from myoenv.training import train
+from myoenv.trajectories import trajectories
 from myoenv.vector import MyoVectorEnv, make_vec
 
 __all__ = [
@@ -87,6 +89,7 @@ __all__ = [
     "task_schema",
     "to_dict",
     "train",
+    "trajectories",
 ]
 
 register_envs()

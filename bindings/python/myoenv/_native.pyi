@@ -35,6 +35,7 @@ __all__ = [
     "task_schema",
     "train_at_once",
     "trained_users",
+    "trajectories",
     "write_whole",
     "xla_step_handler",
 ]
@@ -110,6 +111,11 @@ def run_config(path: str | PathLike[str]) -> str:
 def misfits(run: str | PathLike[str], task: Task, model: Model) -> list[str]:
     """What keeps the user of a run from doing another task, as half sentences; none if it can."""
 
+def trajectories(
+    run: str | PathLike[str], policy: Policy, episodes: int, seed: int
+) -> dict[str, NDArray[np.uint32] | NDArray[np.float64] | list[str]]:
+    """Columns of `episodes` episodes of each layout of a run, by their names."""
+
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
 
@@ -136,6 +142,8 @@ class Task:
     @staticmethod
     def from_yaml(text: str, name: str = "task") -> Task:
         """A YAML text; `name` stands in messages. JSON is YAML, too."""
+    def done_as(self, other: Task) -> Task:
+        """The same done by the user of another task, with that user's body, where this text says nothing of them."""
     def to_yaml(self) -> str:
         """The task as a YAML file, every field written out."""
     def to_json(self) -> str:

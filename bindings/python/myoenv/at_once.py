@@ -28,7 +28,8 @@ def train_users(
     """
     bodies: dict[str, list[int]] = {}
     for k, user in enumerate(users):
-        bodies.setdefault(user.body.to_json(), []).append(k)
+        own = json.dumps(json.loads(user.task.to_json())["body"])
+        bodies.setdefault(user.body.to_json() + own, []).append(k)
     for same in bodies.values():
         body = users[same[0]].body
         for batch in task_batches([users[k].task for k in same], body):

@@ -47,7 +47,8 @@ def evaluate(
         episodes: How many, of each layout.
         task: The task, that of the run or all of its layouts by default. Another one than those may have other objects
             in other places and other steps, though the user was not trained there; body, technique, control step and
-            what is perceived must be the same, else all that differs is named.
+            what is perceived must be the same, else all that differs is named. It is done by the user of the run, with
+            its body where the task does not say `body`.
         checkpoint: Another checkpoint of the run than the newest: the control steps after which it was written, or the
             path of its file.
         seed: Seed of the episodes; by default one made from that of the training, never the same.
@@ -69,6 +70,7 @@ def evaluate(
         if task is None:
             layouts, model = list(description.layouts), description.model if model is None else model
         else:
+            task = load_task(task).done_as(load_task(description.task))
             _refuse_misfits(run, task, model)
     if task is not None:
         layouts = [task]

@@ -42,12 +42,14 @@ from myoenv.tasks import load_task
 __all__ = [
     "AnyOrder",
     "Arc",
+    "Body",
     "Button",
     "Circle",
     "CircleMotion",
     "Cursor",
     "Drag",
     "Dwell",
+    "Fatigue",
     "Fingertip",
     "Follow",
     "GoGo",
@@ -82,6 +84,7 @@ __all__ = [
     "Swing",
     "Technique",
     "Type",
+    "User",
     "Wait",
     "Wave",
     "WavesMotion",
@@ -106,6 +109,24 @@ class Region(Described):
 
 # Three numbers or ranges.
 Place: TypeAlias = Sequence[NumberOrRange] | Array | Region
+
+
+# Who does a task.
+User: TypeAlias = Literal[
+    "human",
+    "fastest",
+    "woman",
+    "man",
+    "small_woman",
+    "large_man",
+    "older_woman",
+    "older_man",
+    "sarcopenia",
+    "rotator_cuff_tear",
+    "tendon_transfer",
+    "left_handed",
+    "tired",
+]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -756,6 +777,44 @@ class RateCursor(Technique):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
+class Body(Described):
+    """What the body of the simulated user is like, where it is not as the model has it. Targets stay where they are
+    relative to the shoulder of the arm that does the task.
+
+    Args:
+        sex: Whose proportions and strength: `female` or `male`. Default: as the model; `myo-arm` is a man's. Lengths
+            and masses of segments as shares of stature and body mass after de Leva 1996, doi
+            10.1016/0021-9290(95)00178-6; a kilogram of a woman is 0.63 times as strong as a man's, so that the median
+            woman is half as strong as the median man, as measured at the shoulder (doi 10.1016/0268-0033(89)90046-6).
+        height_m: Stature, in m. Default: as the model, 1.735 for `myo-arm`. Bones, paths of muscles and bones that they
+            bend over all grow with it. From 1.2 to 2.2 m.
+        mass_kg: Body mass, in kg. Default: as stout as the model (25.4 kg per square metre of stature for `myo-arm`).
+            The torque of muscles grows with it (Jaric 2002, doi 10.2165/00007256-200232100-00002). From 25 to 200 kg.
+        age_years: Age, in years: from 50 on strength falls by 13.5 % in ten years (Hurley 1995, doi
+            10.1093/gerona/50a.special_issue.41: 12 to 15 %). Default: young. It changes nothing else; that older people
+            are slower to see and to decide is for `perception` to say. From 18 to 80 years.
+        hand: The hand that does it. `left` mirrors the body: places are then relative to the centre of the left
+            shoulder. Default `right`. `right`: The right hand. `left`: The left hand.
+        strength: How many times as strong as people of this size all muscles are: their active force. Default 1; 0.5 is
+            what simulations of sarcopenia take (MyoSuite). From 0.01 to 3.
+        muscles: The same for single muscles, such as `SUPSP=0` for a torn tendon, and for groups of them: `shoulder`,
+            `elbow`, `hand`. Those of a named user stay where the task does not name them; `{}` takes all back. Default:
+            none.
+        transfers: Tendon transfers: `PT="ECRB"` makes the first muscle pull where the second did, which pulls no more.
+            Default: none.
+    """
+
+    sex: Literal["female", "male"] | None = None
+    height_m: float | None = None
+    mass_kg: float | None = None
+    age_years: float | None = None
+    hand: Literal["right", "left"] | None = None
+    strength: float | None = None
+    muscles: Mapping[str, float] | None = None
+    transfers: Mapping[str, str] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Reward(Described):
     """What the simulated user is rewarded for: costs per second, bonuses and fines per event. All weights are positive;
     costs are subtracted. They do not depend on the control step, so that a user who decides more often is not paid
@@ -780,12 +839,12 @@ class Reward(Described):
         subtask_bonus: Given once when a target is done, the last one included. Default 3. From 0 to 1,000,000.
         completion_bonus: Given once when the whole task is done. Default 6. From 0 to 1,000,000.
         wrong_press: Cost of pressing a button that the current step does not ask for, each time. Default 0; for
-            `user="human"` 0.3, a tenth of what a target brings. It is counted in any case, and takes the time of
+            `user="human"` 2, two thirds of what a target brings. It is counted in any case, and takes the time of
             `perception.error_pause_s`. From 0 to 1,000,000.
         exit: Cost of leaving the way of a `steer`, each time. Default 0: it is counted, and that is all. From 0 to
             1,000,000.
-        effort_cost: Cost per second of muscle control: times the sum over muscles of the squared control. Default 0.02.
-            From 0 to 1,000,000.
+        effort_cost: Cost per second of muscle control: times the sum over muscles of the squared control that is asked
+            for, also where fatigue leaves less of a muscle. Default 0.02; for `user="human"` 4. From 0 to 1,000,000.
         acceleration_cost: Cost per second of jerky movement: times the sum over independent joints of the squared
             acceleration in rad/s2. Default 0; accelerations are large: the published weight is 1.33e-4. From 0 to
             1,000,000.
@@ -827,6 +886,7 @@ class Observation(Described):
         pointer_position: Position of the pointer, in m from the shoulder centre, where the technique is not the
             fingertip itself. Default True.
         activation: Activation of each muscle, 0 to 1 mapped to -1 to 1. Default True.
+        fatigue: What of each muscle is fatigued, a share, in tasks with fatigue. Default True.
         control: Control that each muscle was last asked for, without motor noise, 0 to 1 mapped to -1 to 1, in tasks
             where changing it costs something. Default True.
         target_position: Centre of the current target, in m from the shoulder centre. Default True.
@@ -867,6 +927,7 @@ class Observation(Described):
     fingertip_position: bool | None = None
     pointer_position: bool | None = None
     activation: bool | None = None
+    fatigue: bool | None = None
     control: bool | None = None
     target_position: bool | None = None
     target_size: bool | None = None
@@ -919,8 +980,9 @@ class Perception(Described):
         body_delay_ms: What is felt of the own body: joints, fingertip, activations. Default 0. From 0 to 1,000 ms.
         touch_delay_ms: The force of a touch. Default 0. From 0 to 1,000 ms.
         vision_noise: How far off a target seems that is away from the pointer: standard deviation along the line
-            between them, as a share of its length and another 4 mm, and half as much across; along the line at most two
-            standard deviations. It shrinks on the way, so that a movement misses by far less. Default 0. From 0 to 1.
+            between them, as a share of its length and another millimetre, and half as much across; along the line at
+            most two standard deviations. It shrinks on the way, so that a movement misses by far less. Default 0. From
+            0 to 1.
         vision_held_s: How long a target seems off in the same way: the time in s after which e-times less of it is
             left, and something new has taken its place, as of people who look again several times a second. Default
             0.3, as long as eyes rest on a place (Rayner 1998, doi 10.1037/0033-2909.124.3.372). From 0.001 to 10 s.
@@ -976,6 +1038,28 @@ class Reflex(Described):
     most: float | None = None
 
 
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Fatigue(Described):
+    """Fatigue: what of a muscle cannot be driven after work, and comes back with rest. The three-compartment model with
+    faster recovery at rest (3CC-r; Looft, Herkert and Frey-Law 2018, doi 10.1016/j.jbiomech.2018.06.005) with the
+    published rates of each muscle's joint: of what is active a share fatigues (1.8 % per second at the shoulder, 0.9 at
+    elbow and hand), and what is not fatigued is the most that a muscle can be excited. The user feels it
+    (`observation.fatigue`).
+
+    Args:
+        speed: How many times as fast as people muscles tire and recover. Default 0 (off); 1 as people, 10 what takes
+            people ten minutes in one. From 0 to 1,000.
+        lasts: Whether it lasts from one episode to the next, until a reset with a seed: long work is many episodes.
+            Otherwise every episode begins as `initial_max` says. Default False.
+        initial_max: What of each muscle is fatigued at the start is drawn from 0 to this. Default 0: rested. From 0 to
+            1.
+    """
+
+    speed: float | None = None
+    lasts: bool | None = None
+    initial_max: float | None = None
+
+
 def build_task(
     name: str,
     *,
@@ -985,13 +1069,15 @@ def build_task(
     stimulus: Literal["all", "current", "before_movement"] | None = None,
     correction: Name | None = None,
     time_limit_s: float | None = None,
-    user: Literal["human", "fastest"] | None = None,
+    user: User | None = None,
+    body: Body | None = None,
     reward: Reward | None = None,
     observation: Observation | None = None,
     reset: Reset | None = None,
     perception: Perception | None = None,
     noise: Noise | None = None,
     reflex: Reflex | None = None,
+    fatigue: Fatigue | None = None,
     control_dt_s: float | None = None,
     model: str | None = None,
     description: str | None = None,
@@ -1016,13 +1102,26 @@ def build_task(
             with eyes that are late, and with regard to its effort. In shape and speed its movements are like people's;
             how far it is like them is told in `docs/people.md`. `fastest`: As fast as its muscles allow: no noise, no
             delay, effort that costs next to nothing. For comparisons of learners, and of tasks whose speed is all that
-            counts.
+            counts. `woman`: `human` as the median woman: 1.626 m, 66.8 kg (soldiers of ANSUR II, 2012), with half the
+            strength of the median man. `man`: `human` as the median man: 1.755 m, 84.6 kg (ANSUR II). `small_woman`:
+            `human` as a small woman: 1.525 m and 51.3 kg, each less than 95 of 100 women have (ANSUR II). `large_man`:
+            `human` as a large man: 1.87 m and 110.7 kg, each more than 95 of 100 men have (ANSUR II). `older_woman`:
+            `human` as the median woman at 75: 0.7 times as strong, and seeing 25 ms later (0.55 ms a year, Woods et al.
+            2015, doi 10.3389/fnhum.2015.00131), which is a whole decision of 40 ms later. `older_man`: `human` as the
+            median man at 75, in the same way. `sarcopenia`: `human` with muscles half as strong: loss of muscle, as
+            MyoSuite simulates it. `rotator_cuff_tear`: `human` with torn tendons of supraspinatus and infraspinatus:
+            the common massive tear of the rotator cuff. `tendon_transfer`: `human` whose wrist extensors are paralysed,
+            after the usual transfer of pronator teres: it pulls where the short radial extensor did. `left_handed`:
+            `human` with the left hand. `tired`: `human` whose muscles tire as people's do, and stay tired from one
+            episode to the next; anything between rested and half fatigued at the start.
+        body: What the user's body is like where it is not as the model has it: how large, how strong, which hand.
         reward: What the simulated user is rewarded for.
         observation: What the simulated user perceives.
         reset: How the body starts an episode.
         perception: How late it is perceived.
         noise: Motor noise, off by default.
         reflex: Stretch reflexes of muscles, off by default.
+        fatigue: Fatigue of muscles, off by default.
         control_dt_s: Time between two decisions of the simulated user, in s; muscle controls are held in between. From
             0.001 to 0.5; default 0.05 (20 Hz).
         model: The body that does it: the name of a built-in model, or a model file, looked for in the working
@@ -1042,12 +1141,14 @@ def build_task(
         "correction": correction,
         "time_limit_s": time_limit_s,
         "user": user,
+        "body": body,
         "reward": reward,
         "observation": observation,
         "reset": reset,
         "perception": perception,
         "noise": noise,
         "reflex": reflex,
+        "fatigue": fatigue,
         "control_dt_s": control_dt_s,
         "model": model,
         "description": description,

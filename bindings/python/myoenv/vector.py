@@ -290,8 +290,9 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         """Goes on with another task of the same structure, such as a layout to try. Nothing is compiled.
         All environments do it, whatever layouts they did.
 
-        Positions, sizes, dwell, force, the reward's weights, noise, reflexes, how episodes begin and the time limit may
-        differ; the number and kinds of targets, what is observed and the control step may not. All episodes begin anew.
+        Positions, sizes, dwell, force, the reward's weights, noise, reflexes, fatigue, how episodes begin and the time
+        limit may differ; the number and kinds of targets, what is observed, whether fatigue lasts and the control step
+        may not. All episodes begin anew.
         `observation_space` and `max_episode_steps` are those of the new task.
 
         Returns:

@@ -50,7 +50,7 @@ impl Plan<f64> {
             timestep: h,
             implicit_damping: model.options.implicit_joint_damping,
             gravity: model.options.gravity,
-            origin: shoulder_in_zero_pose(model).into(),
+            origin: model.shoulder_in_zero_pose().into(),
             dofs: dofs(model, &drives),
             screws: tree.screws,
             links: tree.links,
@@ -259,7 +259,7 @@ impl Tree {
         };
         // Everything is measured from the shoulder centre.
         let origin =
-            Isometry3::from_parts(Translation3::from(-shoulder_in_zero_pose(model)), UnitQuaternion::identity());
+            Isometry3::from_parts(Translation3::from(-model.shoulder_in_zero_pose()), UnitQuaternion::identity());
         let mut tree = Self { links: vec![world], screws: vec![], placement: vec![(0, origin)] };
         for (index, body) in model.bodies.iter().enumerate().skip(1) {
             let (mut link, parent) = tree.placement[body.parent];
@@ -392,18 +392,6 @@ fn frame_along(axis: Vector3<f64>) -> Option<Matrix3<f64>> {
     let turn = Rotation3::rotation_between(&Vector3::z(), &axis)
         .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     ((turn.matrix() - Matrix3::identity()).amax() > PARALLEL).then(|| *turn.matrix())
-}
-
-/// World position of the shoulder body with all joints at zero (m).
-fn shoulder_in_zero_pose(model: &Model) -> Vector3<f64> {
-    let mut place = Isometry3::identity();
-    let mut body = model.shoulder_body;
-    while body != 0 {
-        let b = &model.bodies[body];
-        place = Isometry3::from_parts(Translation3::from(b.pos), b.quat) * place;
-        body = b.parent;
-    }
-    place.translation.vector
 }
 
 fn contact_sphere(model: &Model, tree: &Tree, geom: &myo_model::model::Geom) -> ContactSphere<f64> {

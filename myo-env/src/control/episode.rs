@@ -12,6 +12,7 @@ use myo_tasks::logic::{self, Goal, Stay};
 const POSE_STREAM: u32 = 0x2000;
 const VELOCITY_STREAM: u32 = 0x3000;
 const ACTIVATION_STREAM: u32 = 0x4000;
+const FATIGUE_STREAM: u32 = 0x4800;
 
 /// Starts the random streams of environments where the mask is true anew.
 #[inline(always)]
@@ -79,6 +80,19 @@ fn draw_body<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
     // As if muscles had been asked for long for what they do.
     for (asked, &act) in env.asked.iter_mut().zip(&body.act) {
         *asked = S::select(mask, act, *asked);
+    }
+    rest(world, mask, env);
+}
+
+/// Draws how tired muscles are; where it lasts, in the first episode alone.
+#[inline(always)]
+fn rest<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<S>) {
+    let Some(tiring) = &world.parameters.fatigue else { return };
+    let first = S::from_word(env.episode).lt(S::lit(1.5));
+    let fresh = if tiring.lasts { mask & first } else { mask };
+    let draws = uniform::<S>(env.counter(), FATIGUE_STREAM, env.fatigue.len());
+    for (fatigued, draw) in env.fatigue.iter_mut().zip(draws) {
+        *fatigued = S::select(fresh, draw * tiring.initial, *fatigued);
     }
 }
 

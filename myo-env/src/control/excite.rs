@@ -1,11 +1,10 @@
-//! From actions to excitations: the range of controls, stretch reflexes, and motor noise.
+//! From actions to excitations: the range of controls, stretch reflexes, motor noise, and fatigue.
 
-use super::Scratch;
-use super::stages;
+use super::{Scratch, stages, sum_of_squares};
 use crate::parameters::{Motor, Reflex, World};
 use crate::state::EnvState;
 use myo_dynamics::{State, Workspace, step};
-use myo_muscle::noisy_excitation;
+use myo_muscle::{left_of, noisy_excitation};
 use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
 
 /// Random stream of motor noise.
@@ -17,10 +16,11 @@ pub fn excitation<S: Scalar>(action: S) -> S {
     action.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5))
 }
 
-/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds reflexes and motor noise, which begins anew with each episode.
+/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds reflexes and motor noise, which begins anew with each episode; then muscles tire,
+/// and none is excited beyond what is left of it.
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
-    let Scratch { physics, ctrl, squared_change, draws, .. } = ws;
+    let Scratch { physics, ctrl, squared_change, squared_control, draws, .. } = ws;
     for u in ctrl.iter_mut() {
         *u = excitation(*u);
     }
@@ -42,7 +42,21 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
             *u = noisy_excitation(*u, signal_dependent, constant, process.deviation(*z));
         }
     }
+    // Effort is what is asked for: a tired muscle is not a cheap one.
+    *squared_control = sum_of_squares(ctrl);
+    tire(world, env, ctrl);
     env.step = env.step + S::Word::splat(1);
+}
+
+/// Lets muscles tire by what they do and recover, and be excited as far as they can.
+#[inline(always)]
+fn tire<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ctrl: &mut [S]) {
+    let Some(tiring) = &world.parameters.fatigue else { return };
+    let muscles = ctrl.iter_mut().zip(&mut env.fatigue).zip(&env.body.act).zip(&tiring.group);
+    for (((u, fatigued), &act), &group) in muscles {
+        *fatigued = tiring.groups[group].next(*fatigued, act, *u);
+        *u = left_of(*u, *fatigued);
+    }
 }
 
 /// Lets muscles that lengthen be excited more, and those that shorten less.

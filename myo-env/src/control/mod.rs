@@ -36,6 +36,8 @@ pub struct Scratch<S: Scalar> {
     pub ctrl: Vec<S>,
     /// Sum over muscles of squared changes of the control, without noise, where that costs something; else 0.
     pub squared_change: S,
+    /// Sum of the squared controls that are asked for in the control step, noise included.
+    pub squared_control: S,
     /// Standard normal numbers for motor noise, a multiple of four.
     draws: Vec<S>,
     /// Every physics step of the control step, where somebody wants to know, as [`TraceShape`](crate::TraceShape) says.
@@ -56,6 +58,7 @@ impl<S: Scalar> Scratch<S> {
             physics: Workspace::with_contacts(&tables.plan, tables.contacts),
             ctrl: vec![S::zero(); tables.plan.nmuscle()],
             squared_change: S::zero(),
+            squared_control: S::zero(),
             draws: vec![S::zero(); tables.plan.nmuscle().next_multiple_of(4)],
             trace: None,
             observation: vec![],
@@ -91,7 +94,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     choose(world, &sensed.body, env);
     let goal = Goal::of(&world.parameters.task, &env.task);
     sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
-    let effort = sum_of_squares(&ws.ctrl);
+    let effort = ws.squared_control;
     let efforts = Efforts {
         squared_control: effort,
         squared_acceleration: sum_of_squares(&env.qacc),

@@ -1,7 +1,7 @@
 //! Rules of one's own as the judge.
 
 use super::simulate::landmarks;
-use super::{Judge, Outcome, Scratch, Unwatched, stages, sum_of_squares, summary};
+use super::{Judge, Outcome, Scratch, Unwatched, stages, summary};
 use crate::observe::observe_body;
 use crate::parameters::World;
 use crate::perceive;
@@ -37,7 +37,7 @@ impl<R: Rules> Judge for Own<R> {
         let Verdict { reward, done, failed } = verdict;
         let terminated = done | failed;
         let truncated = world.parameters.task.time_limit.le(env.task.step) & !terminated;
-        summary::add_up(world, env, &[reward], [S::zero(); 2], sum_of_squares(&ws.ctrl), &ws.physics.tally);
+        summary::add_up(world, env, &[reward], [S::zero(); 2], ws.squared_control, &ws.physics.tally);
         summary::summarise_own(world, env, [done & !failed, failed], &mut ws.episode);
         Outcome { reward, terminated, truncated }
     }

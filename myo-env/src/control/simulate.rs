@@ -37,7 +37,7 @@ pub fn simulate<S: Scalar>(
         step::step(&world.tables.plan, &world.obstacles, ctrl, &mut env.body, physics);
         watch.look(world, physics);
         if let Some(trace) = trace {
-            record(&world.tables.plan, physics, &env.body.act, trace);
+            record(&world.tables.plan, physics, &env.body, trace);
         }
     });
     env.qacc.copy_from_slice(&ws.physics.qacc);

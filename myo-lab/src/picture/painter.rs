@@ -21,6 +21,9 @@ const TARGET: Colour = colour(0x2f7d6d);
 const DONE: Colour = colour(0x9aa0a6);
 const PATH: Colour = colour(0x27496d);
 
+/// Stature (m) of the person as it is drawn where the model tells none.
+const DRAWN_STATURE: f64 = 1.735;
+
 /// From a number such as `0x2f7d6d`.
 const fn colour(rgb: u32) -> Colour {
     let [_, red, green, blue] = rgb.to_be_bytes();
@@ -175,14 +178,17 @@ struct Page {
 }
 
 impl Page {
-    /// Paper with head and trunk on it: the shoulder centre is 17 cm right of the middle.
+    /// Paper with head and trunk on it: the centre of a right shoulder is 17 cm right of the middle, that of a left one as far left.
     fn around(skeleton: &Skeleton) -> Self {
+        let size = skeleton.model().stature_m.unwrap_or(DRAWN_STATURE) / DRAWN_STATURE;
+        let side = if skeleton.model().has_left_arm() { -size } else { size };
         let drawing = Drawing { size: PAGE, paper: PAPER, shapes: vec![] };
         let mut page = Self { drawing, scale: scale(skeleton) };
-        page.line(&[[0.0, 0.17, -0.02], [0.0, 0.17, -0.36]], 0.283, SKIN);
-        page.line(&[[0.0, 0.0, 0.0], [0.0, 0.34, 0.0]], 0.105, SKIN);
-        page.line(&[[0.0, 0.17, 0.0], [0.0, 0.17, 0.14]], 0.092, SKIN);
-        page.disc([0.0, 0.17, 0.29], 0.105, SKIN);
+        let at = |y: f64, z: f64| [0.0, side * y, size * z];
+        page.line(&[at(0.17, -0.02), at(0.17, -0.36)], 0.283 * size, SKIN);
+        page.line(&[at(0.0, 0.0), at(0.34, 0.0)], 0.105 * size, SKIN);
+        page.line(&[at(0.17, 0.0), at(0.17, 0.14)], 0.092 * size, SKIN);
+        page.disc(at(0.17, 0.29), 0.105 * size, SKIN);
         page
     }
 

@@ -7,7 +7,7 @@ use myo_tasks::LoadError;
 use myo_train::TrainError;
 use thiserror::Error;
 
-use super::StrengthError;
+use super::{SizesError, StrengthError};
 
 /// Why there is no answer to what a user was asked.
 #[derive(Debug, Error)]
@@ -31,6 +31,9 @@ pub enum ProtocolError {
     /// The body lacks what is asked for.
     #[error(transparent)]
     Strength(#[from] StrengthError),
+    /// The model cannot become a small or a large person's body.
+    #[error(transparent)]
+    Sizes(#[from] SizesError),
     /// The body lacks a joint.
     #[error("the protocol needs the joint {joint}, which the body `{model}` does not have")]
     NoJoint {
@@ -38,6 +41,24 @@ pub enum ProtocolError {
         joint: &'static str,
         /// Name of the body.
         model: String,
+    },
+    /// The body lacks muscles, or does not say what they are for (`group` in a model file).
+    #[error("the protocol needs {what}, which the body `{model}` does not name")]
+    NoMuscle {
+        /// Which.
+        what: &'static str,
+        /// Name of the body.
+        model: String,
+    },
+    /// The arm is in postures in which no muscle holds it.
+    #[error(
+        "work at the height of the {height}: the arm was in postures in which no muscle holds the joint {joint} against gravity"
+    )]
+    Powerless {
+        /// Which joint.
+        joint: &'static str,
+        /// Where the user worked.
+        height: &'static str,
     },
     /// What was recorded has no such figure.
     #[error("{what}: {error}")]

@@ -9,6 +9,7 @@ use super::ProtocolError;
 use super::plot::{Plot, PlotSeries};
 use super::pointing::{OverUsers, USUAL_DISTANCE, UserReaches, set_all, slope};
 use super::practice::conditions;
+use super::reach::mean_profile;
 
 /// Indices of difficulty (bit) of movements that count as easy, below, and as hard, between.
 const EASY: f64 = 2.5;
@@ -49,17 +50,6 @@ pub struct SpeedProfile {
     pub width_m: f64,
     /// Speed (m/s) at even shares of the duration, from its beginning to its end.
     pub speed_m_s: Vec<f64>,
-}
-
-/// Means of profiles, place by place.
-fn mean_profile<'a>(profiles: impl Iterator<Item = &'a Vec<f64>>) -> Vec<f64> {
-    let (mut sum, mut count) = (vec![], 0.0);
-    for profile in profiles.filter(|profile| !profile.is_empty()) {
-        sum.resize(profile.len(), 0.0);
-        sum.iter_mut().zip(profile).for_each(|(sum, speed)| *sum += speed);
-        count += 1.0;
-    }
-    sum.iter().map(|sum| sum / count).collect()
 }
 
 fn profile_of(users: &[UserReaches], condition: usize) -> Vec<f64> {

@@ -1,11 +1,12 @@
 //! What people were asked in studies, asked of a simulated user.
 //!
 //! A user learns the tasks of a protocol first ([`Practice`]), with its own body, rhythm, reward and noise. Then it is [recorded](record) at every
-//! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5)
-//! and [`KeyPresses`] (T1). [`Strength`] (M1) asks the body alone. What they found stands beside figures of people in
+//! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5),
+//! [`KeyPresses`] (T1) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
 //! [`myo_measure::bands`].
 
 mod answers;
+mod endurance;
 mod error;
 mod fitts;
 mod holding;
@@ -17,9 +18,12 @@ mod practice;
 mod reach;
 mod recording;
 mod scatter;
+mod sizes;
 mod strength;
+mod working;
 
 pub use answers::{KeptAnswer, answer_path, kept_answers};
+pub use endurance::{Endurance, EnduranceRow, Recovery, RecoveryRow};
 pub use error::ProtocolError;
 pub use fitts::{FittsCondition, FittsFit, FittsLaw};
 pub use holding::{DriveRow, MuscleDrive, Stillness, StillnessRow};
@@ -28,7 +32,10 @@ pub use kinematics::{KinematicRow, Kinematics, SpeedProfile};
 pub use plot::{Plot, PlotError, PlotPoint, PlotSeries};
 pub use pointing::{OverUsers, UserReaches};
 pub use practice::{HOLD_DEG, Practice, SELECTIONS, circle_targets, conditions};
+pub(crate) use reach::{Aimed, CUT_OFF_HZ, StraightOn, Track, mean_profile};
 pub use reach::{Reach, reaches};
 pub use recording::{Done, Recording, record};
 pub use scatter::{Scatter, ScatterRow};
+pub use sizes::{SizeRow, Sizes, SizesError, WomanOfMan};
 pub use strength::{HoldingShare, MomentArm, SignChange, Strength, StrengthError, StrengthRow};
+pub use working::{WorkInTheAir, WorkRow};

@@ -98,6 +98,16 @@ impl Plot {
         Ok(file)
     }
 
+    /// The upper corner of what is shown where less is drawn.
+    fn free_corner(&self, across: &std::ops::Range<f64>, up: &std::ops::Range<f64>) -> SeriesLabelPosition {
+        let middle = |range: &std::ops::Range<f64>| 0.5 * (range.start + range.end);
+        let points = |series: &PlotSeries| series.points.iter().map(|point| point.at).collect::<Vec<_>>();
+        let drawn = self.series.iter().flat_map(|series| points(series).into_iter().chain(series.line.clone()));
+        let upper = drawn.filter(|at| at[1] > middle(up));
+        let (left, right): (Vec<_>, Vec<_>) = upper.partition(|at| at[0] < middle(across));
+        if left.len() > right.len() { SeriesLabelPosition::UpperRight } else { SeriesLabelPosition::UpperLeft }
+    }
+
     fn error(&self, reason: &dyn std::fmt::Display) -> PlotError {
         PlotError { title: self.title.clone(), reason: reason.to_string() }
     }
@@ -143,7 +153,7 @@ impl Plot {
             .margin(14)
             .x_label_area_size(48)
             .y_label_area_size(64)
-            .build_cartesian_2d(across, up)?;
+            .build_cartesian_2d(across.clone(), up.clone())?;
         chart
             .configure_mesh()
             .x_desc(&self.axes[0])
@@ -171,7 +181,7 @@ impl Plot {
         if self.series.iter().any(|series| !series.name.is_empty()) {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
+                .position(self.free_corner(&across, &up))
                 .background_style(PAPER.mix(0.8))
                 .label_font((FAMILY, LETTER_HEIGHT).into_font().color(&INK))
                 .draw()?;
@@ -201,6 +211,22 @@ mod tests {
             "{svg}"
         );
         assert!(svg.contains("&lt;F1&gt;") && !svg.contains("<F1>"), "{svg}");
+    }
+
+    #[test]
+    fn names_of_series_stand_where_little_is_drawn() {
+        let name_at = |falls: bool| {
+            let mut plot = plot();
+            for series in plot.series.iter_mut().filter(|_| falls) {
+                series.points.iter_mut().for_each(|point| (point.at[1], point.interval) = (1.0 - point.at[1], None));
+                series.line.iter_mut().for_each(|at| at[1] = 1.0 - at[1]);
+            }
+            let svg = plot.svg().unwrap();
+            let before = &svg[..svg.find("means").unwrap()];
+            let x = before.rsplit("<text x=\"").next().unwrap().split('"').next().unwrap();
+            x.parse::<u32>().unwrap()
+        };
+        assert!(name_at(false) < SIZE.0 / 2 && name_at(true) > SIZE.0 / 2, "{} {}", name_at(false), name_at(true));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use myo_measure::bands::{Figure, Figures};
 use myo_measure::fitts::Condition;
 use myo_measure::{Movement, Spread, statistics};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::ProtocolError;
 use super::practice::{SELECTIONS, conditions};
@@ -15,7 +15,8 @@ const LEAST_SHARE: f64 = 0.5;
 pub(super) const USUAL_DISTANCE: f64 = 0.3;
 
 /// A figure of several users.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OverUsers {
     /// The middle one.
     pub median: f64,
@@ -30,7 +31,7 @@ impl From<Spread> for OverUsers {
 }
 
 impl OverUsers {
-    pub(super) fn of(values: &[f64], what: &str) -> Result<Self, ProtocolError> {
+    pub(crate) fn of(values: &[f64], what: &str) -> Result<Self, ProtocolError> {
         Ok(Spread::of(values).map_err(ProtocolError::measuring(what))?.into())
     }
 }

@@ -21,6 +21,11 @@ const WIDTHS: [f64; 4] = [0.015, 0.025, 0.05, 0.1];
 const INDICES: [f64; 2] = [1.5, 5.0];
 /// The upright plane of the circle (m before the shoulder).
 const PLANE_X: f64 = 0.5;
+/// Where people work in the air, and the middle of the upright circle there (m before and above the shoulder): with the arm stretched out, and
+/// beside the trunk with the elbow bent.
+pub const HEIGHTS: [(&str, [f64; 2]); 2] = [("shoulder", [0.5, 0.0]), ("waist", [0.35, -0.35])];
+/// Distance and width (m) of the targets there.
+const WORK: [f64; 2] = [0.2, 0.05];
 /// Distance (m) from the shoulder at which the arm is held, and for how long (s).
 const HOLD_AT: f64 = 0.55;
 const HOLD_S: f64 = 2.0;
@@ -53,11 +58,13 @@ pub enum Practice {
     Keys,
     /// Pressing one key as fast as possible: T1.
     Tapping,
+    /// Across the circle at the height of the shoulder, and nearer at that of the waist: E2.
+    Working,
 }
 
 impl Practice {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Pointing, Self::Holding, Self::Keys, Self::Tapping];
+    pub const ALL: [Self; 5] = [Self::Pointing, Self::Holding, Self::Keys, Self::Tapping, Self::Working];
 
     /// Its name, also of the folder of its runs.
     pub const fn name(self) -> &'static str {
@@ -66,6 +73,7 @@ impl Practice {
             Self::Holding => "holding",
             Self::Keys => "keys",
             Self::Tapping => "tapping",
+            Self::Working => "working",
         }
     }
 
@@ -75,7 +83,7 @@ impl Practice {
         PpoConfig { log_std_min: usual.log_std_min.min(LOG_STD_MIN), ..usual.clone() }
     }
 
-    /// Its tasks for the user of another task, layouts of one structure: what a user brings along (body, control step, reward, senses,
+    /// Its tasks for the user of another task, layouts of one structure: what a user brings along (body, control step, reward, senses, fatigue,
     /// noise) is as there.
     ///
     /// # Errors
@@ -87,6 +95,7 @@ impl Practice {
             Self::Holding => Ok(vec![of_user(holding())?]),
             Self::Keys => Ok(vec![of_user(keys())?]),
             Self::Tapping => Ok(vec![of_user(tapping())?]),
+            Self::Working => HEIGHTS.into_iter().map(|(height, middle)| of_user(working(height, middle))).collect(),
         }
     }
 }
@@ -126,12 +135,14 @@ impl Layout {
         Ok(Task {
             model: user.model.clone(),
             user: user.user,
+            body: user.body.clone(),
             perception: user.perception.clone(),
             control_dt_s: user.control_dt_s,
             reward: user.reward.clone(),
             observation: user.observation.clone(),
             noise: user.noise.clone(),
             reflex: user.reflex.clone(),
+            fatigue: user.fatigue.clone(),
             reset: Reset { pose: Pose::NearZero, activation_max: 0.0, ..Reset::default() },
             ..task
         })
@@ -142,14 +153,24 @@ fn sphere([x, y, z]: [f64; 3], radius: f64) -> Value {
     json!({"kind": "sphere", "at": [x, y, z], "radius": radius})
 }
 
-fn circle([distance, width]: [f64; 2]) -> Layout {
-    let targets = circle_targets(distance);
-    let name = |selection: usize| format!("target{}", selection % TARGETS + 1);
+fn circle(pair: [f64; 2]) -> Layout {
+    let [distance, width] = pair;
+    circle_at(format!("{:.0} mm by {:.0} mm", 1e3 * width, 1e3 * distance), [PLANE_X, 0.0], pair)
+}
+
+fn working(height: &str, middle: [f64; 2]) -> Layout {
+    circle_at(height.into(), middle, WORK)
+}
+
+/// An upright circle about a place so far (m) before and above the shoulder.
+fn circle_at(name: String, [before, above]: [f64; 2], [distance, width]: [f64; 2]) -> Layout {
+    let targets = circle_targets(distance).map(|[_, y, z]| [before, y, z + above]);
+    let target = |selection: usize| format!("target{}", selection % TARGETS + 1);
     let scene: serde_json::Map<String, Value> =
-        (0..TARGETS).map(|selection| (name(selection), sphere(targets[selection], 0.5 * width))).collect();
-    let order: Vec<String> = (0..SELECTIONS).map(name).collect();
+        (0..TARGETS).map(|selection| (target(selection), sphere(targets[selection], 0.5 * width))).collect();
+    let order: Vec<String> = (0..SELECTIONS).map(target).collect();
     Layout {
-        name: format!("{:.0} mm by {:.0} mm", 1e3 * width, 1e3 * distance),
+        name,
         scene: Value::Object(scene),
         script: json!([{"dwell": {"in": order, "for_s": DWELL_S}}]),
         time_limit_s: 24.0,

@@ -10,7 +10,7 @@ use super::practice::{circle_targets, conditions};
 use super::recording::{Done, Recording};
 
 /// What is faster (Hz) is no movement of an arm: where recordings are cut off before speeds are taken.
-const CUT_OFF_HZ: f64 = 10.0;
+pub(crate) const CUT_OFF_HZ: f64 = 10.0;
 /// Places of a movement where its speed is told.
 const PROFILE: usize = 51;
 /// Fewest samples that are a movement.
@@ -61,28 +61,81 @@ fn reach(
     earliest: usize,
 ) -> Result<Reach, ProtocolError> {
     let ([distance, _], done) = (conditions()[condition], recording.done[selection]);
-    let raw = &recording.fingertip;
-    let end = done.end.min(raw.len() - 1);
-    let moved = done.entry > done.begin + LEAST_SAMPLES;
-    let found = moved.then(|| movement(&smooth[earliest..=end], recording.rate_hz, done, earliest));
-    let found = found.transpose().map_err(ProtocolError::measuring("a movement"))?;
-    // Where nothing moved the time is that from the signal to the entry, which is short or none.
-    let onset = found.as_ref().map_or(done.begin, |found| found.samples[0]);
-    let trial = Trial {
-        movement_time_s: (done.entry - onset) as f64 / recording.rate_hz,
-        start: raw[onset],
-        target: circle_targets(distance)[selection],
-        end: centre(&raw[done.entry..=end]),
-    };
-    Ok(Reach {
-        condition,
-        selection,
-        trial,
-        first_stop: found.as_ref().map(|found| smooth[found.first_stop]),
-        movement: found.as_ref().map(|found| found.movement),
-        samples: [onset, end],
-        profile: found.map_or_else(Vec::new, |found| found.profile),
-    })
+    let track = Track { raw: &recording.fingertip, smooth, rate_hz: recording.rate_hz };
+    let Aimed { trial, movement, profile, first_stop, samples } = track
+        .aimed(done, circle_targets(distance)[selection], earliest)
+        .map_err(ProtocolError::measuring("a movement"))?;
+    Ok(Reach { condition, selection, trial, movement, profile, first_stop, samples })
+}
+
+/// Where a hand was, as it was recorded and smoothed.
+#[derive(Clone, Copy)]
+pub(crate) struct Track<'a> {
+    /// As it was recorded (m).
+    pub raw: &'a [[f64; 3]],
+    /// Without what is no movement of an arm.
+    pub smooth: &'a [[f64; 3]],
+    /// Samples per second.
+    pub rate_hz: f64,
+}
+
+/// A movement at one target; fields as those of [`Reach`].
+pub(crate) struct Aimed {
+    pub trial: Trial,
+    pub movement: Option<Movement>,
+    pub profile: Vec<f64>,
+    pub first_stop: Option<[f64; 3]>,
+    pub samples: [usize; 2],
+}
+
+impl Track<'_> {
+    /// What was done at a target (m); the movement does not begin before the sample `earliest`.
+    pub(crate) fn aimed(&self, done: Done, target: [f64; 3], earliest: usize) -> Result<Aimed, MeasureError> {
+        let Self { raw, smooth, rate_hz } = *self;
+        let end = done.end.min(raw.len() - 1);
+        let moved = done.entry > done.begin + LEAST_SAMPLES;
+        let found = moved.then(|| movement(&smooth[earliest..=end], rate_hz, done, earliest)).transpose()?;
+        // Where nothing moved the time is that from the signal to the entry, which is short or none.
+        let onset = found.as_ref().map_or(done.begin, |found| found.samples[0]);
+        let trial = Trial {
+            movement_time_s: (done.entry - onset) as f64 / rate_hz,
+            start: raw[onset],
+            target,
+            end: centre(&raw[done.entry..=end]),
+        };
+        Ok(Aimed {
+            trial,
+            first_stop: found.as_ref().map(|found| smooth[found.first_stop]),
+            movement: found.as_ref().map(|found| found.movement),
+            samples: [onset, end],
+            profile: found.map_or_else(Vec::new, |found| found.profile),
+        })
+    }
+}
+
+/// A movement straight on to its target, at even shares of its duration.
+pub(crate) struct StraightOn {
+    /// How much of the way from its start to the centre lies behind, as a share.
+    pub share: Vec<f64>,
+    /// How fast it goes on (m/s).
+    pub velocity: Vec<f64>,
+}
+
+impl Track<'_> {
+    /// A movement as seen from its start towards its target (m); none where there is no movement.
+    pub(crate) fn straight_on(&self, aimed: &Aimed, target: [f64; 3]) -> Result<Option<StraightOn>, MeasureError> {
+        let Some(movement) = aimed.movement else { return Ok(None) };
+        let onset = aimed.samples[0];
+        let end = (onset + (movement.duration_s * self.rate_hz).round() as usize).min(self.smooth.len() - 1);
+        let start = self.smooth[onset];
+        let way = [0, 1, 2].map(|k| target[k] - start[k]);
+        let distance = way.map(|x| x * x).iter().sum::<f64>().sqrt();
+        let along = |point: &[f64; 3]| [0, 1, 2].map(|k| (point[k] - start[k]) * way[k]).iter().sum::<f64>() / distance;
+        let behind: Vec<f64> = self.smooth[onset..=end].iter().map(along).collect();
+        let velocity = signal::derivative(&behind, self.rate_hz)?;
+        let share = behind.iter().map(|behind| behind / distance).collect::<Vec<_>>();
+        Ok(Some(StraightOn { share: profile(&share), velocity: profile(&velocity) }))
+    }
 }
 
 /// A movement, and where it is in a recording.
@@ -125,7 +178,7 @@ fn movement(positions: &[[f64; 3]], rate_hz: f64, done: Done, first: usize) -> R
     })
 }
 
-/// A speed at even shares of its time, straight between samples.
+/// What was at each sample, at even shares of the time, straight between samples.
 fn profile(speed: &[f64]) -> Vec<f64> {
     let last = (speed.len() - 1) as f64;
     let at = |place: usize| {
@@ -134,4 +187,15 @@ fn profile(speed: &[f64]) -> Vec<f64> {
         below + (above - below) * sample.fract()
     };
     (0..PROFILE).map(at).collect()
+}
+
+/// Means of profiles, place by place.
+pub(crate) fn mean_profile<'a>(profiles: impl Iterator<Item = &'a Vec<f64>>) -> Vec<f64> {
+    let (mut sum, mut count) = (vec![], 0.0);
+    for profile in profiles.filter(|profile| !profile.is_empty()) {
+        sum.resize(profile.len(), 0.0);
+        sum.iter_mut().zip(profile).for_each(|(sum, speed)| *sum += speed);
+        count += 1.0;
+    }
+    sum.iter().map(|sum| sum / count).collect()
 }

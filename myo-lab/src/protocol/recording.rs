@@ -1,6 +1,6 @@
 //! Users at work, recorded at every physics step.
 
-use myo_env::{CpuEnv, EnvConfig, EnvSpec, StepStorage, TraceSample, VectorEnv};
+use myo_env::{CpuEnv, EnvConfig, EnvSpec, StepStorage, TraceShape, VectorEnv};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::Policy;
@@ -16,6 +16,8 @@ pub struct Recording {
     pub fingertip: Vec<[f64; 3]>,
     /// Sum of all forces on it (N).
     pub force: Vec<f64>,
+    /// Positions of the independent joints (rad; m for slides), (samples, joints).
+    pub qpos: Vec<f32>,
     /// Activations, (samples, muscles).
     pub activations: Vec<f32>,
     /// Steps of the script that were done, in order.
@@ -35,35 +37,54 @@ pub struct Done {
 
 impl Recording {
     fn new(rate_hz: f64) -> Self {
-        Self { rate_hz, fingertip: vec![], force: vec![], activations: vec![], done: vec![] }
+        Self { rate_hz, fingertip: vec![], force: vec![], qpos: vec![], activations: vec![], done: vec![] }
     }
 
-    fn add(&mut self, rows: std::slice::ChunksExact<'_, f32>) {
-        for sample in rows.filter_map(TraceSample::of) {
+    fn add(&mut self, shape: &TraceShape, rows: &[f32]) {
+        for sample in rows.chunks_exact(shape.columns).filter_map(|row| shape.sample(row)) {
             self.fingertip.push(sample.fingertip);
             self.force.push(sample.force);
+            self.qpos.extend_from_slice(sample.qpos);
             self.activations.extend_from_slice(sample.activations);
         }
     }
 
     /// Takes in the summary of the episode.
     fn end(&mut self, spec: &EnvSpec, summary: &[f32]) {
+        self.done = Done::of(spec, summary, (self.rate_hz, self.fingertip.len()));
+    }
+}
+
+impl Done {
+    /// How many samples there were from the last entry into the target of a step, counted from zero, to its end, by the summary of an episode.
+    pub(crate) fn after_entry(spec: &EnvSpec, summary: &[f32], step: usize, rate_hz: f64) -> Option<usize> {
+        let value = |quantity: &str| {
+            let name = format!("target_{}_{quantity}", step + 1);
+            let column = spec.episode_names.iter().position(|other| *other == name)?;
+            Some(f64::from(*summary.get(column)?)).filter(|value| value.is_finite())
+        };
+        Some(((value("time")? - value("movement_time")?) * rate_hz).round() as usize)
+    }
+
+    /// What was done in an episode of so many samples at a rate (Hz), by its summary.
+    pub(crate) fn of(spec: &EnvSpec, summary: &[f32], (rate_hz, length): (f64, usize)) -> Vec<Self> {
         let value = |name: String| {
             let column = spec.episode_names.iter().position(|other| *other == name)?;
             Some(f64::from(*summary.get(column)?)).filter(|value| value.is_finite())
         };
-        let samples = |seconds: f64| (seconds * self.rate_hz).round() as usize;
-        let mut begin = 0;
+        let samples = |seconds: f64| (seconds * rate_hz).round() as usize;
+        let (mut all, mut begin) = (vec![], 0);
         for target in 1.. {
             let time = value(format!("target_{target}_time"));
             let (Some(time), Some(movement)) = (time, value(format!("target_{target}_movement_time"))) else { break };
-            let done = Done { begin, entry: begin + samples(movement), end: begin + samples(time) };
-            if done.end > self.fingertip.len() {
+            let done = Self { begin, entry: begin + samples(movement), end: begin + samples(time) };
+            if done.end > length {
                 break;
             }
-            self.done.push(done);
+            all.push(done);
             begin = done.end;
         }
+        all
     }
 }
 
@@ -91,8 +112,7 @@ pub fn record(
         policy.act_deterministic(&step.observation, &mut actions);
         env.step_traced(&actions, step.buffers(), &mut trace)?;
         for number in (0..num_envs).filter(|&number| going[number]) {
-            let rows = trace[number * shape.len_per_env()..][..shape.len_per_env()].chunks_exact(shape.columns);
-            recordings[number].add(rows);
+            recordings[number].add(&shape, &trace[number * shape.len_per_env()..][..shape.len_per_env()]);
         }
         for number in 0..num_envs {
             if going[number] && (step.terminated[number] || step.truncated[number]) {

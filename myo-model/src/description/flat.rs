@@ -3,7 +3,7 @@
 //! `#[serde(flatten)]` would do the same but reads through a buffer that forgets line and column.
 
 use super::PathElement;
-use myo_muscle::{CurveParameters, MuscleParameters};
+use myo_muscle::{CurveParameters, MuscleGroup, MuscleParameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,12 +31,16 @@ pub(super) struct Muscle {
     /// Lower and upper bound of the control (neural excitation), usually 0 and 1.
     #[serde(default = "unit_range")]
     ctrl_range: [f64; 2],
+    /// Which joint it moves, as far as fatigue differs; without, it tires as muscles of all joints do together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    group: Option<MuscleGroup>,
 }
 
 impl From<Muscle> for super::Muscle {
     fn from(flat: Muscle) -> Self {
-        let Muscle { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range } = flat;
-        let parameters = MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range };
+        let Muscle { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group } = flat;
+        let parameters =
+            MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group };
         Self { name, path, parameters }
     }
 }
@@ -44,8 +48,9 @@ impl From<Muscle> for super::Muscle {
 impl From<super::Muscle> for Muscle {
     fn from(muscle: super::Muscle) -> Self {
         let super::Muscle { name, path, parameters } = muscle;
-        let MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range } = parameters;
-        Self { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range }
+        let MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group } =
+            parameters;
+        Self { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group }
     }
 }
 

@@ -9,34 +9,38 @@ use myo_tasks::Task;
 
 use crate::protocol::Refusal;
 
+/// What differs between bodies: the model, and in words what its user changes of it.
+type Of = (String, String);
+
 /// Bodies that were asked for.
 #[derive(Default)]
 pub struct Bodies {
-    models: Mutex<HashMap<String, Arc<Model>>>,
-    /// By the model and what points, in words.
-    reaches: Mutex<HashMap<(String, String), Arc<ModelReach>>>,
+    models: Mutex<HashMap<Of, Arc<Model>>>,
+    /// By the body and what points, in words.
+    reaches: Mutex<HashMap<(Of, String), Arc<ModelReach>>>,
 }
 
 impl Bodies {
-    /// A model by its name or file.
+    /// The body of a task's user.
     ///
     /// # Errors
-    /// There is none, or it cannot be simulated.
-    pub fn model(&self, name: &str) -> Result<Arc<Model>, Refusal> {
-        let made = || Ok(Arc::new(Model::new(&describe_model(name)?)?));
+    /// There is no such model, it cannot be simulated, or cannot become that body.
+    pub fn of(&self, task: &Task) -> Result<Arc<Model>, Refusal> {
+        let (name, body) = (&*task.model, &task.body);
+        let made = || Ok(Arc::new(body.of(&describe_model(name)?)?));
         // The file of a model may change.
         if !myo_model::builtin_names().contains(&name) {
             return made();
         }
-        kept(&self.models, name.to_owned(), made)
+        kept(&self.models, (name.to_owned(), body.words()), made)
     }
 
     /// What the pointer of a task reaches.
     ///
     /// # Errors
-    /// As for [`model`](Self::model).
+    /// As for [`of`](Self::of).
     pub fn reach(&self, task: &Task) -> Result<Arc<ModelReach>, Refusal> {
-        let model = self.model(&task.model)?;
+        let model = self.of(task)?;
         let made = || Ok(Arc::new(ModelReach::for_task(&model, task)?));
         let pointer = match task.flat() {
             Ok(flat) => format!("{:?}", flat.pointer),
@@ -47,7 +51,7 @@ impl Bodies {
         if on_a_face || !myo_model::builtin_names().contains(&&*task.model) {
             return made();
         }
-        kept(&self.reaches, (task.model.clone(), pointer), made)
+        kept(&self.reaches, ((task.model.clone(), task.body.words()), pointer), made)
     }
 }
 

@@ -545,7 +545,7 @@ impl Jobs {
             until: order.until.parse()?,
             steps: order.steps.unwrap_or_else(|| default_steps(task.control_dt_s)),
         };
-        let (model, settings, backend) = (self.bodies.model(&task.model)?, &order.settings, &self.backend);
+        let (model, settings, backend) = (self.bodies.of(&task)?, &order.settings, &self.backend);
         let beginning = Beginning { task: &task, model: &model, backend, settings, seed: order.seed, goal, heir_to };
         Training::begin(beginning, &self.workspace.run(run)?, &mut |notice| notices.push(notice))
     }

@@ -82,6 +82,7 @@ fn view(task: &Task, flat: &FlatTask) -> TaskView {
         name: task.name.clone(),
         description: task.description.clone(),
         model: task.model.clone(),
+        body: task.body.clone(),
         technique: task.technique.name().to_owned(),
         time_limit_s: task.time_limit_s,
         objects: (0..flat.objects.len()).map(|index| object(flat, index)).collect(),

@@ -26,6 +26,7 @@ use std::thread::JoinHandle;
 use myo_env::Skeleton;
 use myo_lab::{Backend, RunDescription};
 use myo_model::builtin_names;
+use myo_tasks::Task;
 use serde_json::Value;
 
 use crate::protocol::{
@@ -121,10 +122,17 @@ impl Engine {
             "pose" => {
                 let Pose { text } = serde_json::from_value(with)?;
                 let task = self.workspace.read(&text)?.task;
-                replay::moment(&*self.bodies.model(&task.model)?, &task).map(motion)
+                replay::moment(&*self.bodies.of(&task)?, &task).map(motion)
             }
             _ => ask(self, call, with).map(Answered::Value),
         }
+    }
+}
+
+impl Drop for Engine {
+    /// Nobody writes in the folder once it is free for another studio.
+    fn drop(&mut self) {
+        self.close();
     }
 }
 
@@ -183,7 +191,7 @@ impl AnswersOne<AskReach> for Engine {
 impl AnswersOne<AskReward> for Engine {
     fn answer_one(&self, AskReward { text }: AskReward) -> Result<RewardView, Refusal> {
         let task = self.workspace.read(&text)?.task;
-        reward::view(&task, &*self.bodies.model(&task.model)?, &*self.bodies.reach(&task)?)
+        reward::view(&task, &*self.bodies.of(&task)?, &*self.bodies.reach(&task)?)
     }
 }
 
@@ -206,10 +214,9 @@ impl AnswersOne<AskSettings> for Engine {
 }
 
 impl AnswersOne<AskBody> for Engine {
-    fn answer_one(&self, AskBody { model }: AskBody) -> Result<BodyShape, Refusal> {
-        let task = myo_tasks::Task::without_script("body");
-        let model = self.bodies.model(&self.workspace.model(&model))?;
-        Ok(motion::shape(&Skeleton::without_script(&model, &task)?))
+    fn answer_one(&self, AskBody { model, body }: AskBody) -> Result<BodyShape, Refusal> {
+        let bare = Task { model: self.workspace.model(&model), body, ..Task::without_script("body") };
+        Ok(motion::shape(&Skeleton::without_script(&*self.bodies.of(&bare)?, &bare)?))
     }
 }
 

@@ -21,6 +21,8 @@ pub fn shape(skeleton: &Skeleton) -> BodyShape {
         parts: model.bodies.iter().map(part).collect(),
         limb: skeleton.limb().to_vec(),
         muscles: model.muscles.iter().enumerate().map(muscle).collect(),
+        is_left: model.has_left_arm(),
+        stature_m: model.stature_m,
         joints: skeleton.joint_names().map(str::to_owned).collect(),
     }
 }

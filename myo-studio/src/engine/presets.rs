@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use myo_env::{CpuEnv, EnvConfig, StepStorage, VectorEnv};
 use myo_lab::picture::Painter;
-use myo_model::{Model, builtin};
+use myo_model::builtin;
 use myo_tasks::{Task, preset, preset_names, preset_text};
 use rayon::prelude::*;
 
@@ -30,7 +30,7 @@ fn card(name: &str) -> Option<PresetCard> {
 
 /// The user before the first movement.
 fn picture(task: &Task) -> Result<String, Refusal> {
-    let model = Model::new(&builtin(&task.model)?)?;
+    let model = task.embody(&builtin(&task.model)?)?;
     let mut env = CpuEnv::new(&model, &at_rest(task), &EnvConfig { num_envs: 1, seed: 1, ..EnvConfig::default() })?;
     let mut step = StepStorage::new(env.spec());
     env.reset(Some(1), None, &mut step.observation)?;

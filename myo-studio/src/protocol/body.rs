@@ -14,6 +14,10 @@ pub struct BodyShape {
     pub limb: Vec<usize>,
     /// Its muscles.
     pub muscles: Vec<MuscleShape>,
+    /// Whether it is a left arm.
+    pub is_left: bool,
+    /// Stature of the person (m), where it is known.
+    pub stature_m: Option<f64>,
     /// Names of the independent joints, in the order of [`MotionLayout::joints`].
     pub joints: Vec<String>,
 }

@@ -13,6 +13,7 @@ mod task;
 #[cfg(test)]
 mod typescript;
 
+use myo_tasks::Body;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -246,10 +247,13 @@ calls! {
     } -> RewardMap, "RewardMap";
     /// All settings of the learner.
     "settings" AskSettings {} -> Vec<LearnerSetting>, "Array<LearnerSetting>";
-    /// The body of a model.
+    /// The body of a task's user.
     "body" AskBody {
         /// Name or file of the model.
         model: String,
+        /// What its user changes of it.
+        #[cfg_attr(test, ts(type = "unknown"))]
+        body: Body,
     } -> BodyShape, "BodyShape";
     /// The body that learnt in a run, whatever became of the file of its model.
     "body_of_run" AskBodyOfRun {

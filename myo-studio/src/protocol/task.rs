@@ -1,5 +1,6 @@
 //! A task as it is seen and changed.
 
+use myo_tasks::Body;
 use serde::{Deserialize, Serialize};
 
 /// What stands in the text of a task.
@@ -47,8 +48,11 @@ pub struct TaskView {
     pub name: String,
     /// What it says of itself.
     pub description: String,
-    /// Name or file of the body.
+    /// Name or file of the model.
     pub model: String,
+    /// What its user changes of it.
+    #[cfg_attr(test, ts(type = "unknown"))]
+    pub body: Body,
     /// What points.
     pub technique: String,
     /// Longest episode (s).

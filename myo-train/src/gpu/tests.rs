@@ -46,7 +46,7 @@ pub fn envs(num_envs: usize) -> EnvConfig {
 
 pub fn env(gpu: &Gpu, num_envs: usize) -> GpuEnv {
     let task = task();
-    let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
+    let model = task.embody(&builtin(&task.model).unwrap()).unwrap();
     GpuEnv::new(gpu, &model, &task, &envs(num_envs)).unwrap()
 }
 
@@ -382,7 +382,7 @@ fn episodes_that_last_to_the_time_limit_end_at_different_times_on_the_card_too()
     ball(&mut task).radius = 1e-3.into();
     dwell_for(&mut task, 1.0);
     task.time_limit_s = 1.2;
-    let model = Model::new(&builtin(&task.model).unwrap()).unwrap();
+    let model = task.embody(&builtin(&task.model).unwrap()).unwrap();
     let envs = EnvConfig { num_envs: 12, ..EnvConfig::default() };
     let config = PpoConfig { rollout_s: 0.2, exploring_starts: 0.0, ..config(12) };
     let mut trainer = Trainer::on_card(GpuEnv::new(&gpu, &model, &task, &envs).unwrap(), config, 1).unwrap();

@@ -80,7 +80,7 @@ Examples:
 Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged.
 
 With --task the user does a layout that it was not trained on, with what it learned elsewhere. There may be other objects in other places,
-more steps and of other kinds. Body, technique, control step and what is perceived must be those of the training, else all that
+more steps and of other kinds. It is done by the user of the run with its body, where the file does not say `body`. Model, hand, technique, control step and what is perceived must be those of the training, else all that
 differs is named: `pointer_position` is perceived only where the technique is not the fingertip, `target_velocity` where something
 moves, `cue` where a step must be waited for, `drag` where there is a slider to drag or a stick to swing. The result says that the user was not trained there.
 A user of several layouts (`myo train --together`) does each of them; the table has them and their mean.
@@ -90,18 +90,21 @@ a button: without dwell, to one physics step. With dwell it is the time to the e
 
 With --protocol the user is asked what people were asked in studies, and the answers stand beside theirs. It practises first what is asked, as its
 task was learnt, and so do others with other seeds; they are kept in the folder `protocols` of the run. F1 is Fitts' law, K1 speeds and shapes of movements, K2 where
-movements end before they are corrected, K3 how still the arm is held, K5 what muscles do, T1 presses of keys; M1 asks the body alone: isometric strength of
-elbow, shoulder and forearm, the share of it that holds the straight arm up, moment arms at the elbow, and muscles that change sides. `bands` does all of them and tells
-which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
+movements end before they are corrected, K3 how still the arm is held, K5 what muscles do, T1 presses of keys, E2 what ten minutes of
+selecting in the air cost at the height of the shoulder and of the waist. M1, A1, E1 and E3 ask the body alone: M1 isometric strength of elbow, shoulder and forearm, the share of it that holds the
+straight arm up, moment arms at the elbow, and muscles that change sides; A1 whether it becomes the bodies of small and large people; E1 how long muscles hold a load, E3 how they recover. `bands` does all but A1 and E3 and tells which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
 confidence interval of the mean over users), of K1 `rows` (`figure`, `what`, `unit`, `median`, `interval`), of K2 `rows`, `elongation`, `growth_along`, `direction_deg`, of K3 and K5 `rows`, of T1
-`peak_force_n`, `contact_time_s`, `impulse_n_s`, `interval_s`, `rate_hz`; of M1 `model`, `strength`, `holding`, `moment_arms`, `sign_changes`; of all but M1 `users`. Of `bands`
+`peak_force_n`, `contact_time_s`, `impulse_n_s`, `interval_s`, `rate_hz`; of M1 `model`, `strength`, `holding`, `moment_arms`, `sign_changes`; of A1 `model`, `rows` (`user`, `height_m`, `mass_kg`, `reach_m`, `reach_of_height`, `people_reach_of_height`,
+`arm_kg`, `arm_of_mass`, `people_arm_of_mass`, `strength_of_man`, `holding_share`), `woman_of_man`; of E1 `rows` (`joint`, `load`, `time_s`, `people_s`,
+`of_people`), of E2 `rows` (`height`, `fatigued`, `of_strength`, `consumed_endurance`, `consumed_nicer`, `upper_arm`, `selections_per_min`), of E3 `rows` (`joint`, `after_work`, `after_rest`,
+`without_rest_factor`); of all that ask a user `users`. Of `bands`
 `users`, `bands`, a list with `number`, `what`, `verdict` (`passed`, `failed`, `not_measured`, `reported`) and `findings` (`figure`, `lower`, `upper`,
 `value`, `verdict`, `judged`, `confidence`), and the answers under their names.
 
 JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
 and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
 with `_interval` behind its name, a list of the two ends of its 95 % confidence interval (Wilson's for shares, Student's for
-means), and times of targets with `_sd` (standard deviation); and `run`, `task`, `trained_task`, `trained_layouts` (names, one or more), `env_steps` (control steps that the policy was
+means), and times of targets with `_sd` (standard deviation); and `run`, `user` (who it is, with its body), `task`, `trained_task`, `trained_layouts` (names, one or more), `env_steps` (control steps that the policy was
 trained for), `trend` (what the last doubling of them brought and more would, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and
 `device` (its name); `trained_here`, whether the user was trained on this layout; and with several layouts `layouts`, a list of the same
 quantities of each, with its name as `task`; all else is over as many episodes of each then. Values that do not exist are null. Backends agree up to rounding, not bit for bit.";
@@ -112,6 +115,7 @@ struct Results<'a> {
     #[serde(flatten)]
     evaluation: Value,
     run: String,
+    user: String,
     task: &'a str,
     trained_task: &'a str,
     trained_layouts: Vec<String>,
@@ -143,10 +147,7 @@ pub fn run(args: &Eval) -> Result<()> {
         None => Scenario::of(&trained)?,
     };
     let trained_here = trained.layouts().contains(&scenario.task);
-    let checkpoint = match &args.checkpoint {
-        Some(which) => checkpoint(&folder, which)?,
-        None => existing_checkpoint(&folder)?,
-    };
+    let checkpoint = chosen_checkpoint(&folder, args.checkpoint.as_deref())?;
     let interrupt = Interrupt::listen()?;
     let seed = args.seed.unwrap_or_else(|| evaluation_seed(checkpoint.seed(), 0));
     let episodes = usize::try_from(args.episodes)?;
@@ -176,6 +177,7 @@ pub fn run(args: &Eval) -> Result<()> {
         return print_json(&Results {
             evaluation,
             run,
+            user: scenario.task.who(),
             task,
             trained_task,
             trained_layouts: layout_names(&trained.layouts()),
@@ -197,11 +199,17 @@ pub fn run(args: &Eval) -> Result<()> {
         ),
     };
     print(&format!(
-        "{warning}{}{}  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
+        "{warning}{}{}  user            {}\n  trained         {steps} control steps{elsewhere}\n  evaluated       on {}\n",
         report::evaluation(&scenario.layouts, &evaluation),
         report::practice(checkpoint.trend()),
+        scenario.task.who(),
         sentence(&device)
     ))
+}
+
+/// The checkpoint that is asked for, or the newest.
+pub fn chosen_checkpoint(run: &RunFolder, which: Option<&str>) -> Result<Checkpoint> {
+    which.map_or_else(|| existing_checkpoint(run), |which| checkpoint(run, which))
 }
 
 /// The checkpoint in a file, or of so many control steps in the run folder.
@@ -230,7 +238,7 @@ fn checkpoint_of(run: &RunFolder, steps: u64) -> Result<PathBuf> {
 
 /// Another layout for the user of a run; refused where the user cannot act there, with all that differs.
 fn elsewhere(run: &Path, trained: &RunDescription, task: &str) -> Result<Scenario> {
-    let (own, scenario) = (Scenario::of(trained)?, Scenario::open(task)?);
+    let (own, scenario) = (Scenario::of(trained)?, Scenario::open_as(task, &trained.task)?);
     let misfits = misfits(own.setting(), scenario.setting())?;
     if misfits.is_empty() {
         return Ok(scenario);

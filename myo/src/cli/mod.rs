@@ -7,10 +7,12 @@ mod devices;
 #[cfg(test)]
 mod docs;
 mod eval;
+mod export;
 mod failure;
 #[cfg(feature = "studio")]
 mod html;
 mod interrupt;
+mod measure;
 mod model;
 mod output;
 mod parse;
@@ -63,6 +65,10 @@ enum Command {
     Eval(eval::Eval),
     /// Compare two layouts: train users on each and tell what differs
     Compare(compare::Compare),
+    /// What a trained user does, physics step by physics step, as a table
+    Export(export::Export),
+    /// Figures of recorded movements, of people and of simulated users in the same way
+    Measure(measure::Measure),
     /// Runs: what was trained, and how well it does
     Runs(runs::Runs),
     /// Runs as one page for the browser, which needs nothing else
@@ -108,6 +114,8 @@ fn run<'scope>(cli: Cli, beside: &'scope Scope<'scope, '_>) -> Result<()> {
         Command::Train(args) => train::run(&args, beside),
         Command::Eval(args) => eval::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::Measure(args) => measure::run(&args),
         Command::Runs(args) => runs::run(&args),
         #[cfg(feature = "studio")]
         Command::Report(args) => html::run(&args),

@@ -1,6 +1,7 @@
 //! Values of options.
 
 use myo::env::MOST_THREADS;
+use myo::model::Nearest;
 use myo::tasks::User;
 
 /// A whole number, 1 or more.
@@ -38,8 +39,8 @@ pub fn count(text: &str) -> Result<u64, String> {
 
 /// Who does a task.
 pub fn user(text: &str) -> Result<User, String> {
-    let names = || User::ALL.map(|user| format!("`{}`", user.name())).join(" or ");
-    User::ALL.into_iter().find(|user| user.name() == text).ok_or_else(|| format!("expected {}", names()))
+    let unknown = || Nearest::to(text, &User::ALL.map(User::name)).to_string();
+    User::ALL.into_iter().find(|user| user.name() == text).ok_or_else(unknown)
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ A run is `training` while a process trains there, `stopped` before its end (go o
 Runs that cannot be read are listed with the reason. Users of one task in one folder, as of
 `--seeds`, share a line, with means.
 
-JSON: `runs`, a list of objects with `run` (the folder), and `damage`, why it cannot be read, or null; then `tasks` (names of its layouts),
+JSON: `runs`, a list of objects with `run` (the folder), and `damage`, why it cannot be read, or null; then `tasks` (names of its layouts), `user` (who it is, with its body),
 `seed`, `device` (`cpu`, or the name of the card), `env_steps`, `state`, `success`, `episode_length_s`, `effort` (null
 before the evaluation) and `changed_s` (seconds since 1970-01-01).";
 
@@ -80,6 +80,7 @@ fn as_json(run: &FoundRun) -> Value {
             "run": run.path,
             "damage": null,
             "tasks": summary.layouts,
+            "user": summary.user,
             "seed": summary.seed,
             "device": summary.device,
             "env_steps": summary.env_steps,
@@ -99,7 +100,7 @@ fn listing(args: &Runs, found: &[FoundRun]) -> String {
         return format!("no run{looked_for} in {}\n", args.folder.display());
     }
     lines.sort_by_key(|line| std::cmp::Reverse(line.changed));
-    let heading = row(["run", "task", "users", "steps", "success", "episode", "effort", "state", "changed"]);
+    let heading = row(["run", "task", "user", "users", "steps", "success", "episode", "effort", "state", "changed"]);
     let rows: Vec<_> = [heading].into_iter().chain(lines.iter().map(Line::row)).collect();
     let mut text = if lines.is_empty() { String::new() } else { table(&rows) };
     for run in found {
@@ -118,6 +119,8 @@ fn listing(args: &Runs, found: &[FoundRun]) -> String {
 struct Line {
     run: PathBuf,
     task: String,
+    /// Who they are; others of the same folder may be others.
+    user: String,
     users: usize,
     env_steps: f64,
     success: Option<f64>,
@@ -156,6 +159,10 @@ impl Line {
                 [one, others @ ..] => format!("{} and {} more", name(one), others.len()),
                 [] => String::new(),
             },
+            user: match users.iter().all(|user| user.user == first.user) {
+                true => first.user.clone(),
+                false => "several".into(),
+            },
             users: users.len(),
             env_steps: mean(|user| Some(user.env_steps as f64))?,
             success: mean(|user| user.success),
@@ -171,6 +178,7 @@ impl Line {
         vec![
             name(&self.run.display().to_string()),
             self.task.clone(),
+            self.user.clone(),
             self.users.to_string(),
             rounded(self.env_steps),
             shown(self.success, &percent),

@@ -41,7 +41,22 @@ impl Scenario {
     /// The same for a user who is like this where the task does not say.
     pub fn open_for(name_or_file: &str, user: Option<User>) -> Result<Self> {
         let source = read(name_or_file)?;
-        let source = user.map_or_else(|| source.clone(), |user| source.clone().done_by(user));
+        Self::of_source(user.map_or_else(|| source.clone(), |user| source.clone().done_by(user)))
+    }
+
+    /// The same for the user of another task, who brings its body along.
+    pub fn open_as(name_or_file: &str, other: &Task) -> Result<Self> {
+        Self::of_source(read(name_or_file)?.done_as(other))
+    }
+
+    /// A preset, done by this user with another body.
+    pub fn of_preset(name: &str, user: User, body: &str) -> Result<Self> {
+        let mut source = read(name)?.done_by(user);
+        source.task.model = body.into();
+        Self::of_source(source)
+    }
+
+    fn of_source(source: Source) -> Result<Self> {
         let (report, model) = examine(&source)?;
         let (errors, warnings) = mistakes(&source, &report);
         warnings.iter().for_each(Mistake::tell);
@@ -132,15 +147,18 @@ pub fn read(name_or_file: &str) -> Result<Source> {
 
 /// Everything wrong or odd about a task for its body, and the body.
 pub fn examine(source: &Source) -> Result<(Report, Model)> {
-    let model = model::open(&source.task.model).map_err(|failure| at_model_key(source, failure))?;
+    let description = model::describe(&source.task.model).map_err(|failure| at_key(source, "model", failure))?;
+    let refused = |key| move |error| at_key(source, key, model_failure(&error));
+    Model::new(&description).map_err(refused("model"))?;
+    let model = source.task.embody(&description).map_err(refused("body"))?;
     let reach = ModelReach::for_task(&model, &source.task)?;
     Ok((source.check(&reach), model))
 }
 
-/// An unknown model is a mistake of the task.
-fn at_model_key(source: &Source, failure: Failure) -> Failure {
+/// An unknown model, or one that cannot become the body of the user, is a mistake of the task.
+fn at_key(source: &Source, key: &str, failure: Failure) -> Failure {
     match failure {
-        Failure::Sentence(text) => Failure::Mistakes(vec![Mistake::in_task(source, "model", &text)]),
+        Failure::Sentence(text) => Failure::Mistakes(vec![Mistake::in_task(source, key, &text)]),
         other => other,
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Subcommand;
-use myo::tasks::{Task, preset, preset_names, preset_text, task_schema};
+use myo::tasks::{Task, User, preset, preset_names, preset_text, task_schema};
 use serde_json::json;
 
 use super::failure::{Failure, Mistake, Result};
@@ -53,6 +53,13 @@ and `message`.")]
         #[arg(long)]
         json: bool,
     },
+    /// Users who can do a task, by name: `user` in a task file, `--user` of commands
+    #[command(after_help = "Example:\n  myo task users\n  myo train pointing --user small_woman")]
+    Users {
+        /// Print a JSON list of objects with `name`, `about`, `body` (what the body differs in)
+        #[arg(long)]
+        json: bool,
+    },
     /// Print the JSON Schema of task files, for editors and forms
     #[command(
         after_help = "Example:\n  myo task schema > myo-task.schema.json    completes and checks task files in editors"
@@ -67,6 +74,7 @@ pub fn run(command: Command) -> Result<()> {
         Command::Show { name } => show(&name),
         Command::Convert { task } => print_file(&scenario::read(&task)?.task.converted().to_yaml()),
         Command::Check { task, json } => check(&task, json),
+        Command::Users { json } => users(json),
         Command::Schema => print_json(&task_schema()),
     }
 }
@@ -89,6 +97,19 @@ fn list(json: bool) -> Result<()> {
     rows.extend(tasks.iter().map(|(name, task)| {
         row([name, &targets(task).to_string(), &format!("{} s", task.time_limit_s), &task.description])
     }));
+    print(&table(&rows))
+}
+
+fn users(json: bool) -> Result<()> {
+    if json {
+        let object = |user: User| {
+            let body = Task::without_script("user").done_by(user).body;
+            json!({"name": user.name(), "about": user.about(), "body": body.words()})
+        };
+        return print_json(&User::ALL.map(object));
+    }
+    let mut rows = vec![row(["name", "who"])];
+    rows.extend(User::ALL.map(|user| row([user.name(), &user.about()])));
     print(&table(&rows))
 }
 

@@ -1,6 +1,6 @@
 //! `myo bench`.
 
-use crate::{assert_refused, here, json, myo};
+use crate::{assert_refused, here, json, myo, short_training, stderr, stdout};
 
 #[test]
 fn benches_give_rows() {
@@ -33,4 +33,68 @@ fn operations_of_a_kernel_are_those_of_its_stages() {
     assert!(stages.iter().any(|stage| stage["stage"].as_str().unwrap().contains(" / ")));
     let text = std::fs::read_to_string(folder.path().join("ar.wgsl")).unwrap();
     assert!(text.contains("@compute @workgroup_size(64"), "{}", &text[..200.min(text.len())]);
+}
+
+/// Movements by minimum jerk to targets of two widths over three distances, each a trial, at 100 Hz.
+fn recordings() -> String {
+    let mut text = String::from("trial,time_s,x_m,y_m,target_x_m,target_y_m,target_width_m\n");
+    let mut trial = 0;
+    for [distance, width] in [[0.2, 0.02], [0.3, 0.02], [0.4, 0.02], [0.2, 0.08], [0.3, 0.08], [0.4, 0.08]] {
+        for repeat in 0..4 {
+            trial += 1;
+            let end = distance + 0.1 * width * (f64::from(repeat) - 1.5);
+            let duration = 0.1 + 0.15 * f64::log2(distance / width + 1.0);
+            for sample in 0..((0.6 + duration) * 100.0) as u32 {
+                let time = f64::from(sample) / 100.0;
+                let s = ((time - 0.3) / duration).clamp(0.0, 1.0);
+                let x = end * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+                text += &format!("{trial},{time},{x},0,{distance},0,{width}\n");
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn published_figures_are_drawn_and_what_is_there_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("people.csv"), recordings()).unwrap();
+    let asked = ["bench", "published", "--only", "figures", "--seeds", "1", "--steps", "2M", "--backend", "cpu"];
+    let told = stdout(&myo(folder.path(), &asked));
+    assert!(told.contains("published: published.md, published.json and 3 figures"), "{told}");
+    let data = folder.path().join("published/published.json");
+    let read = || serde_json::from_slice::<serde_json::Value>(&std::fs::read(&data).unwrap()).unwrap();
+    let alone = read();
+    assert_eq!((&alone["aiming"][0]["users"], alone["aiming"].as_array().unwrap().len()), (&1.into(), 1));
+
+    // The user is there already; people and the same user again stand beside it.
+    let more = [&asked[..], &["--people", "people.csv", "--beside", "published/users"]].concat();
+    let again = myo(folder.path(), &more);
+    let told = stdout(&again);
+    assert!(told.contains("7 figures") && !stderr(&again).contains("training"), "{told}{}", stderr(&again));
+    let together = read();
+    assert_eq!(together["aiming"][0], alone["aiming"][0]);
+    assert_eq!(together["aiming"][1]["fitts"], alone["aiming"][0]["fitts"], "the same user, recorded alike");
+    assert_eq!((&together["aiming"][2]["name"], &together["aiming"][2]["movements"]), (&"people".into(), &24.into()));
+    let page = std::fs::read_to_string(folder.path().join("published/published.md")).unwrap();
+    assert!(page.contains("How users move") && !page.contains("How long users learn"), "{page}");
+
+    std::fs::write(&data, "{").unwrap();
+    assert_refused(&myo(folder.path(), &more), "published.json is damaged");
+}
+
+#[test]
+fn published_refuses_what_it_cannot_measure_before_anybody_learns() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("odd.csv"), "trial,time_s\n1,0\n").unwrap();
+    let refused = |more: &[&str], sentence: &str| {
+        let words = [&["bench", "published", "--only", "figures", "--seeds", "1", "--steps", "1k"], more].concat();
+        assert_refused(&myo(folder.path(), &words), sentence);
+        assert!(!folder.path().join("published/users").exists(), "{more:?}");
+    };
+    refused(&["--people", "odd.csv"], "odd.csv: there is no column `x_m`");
+    refused(&["--people", "nobody.csv"], "nobody.csv: cannot be read");
+    refused(&["--beside", "nowhere"], "nowhere");
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    refused(&["--beside", "run"], "movements at targets, and missed");
 }

@@ -36,7 +36,7 @@ fn manual_pages_are_written_for_every_command() {
     }
     assert_refused(
         &here(&["man", "task", "fly"]),
-        "`myo task` has no command `fly`; there are list, show, convert, check, schema",
+        "`myo task` has no command `fly`; there are list, show, convert, check, users, schema",
     );
     assert_refused(&myo(folder.path(), &["man", "--out", "nowhere"]), "cannot write nowhere");
 }

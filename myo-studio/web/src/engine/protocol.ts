@@ -151,9 +151,13 @@ name: string,
  */
 description: string, 
 /**
- * Name or file of the body.
+ * Name or file of the model.
  */
 model: string, 
+/**
+ * What its user changes of it.
+ */
+body: unknown, 
 /**
  * What points.
  */
@@ -310,6 +314,14 @@ limb: Array<number>,
  * Its muscles.
  */
 muscles: Array<MuscleShape>, 
+/**
+ * Whether it is a left arm.
+ */
+is_left: boolean, 
+/**
+ * Stature of the person (m), where it is known.
+ */
+stature_m: number | null, 
 /**
  * Names of the independent joints, in the order of [`MotionLayout::joints`].
  */
@@ -1249,13 +1261,17 @@ cut: Cut, };
 export type AskSettings = Record<symbol, never>;
 
 /**
- * The body of a model.
+ * The body of a task's user.
  */
 export type AskBody = { 
 /**
  * Name or file of the model.
  */
-model: string, };
+model: string, 
+/**
+ * What its user changes of it.
+ */
+body: unknown, };
 
 /**
  * The body that learnt in a run, whatever became of the file of its model.

@@ -96,6 +96,10 @@ export class Stage {
   private grid: GridHelper;
   private dark: boolean;
   private sitting = false;
+  private stature = 1;
+  private isLeft = false;
+  /** how it looked last */
+  private view: View = 'behind';
   private isEye = false;
   private wants = true;
   private last = 0;
@@ -144,6 +148,16 @@ export class Stage {
     this.layFloor();
   }
 
+  /** The floor under somebody so many times as tall as the figure is made, and views at the arm that moves. */
+  setPerson({ size, isLeft }: { size: number; isLeft: boolean }) {
+    if (size === this.stature && isLeft === this.isLeft) return;
+    const isOtherArm = isLeft !== this.isLeft;
+    this.stature = size;
+    this.isLeft = isLeft;
+    this.layFloor();
+    if (isOtherArm) this.look(this.view);
+  }
+
   private layFloor() {
     this.scene.remove(this.grid);
     this.grid.dispose();
@@ -155,7 +169,7 @@ export class Stage {
     const [major, minor] = this.dark ? [0x343a44, 0x262b33] : [0xc9ced6, 0xdfe3e8];
     const grid = new GridHelper(4, 16, major, minor);
     grid.rotation.x = Math.PI / 2;
-    grid.position.set(0.5, 0.17, floorHeight(this.sitting));
+    grid.position.set(0.5, this.isLeft ? -0.17 : 0.17, this.stature * floorHeight(this.sitting));
     // Before all that leaves no depth.
     grid.renderOrder = -2;
     this.scene.add(grid);
@@ -165,6 +179,7 @@ export class Stage {
   look(view: View) {
     const seen = this.of(view);
     if (!seen) return;
+    this.view = view;
     this.isEye = view === 'eyes';
     this.lens();
     this.camera.position.set(...seen[0]);
@@ -175,7 +190,11 @@ export class Stage {
 
   /** From where to where a view looks. */
   private of(view: View): (typeof VIEWS)['behind'] | undefined {
-    if (view !== 'eyes') return VIEWS[view];
+    if (view !== 'eyes') {
+      const [from, to] = VIEWS[view];
+      const side = ([x, y, z]: [number, number, number]): [number, number, number] => [x, this.isLeft ? -y : y, z];
+      return [side(from), side(to)];
+    }
     return this.eye && [this.eye.position, this.eye.target];
   }
 

@@ -32,10 +32,10 @@ export async function draw(
       const [look, pose] = [await engine.ask('look', { text: preset.text }), await engine.pose({ text: preset.text })];
       if (!goesOn()) return;
       if (!look.view) continue;
-      const { model, objects: views } = look.view;
-      const body = await engine.ask('body', { model });
-      const person = people.get(model) ?? new Person(body, { dark });
-      people.set(model, person);
+      const { model, body, objects: views } = look.view;
+      const whose = JSON.stringify([model, body]);
+      const person = people.get(whose) ?? new Person(await engine.ask('body', { model, body }), { dark });
+      people.set(whose, person);
       person.pose(Film.of(pose).frame(0));
       const objects = new Objects(dark);
       objects.show(views, () => ({ selected: false, wrong: false }));

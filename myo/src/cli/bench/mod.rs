@@ -8,6 +8,7 @@ mod machine;
 mod mujoco;
 mod nan;
 mod physics;
+mod published;
 mod random;
 mod speed;
 mod train;
@@ -32,6 +33,8 @@ pub enum Command {
     Env(env::EnvArgs),
     /// Time from the start of training until it is good enough, for several seeds
     Train(train::TrainArgs),
+    /// The experiments of the published system, done again: two tables, three figures
+    Published(published::PublishedArgs),
     /// How good a simulated user is after so many control steps
     Curve(curve::CurveArgs),
     /// Operations of the kernel that a graphics card runs, and its text
@@ -46,6 +49,7 @@ pub fn run(command: &Command, threads: Option<usize>) -> Result<()> {
         Command::Physics(args) => physics::run(args, threads.unwrap_or(1)),
         Command::Env(args) => env::run(args),
         Command::Train(args) => train::run(args),
+        Command::Published(args) => published::run(args),
         Command::Curve(args) => curve::run(args),
         Command::Kernel(args) => kernel::run(args),
         Command::Nan(args) => nan::run(args),

@@ -6,7 +6,7 @@ use clap::Args;
 use myo::tasks::User;
 use myo::train::PpoConfig;
 use myo::train::session::{End, Goal, Outcome, Until};
-use myo::{Device, Start};
+use myo::{Backend, Device, Start};
 use serde::Serialize;
 use serde_json::json;
 
@@ -27,7 +27,7 @@ pub struct TrainArgs {
     /// Name of a task, or a task file
     task: String,
 
-    /// What the user is like where the task does not say: `human` or `fastest` [default: as the task says]
+    /// Who does it, in place of the task's `user`: `human`, `fastest`, or a person such as `small_woman` (`myo task users`); what the task says of its user stays [default: as the task says]
     #[arg(long, value_name = "USER", value_parser = parse::user)]
     user: Option<User>,
 
@@ -150,13 +150,44 @@ fn goal(args: &TrainArgs, scenario: &Scenario) -> Goal {
 
 fn measure(args: &TrainArgs, scenario: &Scenario, seed: u64, interrupt: &Interrupt) -> Result<Row> {
     let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
-    let start = Instant::now();
-    let env = scenario.training_env(&args.physics.choice(BackendName::Cpu)?, &config, seed)?;
-    let ready = Ready::new(scenario, env, Start::New { config: &config, seed, from: None }, goal(args, scenario))?;
-    let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
-    let outcome = ready.run(interrupt)?;
-    let wall_s = ready_s + outcome.wall_s;
+    let (backend, goal) = (args.physics.choice(BackendName::Cpu)?, goal(args, scenario));
+    let Trained { device, outcome, wall_s } = train_once(scenario, &config, &backend, (seed, goal), interrupt)?;
     ended(args, scenario, &device, seed, wall_s, outcome)
+}
+
+/// A training that is over.
+pub(super) struct Trained {
+    /// What computed it.
+    pub device: Device,
+    /// How it ended: at its goal, or when its steps were used up.
+    pub outcome: Outcome,
+    /// Seconds from getting ready to the end of the last evaluation.
+    pub wall_s: f64,
+}
+
+/// Trains a new user, and leaves nothing behind.
+pub(super) fn train_once(
+    scenario: &Scenario,
+    config: &PpoConfig,
+    backend: &Backend,
+    (seed, goal): (u64, Goal),
+    interrupt: &Interrupt,
+) -> Result<Trained> {
+    let start = Instant::now();
+    let env = scenario.training_env(backend, config, seed)?;
+    let ready = Ready::new(scenario, env, Start::New { config, seed, from: None }, goal)?;
+    let (device, ready_s) = (ready.device.clone(), start.elapsed().as_secs_f64());
+    let outcome = refuse_cut(ready.run(interrupt)?)?;
+    Ok(Trained { device, wall_s: ready_s + outcome.wall_s, outcome })
+}
+
+/// A training that was cut short has no time.
+fn refuse_cut(outcome: Outcome) -> Result<Outcome> {
+    match outcome.end {
+        End::Interrupted => Err(Failure::Interrupted),
+        End::DeviceLost { reason } => Err(Failure::DeviceLost(reason)),
+        End::Until | End::Plateau | End::Steps => Ok(outcome),
+    }
 }
 
 /// What is told of a training that ended after so many seconds.
@@ -168,11 +199,7 @@ fn ended(
     wall_s: f64,
     outcome: Outcome,
 ) -> Result<Row> {
-    match outcome.end {
-        End::Interrupted => return Err(Failure::Interrupted),
-        End::DeviceLost { reason } => return Err(Failure::DeviceLost(reason)),
-        End::Until | End::Plateau | End::Steps => {}
-    }
+    let outcome = refuse_cut(outcome)?;
     Ok(Row {
         backend: device.backend(),
         device: device.card().map(String::from),

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use myo::measure::bands::{Figures, judge};
 use myo::protocol::{
-    FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Recording, Scatter, Stillness,
-    Strength, UserReaches, answer_path, reaches, record,
+    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Recording, Recovery,
+    Scatter, Sizes, Stillness, Strength, UserReaches, WorkInTheAir, answer_path, reaches, record,
 };
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, PpoConfig, write_whole};
@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use super::backend::Options;
 use super::failure::{Failure, Result, complain};
 use super::interrupt::Interrupt;
+use super::model;
 use super::output::{print, print_json};
 use super::scenario::Scenario;
 use super::train::{Practising, practise};
@@ -53,7 +54,19 @@ pub enum Protocol {
     /// Strength, moment arms, and the share of strength that holds the arm up
     #[value(name = "M1")]
     M1,
-    /// All of them, and which figures are like people's
+    /// Whether small and large people reach as far, weigh as much and are as strong as people of their size
+    #[value(name = "A1")]
+    A1,
+    /// How long muscles hold a load
+    #[value(name = "E1")]
+    E1,
+    /// What ten minutes of selecting in the air cost, at the height of the shoulder and of the waist
+    #[value(name = "E2")]
+    E2,
+    /// How muscles recover from work
+    #[value(name = "E3")]
+    E3,
+    /// All but A1 and E3, and which figures are like people's
     #[value(name = "bands")]
     Bands,
 }
@@ -80,6 +93,7 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
     let figures = &mut Figures::new();
     match protocol {
         Protocol::M1 => tell(asked, "M1", asking.strength(figures), (tables::strength, None), json).map(drop),
+        Protocol::A1 => tell(asked, "A1", asking.sizes(), (tables::sizes, None), json).map(drop),
         Protocol::F1 => {
             let found = tell(asked, "F1", asking.fitts(figures), (tables::fitts, Some(FittsLaw::plot)), json)?;
             found.unlearnt.map_or(Ok(()), |what| Err(Failure::sentence(format!("there is no Fitts' law: {what}"))))
@@ -93,6 +107,11 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
         Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (tables::stillness, None), json).map(drop),
         Protocol::K5 => tell(asked, "K5", asking.drive(figures), (tables::drive, None), json).map(drop),
         Protocol::T1 => tell(asked, "T1", asking.keys(figures), (tables::keys, None), json).map(drop),
+        Protocol::E1 => {
+            tell(asked, "E1", asking.endurance(figures), (tables::endurance, Some(Endurance::plot)), json).map(drop)
+        }
+        Protocol::E2 => tell(asked, "E2", asking.work(figures), (tables::work, None), json).map(drop),
+        Protocol::E3 => tell(asked, "E3", Ok(asking.recovery()), (tables::recovery, None), json).map(drop),
         Protocol::Bands => bands(&mut asking, json),
     }
 }
@@ -112,6 +131,7 @@ fn tell<T: Serialize>(
         forget(asked, protocol)?;
     }
     let found = found?;
+    make_folder(asked, protocol)?;
     let plots = plot.map_or_else(|| Ok(vec![]), |plot| draw(asked, protocol, &plot(&found)))?;
     let text = text(&found);
     keep(asked, protocol, &text)?;
@@ -137,12 +157,15 @@ fn draw(asked: &Asked<'_>, protocol: &str, plot: &Plot) -> Result<Vec<PathBuf>> 
 
 /// Writes an answer beside the users who practised, where the studio and reports find it.
 fn keep(asked: &Asked<'_>, protocol: &str, text: &str) -> Result<()> {
+    Ok(write_whole(&answer_path(asked.folder, protocol, "txt"), text.as_bytes())?)
+}
+
+/// Makes the folder of answers, which those that need no practice are the first to come to.
+fn make_folder(asked: &Asked<'_>, protocol: &str) -> Result<()> {
     let path = answer_path(asked.folder, protocol, "txt");
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))?;
-    }
-    Ok(write_whole(&path, text.as_bytes())?)
+    let Some(folder) = path.parent() else { return Ok(()) };
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))
 }
 
 /// Removes an earlier answer and its plot.
@@ -240,6 +263,33 @@ impl Asking<'_> {
         Ok(found)
     }
 
+    fn endurance(&self, figures: &mut Figures) -> Result<Endurance> {
+        let Scenario { model, task, .. } = &self.asked.scenario;
+        let found = Endurance::of(model, task.control_dt_s);
+        found.figures(figures)?;
+        Ok(found)
+    }
+
+    fn sizes(&self) -> Result<Sizes> {
+        let Scenario { own_model, task, .. } = &self.asked.scenario;
+        let model = own_model.clone().map_or_else(|| model::describe(&task.model), Ok)?;
+        Ok(Sizes::of(&model).map_err(ProtocolError::from)?)
+    }
+
+    fn recovery(&self) -> Recovery {
+        let Scenario { model, task, .. } = &self.asked.scenario;
+        Recovery::of(model, task.control_dt_s)
+    }
+
+    fn work(&mut self, figures: &mut Figures) -> Result<WorkInTheAir> {
+        let model = self.asked.scenario.model.clone();
+        // Before anybody practises for nothing.
+        WorkInTheAir::check(&model)?;
+        let found = WorkInTheAir::of(&model, self.recordings(Practice::Working)?)?;
+        found.figures(figures)?;
+        Ok(found)
+    }
+
     fn strength(&mut self, figures: &mut Figures) -> Result<Strength> {
         let found = Strength::of(&self.asked.scenario.model).map_err(ProtocolError::from)?;
         found.figures(figures)?;
@@ -270,9 +320,12 @@ fn bands(asking: &mut Asking<'_>, json: bool) -> Result<()> {
         ("K3", answer("K3", asking.stillness(&mut figures))?),
         ("K5", answer("K5", asking.drive(&mut figures))?),
         ("T1", answer("T1", asking.keys(&mut figures))?),
+        ("E1", answer("E1", asking.endurance(&mut figures))?),
+        ("E2", answer("E2", asking.work(&mut figures))?),
     ];
     let (judged, users) = (judge(&figures), asking.asked.users.0);
     let text = tables::bands(users, &judged);
+    make_folder(asking.asked, "bands")?;
     keep(asking.asked, "bands", &text)?;
     if !json {
         return print(&text);

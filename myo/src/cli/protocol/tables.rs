@@ -1,7 +1,11 @@
 //! Answers of users as text.
 
 use myo::measure::bands::{Finding, Judgement, Verdict};
-use myo::protocol::{FittsLaw, KeyPresses, Kinematics, MuscleDrive, Scatter, Stillness, Strength};
+use myo::muscle::MuscleGroup;
+use myo::protocol::{
+    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Recovery, Scatter, SizeRow, Sizes, Stillness, Strength,
+    WorkInTheAir,
+};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -141,6 +145,100 @@ pub fn bands(count: usize, judged: &[Judgement]) -> String {
         table(&rows),
         many(Verdict::Passed),
         many(Verdict::Failed)
+    )
+}
+
+fn joint(group: Option<MuscleGroup>) -> &'static str {
+    group.map_or("muscles of no known joint", MuscleGroup::name)
+}
+
+/// Protocol E1 for people.
+pub fn endurance(found: &Endurance) -> String {
+    let mut rows = vec![row(["muscles", "load", "held for", "people", "of people's"])];
+    let seconds = |time_s: f64| format!("{time_s:.0} s");
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            joint(r.joint),
+            &format!("{:.0} %", 100.0 * r.load),
+            &r.time_s.map_or("over an hour".into(), seconds),
+            &seconds(r.people_s),
+            &r.of_people.map_or("-".into(), |share| format!("{share:.2}")),
+        ])
+    }));
+    format!(
+        "Protocol E1, how long muscles of {} hold a share of all they can (people: 0.6 to 1.6 times their mean)\n{}",
+        name(&found.model),
+        table(&rows)
+    )
+}
+
+/// Protocol A1 for people.
+pub fn sizes(found: &Sizes) -> String {
+    let mut head = row(["body"]);
+    head.extend(found.rows.iter().map(|r| r.user.to_owned()));
+    let line = |what: &str, of: &dyn Fn(&SizeRow) -> String| {
+        std::iter::once(what.to_owned()).chain(found.rows.iter().map(of)).collect::<Vec<_>>()
+    };
+    let rows = vec![
+        head,
+        line("stature", &|r| format!("{:.3} m", r.height_m)),
+        line("body mass", &|r| format!("{:.1} kg", r.mass_kg)),
+        line("reach ahead of the shoulder", &|r| format!("{:.2} m", r.reach_m)),
+        line("  of stature", &|r| format!("{:.3}", r.reach_of_height)),
+        line("  people, bones in line", &|r| format!("{:.3}", r.people_reach_of_height)),
+        line("mass of the arm", &|r| format!("{:.2} kg", r.arm_kg)),
+        line("  of body mass", &|r| format!("{:.2} %", 100.0 * r.arm_of_mass)),
+        line("  people", &|r| format!("{:.2} %", 100.0 * r.people_arm_of_mass)),
+        line("strength of the shoulder, of man's", &|r| format!("{:.2}", r.strength_of_man[0])),
+        line("strength of the elbow, of man's", &|r| format!("{:.2}", r.strength_of_man[1])),
+        line("share of it that holds the arm ahead", &|r| format!("{:.2}", r.holding_share)),
+    ];
+    let mut women = vec![row(["strength, woman of man", "these bodies", "people"])];
+    women.extend(found.woman_of_man.iter().map(|r| {
+        let [from, to] = r.people;
+        let people = if from == to { format!("{from}") } else { format!("{from} to {to}") };
+        row([r.joint, &format!("{:.2}", r.share), &people])
+    }));
+    format!("Protocol A1, small and large people with {}\n{}\n{}", name(&found.model), table(&rows), table(&women))
+}
+
+/// Protocol E2 for people.
+pub fn work(found: &WorkInTheAir) -> String {
+    let mut head = row(["ten minutes of selecting in the air, at the height of the"]);
+    head.extend(found.rows.iter().map(|r| r.height.to_owned()));
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let line = |what: &str, of: &dyn Fn(&myo::protocol::WorkRow) -> String| {
+        std::iter::once(what.to_owned()).chain(found.rows.iter().map(of)).collect::<Vec<_>>()
+    };
+    let mut rows = vec![
+        head,
+        line("fatigued of the muscles that raise the arm (3CC-r)", &|r| percent(r.fatigued)),
+        line("strength that holds the upper arm up", &|r| percent(r.of_strength)),
+        line("endurance consumed (Consumed Endurance)", &|r| percent(r.consumed_endurance)),
+        line("endurance consumed (NICER)", &|r| percent(r.consumed_nicer)),
+    ];
+    for (class, what) in
+        ["within 20 degrees of hanging", "from 20 to 45", "from 45 to 90", "above 90"].iter().enumerate()
+    {
+        rows.push(line(&format!("time with the upper arm {what} (RULA {})", class + 1), &|r| {
+            percent(r.upper_arm[class])
+        }));
+    }
+    rows.push(line("selections per minute", &|r| format!("{:.0}", r.selections_per_min)));
+    format!("Protocol E2, {}\n{}", users(found.users), table(&rows))
+}
+
+/// Protocol E3 for people.
+pub fn recovery(found: &Recovery) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let mut rows = vec![row(["muscles", "fatigued after work", "after rest", "if rest were no better than work"])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([joint(r.joint), &percent(r.after_work), &percent(r.after_rest), &percent(r.without_rest_factor)])
+    }));
+    format!(
+        "Protocol E3, muscles of {}, ten turns of 30 s at half of all they can and 30 s of rest\n{}",
+        name(&found.model),
+        table(&rows)
     )
 }
 

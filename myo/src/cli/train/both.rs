@@ -85,7 +85,11 @@ pub fn train_both(how: &TrainingOptions, sides: &[Side; 2], count: usize, interr
 /// Whether so many users of both fit into one batch.
 fn fit(sides: &[Side; 2], count: usize) -> Result<bool> {
     let [a, b] = sides.each_ref().map(|side| &side.scenario);
-    if 2 * count > MOST_AT_ONCE || a.task.model != b.task.model || a.own_model != b.own_model {
+    if 2 * count > MOST_AT_ONCE
+        || a.task.model != b.task.model
+        || a.task.body != b.task.body
+        || a.own_model != b.own_model
+    {
         return Ok(false);
     }
     let users = [a, b].map(|scenario| User { task: &scenario.task, seed: 0 });

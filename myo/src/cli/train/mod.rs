@@ -33,7 +33,7 @@ use several::{Plan, Report};
 
 pub use both::{Side, train_both};
 pub use drive::Ready;
-pub use practise::{Practising, practise};
+pub use practise::{Practising, practise, practise_until};
 pub use settings::LearnerOptions;
 pub use several::{Several, open_run};
 
@@ -84,7 +84,7 @@ pub struct Train {
 /// How users are trained, whoever asks for it.
 #[derive(Clone, Debug, Default, Args)]
 pub struct TrainingOptions {
-    /// What the user is like where the task does not say: `human` or `fastest` [default: as the task says]
+    /// Who does it, in place of the task's `user`: `human`, `fastest`, or a person such as `small_woman` (`myo task users`); what the task says of its user stays [default: as the task says]
     #[arg(long, value_name = "USER", value_parser = parse::user)]
     user: Option<User>,
 
@@ -307,9 +307,10 @@ impl<'a> Training<'a> {
         let make = |path: &Path| RunWriter::create(path, run.clone(), trainer.config(), trainer.seed(), trainer.spec());
         let writer = make_folder(&make, description)?;
         complain(&format!(
-            "training {} in {}: {} environments on {}",
+            "training {} in {}, user {}: {} environments on {}",
             self.scenario.title(),
             writer.folder().path().display(),
+            self.scenario.task.who(),
             grouped(trainer.spec().num_envs as u64),
             sentence(&ready.device)
         ));

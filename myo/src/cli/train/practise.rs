@@ -34,6 +34,16 @@ pub struct Practising<'a> {
 /// Users who have learnt, in a folder as of `myo train --seeds`: those that are there already, and others who are trained to their
 /// plateau first.
 pub fn practise(what: &Practising<'_>, folder: &Path, interrupt: &Interrupt) -> Result<Vec<Checkpoint>> {
+    practise_until(what, Until::Plateau, folder, interrupt)
+}
+
+/// The same with another goal.
+pub fn practise_until(
+    what: &Practising<'_>,
+    until: Until,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<Vec<Checkpoint>> {
     let &Practising { scenario, ref config, users: (count, first), steps, physics } = what;
     let seeds = several::seeds(first, count as u64)?;
     let how = TrainingOptions {
@@ -56,7 +66,7 @@ pub fn practise(what: &Practising<'_>, folder: &Path, interrupt: &Interrupt) -> 
                 config: config.clone(),
                 heritage: None,
                 backend: physics.choice(BackendName::Auto)?,
-                goal: Goal { until: Until::Plateau, steps },
+                goal: Goal { until, steps },
                 checkpoint_every: args.how.checkpoint_every(),
             };
             training.several(&args, seeds.clone(), folder, interrupt)?;

@@ -199,6 +199,11 @@ impl Several {
         Self::run_folder_in(&self.folder, seed)
     }
 
+    /// Folders of all of them that were begun.
+    pub fn run_folders(&self) -> Vec<PathBuf> {
+        self.seeds().map(|seed| self.run_folder(seed)).filter(|run| run.exists()).collect()
+    }
+
     /// The same, in a folder of several.
     pub fn run_folder_in(folder: &Path, seed: u64) -> PathBuf {
         folder.join(format!("seed-{seed}"))

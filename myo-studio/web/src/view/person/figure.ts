@@ -1,8 +1,11 @@
 // The parts of the person that nothing moves: trunk, neck, head, legs and the left arm, as soft clay around the
-// simulated right shoulder. Measures are those of a 1.75 m tall adult; the origin is the right shoulder.
+// simulated right shoulder. Measures are those of an adult as tall as FIGURE; the origin is the right shoulder.
 import { Blob, mirrored } from './field';
 import type { Region } from './sculpt';
 import type { Vec } from './types';
+
+/** stature of the figure as its measures are (m), which is that of the usual model */
+export const FIGURE = 1.735;
 
 /** the body's mid-plane */
 export const MIDDLE = 0.17;

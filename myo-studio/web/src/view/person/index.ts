@@ -3,7 +3,8 @@
 import { type BufferGeometry, Group, Mesh, MeshLambertMaterial } from 'three';
 import { Bones, BONE_TUBES } from './bones';
 import { bodyGeometry, handGeometry, headGeometry, stoolGeometry } from './body';
-import { EYE } from './figure';
+import { EYE, FIGURE } from './figure';
+import { Mirror } from './mirror';
 import { Limb } from './limb';
 import { Muscles } from './muscles';
 import { type Palette, palette } from './palette';
@@ -21,6 +22,13 @@ const ROUGH = 1.7;
 
 export class Person {
   readonly group = new Group();
+  /** how many times as tall as the figure as it is made */
+  readonly size: number;
+  readonly isLeft: boolean;
+
+  /** what does not move, as large as the person is */
+  private readonly still = new Group();
+  private readonly mirror: Mirror | undefined;
 
   private readonly clay = new MeshLambertMaterial({ vertexColors: true });
   private readonly painted = new MeshLambertMaterial({ vertexColors: true });
@@ -51,6 +59,12 @@ export class Person {
     this.bones = new Bones(this.tubes);
     this.muscles = new Muscles(shape, this.tubes, before);
     this.skin = new Skin([...this.limb.skin, ...this.muscles.bulges]);
+    this.size = (shape.stature_m ?? FIGURE) / FIGURE;
+    this.still.scale.setScalar(this.size);
+    this.isLeft = shape.is_left;
+    this.mirror = shape.is_left ? new Mirror(shape) : undefined;
+    // Everything is made as for a right arm, and seen in a mirror.
+    if (this.mirror) this.group.scale.y = -1;
     this.colors = palette(theme);
     this.bodies.set('false false', this.body.geometry);
 
@@ -59,13 +73,15 @@ export class Person {
     this.hand.matrixAutoUpdate = false;
     this.arm.add(inside, this.hand, this.skin.group);
     this.arm.visible = false;
-    this.group.add(this.body, this.head, this.stool, this.shadow.mesh, this.arm);
+    this.still.add(this.body, this.head, this.stool, this.shadow.mesh);
+    this.group.add(this.still, this.arm);
     this.stool.visible = false;
     this.shadow.setSitting(false);
     this.setTheme(theme);
   }
 
-  pose(pose: PersonPose): void {
+  pose(given: PersonPose): void {
+    const pose = this.mirror?.of(given) ?? given;
     this.limb.update(pose);
     this.hand.matrix.copy(this.limb.hand.matrix);
     this.hand.matrixWorldNeedsUpdate = true;
@@ -115,7 +131,12 @@ export class Person {
   }
 
   eye(): { position: [number, number, number]; forward: [number, number, number] } {
-    return { position: [...EYE], forward: [0.93, -0.06, -0.36] };
+    const [x, y, z] = EYE;
+    const side = this.mirror ? -1 : 1;
+    return {
+      position: [this.size * x, side * this.size * y, this.size * z],
+      forward: [0.93, side * -0.06, -0.36],
+    };
   }
 
   dispose(): void {

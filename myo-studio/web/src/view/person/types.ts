@@ -2,7 +2,7 @@
 
 import type { BodyShape } from '../../engine/protocol';
 
-export type PersonShape = Pick<BodyShape, 'parts' | 'limb' | 'muscles'>;
+export type PersonShape = Pick<BodyShape, 'parts' | 'limb' | 'muscles' | 'is_left' | 'stature_m'>;
 
 export interface Theme {
   dark: boolean;

@@ -1,0 +1,44 @@
+//! `myo measure`.
+
+use std::fmt::Write;
+
+use crate::{assert_refused, json, myo, short_training, stdout};
+
+/// Movements of two people by minimum jerk, half a second each over 20 or 30 cm, at 100 Hz.
+fn people() -> String {
+    let mut text =
+        String::from("participant,trial,time_ms,x_mm,y_mm,target_x_mm,target_y_mm,target_width_mm,note_mood\n");
+    for who in ["Ada", "Ben"] {
+        for trial in 0..8 {
+            let distance = if trial % 2 == 0 { 200.0 } else { 300.0 };
+            for sample in 0..=80 {
+                let s = (f64::from(sample - 10) / 50.0).clamp(0.0, 1.0);
+                let x = distance * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+                writeln!(text, "{who},{trial},{},{x},5,{distance},0,30,calm", 1000 + 10 * sample).unwrap();
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn people_and_simulated_users_are_measured_in_the_same_way() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("people.csv"), people()).unwrap();
+    let answer = json(&myo(folder.path(), &["measure", "people.csv", "--json"]));
+    let [found] = &answer.as_array().unwrap()[..] else { panic!("one file, one answer: {answer}") };
+    assert_eq!([&found["participants"], &found["movements"], &found["missed"]], [2, 16, 0]);
+    assert!(found["no_fitts"].as_str().unwrap().contains("indices of difficulty"), "{found}");
+    let told = stdout(&myo(folder.path(), &["measure", "people.csv"]));
+    assert!(told.contains("smoothness, SPARC") && told.contains("there is no Fitts' law: "), "{told}");
+
+    // Somebody who never came to a target has nothing to be measured.
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    stdout(&myo(folder.path(), &["export", "run", "--episodes", "3", "--out", "simulated.csv"]));
+    let refused = myo(folder.path(), &["measure", "people.csv", "simulated.csv"]);
+    assert_refused(
+        &refused,
+        "simulated.csv: run made 0 movements at targets, and missed 3; at least 5 movements of each person are needed",
+    );
+    assert_refused(&myo(folder.path(), &["measure", "nobody.csv"]), "nobody.csv: cannot be read");
+}
