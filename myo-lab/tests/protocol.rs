@@ -2,8 +2,8 @@
 
 use myo_env::CpuEnv;
 use myo_lab::protocol::{
-    Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Recording, SELECTIONS, Scatter, Stillness,
-    UserReaches, circle_targets, conditions, reaches, record,
+    Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Recording, SELECTIONS, Scatter, SteeringLaw,
+    Stillness, TYPED, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches, record, ways,
 };
 use myo_lab::{ModelReach, one_structure};
 use myo_measure::bands::{Figure, Figures};
@@ -61,7 +61,17 @@ fn ideal(condition: usize, episode: usize) -> Recording {
         at = place(1.0);
     }
     let n = fingertip.len();
-    Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], qpos: vec![], activations: vec![0.1; n], done }
+    let activations = vec![0.1; n];
+    Recording {
+        rate_hz: RATE_HZ,
+        fingertip,
+        force: vec![0.0; n],
+        qpos: vec![],
+        activations,
+        done,
+        exits: 0.0,
+        wrong_presses: 0.0,
+    }
 }
 
 fn ideal_user(episodes: usize) -> UserReaches {
@@ -210,6 +220,114 @@ fn users_who_have_not_learnt_a_condition_have_no_law_and_times_of_the_others() {
     assert!(matches!(FittsLaw::of(&[nobody]), Err(ProtocolError::TooFew { found: 0, .. })));
 }
 
+/// Rests at the beginning of a way and goes along it evenly, for so many seconds from its first sphere to its last.
+fn along(way: &Way, seconds: f64, exits: f64) -> Recording {
+    let [rest, moving] = [0.2, seconds].map(|seconds: f64| (seconds * RATE_HZ).round() as usize);
+    let place = |mut gone: f64| {
+        for ends in way.corners.windows(2) {
+            let step: [f64; 3] = std::array::from_fn(|k| ends[1][k] - ends[0][k]);
+            let length = step.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if gone <= length {
+                return std::array::from_fn(|k| ends[0][k] + step[k] * gone / length);
+            }
+            gone -= length;
+        }
+        way.corners[WAY_PIECES]
+    };
+    let mut fingertip = vec![way.corners[0]; rest];
+    fingertip.extend((1..=moving).map(|sample| place(0.01 + way.length() * sample as f64 / moving as f64)));
+    let at = |sample| Done { begin: sample, entry: sample, end: sample };
+    let mut done = vec![Done { begin: 0, entry: 0, end: rest - 50 }, at(rest - 50)];
+    done.extend((1..=WAY_PIECES).map(|piece| at(rest - 1 + moving * piece / WAY_PIECES)));
+    let n = fingertip.len();
+    Recording {
+        rate_hz: RATE_HZ,
+        fingertip,
+        force: vec![0.0; n],
+        qpos: vec![],
+        activations: vec![],
+        done,
+        exits,
+        wrong_presses: 0.0,
+    }
+}
+
+#[test]
+fn the_steering_law_comes_out_as_it_went_in() {
+    let seconds = |way: &Way| 0.2 + 0.1 * way.length() / way.width;
+    let user = |leaves: usize| -> Vec<Vec<Recording>> {
+        let pass = |way: &Way, episode: usize| {
+            let left = episode < leaves;
+            along(way, if left { 9.0 } else { seconds(way) }, if left { 2.0 } else { 0.0 })
+        };
+        ways().iter().map(|way| (0..8).map(|episode| pass(way, episode)).collect()).collect()
+    };
+    let found = SteeringLaw::of(&[user(1), user(2)]).unwrap();
+    assert_eq!((found.users, found.rows.len()), (2, 8));
+    for (row, way) in found.rows.iter().zip(ways()) {
+        assert_eq!((row.shape, row.width_m), (way.shape, way.width));
+        assert!((row.time_s - seconds(&way)).abs() < 0.002 && (row.left - 1.5 / 8.0).abs() < 1e-9, "{row:?}");
+    }
+    // 30 cm, and 15 sides of a polygon of 16 corners, from sphere to sphere.
+    let [straight, circle] = [0, 4].map(|way: usize| found.rows[way].index * found.rows[way].width_m);
+    assert!((straight - 0.28).abs() < 1e-9 && (circle - 0.5653).abs() < 1e-4, "{straight}, {circle}");
+    assert_eq!(found.steering.iter().map(|fit| fit.shape).collect::<Vec<_>>(), ["straight", "circle"]);
+    for fit in &found.steering {
+        assert!(
+            fit.r2 > 0.9999 && (fit.slope_s - 0.1).abs() < 1e-3 && (fit.intercept_s - 0.2).abs() < 0.005,
+            "{fit:?}"
+        );
+    }
+    found.plot().svg().unwrap();
+    let refused = SteeringLaw::of(&[user(7)]).unwrap_err().to_string();
+    assert!(
+        refused.starts_with("passes of the straight way of 20 mm that did not leave it: the user did 1 of 8"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn words_per_minute_and_errors_come_out_as_they_went_in() {
+    let letters = TYPED.chars().count();
+    // A letter every so many samples, after a second for the first one.
+    let typed = |every: usize, wrong_presses: f64, letters: usize| {
+        let press = |letter: usize| 500 + every * letter;
+        let done: Vec<Done> = (0..letters)
+            .map(|letter| Done {
+                begin: letter.checked_sub(1).map_or(0, |before| press(before) + 5),
+                entry: press(letter),
+                end: press(letter) + 5,
+            })
+            .collect();
+        let n = press(letters) + 10;
+        let (fingertip, force) = (vec![[0.0; 3]; n], vec![0.0; n]);
+        Recording {
+            rate_hz: RATE_HZ,
+            fingertip,
+            force,
+            qpos: vec![],
+            activations: vec![],
+            done,
+            exits: 0.0,
+            wrong_presses,
+        }
+    };
+    let user =
+        |every: usize| vec![vec![typed(every, 1.0, letters), typed(every, 0.0, letters), typed(every, 9.0, 3)]; 4];
+    let found = Typing::of(&[user(200), user(250)]).unwrap();
+    assert_eq!(found.rows.iter().map(|row| row.key_m).collect::<Vec<_>>(), [0.005, 0.007, 0.009, 0.012]);
+    for row in &found.rows {
+        // 0.4 and 0.5 s for a letter; a word has five.
+        assert!((row.words_per_min - 0.5 * (30.0 + 24.0)).abs() < 1e-9, "{row:?}");
+        assert!((row.letter_s - 0.45).abs() < 1e-9 && (row.unfinished - 1.0 / 3.0).abs() < 1e-9, "{row:?}");
+        assert!((row.wrong_per_100 - 50.0 / letters as f64).abs() < 1e-9, "who did not finish has no rate: {row:?}");
+    }
+    found.plot().svg().unwrap();
+    let beginner = vec![vec![typed(200, 0.0, letters), typed(200, 0.0, 2), typed(200, 0.0, 2)]; 4];
+    let refused = Typing::of(&[beginner]).unwrap_err().to_string();
+    assert!(refused.starts_with("the sentence on keys of 5 mm: the user did 1 of 3"), "{refused}");
+}
+
 #[test]
 fn what_is_practised_can_be_done() {
     for name in ["mobl-arms", "mobl-arms-uitb", "myo-arm"] {
@@ -280,8 +398,19 @@ fn a_held_arm_is_as_still_as_it_was() {
     let fingertip: Vec<[f64; 3]> = (0..n).map(at).collect();
     let activations = vec![0.07; 32 * n];
     let done = vec![Done { begin: 0, entry: 0, end: n }; 2];
-    let holds =
-        vec![Recording { rate_hz: RATE_HZ, fingertip, force: vec![0.0; n], qpos: vec![], activations, done }; 6];
+    let holds = vec![
+        Recording {
+            rate_hz: RATE_HZ,
+            fingertip,
+            force: vec![0.0; n],
+            qpos: vec![],
+            activations,
+            done,
+            exits: 0.0,
+            wrong_presses: 0.0
+        };
+        6
+    ];
     let found = Stillness::of(std::slice::from_ref(&holds)).unwrap();
     for row in &found.rows {
         assert!((row.mean_speed_m_s - 0.0062).abs() < 5e-4, "{row:?}");

@@ -74,7 +74,7 @@ pub struct Fatigue {
     pub speed: f64,
 
     /// Whether it lasts from one episode to the next, until a reset with a seed: long work is many episodes. Otherwise every episode begins as `initial_max` says.
-    /// Default false.
+    /// Who learns so is soon at work for long in every environment, and forgets how to begin. Default false.
     #[garde(skip)]
     pub lasts: bool,
 

@@ -51,7 +51,7 @@ pub enum User {
     TendonTransfer,
     /// `human` with the left hand.
     LeftHanded,
-    /// `human` whose muscles tire as people's do, and stay tired from one episode to the next; anything between rested and half fatigued at the start.
+    /// `human` whose muscles tire as people's do, each of which begins an episode anything between rested and half fatigued.
     Tired,
 }
 
@@ -189,7 +189,7 @@ impl User {
                 let perception = Perception { vision_delay_ms, ..human.perception };
                 Traits { body: self.body(), perception, ..human }
             }
-            Self::Tired => Traits { fatigue: Fatigue { speed: 1.0, lasts: true, initial_max: 0.5 }, ..human },
+            Self::Tired => Traits { fatigue: Fatigue { speed: 1.0, lasts: false, initial_max: 0.5 }, ..human },
             _ => Traits { body: self.body(), ..human },
         }
     }

@@ -83,7 +83,11 @@ fn named_people_have_their_bodies_and_texts_may_change_them() {
     assert_eq!((taller.body.height_m, taller.body.mass_kg), (Some(1.8), Some(66.8)));
     let older = read("user: older_man\n");
     assert_eq!((older.body.age_years, older.perception.vision_delay_ms), (Some(75.0), 105.0));
-    assert!(read("user: tired\n").fatigue.lasts && !read("user: tired\nfatigue: {lasts: false}\n").fatigue.lasts);
+    let tired = ["user: tired\n", "user: tired\nfatigue: {initial_max: 0.2}\n"].map(|text| read(text).fatigue);
+    assert_eq!(
+        tired.map(|fatigue| (fatigue.speed, fatigue.lasts, fatigue.initial_max)),
+        [(1.0, false, 0.5), (1.0, false, 0.2)]
+    );
     // A text may give back what a named user has not; written out and read again it is the same.
     let right = read("user: left_handed\nbody: {hand: right}\n");
     assert_eq!(right.body.hand, Hand::Right);

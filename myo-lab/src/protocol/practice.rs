@@ -6,6 +6,8 @@ use myo_tasks::{LoadError, Pose, Reset, Task};
 use myo_train::PpoConfig;
 use serde_json::{Value, json};
 
+use crate::advice::distance;
+
 /// Targets on the circle of ISO 9241-411.
 pub const TARGETS: usize = 13;
 /// From each target to the one that is next: across the circle.
@@ -42,6 +44,21 @@ const KEYS_AT: [f64; 3] = [0.3, 0.0, -0.3];
 const PLATE_SIZE: [f64; 3] = [0.08, 0.04, 0.05];
 /// From the keys to the plate below them (m): boxes may not overlap.
 const PLATE_BELOW: f64 = 0.0005;
+/// What is typed, on phones whose keys are so wide (m), with so much between them (m) and so far below them the case (m).
+pub const TYPED: &str = "the quick brown fox";
+pub const KEY_WIDTHS: [f64; 4] = [0.005, 0.007, 0.009, 0.012];
+const KEY_GAP: f64 = 0.001;
+const CASE_BELOW: f64 = 0.0085;
+/// Ways to steer along, upright and round the same place (m): straight ones of this length, and nearly whole circles of this radius, both of so many straight
+/// pieces.
+const WAY_AT: [f64; 3] = [0.45, 0.0, -0.1];
+const STRAIGHT: f64 = 0.3;
+const CIRCLE_RADIUS: f64 = 0.1;
+pub const WAY_PIECES: usize = 15;
+/// Widths of ways (m).
+const WAY_WIDTHS: [f64; 4] = [0.02, 0.03, 0.05, 0.08];
+/// Radius (m) of the spheres between which they go: passes are timed from leaving the first to the last.
+pub const WAY_SPHERE: f64 = 0.01;
 /// Least logarithm of the standard deviation of exploration.
 const LOG_STD_MIN: f64 = -3.5;
 /// Presses of an episode, of one key.
@@ -60,11 +77,16 @@ pub enum Practice {
     Tapping,
     /// Across the circle at the height of the shoulder, and nearer at that of the waist: E2.
     Working,
+    /// Typing three words and a half on phones with keys of four sizes: T3.
+    Typing,
+    /// Along straight and round ways of four widths: S1.
+    Steering,
 }
 
 impl Practice {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Pointing, Self::Holding, Self::Keys, Self::Tapping, Self::Working];
+    pub const ALL: [Self; 7] =
+        [Self::Pointing, Self::Holding, Self::Keys, Self::Tapping, Self::Working, Self::Typing, Self::Steering];
 
     /// Its name, also of the folder of its runs.
     pub const fn name(self) -> &'static str {
@@ -74,6 +96,8 @@ impl Practice {
             Self::Keys => "keys",
             Self::Tapping => "tapping",
             Self::Working => "working",
+            Self::Typing => "typing",
+            Self::Steering => "steering",
         }
     }
 
@@ -96,6 +120,8 @@ impl Practice {
             Self::Keys => Ok(vec![of_user(keys())?]),
             Self::Tapping => Ok(vec![of_user(tapping())?]),
             Self::Working => HEIGHTS.into_iter().map(|(height, middle)| of_user(working(height, middle))).collect(),
+            Self::Typing => KEY_WIDTHS.into_iter().map(|width| of_user(typing(width))).collect(),
+            Self::Steering => ways().iter().map(|way| of_user(steering(way))).collect(),
         }
     }
 }
@@ -115,6 +141,43 @@ pub fn circle_targets(distance: f64) -> [[f64; 3]; SELECTIONS] {
         let angle = TAU * ((selection * ACROSS) % TARGETS) as f64 / TARGETS as f64;
         [PLANE_X, -radius * angle.sin(), radius * angle.cos()]
     })
+}
+
+/// A way that is steered along.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// Its shape.
+    pub shape: &'static str,
+    /// Corners (m), one more than there are pieces.
+    pub corners: Vec<[f64; 3]>,
+    /// How wide it is (m).
+    pub width: f64,
+}
+
+impl Way {
+    /// How long it is (m), from sphere to sphere.
+    pub fn length(&self) -> f64 {
+        let pieces = self.corners.windows(2).map(|ends| distance(ends[0], ends[1]));
+        pieces.sum::<f64>() - 2.0 * WAY_SPHERE
+    }
+}
+
+/// The ways of [`Practice::Steering`], in the order of its layouts.
+pub fn ways() -> Vec<Way> {
+    let [x, y, z] = WAY_AT;
+    let share = |corner: usize| corner as f64 / WAY_PIECES as f64;
+    let straight = |corner| [x, y + STRAIGHT * (0.5 - share(corner)), z];
+    // All corners of a regular polygon; the piece that would close it is left out.
+    let circle = |corner: usize| {
+        let (sine, cosine) = (TAU * corner as f64 / (WAY_PIECES + 1) as f64).sin_cos();
+        [x, y - CIRCLE_RADIUS * sine, z + CIRCLE_RADIUS * cosine]
+    };
+    let shapes: [(&str, &dyn Fn(usize) -> [f64; 3]); 2] = [("straight", &straight), ("circle", &circle)];
+    let of_width = |(shape, corner): (&'static str, &dyn Fn(usize) -> [f64; 3])| {
+        let corners: Vec<_> = (0..=WAY_PIECES).map(corner).collect();
+        WAY_WIDTHS.map(|width| Way { shape, corners: corners.clone(), width })
+    };
+    shapes.into_iter().flat_map(of_width).collect()
 }
 
 /// What is in the world and what is done there.
@@ -227,5 +290,33 @@ fn tapping() -> Layout {
         scene: json!({"key": key(0.0), "plate": plate()}),
         script: json!([{"press_and_release": vec!["key"; PRESSES]}]),
         time_limit_s: 12.0,
+    }
+}
+
+/// A phone that lies level before the body.
+fn typing(key: f64) -> Layout {
+    let ([x, y, z], pitch) = (KEYS_AT, key + KEY_GAP);
+    let phone = json!({"kind": "keyboard", "at": KEYS_AT, "pitch": pitch, "key": key, "min_force_n": 0.5});
+    let case = json!({"kind": "obstacle", "at": [x, y, z - CASE_BELOW], "size": [11.0 * pitch, 6.0 * pitch, 0.01]});
+    Layout {
+        name: format!("keys of {:.0} mm", 1e3 * key),
+        scene: json!({"phone": phone, "case": case}),
+        script: json!([{"type": TYPED}]),
+        time_limit_s: 20.0,
+    }
+}
+
+fn steering(way: &Way) -> Layout {
+    let name = |corner: usize| format!("corner{}", corner + 1);
+    let spheres = way.corners.iter().enumerate().map(|(corner, &at)| (name(corner), sphere(at, WAY_SPHERE)));
+    let through: Vec<String> = (0..way.corners.len()).map(name).collect();
+    Layout {
+        name: format!("{} of {:.0} mm", way.shape, 1e3 * way.width),
+        scene: Value::Object(spheres.collect()),
+        script: json!([
+            {"dwell": {"in": name(0), "for_s": DWELL_S}},
+            {"steer": {"through": through, "width": way.width}},
+        ]),
+        time_limit_s: 15.0,
     }
 }

@@ -22,6 +22,10 @@ pub struct Recording {
     pub activations: Vec<f32>,
     /// Steps of the script that were done, in order.
     pub done: Vec<Done>,
+    /// How often a way was left that was to be steered along.
+    pub exits: f64,
+    /// How often something was pressed that was not asked for.
+    pub wrong_presses: f64,
 }
 
 /// A step of the script that was done, in samples.
@@ -37,7 +41,16 @@ pub struct Done {
 
 impl Recording {
     fn new(rate_hz: f64) -> Self {
-        Self { rate_hz, fingertip: vec![], force: vec![], qpos: vec![], activations: vec![], done: vec![] }
+        Self {
+            rate_hz,
+            fingertip: vec![],
+            force: vec![],
+            qpos: vec![],
+            activations: vec![],
+            done: vec![],
+            exits: 0.0,
+            wrong_presses: 0.0,
+        }
     }
 
     fn add(&mut self, shape: &TraceShape, rows: &[f32]) {
@@ -52,6 +65,11 @@ impl Recording {
     /// Takes in the summary of the episode.
     fn end(&mut self, spec: &EnvSpec, summary: &[f32]) {
         self.done = Done::of(spec, summary, (self.rate_hz, self.fingertip.len()));
+        let count = |name: &str| {
+            let column = spec.episode_names.iter().position(|other| other == name);
+            column.and_then(|column| summary.get(column)).map_or(0.0, |&count| f64::from(count))
+        };
+        (self.exits, self.wrong_presses) = (count("exits"), count("wrong_presses"));
     }
 }
 

@@ -29,6 +29,9 @@ pub struct Balance {
     known: bool,
     /// What was earned by targets.
     earned: f64,
+    /// The most that it ever was.
+    #[serde(default)]
+    most_earned: f64,
     /// What movement and errors would have cost if all of it had counted.
     price: f64,
 }
@@ -36,7 +39,7 @@ pub struct Balance {
 impl Balance {
     /// Nothing known yet. Episodes that end before `start` control steps do not count: they are short, and mostly successes.
     pub const fn new(start: u64) -> Self {
-        Self { start, known: false, earned: 0.0, price: 0.0 }
+        Self { start, known: false, earned: 0.0, most_earned: 0.0, price: 0.0 }
     }
 
     /// Hears of episodes that ended in so many environments after `env_steps`, while such a share of the price counted.
@@ -47,12 +50,18 @@ impl Balance {
         let weight = 1.0 - (-(episodes.count as f64) / num_envs as f64).exp();
         self.known = true;
         self.earned += weight * (sum(episodes, &EARNED) - self.earned);
+        self.most_earned = self.most_earned.max(self.earned);
         self.price += weight * (-sum(episodes, &SPENT) / cost_share - self.price);
     }
 
     /// What an episode earned, once that is known.
     pub fn earned(&self) -> Option<f64> {
         self.known.then_some(self.earned)
+    }
+
+    /// Whether less is earned than such a share of the most that ever was.
+    pub fn has_lost(&self, kept: f64) -> bool {
+        self.earned < kept * self.most_earned
     }
 
     /// The share of the price that comes to such a part of what is earned; all where it costs nothing. Nobody can tell before anything is known.
@@ -95,6 +104,16 @@ mod tests {
         let mut free = Balance::new(0);
         hear(&mut free, (1, 0.0, 0.0), 0.25);
         assert_eq!(free.affordable(0.5), Some(1.0), "what costs nothing");
+    }
+
+    #[test]
+    fn who_earns_less_than_before_has_lost() {
+        let mut balance = Balance::new(1_000);
+        assert!(!balance.has_lost(0.9), "who never earned anything");
+        hear(&mut balance, (1_000_000, 8.0, 2.0), 0.25);
+        assert!(!balance.has_lost(0.9));
+        hear(&mut balance, (1_000_000, 7.0, 2.0), 0.25);
+        assert!(balance.has_lost(0.9) && !balance.has_lost(0.8), "seven eighths are left");
     }
 
     #[test]

@@ -12,6 +12,10 @@ use crate::{Evaluation, Trainer, UpdateMetrics};
 /// Part of what its targets earn it that a user can spend on its movements: trying must pay, also where it is hard.
 const PART: f64 = 2.0 / 3.0;
 
+/// Share of the most that a user earned which it keeps while more of the costs comes to count than it can afford. Who falls below is let off; each time
+/// less is asked of it by this factor, or a task that is not worth all of its costs would never be learnt to an end.
+const KEPT: f64 = 0.9;
+
 /// The least share of costs: what it comes to tells what all would.
 const LEAST: f64 = 1.0 / 4096.0;
 
@@ -44,9 +48,14 @@ pub struct Memory {
     /// The same in each layout; empty where there is one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layout_balances: Vec<Balance>,
-    /// Whether nothing improved with less: from then on all counts.
+    /// Whether nothing improved with less: from then on all counts, unless the user loses by it what it could do.
     #[serde(default)]
     pub all_counts: bool,
+    /// How often it lost that, and control steps after which it did last.
+    #[serde(default)]
+    pub falls: u32,
+    #[serde(default)]
+    pub fell_at: u64,
     /// Evaluations taken: the next one has other episodes.
     pub evaluations: u64,
     /// How often the training went back to its good state.
@@ -76,6 +85,8 @@ impl Memory {
             balance: Balance::new(start),
             layout_balances: vec![Balance::new(start); layouts],
             all_counts: first_cost_share(trainer) == 1.0,
+            falls: 0,
+            fell_at: 0,
             evaluations: 0,
             tries: 0,
             learning_rate_max: trainer.config().learning_rate_max,
@@ -91,10 +102,13 @@ impl Memory {
     /// small shares grow by the same factor and great ones by the same amount in the same time, all at the earliest when the sum of
     /// `growth` is 2. Of several layouts none is given up: a user who earns less in one than in another can afford as much less, or it would leave what is hard,
     /// and be rich by what is not done. From when nothing improves with what the user can afford, it comes to be all in any case, at least as fast as the
-    /// steps grow, of which the newest are `newest`.
+    /// steps grow, of which the newest are `newest`; but who loses by that what it could do is let off, and begins anew with what it can afford.
     pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
         let counted = self.share_that_counts();
-        self.all_counts |= self.overall_trend(0).is_some_and(|trend| trend.is_plateau());
+        self.all_counts |= self.overall_trend(self.fell_at).is_some_and(|trend| trend.is_plateau());
+        if self.all_counts && self.balance.has_lost(KEPT.powf(1.0 + f64::from(self.falls))) {
+            (self.all_counts, self.falls, self.fell_at) = (false, self.falls + 1, env_steps);
+        }
         let share = self.cost_share;
         let grown = |growth: f64| share + growth.min(share * (LEAST.powf(-growth) - 1.0));
         self.cost_share = if self.all_counts {
@@ -206,6 +220,7 @@ impl Memory {
         self.curve.cut(env_steps);
         self.noise_free.cut(env_steps);
         self.layouts.iter_mut().for_each(|curve| curve.cut(env_steps));
+        self.fell_at = self.fell_at.min(env_steps);
         self.looks.gone_back(env_steps);
     }
 }
@@ -255,6 +270,8 @@ mod tests {
             balance: Balance::new(0),
             layout_balances: vec![],
             all_counts: true,
+            falls: 0,
+            fell_at: 0,
             evaluations: 0,
             tries: 0,
             learning_rate_max: 0.0,
@@ -329,6 +346,31 @@ mod tests {
         assert!(same(charged(&mut settled, 0.75), 0.75));
         assert_eq!(charged(&mut settled, 1.0), 1.0);
         assert_eq!(charged(&mut settled, 0.0), 1.0, "for good");
+    }
+
+    #[test]
+    fn who_loses_by_all_costs_what_it_could_do_is_let_off() {
+        let mut settled = with(8.0, 12.0, curve(|_| 1.0, 0.9));
+        let shares = [1.0; 2].map(|growth| charged(&mut settled, growth));
+        assert_eq!(shares[1], 1.0, "more than it can afford");
+        let earn = |memory: &mut Memory, earned: f64| {
+            let means = [("reward_completion", earned), ("reward_neural_effort", -12.0)];
+            let means = means.map(|(name, mean)| (name.to_owned(), mean)).to_vec();
+            memory.balance.hear(32_000_000, &Episodes { count: 1_000_000, means }, 1, 1.0);
+        };
+        earn(&mut settled, 7.5);
+        assert_eq!(charged(&mut settled, 1.0), 1.0, "nearly as much as before");
+        earn(&mut settled, 6.0);
+        assert!(same(charged(&mut settled, 1.0), 1.0 / 3.0), "what it can afford");
+        assert_eq!((settled.falls, settled.fell_at), (1, 32_000_000));
+        earn(&mut settled, 8.0);
+        assert!(same(charged(&mut settled, 1.0), 4.0 / 9.0), "until nothing improves with that, either");
+        settled.fell_at = 8_000_000;
+        assert_eq!(charged(&mut settled, 1.0), 1.0);
+        earn(&mut settled, 6.9);
+        assert_eq!(charged(&mut settled, 1.0), 1.0, "less is asked of who fell before");
+        settled.go_back(4_000_000);
+        assert_eq!(settled.fell_at, 4_000_000);
     }
 
     #[test]

@@ -13,7 +13,9 @@ fn a_protocol_asks_for_all_its_practices_and_beginners_have_no_figures() {
     let ask = ["eval", "run", "--protocol", "T1", "--seeds", "1", "--steps", "512"];
     assert_refused(&myo(folder.path(), &ask), "It has not learnt this");
     assert_eq!(myo::protocol::kept_answers(&run).unwrap(), [], "no answer of this user");
-    for practice in ["keys", "tapping"] {
+    let ask = ["eval", "run", "--protocol", "S1", "--seeds", "1", "--steps", "512"];
+    assert_refused(&myo(folder.path(), &ask), "passes of the straight way of 20 mm that did not leave it");
+    for practice in ["keys", "tapping", "steering"] {
         assert!(run.join("protocols").join(practice).is_dir(), "{practice}");
     }
 }

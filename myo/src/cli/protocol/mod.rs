@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use myo::measure::bands::{Figures, judge};
 use myo::protocol::{
     Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Recording, Recovery,
-    Scatter, Sizes, Stillness, Strength, UserReaches, WorkInTheAir, answer_path, reaches, record,
+    Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing, UserReaches, WorkInTheAir, answer_path, reaches, record,
 };
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, PpoConfig, write_whole};
@@ -48,9 +48,15 @@ pub enum Protocol {
     /// Activations of muscles, held and moving
     #[value(name = "K5")]
     K5,
+    /// The steering law: how long straight and round ways take that must not be left
+    #[value(name = "S1")]
+    S1,
     /// Presses of keys: force, contact time, rate
     #[value(name = "T1")]
     T1,
+    /// Words per minute and wrong presses on a phone's keys of four sizes
+    #[value(name = "T3")]
+    T3,
     /// Strength, moment arms, and the share of strength that holds the arm up
     #[value(name = "M1")]
     M1,
@@ -66,7 +72,7 @@ pub enum Protocol {
     /// How muscles recover from work
     #[value(name = "E3")]
     E3,
-    /// All but A1 and E3, and which figures are like people's
+    /// All but A1, E3, S1 and T3, and which figures are like people's
     #[value(name = "bands")]
     Bands,
 }
@@ -106,7 +112,11 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
         }
         Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (tables::stillness, None), json).map(drop),
         Protocol::K5 => tell(asked, "K5", asking.drive(figures), (tables::drive, None), json).map(drop),
+        Protocol::S1 => {
+            tell(asked, "S1", asking.steering(), (tables::steering, Some(SteeringLaw::plot)), json).map(drop)
+        }
         Protocol::T1 => tell(asked, "T1", asking.keys(figures), (tables::keys, None), json).map(drop),
+        Protocol::T3 => tell(asked, "T3", asking.typing(), (tables::typing, Some(Typing::plot)), json).map(drop),
         Protocol::E1 => {
             tell(asked, "E1", asking.endurance(figures), (tables::endurance, Some(Endurance::plot)), json).map(drop)
         }
@@ -261,6 +271,14 @@ impl Asking<'_> {
         let found = KeyPresses::of(&users)?;
         found.figures(figures)?;
         Ok(found)
+    }
+
+    fn typing(&mut self) -> Result<Typing> {
+        Ok(Typing::of(self.recordings(Practice::Typing)?)?)
+    }
+
+    fn steering(&mut self) -> Result<SteeringLaw> {
+        Ok(SteeringLaw::of(self.recordings(Practice::Steering)?)?)
     }
 
     fn endurance(&self, figures: &mut Figures) -> Result<Endurance> {

@@ -3,8 +3,8 @@
 use myo::measure::bands::{Finding, Judgement, Verdict};
 use myo::muscle::MuscleGroup;
 use myo::protocol::{
-    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Recovery, Scatter, SizeRow, Sizes, Stillness, Strength,
-    WorkInTheAir,
+    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Recovery, Scatter, SizeRow, Sizes, SteeringLaw,
+    Stillness, Strength, Typing, WorkInTheAir,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -200,6 +200,60 @@ pub fn sizes(found: &Sizes) -> String {
         row([r.joint, &format!("{:.2}", r.share), &people])
     }));
     format!("Protocol A1, small and large people with {}\n{}\n{}", name(&found.model), table(&rows), table(&women))
+}
+
+pub fn typing(found: &Typing) -> String {
+    let mut rows = vec![row([
+        "keys",
+        "words/min",
+        "95 % interval",
+        "per letter",
+        "wrong per 100",
+        "95 % interval",
+        "not finished",
+    ])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            &format!("{:.0} mm", 1e3 * r.key_m),
+            &short(r.words_per_min),
+            &interval(r.words_per_min_interval),
+            &format!("{:.3} s", r.letter_s),
+            &short(r.wrong_per_100),
+            &interval(r.wrong_per_100_interval),
+            &format!("{:.1} %", 100.0 * r.unfinished),
+        ])
+    }));
+    let who = users(found.users);
+    format!(
+        "Protocol T3, one sentence on a phone with one finger, {who}\n{}\npeople with one finger: 29 words/min\n",
+        table(&rows)
+    )
+}
+
+pub fn steering(found: &SteeringLaw) -> String {
+    let mut rows = vec![row(["way", "width", "length over width", "time", "95 % interval", "left"])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            r.shape,
+            &format!("{:.0} cm", 100.0 * r.width_m),
+            &format!("{:.1}", r.index),
+            &format!("{:.3} s", r.time_s),
+            &interval(r.time_s_interval),
+            &format!("{:.1} %", 100.0 * r.left),
+        ])
+    }));
+    let mut fits = vec![row(["steering law", "R2", "95 % interval", "slope, s", "95 % interval", "intercept, s"])];
+    fits.extend(found.steering.iter().map(|fit| {
+        let [r2, slope] = [interval(fit.r2_interval), interval(fit.slope_s_interval)];
+        row([fit.shape, &short(fit.r2), &r2, &short(fit.slope_s), &slope, &short(fit.intercept_s)])
+    }));
+    fits.push(row(["people", "0.96 to 0.98", "", "0.08 with a pen", "", ""]));
+    let who = users(found.users);
+    format!(
+        "Protocol S1, the steering law of {who}, from the first sphere of a way to its last\n{}\n{}",
+        table(&rows),
+        table(&fits)
+    )
 }
 
 /// Protocol E2 for people.
