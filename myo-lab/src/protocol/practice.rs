@@ -49,11 +49,11 @@ pub const TYPED: &str = "the quick brown fox";
 pub const KEY_WIDTHS: [f64; 4] = [0.005, 0.007, 0.009, 0.012];
 const KEY_GAP: f64 = 0.001;
 const CASE_BELOW: f64 = 0.0085;
-/// Ways to steer along, upright and round the same place (m): straight ones of this length, and nearly whole circles of this radius, both of so many straight
-/// pieces.
+/// Ways to steer along, upright and round the same place (m): straight ones of this length, and nearly whole circles of this radius.
 const WAY_AT: [f64; 3] = [0.45, 0.0, -0.1];
 const STRAIGHT: f64 = 0.3;
 const CIRCLE_RADIUS: f64 = 0.1;
+/// Straight pieces of each.
 pub const WAY_PIECES: usize = 15;
 /// Widths of ways (m).
 const WAY_WIDTHS: [f64; 4] = [0.02, 0.03, 0.05, 0.08];
@@ -308,7 +308,13 @@ fn typing(key: f64) -> Layout {
 
 fn steering(way: &Way) -> Layout {
     let name = |corner: usize| format!("corner{}", corner + 1);
-    let spheres = way.corners.iter().enumerate().map(|(corner, &at)| (name(corner), sphere(at, WAY_SPHERE)));
+    // As near to one another as they are.
+    let corner = |at| {
+        let mut corner = sphere(at, WAY_SPHERE);
+        corner["min_distance_from_previous"] = 0.into();
+        corner
+    };
+    let spheres = way.corners.iter().enumerate().map(|(number, &at)| (name(number), corner(at)));
     let through: Vec<String> = (0..way.corners.len()).map(name).collect();
     Layout {
         name: format!("{} of {:.0} mm", way.shape, 1e3 * way.width),
