@@ -1050,7 +1050,8 @@ class Fatigue(Described):
         speed: How many times as fast as people muscles tire and recover. Default 0 (off); 1 as people, 10 what takes
             people ten minutes in one. From 0 to 1,000.
         lasts: Whether it lasts from one episode to the next, until a reset with a seed: long work is many episodes.
-            Otherwise every episode begins as `initial_max` says. Default False.
+            Otherwise every episode begins as `initial_max` says. Who learns so is soon at work for long in every
+            environment, and forgets how to begin. Default False.
         initial_max: What of each muscle is fatigued at the start is drawn from 0 to this. Default 0: rested. From 0 to
             1.
     """
@@ -1112,8 +1113,8 @@ def build_task(
             MyoSuite simulates it. `rotator_cuff_tear`: `human` with torn tendons of supraspinatus and infraspinatus:
             the common massive tear of the rotator cuff. `tendon_transfer`: `human` whose wrist extensors are paralysed,
             after the usual transfer of pronator teres: it pulls where the short radial extensor did. `left_handed`:
-            `human` with the left hand. `tired`: `human` whose muscles tire as people's do, and stay tired from one
-            episode to the next; anything between rested and half fatigued at the start.
+            `human` with the left hand. `tired`: `human` whose muscles tire as people's do, each of which begins an
+            episode anything between rested and half fatigued.
         body: What the user's body is like where it is not as the model has it: how large, how strong, which hand.
         reward: What the simulated user is rewarded for.
         observation: What the simulated user perceives.
