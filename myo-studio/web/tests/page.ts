@@ -4,6 +4,9 @@ import { createRequire } from 'node:module';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
+/** How long (ms) a training may take on a machine that is slow or does other things, too: what is tested is that it ends. */
+export const PATIENCE = 900_000;
+
 /** Serious findings about who cannot use the page. */
 export async function barriers(page: Page): Promise<string[]> {
   await page.evaluate(axe);

@@ -3,7 +3,7 @@ import { existsSync, mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { add, barriers, begin, hurry, taskName } from './page';
+import { add, barriers, begin, hurry, PATIENCE, taskName } from './page';
 
 test.beforeEach(({ page }) => {
   page.on('pageerror', (error) => {
@@ -44,7 +44,7 @@ test('what if: a variant is held against its task, and the report opens without 
   await page.getByRole('button', { name: 'Train 2 users' }).click();
   await expect(page.getByRole('button', { name: 'All are trained' })).toBeVisible();
   const table = page.getByRole('region', { name: 'Layouts' });
-  await expect(table.getByRole('button', { name: /users of/ })).toHaveCount(2, { timeout: 230_000 });
+  await expect(table.getByRole('button', { name: /users of/ })).toHaveCount(2, { timeout: PATIENCE });
   await expect(page.getByText(/with a single user of a layout nobody can tell/).first()).toBeVisible();
   await table.getByRole('button', { name: new RegExp(`users of ${name}$`) }).click();
   await expect(table.getByRole('button', { name: `${name}-1`, exact: true })).toBeVisible();

@@ -1,7 +1,7 @@
 import { expect, test } from '@playwright/test';
 import { existsSync, readFileSync } from 'node:fs';
 import { curveSvg } from '../src/lib/curve-svg';
-import { add, barriers, begin, hurry, taskName } from './page';
+import { add, barriers, begin, hurry, PATIENCE, taskName } from './page';
 
 /** Nothing on the page may fail unnoticed. */
 test.beforeEach(({ page }) => {
@@ -56,7 +56,7 @@ test('two buttons of one’s own are set up, moved, learnt, replayed and found a
   await page.getByLabel('Practice until').selectOption('0.8');
   await page.getByRole('button', { name: 'Train', exact: true }).click();
   await expect(page.getByRole('heading', { name: /Learns/ })).toBeVisible({ timeout: 60_000 });
-  await page.getByRole('button', { name: 'See how it does it' }).click({ timeout: 200_000 });
+  await page.getByRole('button', { name: 'See how it does it' }).click({ timeout: PATIENCE });
 
   await expect(page.getByRole('heading', { name: `${own}-1` })).toBeVisible();
   const time = page.getByRole('slider', { name: 'Time in the episode' });
@@ -86,7 +86,7 @@ test('a user that has learnt a layout goes on when it is changed', async ({ page
   await page.getByRole('button', { name: 'Training', exact: true }).click();
   await page.getByLabel('Practice until').selectOption('0.8');
   await page.getByRole('checkbox', { name: /^Live/ }).check();
-  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: 200_000 });
+  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: PATIENCE });
   await page
     .getByRole('list', { name: 'Objects' })
     .getByRole('button', { name: /upper_left/ })
@@ -97,7 +97,7 @@ test('a user that has learnt a layout goes on when it is changed', async ({ page
   await y.press('Enter');
   await page.getByRole('button', { name: 'Training', exact: true }).click();
   await expect(page.getByText(/At first sight: .* not adapted yet/)).toBeVisible({ timeout: 20_000 });
-  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: 200_000 });
+  await expect(page.getByRole('heading', { name: /Has reached the goal/ })).toBeVisible({ timeout: PATIENCE });
   await page.getByRole('checkbox', { name: /^Live/ }).uncheck();
 });
 
