@@ -172,12 +172,11 @@ pub fn ways() -> Vec<Way> {
         let (sine, cosine) = (TAU * corner as f64 / (WAY_PIECES + 1) as f64).sin_cos();
         [x, y - CIRCLE_RADIUS * sine, z + CIRCLE_RADIUS * cosine]
     };
-    let shapes: [(&str, &dyn Fn(usize) -> [f64; 3]); 2] = [("straight", &straight), ("circle", &circle)];
-    let of_width = |(shape, corner): (&'static str, &dyn Fn(usize) -> [f64; 3])| {
+    let of_widths = |shape, corner: &dyn Fn(usize) -> [f64; 3]| {
         let corners: Vec<_> = (0..=WAY_PIECES).map(corner).collect();
         WAY_WIDTHS.map(|width| Way { shape, corners: corners.clone(), width })
     };
-    shapes.into_iter().flat_map(of_width).collect()
+    [of_widths("straight", &straight), of_widths("circle", &circle)].concat()
 }
 
 /// What is in the world and what is done there.
