@@ -1,6 +1,6 @@
 //! Protocols on recordings whose figures are known, and on users who have learnt nothing.
 
-use myo_env::CpuEnv;
+use myo_env::{CpuEnv, EnvConfig, VectorEnv};
 use myo_lab::protocol::{
     Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Recording, SELECTIONS, Scatter, SteeringLaw,
     Stillness, TYPED, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches, record, ways,
@@ -342,6 +342,19 @@ fn what_is_practised_can_be_done() {
                 assert!(report.errors.is_empty(), "{name}, {}: {:?}", layout.name, report.errors);
             }
         }
+    }
+}
+
+#[test]
+fn steps_of_ways_and_sentences_are_those_that_are_measured() {
+    let (user, model) = (preset("pointing-uitb").unwrap(), arm("mobl-arms-uitb"));
+    // To stay at the beginning of a way, to be there when it begins, and its pieces; a press for each letter.
+    for (practice, steps) in [(Practice::Steering, 2 + WAY_PIECES), (Practice::Typing, TYPED.chars().count())] {
+        let layouts = practice.layouts(&user).unwrap();
+        let config = EnvConfig { num_envs: layouts.len(), ..EnvConfig::default() };
+        let env = CpuEnv::with_layouts(&model, &layouts, &config).unwrap();
+        let is_step = |name: &&String| name.starts_with("target_") && name.ends_with("_success");
+        assert_eq!(env.spec().episode_names.iter().filter(is_step).count(), steps, "{practice:?}");
     }
 }
 

@@ -106,7 +106,7 @@ impl Memory {
     pub fn follow_costs(&mut self, env_steps: u64, newest: u64, growth: f64) {
         let counted = self.share_that_counts();
         self.all_counts |= self.overall_trend(self.fell_at).is_some_and(|trend| trend.is_plateau());
-        if self.all_counts && self.balance.has_lost(KEPT.powf(1.0 + f64::from(self.falls))) {
+        if self.all_counts && self.balance.has_lost(KEPT.powi(1 + self.falls as i32)) {
             (self.all_counts, self.falls, self.fell_at) = (false, self.falls + 1, env_steps);
         }
         let share = self.cost_share;
