@@ -16,6 +16,9 @@ use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, cent
 const NEAR: f64 = 1.0;
 /// Farther than any obstacle (m).
 const FAR: f64 = 1e3;
+/// What users of one body differ in, and the unit in which they observe it.
+const TRAITS: [(&str, f64); 4] =
+    [("signal_dependent", 0.1), ("vision_noise", 0.2), ("effort_cost", 4.0), ("control_change_cost", 10.0)];
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +75,8 @@ pub enum ObservationPart {
     Steer,
     /// From the fingertip to the nearest place of the surface of any box but the current one (m), where there are boxes.
     NearestObstacle,
+    /// What the user is like: motor noise, misjudged targets, effort, changes of control, each in a unit that people have about one of.
+    Traits,
 }
 
 impl ObservationPart {
@@ -118,6 +123,7 @@ impl ObservationPart {
             | Self::Cue
             | Self::Pause => 1,
             Self::Drag | Self::Steer => 4,
+            Self::Traits => TRAITS.len(),
         }
     }
 
@@ -150,6 +156,7 @@ impl ObservationPart {
             Self::Drag => "drag",
             Self::Steer => "steer",
             Self::NearestObstacle => "nearest_obstacle",
+            Self::Traits => "traits",
         }
     }
 
@@ -201,6 +208,7 @@ pub fn parts<T>(o: &Observation, parameters: &Parameters<T>) -> Vec<ObservationP
         (o.drag && (drag || swing), ObservationPart::Drag),
         (o.steer && steer, ObservationPart::Steer),
         (o.nearest_obstacle && !task.boxes.is_empty(), ObservationPart::NearestObstacle),
+        (o.traits, ObservationPart::Traits),
     ];
     all.into_iter().filter_map(|(wanted, part)| wanted.then_some(part)).collect()
 }
@@ -237,6 +245,7 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             | ObservationPart::Pause => vec![name.into()],
             ObservationPart::Drag => of(&["held", "x", "y", "z"].map(String::from)),
             ObservationPart::Steer => of(&["x", "y", "z", "within"].map(String::from)),
+            ObservationPart::Traits => of(&TRAITS.map(|(trait_name, _)| trait_name.to_owned())),
         }
     };
     parts.iter().flat_map(|&part| entries(part)).collect()
@@ -280,6 +289,7 @@ pub fn observe<S: Scalar>(
                 let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
                 out.extend_from_slice(&to_nearest_obstacle(world, current, state, sensed.body.fingertip));
             }
+            ObservationPart::Traits => traits(world, out),
             &of_body => observe_body(of_body, world, env, &sensed.body.fingertip, out),
         }
     }
@@ -308,6 +318,22 @@ pub fn observe_body<S: Scalar>(
         }
         _ => {}
     }
+}
+
+/// Appends what the user is like.
+#[inline(always)]
+fn traits<S: Scalar>(world: &World<'_, S>, out: &mut Vec<S>) {
+    let (own, control_dt) = (&world.parameters, world.tables.control_dt());
+    let weights = &own.task.weights;
+    // Costs as the task has them, not by the control step.
+    let all = [
+        (own.noise.map(|noise| noise.deviations[0]), 1.0),
+        (own.vision_noise.map(|vision| vision.share), 1.0),
+        (Some(weights.effort_cost), control_dt.recip()),
+        (weights.change_cost, control_dt),
+    ];
+    let values = all.into_iter().zip(TRAITS);
+    out.extend(values.map(|((x, by), (_, unit))| x.map_or(S::zero(), |x| x * S::lit(by / unit))));
 }
 
 /// A way as a share of its length and a radius together: as fine near a small target as near a large one.

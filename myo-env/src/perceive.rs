@@ -27,7 +27,7 @@ const fn sense(part: ObservationPart) -> Sense {
         | Part::Fatigue => Sense::Body,
         Part::Touch => Sense::Touch,
         // What one asks for oneself one knows.
-        Part::TimeLeft | Part::Control | Part::Pause => Sense::Clock,
+        Part::TimeLeft | Part::Control | Part::Pause | Part::Traits => Sense::Clock,
         Part::PointerPosition
         | Part::TargetPosition
         | Part::TargetSize

@@ -8,6 +8,7 @@
 //! - [`likely_cause`] and [`most_success`] say why a training leads nowhere or cannot reach its goal;
 //! - [`reward_terms`] says what each term of a reward can be worth, [`reward_slice`] how it lies in space;
 //! - [`trajectories()`] writes down what a user does, physics step by physics step;
+//! - [`fitting`] looks for the user who moves as a person does;
 //! - [`published`] holds the experiments of the published system against ours;
 //! - [`picture`] draws the simulated user, [`ProgressLine`] says in a line how a training goes.
 //!
@@ -16,6 +17,7 @@ mod advice;
 mod backend;
 mod compare;
 mod fit;
+pub mod fitting;
 mod layouts;
 mod models;
 pub mod picture;

@@ -360,6 +360,9 @@ pub struct Observation {
     /// From the fingertip to the nearest place of the surface of any box but the current target, in m, shortened to 1 where it is farther, and
     /// 1 downwards where there is none; in tasks with boxes. Default false.
     pub nearest_obstacle: bool,
+    /// What the user is like, of what users of one body differ in: signal-dependent motor noise in tenths, `perception.vision_noise` in fifths, `reward.effort_cost`
+    /// in fours and `reward.control_change_cost` in tens. For one who learns to be anybody, in layouts that differ in these. Default false.
+    pub traits: bool,
 }
 
 impl Task {
@@ -485,7 +488,7 @@ impl Stimulus {
 
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 25] {
+    pub fn parts(&self) -> [(&'static str, bool); 26] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
@@ -512,6 +515,7 @@ impl Observation {
             ("drag", self.drag),
             ("steer", self.steer),
             ("nearest_obstacle", self.nearest_obstacle),
+            ("traits", self.traits),
         ]
     }
 }
@@ -604,6 +608,7 @@ impl Default for Observation {
             drag: true,
             steer: true,
             nearest_obstacle: false,
+            traits: false,
         }
     }
 }

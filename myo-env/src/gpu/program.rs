@@ -11,7 +11,7 @@ use myo_scalar::symbolic::{Entries, Program};
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;
 /// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took 54 s for a body of 1,560 muscles.
-const MAX_OPERATIONS: usize = 20_000;
+const MAX_OPERATIONS: usize = 30_000;
 
 /// A kernel, the constants that it looks up, and what it touches in each of its buffers.
 #[derive(Clone, Debug)]

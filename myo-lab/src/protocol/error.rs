@@ -87,7 +87,7 @@ pub enum ProtocolError {
 
 impl ProtocolError {
     /// Names what was to be measured.
-    pub(super) fn measuring(what: impl Into<String>) -> impl FnOnce(MeasureError) -> Self {
+    pub(crate) fn measuring(what: impl Into<String>) -> impl FnOnce(MeasureError) -> Self {
         let what = what.into();
         move |error| Self::Measure { what, error }
     }

@@ -34,6 +34,7 @@ pub use kinematics::{KinematicRow, Kinematics, SpeedProfile};
 pub use plot::{Plot, PlotError, PlotPoint, PlotSeries};
 pub use pointing::{OverUsers, UserReaches};
 pub use practice::{HOLD_DEG, Practice, SELECTIONS, TYPED, WAY_PIECES, Way, circle_targets, conditions, ways};
+pub(crate) use practice::{Layout, circle};
 pub(crate) use reach::{Aimed, CUT_OFF_HZ, StraightOn, Track, mean_profile};
 pub use reach::{Reach, reaches};
 pub use recording::{Done, Recording, record};

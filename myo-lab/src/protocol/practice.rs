@@ -59,6 +59,8 @@ pub const WAY_PIECES: usize = 15;
 const WAY_WIDTHS: [f64; 4] = [0.02, 0.03, 0.05, 0.08];
 /// Radius (m) of the spheres between which they go: passes are timed from leaving the first to the last.
 pub const WAY_SPHERE: f64 = 0.01;
+/// What leaving a way costs.
+const EXIT_COST: f64 = 2.0;
 /// Least logarithm of the standard deviation of exploration.
 const LOG_STD_MIN: f64 = -3.5;
 /// Presses of an episode, of one key.
@@ -121,9 +123,17 @@ impl Practice {
             Self::Tapping => Ok(vec![of_user(tapping())?]),
             Self::Working => HEIGHTS.into_iter().map(|(height, middle)| of_user(working(height, middle))).collect(),
             Self::Typing => KEY_WIDTHS.into_iter().map(|width| of_user(typing(width))).collect(),
-            Self::Steering => ways().iter().map(|way| of_user(steering(way))).collect(),
+            Self::Steering => ways().iter().map(|way| of_user(steering(way)).map(not_to_leave)).collect(),
         }
     }
+}
+
+/// With ways that are not to be left, as participants are told: it costs whom it costs nothing as much as a wrong press costs `human`.
+fn not_to_leave(mut task: Task) -> Task {
+    if task.reward.exit == 0.0 {
+        task.reward.exit = EXIT_COST;
+    }
+    task
 }
 
 /// Distance and width (m) of each layout of [`Practice::Pointing`].
@@ -180,15 +190,15 @@ pub fn ways() -> Vec<Way> {
 }
 
 /// What is in the world and what is done there.
-struct Layout {
-    name: String,
-    scene: Value,
-    script: Value,
-    time_limit_s: f64,
+pub(crate) struct Layout {
+    pub name: String,
+    pub scene: Value,
+    pub script: Value,
+    pub time_limit_s: f64,
 }
 
 impl Layout {
-    fn task(self, user: &Task) -> Result<Task, LoadError> {
+    pub(crate) fn task(self, user: &Task) -> Result<Task, LoadError> {
         let Self { name, scene, script, time_limit_s } = self;
         let text = json!({
             "version": 2, "name": name, "scene": scene, "script": script, "time_limit_s": time_limit_s,
@@ -215,7 +225,7 @@ fn sphere([x, y, z]: [f64; 3], radius: f64) -> Value {
     json!({"kind": "sphere", "at": [x, y, z], "radius": radius})
 }
 
-fn circle(pair: [f64; 2]) -> Layout {
+pub(crate) fn circle(pair: [f64; 2]) -> Layout {
     let [distance, width] = pair;
     circle_at(format!("{:.0} mm by {:.0} mm", 1e3 * width, 1e3 * distance), [PLANE_X, 0.0], pair)
 }

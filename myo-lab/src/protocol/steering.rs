@@ -22,8 +22,11 @@ pub struct SteeringLaw {
     pub users: usize,
     /// Each way.
     pub rows: Vec<SteeringRow>,
-    /// The law of each shape.
+    /// The law of each shape whose ways all users have learnt.
     pub steering: Vec<SteeringFit>,
+    /// Which way that is not, if there is one, and what would help.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unlearnt: Option<String>,
 }
 
 /// A way.
@@ -35,12 +38,12 @@ pub struct SteeringRow {
     pub width_m: f64,
     /// Length over width.
     pub index: f64,
-    /// Mean time (s) of passes that did not leave it, from its first sphere to its last; median over users.
-    pub time_s: f64,
+    /// Mean time (s) of passes that did not leave it, from its first sphere to its last; median over the users who have learnt it, none where nobody has.
+    pub time_s: Option<f64>,
     /// 95 % confidence interval of the mean over users, as all that follow.
     pub time_s_interval: Option<[f64; 2]>,
-    /// Share of passes that left it, mean over users.
-    pub left: f64,
+    /// Share of passes that left it, mean over the users who came to its end; none where nobody did.
+    pub left: Option<f64>,
 }
 
 /// The law of one shape, through mean times of its ways, user by user.
@@ -63,74 +66,88 @@ pub struct SteeringFit {
 }
 
 impl SteeringLaw {
-    /// Of one user or more, each with its recordings of all ways, in their order.
+    /// Of one user or more, each with its recordings of all ways, in their order. There is no law of a shape where a user has not learnt one of its
+    /// ways: [`unlearnt`](Self::unlearnt) says which.
     ///
     /// # Errors
-    /// A way that a user did not pass often enough without leaving it, or no fit.
+    /// Nobody has learnt anything, or there is no fit.
     pub fn of(users: &[Vec<Vec<Recording>>]) -> Result<Self, ProtocolError> {
         let ways = ways();
-        let passed = |user: &Vec<Vec<Recording>>| {
-            ways.iter().zip(user).map(|(way, recordings)| tunnel(way, recordings)).collect::<Result<Vec<_>, _>>()
-        };
-        let tunnels = users.iter().map(passed).collect::<Result<Vec<_>, _>>()?;
+        let of_user =
+            |user: &Vec<Vec<Recording>>| ways.iter().zip(user).map(|(way, own)| Passes::of(way, own)).collect();
+        let passes: Vec<Vec<Passes>> = users.iter().map(of_user).collect();
         let rows = (0..ways.len())
-            .map(|number| {
-                let of_users: Vec<&Tunnel> = tunnels.iter().map(|user| &user[number]).collect();
-                SteeringRow::of(&ways[number], &of_users)
-            })
-            .collect::<Result<_, _>>()?;
+            .map(|number| SteeringRow::of(&ways[number], &passes.iter().map(|user| &user[number]).collect::<Vec<_>>()))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut unlearnt = passes.iter().flatten().find_map(|passes| passes.tunnel().err());
+        if rows.iter().all(|row| row.time_s.is_none()) {
+            if let Some(error) = unlearnt.take() {
+                return Err(error);
+            }
+        }
         let mut shapes: Vec<&'static str> = ways.iter().map(|way| way.shape).collect();
         shapes.dedup();
         let law = |shape| {
-            let of_shape = |user: &Vec<Tunnel>| {
-                let own = ways.iter().zip(user).filter(|(way, _)| way.shape == shape);
-                let own: Vec<Tunnel> = own.map(|(_, tunnel)| tunnel.clone()).collect();
-                Steering::of(&own).map_err(ProtocolError::measuring("the steering law"))
+            let tunnels = |user: &Vec<Passes>| {
+                let own = user.iter().filter(|passes| passes.way.shape == shape);
+                own.map(|passes| passes.tunnel().ok()).collect::<Option<Vec<Tunnel>>>()
             };
-            SteeringFit::of(shape, &tunnels.iter().map(of_shape).collect::<Result<Vec<_>, _>>()?)
+            let learnt = passes.iter().map(tunnels).collect::<Option<Vec<_>>>()?;
+            Some(SteeringFit::of(shape, &learnt))
         };
-        Ok(Self { users: users.len(), rows, steering: shapes.into_iter().map(law).collect::<Result<_, _>>()? })
+        let steering = shapes.into_iter().filter_map(law).collect::<Result<_, _>>()?;
+        Ok(Self { users: users.len(), rows, steering, unlearnt: unlearnt.map(|error| error.to_string()) })
     }
 
     /// Times over length by width, and the lines through them.
     pub fn plot(&self) -> Plot {
-        let series = self.steering.iter().flat_map(|fit| {
-            let rows = || self.rows.iter().filter(|row| row.shape == fit.shape);
-            let point = |row: &SteeringRow| PlotPoint { at: [row.index, row.time_s], interval: row.time_s_interval };
-            let ends = rows().map(|row| row.index).fold([f64::INFINITY, 0.0], |[a, b], x| [a.min(x), b.max(x)]);
-            let line = ends.map(|index| [index, fit.intercept_s + fit.slope_s * index]);
-            let name = format!("{:.0} ms + {:.0} ms per unit", 1e3 * fit.intercept_s, 1e3 * fit.slope_s);
-            [
-                PlotSeries { name: fit.shape.into(), points: rows().map(point).collect(), line: vec![] },
-                PlotSeries { name: format!("{name}, R2 {:.2}", fit.r2), points: vec![], line: line.to_vec() },
-            ]
+        let mut shapes: Vec<&'static str> = self.rows.iter().map(|row| row.shape).collect();
+        shapes.dedup();
+        let series = shapes.into_iter().flat_map(|shape| {
+            let rows: Vec<_> = self.rows.iter().filter(|row| row.shape == shape).collect();
+            let line = self.steering.iter().find(|fit| fit.shape == shape).map(|fit| fit.line(&rows));
+            let point =
+                |row: &&SteeringRow| Some(PlotPoint { at: [row.index, row.time_s?], interval: row.time_s_interval });
+            let points = rows.iter().filter_map(point).collect();
+            [Some(PlotSeries { name: shape.into(), points, line: vec![] }), line]
         });
         Plot {
             title: "The steering law".into(),
             axes: ["length over width of the way".into(), "time, s".into()],
-            series: series.collect(),
+            series: series.flatten().collect(),
         }
     }
 }
 
 impl SteeringRow {
-    fn of(way: &Way, users: &[&Tunnel]) -> Result<Self, ProtocolError> {
-        let mean = |tunnel: &&Tunnel| tunnel.times_s.iter().sum::<f64>() / tunnel.times_s.len() as f64;
-        let time = OverUsers::of(&users.iter().map(mean).collect::<Vec<_>>(), "times of passes")?;
-        let left = |tunnel: &&Tunnel| tunnel.left as f64 / (tunnel.left + tunnel.times_s.len()) as f64;
+    fn of(way: &Way, users: &[&Passes]) -> Result<Self, ProtocolError> {
+        let learnt: Vec<f64> =
+            users.iter().filter_map(|user| user.tunnel().ok()).map(|own| mean(&own.times_s)).collect();
+        let time = if learnt.is_empty() { None } else { Some(OverUsers::of(&learnt, "times of passes")?) };
+        let left: Vec<f64> = users.iter().filter_map(|user| user.share_left()).collect();
         Ok(Self {
             shape: way.shape,
             width_m: way.width,
             index: way.length() / way.width,
-            time_s: time.median,
-            time_s_interval: time.interval,
-            left: users.iter().map(left).sum::<f64>() / users.len() as f64,
+            time_s: time.map(|time| time.median),
+            time_s_interval: time.and_then(|time| time.interval),
+            left: (!left.is_empty()).then(|| mean(&left)),
         })
     }
 }
 
 impl SteeringFit {
-    fn of(shape: &'static str, users: &[Steering]) -> Result<Self, ProtocolError> {
+    /// The line that is drawn, over these ways.
+    fn line(&self, rows: &[&SteeringRow]) -> PlotSeries {
+        let ends = rows.iter().map(|row| row.index).fold([f64::INFINITY, 0.0], |[a, b], x| [a.min(x), b.max(x)]);
+        let line = ends.map(|index| [index, self.intercept_s + self.slope_s * index]);
+        let name = format!("{:.0} ms + {:.0} ms per unit", 1e3 * self.intercept_s, 1e3 * self.slope_s);
+        PlotSeries { name: format!("{name}, R2 {:.2}", self.r2), points: vec![], line: line.to_vec() }
+    }
+
+    fn of(shape: &'static str, users: &[Vec<Tunnel>]) -> Result<Self, ProtocolError> {
+        let law = |tunnels: &Vec<Tunnel>| Steering::of(tunnels).map_err(ProtocolError::measuring("the steering law"));
+        let users = users.iter().map(law).collect::<Result<Vec<_>, _>>()?;
         let over =
             |of: fn(&Steering) -> f64| OverUsers::of(&users.iter().map(of).collect::<Vec<_>>(), "the steering law");
         let [r2, slope, intercept] =
@@ -147,17 +164,39 @@ impl SteeringFit {
     }
 }
 
-/// What a user's episodes on a way were: one pass each, or none.
-fn tunnel(way: &Way, recordings: &[Recording]) -> Result<Tunnel, ProtocolError> {
-    let whole = || recordings.iter().filter_map(|recording| Some((recording, time(way, recording)?)));
-    let times_s: Vec<f64> = whole().filter(|(recording, _)| recording.exits == 0.0).map(|(_, time)| time).collect();
-    if times_s.len() < LEAST_PASSES {
-        let what = format!("passes of the {} way of {:.0} mm that did not leave it", way.shape, 1e3 * way.width);
-        let (found, asked) = (times_s.len(), recordings.len());
-        return Err(ProtocolError::TooFew { what, found, asked, least: LEAST_PASSES });
+/// What a user's episodes on a way were.
+struct Passes<'a> {
+    way: &'a Way,
+    /// Of episodes that did not leave it (s).
+    times_s: Vec<f64>,
+    /// How many left it and came to its end.
+    left: usize,
+    /// Episodes in all.
+    asked: usize,
+}
+
+impl<'a> Passes<'a> {
+    fn of(way: &'a Way, recordings: &[Recording]) -> Self {
+        let whole = || recordings.iter().filter_map(|recording| Some((recording, time(way, recording)?)));
+        let times_s: Vec<f64> = whole().filter(|(recording, _)| recording.exits == 0.0).map(|(_, time)| time).collect();
+        Self { left: whole().count() - times_s.len(), times_s, way, asked: recordings.len() }
     }
-    let left = whole().count() - times_s.len();
-    Ok(Tunnel { length: way.length(), width: way.width, times_s, left })
+
+    /// The same for the law.
+    fn tunnel(&self) -> Result<Tunnel, ProtocolError> {
+        let Self { way, times_s, left, asked } = self;
+        if times_s.len() < LEAST_PASSES {
+            let what = format!("passes of the {} way of {:.0} mm that did not leave it", way.shape, 1e3 * way.width);
+            return Err(ProtocolError::TooFew { what, found: times_s.len(), asked: *asked, least: LEAST_PASSES });
+        }
+        Ok(Tunnel { length: way.length(), width: way.width, times_s: times_s.clone(), left: *left })
+    }
+
+    /// Share of those that came to its end which left it.
+    fn share_left(&self) -> Option<f64> {
+        let ended = self.left + self.times_s.len();
+        (ended > 0).then(|| self.left as f64 / ended as f64)
+    }
 }
 
 /// How long (s) an episode took from leaving the first sphere of its way to coming to the last one; none where it did not.
@@ -166,4 +205,8 @@ fn time(way: &Way, recording: &Recording) -> Option<f64> {
     let is_at_start = |&sample: &usize| distance(recording.fingertip[sample], way.corners[0]) <= WAY_SPHERE;
     let leaves = (start..end.min(recording.fingertip.len())).rev().find(is_at_start).unwrap_or(start);
     Some((end - leaves) as f64 / recording.rate_hz)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }

@@ -32,6 +32,9 @@ pub use until::{Until, UntilError};
 
 /// Episodes, of each layout, that confirm a quick look, and of the last evaluation.
 const EPISODES: usize = 1000;
+/// Fewer where there are many layouts: at most so many in all, or this many of each.
+const EPISODES_IN_ALL: usize = 16_000;
+const LEAST_EPISODES: usize = 100;
 
 /// Share of training episodes that succeed from which on it needs no word if nothing improves.
 const GOOD: f64 = 0.9;
@@ -293,7 +296,7 @@ impl Session {
     fn look(&mut self, go_on: &dyn Fn() -> bool) -> Result<Vec<Evaluation>, SessionError> {
         let Some(until) = self.goal.until.share().filter(|_| self.look_is_due()) else { return Ok(Vec::new()) };
         let (mut policy, mut taken) = (self.trainer.policy(), Vec::new());
-        for episodes in [self.examiner.quick_episodes(), EPISODES] {
+        for episodes in [self.examiner.quick_episodes(), self.episodes()] {
             let number = self.memory.evaluations + taken.len() as u64 + 1;
             let Some(evaluation) = self.evaluate(&mut policy, episodes, number, go_on)? else {
                 return Ok(taken);
@@ -313,6 +316,12 @@ impl Session {
             record.changed();
         }
         Ok(taken)
+    }
+
+    /// Episodes, of each layout, of an evaluation that counts.
+    fn episodes(&self) -> usize {
+        let share = EPISODES_IN_ALL / self.trainer.spec().layouts();
+        EPISODES.min(share.max(LEAST_EPISODES))
     }
 
     /// An evaluation; none if it was ended early.
@@ -377,7 +386,7 @@ impl Session {
         }
         // Of a number that is not used up: the same evaluation ends a training that went on from here.
         let number = self.memory.evaluations + 1;
-        let evaluation = self.evaluate(&mut self.trainer.policy(), EPISODES, number, go_on)?;
+        let evaluation = self.evaluate(&mut self.trainer.policy(), self.episodes(), number, go_on)?;
         if let (Some(record), Some(evaluation)) = (&self.record, &evaluation) {
             record.folder().write_evaluation(evaluation)?;
         }

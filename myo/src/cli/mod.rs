@@ -9,6 +9,7 @@ mod docs;
 mod eval;
 mod export;
 mod failure;
+mod fit;
 #[cfg(feature = "studio")]
 mod html;
 mod interrupt;
@@ -69,6 +70,8 @@ enum Command {
     Export(export::Export),
     /// Figures of recorded movements, of people and of simulated users in the same way
     Measure(measure::Measure),
+    /// Which user moves as the people of recordings do
+    Fit(fit::Fit),
     /// Runs: what was trained, and how well it does
     Runs(runs::Runs),
     /// Runs as one page for the browser, which needs nothing else
@@ -116,6 +119,7 @@ fn run<'scope>(cli: Cli, beside: &'scope Scope<'scope, '_>) -> Result<()> {
         Command::Compare(args) => compare::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Measure(args) => measure::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Runs(args) => runs::run(&args),
         #[cfg(feature = "studio")]
         Command::Report(args) => html::run(&args),

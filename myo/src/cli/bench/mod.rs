@@ -3,6 +3,7 @@
 mod curve;
 mod env;
 mod env_gpu;
+mod fit;
 mod kernel;
 mod machine;
 mod mujoco;
@@ -35,6 +36,8 @@ pub enum Command {
     Train(train::TrainArgs),
     /// The experiments of the published system, done again: two tables, three figures
     Published(published::PublishedArgs),
+    /// Whether `myo fit` finds simulated users who are known
+    Fit(fit::FitArgs),
     /// How good a simulated user is after so many control steps
     Curve(curve::CurveArgs),
     /// Operations of the kernel that a graphics card runs, and its text
@@ -50,6 +53,7 @@ pub fn run(command: &Command, threads: Option<usize>) -> Result<()> {
         Command::Env(args) => env::run(args),
         Command::Train(args) => train::run(args),
         Command::Published(args) => published::run(args),
+        Command::Fit(args) => fit::run(args),
         Command::Curve(args) => curve::run(args),
         Command::Kernel(args) => kernel::run(args),
         Command::Nan(args) => nan::run(args),

@@ -102,7 +102,7 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
         Protocol::A1 => tell(asked, "A1", asking.sizes(), (tables::sizes, None), json).map(drop),
         Protocol::F1 => {
             let found = tell(asked, "F1", asking.fitts(figures), (tables::fitts, Some(FittsLaw::plot)), json)?;
-            found.unlearnt.map_or(Ok(()), |what| Err(Failure::sentence(format!("there is no Fitts' law: {what}"))))
+            whole("there is no Fitts' law", found.unlearnt)
         }
         Protocol::K1 => {
             tell(asked, "K1", asking.kinematics(figures), (tables::kinematics, Some(Kinematics::plot)), json).map(drop)
@@ -113,10 +113,14 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
         Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (tables::stillness, None), json).map(drop),
         Protocol::K5 => tell(asked, "K5", asking.drive(figures), (tables::drive, None), json).map(drop),
         Protocol::S1 => {
-            tell(asked, "S1", asking.steering(), (tables::steering, Some(SteeringLaw::plot)), json).map(drop)
+            let found = tell(asked, "S1", asking.steering(), (tables::steering, Some(SteeringLaw::plot)), json)?;
+            whole("some ways were not learnt", found.unlearnt)
         }
         Protocol::T1 => tell(asked, "T1", asking.keys(figures), (tables::keys, None), json).map(drop),
-        Protocol::T3 => tell(asked, "T3", asking.typing(), (tables::typing, Some(Typing::plot)), json).map(drop),
+        Protocol::T3 => {
+            let found = tell(asked, "T3", asking.typing(), (tables::typing, Some(Typing::plot)), json)?;
+            whole("some keys were not learnt", found.unlearnt)
+        }
         Protocol::E1 => {
             tell(asked, "E1", asking.endurance(figures), (tables::endurance, Some(Endurance::plot)), json).map(drop)
         }
@@ -124,6 +128,11 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
         Protocol::E3 => tell(asked, "E3", Ok(asking.recovery()), (tables::recovery, None), json).map(drop),
         Protocol::Bands => bands(&mut asking, json),
     }
+}
+
+/// Fails where a user has not learnt all that was asked, after what was learnt has been told.
+fn whole(lacks: &str, unlearnt: Option<String>) -> Result<()> {
+    unlearnt.map_or(Ok(()), |what| Err(Failure::sentence(format!("{lacks}: {what}"))))
 }
 
 /// How an answer is told: as text, and as a plot if it has one.

@@ -215,10 +215,10 @@ pub fn typing(found: &Typing) -> String {
     rows.extend(found.rows.iter().map(|r| {
         row([
             &format!("{:.0} mm", 1e3 * r.key_m),
-            &short(r.words_per_min),
+            &r.words_per_min.map_or("-".into(), short),
             &interval(r.words_per_min_interval),
-            &format!("{:.3} s", r.letter_s),
-            &short(r.wrong_per_100),
+            &r.letter_s.map_or("-".into(), |time_s| format!("{time_s:.3} s")),
+            &r.wrong_per_100.map_or("-".into(), short),
             &interval(r.wrong_per_100_interval),
             &format!("{:.1} %", 100.0 * r.unfinished),
         ])
@@ -237,9 +237,9 @@ pub fn steering(found: &SteeringLaw) -> String {
             r.shape,
             &format!("{:.0} cm", 100.0 * r.width_m),
             &format!("{:.1}", r.index),
-            &format!("{:.3} s", r.time_s),
+            &r.time_s.map_or("-".into(), |time_s| format!("{time_s:.3} s")),
             &interval(r.time_s_interval),
-            &format!("{:.1} %", 100.0 * r.left),
+            &r.left.map_or("-".into(), |left| format!("{:.1} %", 100.0 * left)),
         ])
     }));
     let mut fits = vec![row(["steering law", "R2", "95 % interval", "slope, s", "95 % interval", "intercept, s"])];

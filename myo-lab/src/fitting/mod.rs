@@ -1,0 +1,77 @@
+//! Which simulated user moves as a person does: the traits with which it comes nearest to recordings.
+//!
+//! One user learns to be anybody: it practises in layouts whose users differ in their [`TRAITS`], and observes which of them it is ([`practice`]). So
+//! another [`Nature`] needs no other training, and a [fit](Fitted) is only simulation: natures do the targets of the recordings, each [figure](FIGURES) of
+//! their movements becomes a smooth function of the traits, and the nature is looked for whose figures are nearest to the person's. That is done again with natures nearer
+//! and nearer to it.
+//!
+//! What it does not know: bodies, delays and where a person sat are as told (`body`, `perception.vision_delay_ms` of the task); targets lie on a circle before the
+//! shoulder wherever they were for the person; whoever differs from people in a way that no trait changes is not found to do so, and
+//! [what is left](Fitted::distance_after) of the distance tells how much that is.
+
+mod figures;
+mod nature;
+mod practice;
+mod search;
+mod surface;
+
+use thiserror::Error;
+
+pub use figures::{Aim, FIGURES};
+pub use nature::{Nature, TRAITS, Trait, natures, others};
+pub use practice::{aims, practice};
+pub use search::{Fitted, FittedFigure, FittedTrait};
+
+use crate::protocol::ProtocolError;
+use crate::recordings::RecordingError;
+
+/// Why nobody can be found.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FittingError {
+    /// Recordings cannot be measured, or a user not be recorded.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A simulated user cannot be asked.
+    #[error(transparent)]
+    Asked(#[from] ProtocolError),
+    /// A task cannot be made.
+    #[error("the user of this task cannot be fitted: {0}")]
+    Task(#[from] myo_tasks::LoadError),
+    /// Too little that can be compared.
+    #[error(
+        "{who}: {found} movements are of a distance from {} to {} cm at a target from {} to {} mm wide and have {least} others like them, in {pairs} pairs of \
+         distance and width; a fit needs {least_pairs} pairs with {least} movements each",
+        100.0 * distances[0], 100.0 * distances[1], 1e3 * widths[0], 1e3 * widths[1]
+    )]
+    TooFew {
+        /// Who.
+        who: String,
+        /// Movements that count.
+        found: usize,
+        /// In so many pairs.
+        pairs: usize,
+        /// Fewest movements of a pair, and fewest pairs.
+        least: usize,
+        /// Fewest pairs.
+        least_pairs: usize,
+        /// Distances (m) that are asked.
+        distances: [f64; 2],
+        /// Widths (m).
+        widths: [f64; 2],
+    },
+    /// The simulated user does not do what is asked.
+    #[error(
+        "of {natures} natures only {able} could do what {who} did, and at least {least} are needed: the user who can be anybody has not learnt it, train it longer (`--steps`)"
+    )]
+    Unlearnt {
+        /// Whose recordings.
+        who: String,
+        /// Natures that were tried.
+        natures: usize,
+        /// Who could.
+        able: usize,
+        /// Fewest.
+        least: usize,
+    },
+}

@@ -1,0 +1,202 @@
+//! The nature whose movements are nearest to those of a person.
+
+use serde::Serialize;
+
+use super::FittingError;
+use super::figures::{self, Aim, FIGURES, Figures, figures, pairs, told};
+use super::nature::{COUNT, Nature, TRAITS, places};
+use super::surface::{Nearest, Surface, TERMS};
+use crate::recordings::{Participant, measured};
+
+/// Natures of each round, and how far (of 1, half of all) they lie from the nearest of the round before.
+const ROUNDS: [(usize, f64); 3] = [(64, 1.0), (40, 0.5), (40, 0.25)];
+/// Standard errors on either side of a trait that is found, 95 of 100.
+const SURE: f64 = 1.96;
+
+/// Who comes nearest to a person.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fitted {
+    /// The person.
+    pub participant: String,
+    /// Movements that were compared.
+    pub movements: usize,
+    /// Pairs of distance and width (m) in which they were.
+    pub pairs: Vec<[f64; 2]>,
+    /// What the user is like who comes nearest.
+    pub traits: Vec<FittedTrait>,
+    /// How far the user was from the person before, and is then: root of the mean squared difference of figures, each in standard deviations of that figure between repetitions
+    /// of one nature.
+    pub distance_before: f64,
+    /// The same of the user who was found.
+    pub distance_after: f64,
+    /// What was compared.
+    pub figures: Vec<FittedFigure>,
+}
+
+/// A trait of who comes nearest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FittedTrait {
+    /// Its place in a task file.
+    pub key: &'static str,
+    /// What it is.
+    pub what: &'static str,
+    /// What it was.
+    pub before: f64,
+    /// What it is to be.
+    pub found: f64,
+    /// 95 % confidence interval; as wide as all that was tried where the recordings do not tell.
+    pub interval: [f64; 2],
+    /// Whether the recordings tell: whether the interval is narrower than half of all that was tried.
+    pub is_told: bool,
+}
+
+/// A figure of the person, and of the user before and then.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FittedFigure {
+    /// What it is, with its unit.
+    pub what: &'static str,
+    /// The person's.
+    pub person: f64,
+    /// The user's before.
+    pub before: f64,
+    /// The user's who was found.
+    pub after: f64,
+}
+
+/// One person, with figures, and users who are asked the same.
+struct Search<'a, F> {
+    who: &'a str,
+    pairs: Vec<[f64; 2]>,
+    person: Figures,
+    movements: usize,
+    simulate: F,
+}
+
+/// What natures did: where they are, their figures, and movements that each made on average.
+struct Tried {
+    places: Vec<[f64; COUNT]>,
+    figures: Vec<Figures>,
+    movements: f64,
+}
+
+impl Fitted {
+    /// Of one person, beginning from a user. `simulate` lets natures do targets of pairs of distance and width, and tells the movements of each.
+    ///
+    /// # Errors
+    /// Too few movements, a recording that cannot be measured, natures who cannot do what the person did, or what `simulate` refuses.
+    pub fn of<E: From<FittingError>>(
+        person: &Participant,
+        before: Nature,
+        simulate: impl FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
+    ) -> Result<Self, E> {
+        let (movements, _) = measured(person).map_err(FittingError::from)?;
+        Self::of_aims(&person.name, &movements.iter().map(Aim::from).collect::<Vec<_>>(), before, simulate)
+    }
+
+    /// The same of movements that are measured already.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn of_aims<E: From<FittingError>>(
+        who: &str,
+        movements: &[Aim],
+        before: Nature,
+        simulate: impl FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
+    ) -> Result<Self, E> {
+        let pairs = pairs(who, movements)?;
+        let too_few = || FittingError::Unlearnt { who: who.into(), natures: 0, able: 0, least: 1 };
+        let (own, count) = figures(movements, &pairs).ok_or_else(too_few)?;
+        let mut search = Search { who, pairs, person: own, movements: count, simulate };
+        let (mut about, mut found) = ([0.0; COUNT], None);
+        for (natures, within) in ROUNDS {
+            let tried = search.tried(places(natures, about, within))?;
+            let surface =
+                Surface::through(&tried.places, &tried.figures).ok_or_else(|| search.unlearnt(natures, &tried))?;
+            let more = 1.0 + tried.movements / search.movements as f64;
+            let nearest = surface.nearest(&search.person, about, within, more);
+            about = nearest.place;
+            found = Some((surface, nearest));
+        }
+        let Some((surface, nearest)) = found else { return Err(too_few().into()) };
+        search.told(before, &surface, &nearest)
+    }
+}
+
+impl<F, E: From<FittingError>> Search<'_, F>
+where
+    F: FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
+{
+    /// Natures at these places, asked.
+    fn tried(&mut self, places: Vec<[f64; COUNT]>) -> Result<Tried, E> {
+        let natures: Vec<Nature> = places.iter().map(|&place| Nature::at(place)).collect();
+        let all = self.ask(&natures)?;
+        let (mut tried, mut movements) = (Tried { places: vec![], figures: vec![], movements: 0.0 }, 0);
+        for (place, found) in places.into_iter().zip(all) {
+            let Some((figures, count)) = found else { continue };
+            tried.places.push(place);
+            tried.figures.push(figures);
+            movements += count;
+        }
+        if tried.places.len() <= TERMS {
+            return Err(self.unlearnt(natures.len(), &tried).into());
+        }
+        tried.movements = movements as f64 / tried.places.len() as f64;
+        Ok(tried)
+    }
+
+    /// Figures of natures, and how many movements these are; none of who cannot do it.
+    fn ask(&mut self, natures: &[Nature]) -> Result<Vec<Option<(Figures, usize)>>, E> {
+        let recorded = (self.simulate)(natures, &self.pairs)?;
+        Ok(recorded.iter().map(|movements| figures(movements, &self.pairs)).collect())
+    }
+
+    fn unlearnt(&self, natures: usize, tried: &Tried) -> FittingError {
+        FittingError::Unlearnt { who: self.who.into(), natures, able: tried.places.len(), least: TERMS + 1 }
+    }
+
+    /// What was found, with what the user did before and does then.
+    fn told(&mut self, before: Nature, surface: &Surface, nearest: &Nearest) -> Result<Fitted, E> {
+        let after = Nature::at(nearest.place);
+        let asked = self.ask(&[before, after])?;
+        let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 2, able: 0, least: 2 };
+        let [Some((old, _)), Some((new, _))] = asked[..] else { return Err(unlearnt().into()) };
+        let distance = |own: &Figures| {
+            let off = |k: usize| (own[k] - self.person[k]) / surface.deviations[k];
+            ((0..figures::COUNT).map(|k| off(k) * off(k)).sum::<f64>() / figures::COUNT as f64).sqrt()
+        };
+        let figure = |(k, what): (usize, &&'static str)| {
+            let [person, before, after] = [self.person[k], old[k], new[k]].map(|value| told(k, value));
+            FittedFigure { what, person, before, after }
+        };
+        Ok(Fitted {
+            participant: self.who.into(),
+            movements: self.movements,
+            pairs: self.pairs.clone(),
+            traits: (0..COUNT).map(|k| FittedTrait::of(k, before, after, nearest)).collect(),
+            distance_before: distance(&old),
+            distance_after: distance(&new),
+            figures: FIGURES.iter().enumerate().map(figure).collect(),
+        })
+    }
+}
+
+impl FittedTrait {
+    fn of(number: usize, before: Nature, after: Nature, nearest: &Nearest) -> Self {
+        let Nearest { place, errors } = nearest;
+        let far = SURE * errors[number];
+        let ends = [-far, far].map(|off| {
+            let mut there = *place;
+            there[number] = (place[number] + off).clamp(-1.0, 1.0);
+            there
+        });
+        let trait_ = TRAITS[number];
+        Self {
+            key: trait_.key,
+            what: trait_.what,
+            before: before.0[number],
+            found: after.0[number],
+            interval: ends.map(|end| Nature::at(end).0[number]),
+            is_told: ends[1][number] - ends[0][number] < 1.0,
+        }
+    }
+}
