@@ -313,6 +313,52 @@ fn a_card_holds_many_layouts_as_well() {
     assert!(rollout(&mut batch, 5).iter().zip(&rollout(&mut made, 5)).all(|(a, b)| a.observation == b.observation));
 }
 
+/// Two users who differ in all that can be observed of them.
+fn two_natures() -> [Task; 2] {
+    let one = |signal_dependent, vision_noise, effort_cost, control_change_cost| {
+        let mut task = short("pointing");
+        task.observation.traits = true;
+        task.noise.signal_dependent = signal_dependent;
+        task.perception.vision_noise = vision_noise;
+        (task.reward.effort_cost, task.reward.control_change_cost) = (effort_cost, control_change_cost);
+        task
+    };
+    [one(0.1, 0.3, 8.0, 5.0), one(0.02, 0.1, 2.0, 20.0)]
+}
+
+/// Everybody observes what it is like, and nobody else.
+fn check_natures(env: &mut dyn VectorEnv) {
+    let expected = [[1.0, 1.5, 2.0, 0.5], [0.2, 0.5, 0.5, 2.0]];
+    let size = env.spec().observation_size();
+    let names = ["signal_dependent", "vision_noise", "effort_cost", "control_change_cost"];
+    let places = names.map(|name| {
+        let name = format!("traits.{name}");
+        env.spec().observation_names.iter().position(|other| *other == name).unwrap()
+    });
+    let mut seen = vec![0.0; 37 * size];
+    env.reset(Some(2), None, &mut seen).unwrap();
+    for step in rollout(env, 3).iter().map(|step| &step.observation).chain([&seen]) {
+        for (number, row) in step.chunks_exact(size).enumerate() {
+            let found = places.map(|place| row[place]);
+            let off =
+                found.iter().zip(expected[number % 2]).map(|(a, b): (&f32, f32)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-5, "environment {number}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn users_of_layouts_observe_what_they_are_like() {
+    let tasks = two_natures();
+    let model = arm(&tasks[0]);
+    check_natures(&mut CpuEnv::with_layouts(&model, &tasks, &config(37)).unwrap());
+    if without_gpu() {
+        return;
+    }
+    let options = GpuOptions { envs_per_shard: 16, ..GpuOptions::default() };
+    check_natures(&mut GpuEnv::with_layouts(&gpu(), &model, &tasks, &config(37), &options).unwrap());
+}
+
 /// Entries of the observation of a task.
 fn made_size(tasks: &[Task]) -> usize {
     CpuEnv::new(&arm(&tasks[0]), &tasks[0], &config(1)).unwrap().spec().observation_size()

@@ -54,6 +54,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         target_normal: false,
         target_kind: false,
         nearest_obstacle: false,
+        traits: false,
     };
     refused(blind.clone(), "`observation` has no part; at least one must be true");
     blind.observation.cue = true;

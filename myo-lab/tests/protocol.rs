@@ -10,7 +10,7 @@ use myo_measure::bands::{Figure, Figures};
 use myo_measure::fitts::index_of_difficulty;
 use myo_measure::signal;
 use myo_model::{Model, builtin};
-use myo_tasks::{Task, check, preset};
+use myo_tasks::{Reward, Task, check, preset};
 use myo_train::{Policy, PpoConfig, Trainer};
 
 const RATE_HZ: f64 = 500.0;

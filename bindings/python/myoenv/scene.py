@@ -919,6 +919,9 @@ class Observation(Described):
         nearest_obstacle: From the fingertip to the nearest place of the surface of any box but the current target, in
             m, shortened to 1 where it is farther, and 1 downwards where there is none; in tasks with boxes. Default
             False.
+        traits: What the user is like, of what users of one body differ in: signal-dependent motor noise in tenths,
+            `perception.vision_noise` in fifths, `reward.effort_cost` in fours and `reward.control_change_cost` in tens.
+            For one who learns to be anybody, in layouts that differ in these. Default False.
     """
 
     joint_position: bool | None = None
@@ -947,6 +950,7 @@ class Observation(Described):
     drag: bool | None = None
     steer: bool | None = None
     nearest_obstacle: bool | None = None
+    traits: bool | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

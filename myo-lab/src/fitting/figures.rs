@@ -52,6 +52,18 @@ impl Aim {
     }
 }
 
+#[cfg(test)]
+impl Aim {
+    pub(super) fn known(
+        [distance, width]: [f64; 2],
+        trial: Trial,
+        movement: Movement,
+        first_stop: Option<[f64; 3]>,
+    ) -> Self {
+        Self { distance, width, trial, movement: Some(movement), first_stop }
+    }
+}
+
 impl From<&Measured> for Aim {
     fn from(one: &Measured) -> Self {
         Self::new([one.distance, one.width], &one.aimed)
@@ -87,8 +99,6 @@ pub(super) fn pairs(who: &str, movements: &[Aim]) -> Result<Vec<[f64; 2]>, Fitti
             pairs: bins.len(),
             least: LEAST,
             least_pairs: LEAST_PAIRS,
-            distances: DISTANCES,
-            widths: WIDTHS,
         });
     }
     bins.truncate(MOST_PAIRS);

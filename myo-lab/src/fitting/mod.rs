@@ -19,8 +19,9 @@ use thiserror::Error;
 
 pub use figures::{Aim, FIGURES};
 pub use nature::{Nature, TRAITS, Trait, natures, others};
+use practice::{DISTANCES, WIDTHS};
 pub use practice::{aims, practice};
-pub use search::{Fitted, FittedFigure, FittedTrait};
+pub use search::{Fitted, FittedFigure, FittedTrait, comparable};
 
 use crate::protocol::ProtocolError;
 use crate::recordings::RecordingError;
@@ -40,9 +41,9 @@ pub enum FittingError {
     Task(#[from] myo_tasks::LoadError),
     /// Too little that can be compared.
     #[error(
-        "{who}: {found} movements are of a distance from {} to {} cm at a target from {} to {} mm wide and have {least} others like them, in {pairs} pairs of \
-         distance and width; a fit needs {least_pairs} pairs with {least} movements each",
-        100.0 * distances[0], 100.0 * distances[1], 1e3 * widths[0], 1e3 * widths[1]
+        "{who}: {found} movements in {pairs} pairs of distance and width can be compared; a fit needs {least_pairs} pairs with {least} movements each, from {} to \
+         {} cm at targets from {} to {} mm wide",
+        100.0 * DISTANCES[0], 100.0 * DISTANCES[1], 1e3 * WIDTHS[0], 1e3 * WIDTHS[1]
     )]
     TooFew {
         /// Who.
@@ -51,14 +52,10 @@ pub enum FittingError {
         found: usize,
         /// In so many pairs.
         pairs: usize,
-        /// Fewest movements of a pair, and fewest pairs.
+        /// Fewest movements of a pair.
         least: usize,
         /// Fewest pairs.
         least_pairs: usize,
-        /// Distances (m) that are asked.
-        distances: [f64; 2],
-        /// Widths (m).
-        widths: [f64; 2],
     },
     /// The simulated user does not do what is asked.
     #[error(

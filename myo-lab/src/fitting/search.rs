@@ -122,6 +122,15 @@ impl Fitted {
     }
 }
 
+/// Refuses recordings that no user can be fitted to.
+///
+/// # Errors
+/// Too few movements of the distances and widths that can be asked, or a recording that cannot be measured.
+pub fn comparable(person: &Participant) -> Result<(), FittingError> {
+    let (movements, _) = measured(person)?;
+    pairs(&person.name, &movements.iter().map(Aim::from).collect::<Vec<_>>()).map(drop)
+}
+
 impl<F, E: From<FittingError>> Search<'_, F>
 where
     F: FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
@@ -198,5 +207,118 @@ impl FittedTrait {
             interval: ends.map(|end| Nature::at(end).0[number]),
             is_told: ends[1][number] - ends[0][number] < 1.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use myo_measure::Movement;
+    use myo_measure::fitts::{Trial, index_of_difficulty};
+
+    use super::*;
+
+    const PAIRS: [[f64; 2]; 4] = [[0.1, 0.05], [0.2, 0.05], [0.2, 0.02], [0.4, 0.02]];
+
+    /// Normal numbers, more or less: the middle of twelve even ones, by SplitMix64.
+    struct Chance(u64);
+
+    impl Chance {
+        fn next(&mut self) -> f64 {
+            let mut even = || {
+                self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+                let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+                let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+                ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+            };
+            (0..12).map(|_| even()).sum::<f64>() - 6.0
+        }
+    }
+
+    /// Somebody whose movements are known: dear changes make them slow, dear effort makes them straight, noise scatters times, eyes where they end.
+    fn moves(Nature([noise, eyes, effort, change]): Nature, pairs: &[[f64; 2]], count: usize, seed: u64) -> Vec<Aim> {
+        let mut chance = Chance(seed);
+        let mut aim = |&[distance, width]: &[f64; 2]| {
+            let index = index_of_difficulty(distance, width);
+            let time = (0.15 + 0.02 * change.sqrt() * index) * (0.5 * noise.sqrt() * chance.next()).exp();
+            let first_stop =
+                Some([distance * (0.95 + 0.5 * eyes * chance.next()), 0.1 * eyes * distance * chance.next(), 0.0]);
+            let peak_speed = 1.8 * distance / time;
+            let movement = Movement {
+                onset: 0,
+                end: 100,
+                duration_s: time,
+                peak_speed,
+                mean_speed: distance / time,
+                peak_over_mean: 1.8,
+                time_of_peak: 0.45 + 0.02 * chance.next(),
+                speed_maxima: 1,
+                path: distance,
+                chord: distance,
+                path_over_chord: Some(1.01 + 0.1 / effort.sqrt() + 0.01 * chance.next().abs()),
+                sparc: -1.45 - 0.1 * noise + 0.02 * chance.next(),
+                ldlj: -6.0,
+            };
+            let (start, target) = ([0.0; 3], [distance, 0.0, 0.0]);
+            let trial = Trial { movement_time_s: time, start, target, end: target };
+            Aim::known([distance, width], trial, movement, first_stop)
+        };
+        pairs.iter().flat_map(|pair| std::iter::repeat_n(pair, count)).map(&mut aim).collect()
+    }
+
+    fn simulate(natures: &[Nature], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
+        Ok((1..).zip(natures).map(|(seed, &nature)| moves(nature, pairs, 60, 1000 * seed)).collect())
+    }
+
+    const USUAL: Nature = Nature([0.05, 0.2, 4.0, 11.0]);
+
+    #[test]
+    fn who_is_known_is_found_within_a_tenth() {
+        for (seed, known) in (7..).zip([[0.09, 0.13, 9.0, 22.0], [0.035, 0.28, 2.5, 6.0]]) {
+            let person = moves(Nature(known), &PAIRS, 400, seed);
+            let fitted = Fitted::of_aims("somebody", &person, USUAL, simulate).unwrap();
+            for (found, known) in fitted.traits.iter().zip(known) {
+                assert!((found.found / known).ln().abs() < 0.1, "{known}: {found:?}");
+                assert!(
+                    found.is_told && (found.interval[0]..=found.interval[1]).contains(&known),
+                    "{known}: {found:?}"
+                );
+            }
+            assert!(fitted.distance_after < 2.0 && fitted.distance_before > 3.0 * fitted.distance_after, "{fitted:?}");
+            assert_eq!((fitted.movements, fitted.pairs.len()), (1600, PAIRS.len()));
+            for figure in &fitted.figures {
+                assert!((figure.after - figure.person).abs() <= 0.05 + 0.1 * figure.person.abs(), "{figure:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_recordings_do_not_tell_is_unknown() {
+        // Whose movements know nothing of effort.
+        let blind = |natures: &[Nature], pairs: &[[f64; 2]]| {
+            let natures: Vec<_> = natures.iter().map(|Nature([a, b, _, d])| Nature([*a, *b, 8.0, *d])).collect();
+            simulate(&natures, pairs)
+        };
+        let person = moves(Nature([0.09, 0.13, 8.0, 22.0]), &PAIRS, 100, 3);
+        let fitted = Fitted::of_aims("somebody", &person, USUAL, blind).unwrap();
+        let told: Vec<bool> = fitted.traits.iter().map(|one| one.is_told).collect();
+        assert_eq!(told, [true, true, false, true], "{:?}", fitted.traits);
+    }
+
+    #[test]
+    fn too_few_movements_and_beginners_are_refused() {
+        let few = moves(USUAL, &PAIRS[..2], 40, 1);
+        let refused = Fitted::of_aims("anna", &few, USUAL, simulate).unwrap_err().to_string();
+        assert!(refused.starts_with("anna: 80 movements in 2 pairs") && refused.contains("needs 3 pairs"), "{refused}");
+        let far: Vec<Aim> = moves(USUAL, &[[0.9, 0.05], [0.8, 0.02], [0.7, 0.03]], 40, 1);
+        let refused = Fitted::of_aims("anna", &far, USUAL, simulate).unwrap_err().to_string();
+        assert!(
+            refused.starts_with("anna: 0 movements in 0 pairs") && refused.contains("from 6 to 40 cm"),
+            "{refused}"
+        );
+        let beginner = |natures: &[Nature], pairs: &[[f64; 2]]| {
+            Ok::<_, FittingError>(natures.iter().map(|&nature| moves(nature, pairs, 2, 1)).collect())
+        };
+        let refused = Fitted::of_aims("anna", &moves(USUAL, &PAIRS, 40, 1), USUAL, beginner).unwrap_err().to_string();
+        assert!(refused.starts_with("of 64 natures only 0 could do what anna did"), "{refused}");
     }
 }

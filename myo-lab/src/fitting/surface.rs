@@ -10,11 +10,15 @@ pub(super) const TERMS: usize = 1 + COUNT + COUNT * (COUNT + 1) / 2;
 /// Places from which the nearest is looked for.
 const STARTS: usize = 24;
 const ROUNDS: usize = 60;
+/// What is known of a place beforehand, as the reciprocal of a squared standard error: that it is anything from -1 to 1.
+const LEAST_TOLD: f64 = 3.0;
 
 /// Polynomials of the second degree through the figures of some natures, by least squares.
 pub(super) struct Surface {
     /// A column for each figure.
     coefficients: DMatrix<f64>,
+    /// Covariances of the coefficients of a figure, in its squared deviations.
+    covariances: DMatrix<f64>,
     /// Standard deviation of each figure about its polynomial: by chance, and by what the polynomial does not know.
     pub deviations: Figures,
 }
@@ -32,11 +36,11 @@ impl Surface {
         let design = DMatrix::from_fn(places.len(), TERMS, |row, term| terms(&places[row])[term]);
         let values = DMatrix::from_fn(found.len(), figures::COUNT, |row, figure| found[row][figure]);
         let normal = (design.transpose() * &design).cholesky()?;
-        let coefficients = normal.solve(&(design.transpose() * &values));
+        let (coefficients, covariances) = (normal.solve(&(design.transpose() * &values)), normal.inverse());
         let left = &values - &design * &coefficients;
         let free = places.len().checked_sub(TERMS).filter(|&free| free > 0)? as f64;
         let deviations = std::array::from_fn(|figure| (left.column(figure).norm_squared() / free).sqrt().max(1e-9));
-        Some(Self { coefficients, deviations })
+        Some(Self { coefficients, covariances, deviations })
     }
 
     /// Figures at a place.
@@ -47,15 +51,8 @@ impl Surface {
 
     /// How they change along each trait.
     fn slopes(&self, place: &[f64; COUNT]) -> [Figures; COUNT] {
-        // The middle difference of a polynomial of the second degree is its slope.
-        std::array::from_fn(|number| {
-            let [low, high] = [-1.0, 1.0].map(|step| {
-                let mut there = *place;
-                there[number] += step;
-                self.at(&there)
-            });
-            std::array::from_fn(|figure| 0.5 * (high[figure] - low[figure]))
-        })
+        let slopes = gradients(place) * &self.coefficients;
+        std::array::from_fn(|number| std::array::from_fn(|figure| slopes[(number, figure)]))
     }
 
     /// The place within `reach` of another where the figures are nearest to these, whose own deviations are so many times those of a nature.
@@ -64,9 +61,20 @@ impl Surface {
         let starts = places(STARTS, about, reach).into_iter().chain([about]);
         let ends = starts.map(|start| self.descend(figures, start, [low, high]));
         let place = ends.min_by(|a, b| self.squared(figures, a).total_cmp(&self.squared(figures, b))).unwrap_or(about);
-        let (normal, _) = self.normal(figures, &place);
-        let variances = normal.try_inverse().map_or([f64::INFINITY; COUNT], |all| std::array::from_fn(|k| all[(k, k)]));
-        Nearest { place, errors: variances.map(|variance| (variance * more).sqrt()) }
+        Nearest { place, errors: self.variances(figures, &place).map(|variance| (variance * more).sqrt()) }
+    }
+
+    /// Squared standard errors of a place that was found.
+    fn variances(&self, figures: &Figures, place: &[f64; COUNT]) -> [f64; COUNT] {
+        let (normal, _) = self.normal(figures, place);
+        // Slopes are known by chance, too: what of them is chance alone tells nothing of a place.
+        let gradients = gradients(place);
+        let chance = &gradients * &self.covariances * gradients.transpose() * figures::COUNT as f64;
+        let told = SMatrix::<f64, COUNT, COUNT>::from_fn(|row, column| normal[(row, column)] - chance[(row, column)]);
+        let mut parts = told.symmetric_eigen();
+        parts.eigenvalues.apply(|value| *value = value.max(LEAST_TOLD).recip());
+        let variances = parts.recompose();
+        std::array::from_fn(|k| variances[(k, k)])
     }
 
     /// Squared distance from figures, in deviations.
@@ -109,6 +117,21 @@ impl Surface {
         }
         place
     }
+}
+
+/// How each term changes along each trait, (traits, terms).
+fn gradients(place: &[f64; COUNT]) -> DMatrix<f64> {
+    // The middle difference of a polynomial of the second degree is its slope.
+    let difference = |number: usize| {
+        let [low, high] = [-1.0, 1.0].map(|step| {
+            let mut there = *place;
+            there[number] += step;
+            terms(&there)
+        });
+        std::array::from_fn::<f64, TERMS, _>(|term| 0.5 * (high[term] - low[term]))
+    };
+    let all: [[f64; TERMS]; COUNT] = std::array::from_fn(difference);
+    DMatrix::from_fn(COUNT, TERMS, |number, term| all[number][term])
 }
 
 fn terms(place: &[f64; COUNT]) -> [f64; TERMS] {

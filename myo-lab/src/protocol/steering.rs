@@ -79,12 +79,10 @@ impl SteeringLaw {
         let rows = (0..ways.len())
             .map(|number| SteeringRow::of(&ways[number], &passes.iter().map(|user| &user[number]).collect::<Vec<_>>()))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut unlearnt = passes.iter().flatten().find_map(|passes| passes.tunnel().err());
-        if rows.iter().all(|row| row.time_s.is_none()) {
-            if let Some(error) = unlearnt.take() {
-                return Err(error);
-            }
-        }
+        let unlearnt = match passes.iter().flatten().find_map(|passes| passes.tunnel().err()) {
+            Some(error) if rows.iter().all(|row| row.time_s.is_none()) => return Err(error),
+            first => first.map(|error| error.to_string()),
+        };
         let mut shapes: Vec<&'static str> = ways.iter().map(|way| way.shape).collect();
         shapes.dedup();
         let law = |shape| {
@@ -96,7 +94,7 @@ impl SteeringLaw {
             Some(SteeringFit::of(shape, &learnt))
         };
         let steering = shapes.into_iter().filter_map(law).collect::<Result<_, _>>()?;
-        Ok(Self { users: users.len(), rows, steering, unlearnt: unlearnt.map(|error| error.to_string()) })
+        Ok(Self { users: users.len(), rows, steering, unlearnt })
     }
 
     /// Times over length by width, and the lines through them.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::fitting::{Aim, Fitted, FittingError, Nature, aims, practice};
+use myo::fitting::{Aim, Fitted, Nature, aims, comparable, practice};
 use myo::recordings::{Participant, Recordings};
 use myo::tasks::User;
 use myo::train::session::evaluation_seed;
@@ -34,9 +34,9 @@ pub struct AnybodyArgs {
     #[arg(long, value_name = "USER|TASK", default_value = "human")]
     pub user: String,
 
-    /// Folder of the user who has learnt to be anybody; trained there first where there is none
-    #[arg(long, value_name = "FOLDER", default_value = "runs/anybody")]
-    pub practised: PathBuf,
+    /// Folder of the user who has learnt to be anybody; trained there first where there is none [default: runs/anybody-USER]
+    #[arg(long, value_name = "FOLDER")]
+    pub practised: Option<PathBuf>,
 
     /// Control steps after which that training stops in any case [default: as of `myo train`]
     #[arg(long, value_name = "N", value_parser = parse::count)]
@@ -94,13 +94,16 @@ JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distan
 pub fn run(args: &Fit) -> Result<()> {
     let people =
         args.files.iter().map(|file| Ok((file, who(read(file)?, args.together)))).collect::<Result<Vec<_>>>()?;
+    for (file, people) in &people {
+        // Before an hour of training.
+        people.iter().try_for_each(comparable).map_err(|error| of_file(file, &error))?;
+    }
     let anybody = Anybody::ready(&args.anybody)?;
     let mut found = vec![];
     for (file, people) in &people {
         for person in people {
             complain(&format!("{}: simulating users like {}", file.display(), person.name));
-            let fitted = anybody.fitted(person, args.anybody.seed);
-            found.push((file, fitted.map_err(|error| of_file(file, &error))?));
+            found.push((file, anybody.fitted(person, args.anybody.seed)?));
         }
     }
     if args.json {
@@ -125,16 +128,20 @@ fn who(recordings: Recordings, together: bool) -> Vec<Participant> {
     vec![Participant { name, trials }]
 }
 
-/// The user who is to become somebody else.
-fn beginner(user: &str) -> Result<Scenario> {
+/// The user who is to become somebody else, and what it is called.
+fn beginner(user: &str) -> Result<(Scenario, String)> {
     let named = User::ALL.into_iter().find(|known| known.name() == user);
     match named {
         Some(user) if !user.is_human() => Err(Failure::sentence(format!(
             "--user {user}: it has no noise and no misjudgement that could be like a person's; take `human`, or another of `myo task users`",
             user = user.name()
         ))),
-        Some(user) => Scenario::open_for(TASK, Some(user)),
-        None => Scenario::open(user),
+        Some(user) => Ok((Scenario::open_for(TASK, Some(user))?, user.name().into())),
+        None => {
+            let scenario = Scenario::open(user)?;
+            let name = scenario.task.name.clone();
+            Ok((scenario, name))
+        }
     }
 }
 
@@ -147,8 +154,9 @@ pub struct Anybody {
 impl Anybody {
     /// It learns to be so where it is not there yet.
     pub fn ready(practice: &AnybodyArgs) -> Result<Self> {
-        let AnybodyArgs { user, practised: folder, steps, seed, physics } = practice;
-        let scenario = beginner(user)?;
+        let AnybodyArgs { user, practised, steps, seed, physics } = practice;
+        let (scenario, name) = beginner(user)?;
+        let folder = practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
         let layouts = self::practice(&scenario.task).map_err(|error| Failure::sentence(error.to_string()))?;
         let task = layouts[0].clone();
         let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
@@ -156,7 +164,7 @@ impl Anybody {
         let config = PpoConfig { log_std_min: usual.log_std_min.min(LOG_STD_MIN), ..usual };
         let practised = Scenario { task, layouts, model, own_model, most_success: 1.0 };
         let practising = Practising { scenario: &practised, config, users: (1, *seed), steps: *steps, physics };
-        let mut users = practise(&practising, folder, &Interrupt::listen()?)?;
+        let mut users = practise(&practising, &folder, &Interrupt::listen()?)?;
         let checkpoint = users.pop().ok_or_else(|| Failure::sentence("nobody has practised"))?;
         Ok(Self { checkpoint, scenario })
     }
@@ -172,22 +180,22 @@ impl Anybody {
         natures: &[Nature],
         pairs: &[[f64; 2]],
         (episodes, seed): (usize, u64),
-    ) -> std::result::Result<Vec<Vec<Aim>>, FittingError> {
+    ) -> Result<Vec<Vec<Aim>>> {
         let Self { checkpoint, scenario } = self;
         let of_nature = |(number, nature): (usize, &Nature)| {
             let asked = (episodes, evaluation_seed(seed, number as u64));
-            aims(&mut checkpoint.policy(), &scenario.model, (&scenario.task, *nature), pairs, asked)
+            Ok(aims(&mut checkpoint.policy(), &scenario.model, (&scenario.task, *nature), pairs, asked)?)
         };
         natures.par_iter().enumerate().map(of_nature).collect()
     }
 
     /// The user who comes nearest to a person.
-    pub fn fitted(&self, person: &Participant, seed: u64) -> std::result::Result<Fitted, FittingError> {
+    pub fn fitted(&self, person: &Participant, seed: u64) -> Result<Fitted> {
         Fitted::of(person, self.nature(), |natures, pairs| self.aims(natures, pairs, (EPISODES, seed)))
     }
 
     /// The same by movements of theirs.
-    pub fn nearest(&self, who: &str, movements: &[Aim], seed: u64) -> std::result::Result<Fitted, FittingError> {
+    pub fn nearest(&self, who: &str, movements: &[Aim], seed: u64) -> Result<Fitted> {
         Fitted::of_aims(who, movements, self.nature(), |natures, pairs| self.aims(natures, pairs, (EPISODES, seed)))
     }
 }

@@ -42,3 +42,21 @@ fn people_and_simulated_users_are_measured_in_the_same_way() {
     );
     assert_refused(&myo(folder.path(), &["measure", "nobody.csv"]), "nobody.csv: cannot be read");
 }
+
+#[test]
+fn nobody_practises_for_recordings_that_no_user_can_be_fitted_to() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("people.csv"), people()).unwrap();
+    assert_refused(
+        &myo(folder.path(), &["fit", "people.csv"]),
+        "people.csv: Ada: 0 movements in 0 pairs of distance and width can be compared; a fit needs 3 pairs with 8 movements each, from 6 to 40 cm at targets from 12 to 120 mm wide",
+    );
+    // Sixteen movements of all together are of two pairs.
+    assert_refused(
+        &myo(folder.path(), &["fit", "people.csv", "--together"]),
+        "people.csv: all 2 participants: 16 movements in 2 pairs of distance and width can be compared",
+    );
+    assert_refused(&myo(folder.path(), &["fit", "people.csv", "--user", "nobody"]), "Ada: 0 movements");
+    assert_refused(&myo(folder.path(), &["bench", "fit", "--user", "fastest"]), "--user fastest: it has no noise");
+    assert!(!folder.path().join("runs").exists(), "nobody was trained");
+}

@@ -5,7 +5,7 @@ use myo::fitting::{FittedTrait, Nature, TRAITS, others};
 use myo::protocol::conditions;
 use serde::Serialize;
 
-use crate::cli::failure::{Failure, Result, complain};
+use crate::cli::failure::{Result, complain};
 use crate::cli::fit::{Anybody, AnybodyArgs};
 use crate::cli::output::{print, print_json, row, table};
 use crate::cli::parse;
@@ -37,7 +37,7 @@ pub struct FitArgs {
 
 const HELP: &str = "\
 Example:
-  myo bench fit --practised runs/anybody --users 12
+  myo bench fit --users 10
 
 Records simulated users whose traits are known and none of which was practised, and fits each recording. Tells of each trait how far what was found is from what it is.
 
@@ -68,13 +68,12 @@ pub fn run(args: &FitArgs) -> Result<()> {
     let anybody = Anybody::ready(&args.anybody)?;
     let natures = others(args.users);
     let pairs: Vec<[f64; 2]> = conditions().into_iter().filter(|pair| pair[1] < WIDTH).collect();
-    let sentence = |error: myo::fitting::FittingError| Failure::sentence(error.to_string());
     let seed = args.anybody.seed;
-    let recorded = anybody.aims(&natures, &pairs, (args.episodes, seed + OTHER_SEED)).map_err(sentence)?;
+    let recorded = anybody.aims(&natures, &pairs, (args.episodes, seed + OTHER_SEED))?;
     let mut users = vec![];
     for (number, (known, movements)) in natures.into_iter().zip(recorded).enumerate() {
         complain(&format!("user {} of {}", number + 1, args.users));
-        let fitted = anybody.nearest(&format!("user {}", number + 1), &movements, seed).map_err(sentence)?;
+        let fitted = anybody.nearest(&format!("user {}", number + 1), &movements, seed)?;
         let (distance_before, distance_after) = (fitted.distance_before, fitted.distance_after);
         users.push(Sought { known, found: fitted.traits, distance_before, distance_after });
     }

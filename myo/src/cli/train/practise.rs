@@ -87,6 +87,6 @@ fn same_layouts(run: &RunFolder, scenario: &Scenario) -> Result<()> {
     }
     let path = run.path().display();
     Err(Failure::sentence(format!(
-        "the user in {path} practised other tasks than this protocol asks for now; remove that folder"
+        "the user in {path} practised other tasks than are asked for now; remove that folder, or name another"
     )))
 }
