@@ -62,6 +62,19 @@ impl Aim {
     ) -> Self {
         Self { distance, width, trial, movement: Some(movement), first_stop }
     }
+
+    /// Whether times (s) and places (m) of two movements at targets are the same, to a few samples.
+    pub(super) fn is_like(&self, other: &Self, most: f64) -> bool {
+        let numbers = |one: &Self| {
+            let (movement, stop) = (one.movement.unwrap(), one.first_stop.unwrap());
+            let (trial, end) = (one.trial, one.trial.end);
+            let times = [trial.movement_time_s, 0.1 * movement.peak_speed, 0.1 * movement.time_of_peak];
+            let shapes = [movement.duration_s, 0.1 * movement.sparc, one.width, one.distance];
+            [times.to_vec(), shapes.to_vec(), stop.to_vec(), end.to_vec(), trial.start.to_vec(), trial.target.to_vec()]
+                .concat()
+        };
+        numbers(self).iter().zip(numbers(other)).all(|(a, b)| (a - b).abs() <= most)
+    }
 }
 
 impl From<&Measured> for Aim {

@@ -74,3 +74,76 @@ fn between(pair: [f64; 2], recording: &Recording) -> Result<Vec<Aim>, FittingErr
     };
     (1..done.len()).filter_map(|selection| aim(selection).transpose()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::Done;
+    use crate::recordings::{Outcome, Participant, Selection, Trial, measured};
+
+    const RATE_HZ: f64 = 500.0;
+    const PAIR: [f64; 2] = [0.2, 0.05];
+    /// Samples of a movement, and of the stay after it.
+    const MOVING: usize = 200;
+    const STAYING: usize = 125;
+
+    /// A hand that goes across the circle by minimum jerk, each time a little beside the middle.
+    fn hand(selections: usize) -> (Vec<[f64; 3]>, Vec<Done>) {
+        let targets = circle_targets(PAIR[0]);
+        let stop = |selection: usize| targets[selection].map(|x| x + 0.004 * (selection as f64).sin());
+        let (mut path, mut done, mut from) = (vec![], vec![], [0.4, 0.05, -0.2]);
+        for selection in 0..selections {
+            let (begin, to) = (path.len(), stop(selection));
+            for sample in 1..=MOVING {
+                let s = sample as f64 / MOVING as f64;
+                let share = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+                path.push([0, 1, 2].map(|k| from[k] + share * (to[k] - from[k])));
+            }
+            let inside = |point: &[f64; 3]| crate::advice::distance(*point, targets[selection]) < 0.5 * PAIR[1];
+            let entry = begin + path[begin..].iter().position(inside).unwrap();
+            path.extend(std::iter::repeat_n(to, STAYING));
+            done.push(Done { begin, entry, end: path.len() });
+            from = to;
+        }
+        (path, done)
+    }
+
+    #[test]
+    fn a_user_and_a_person_who_move_alike_have_the_same_figures() {
+        let (path, done) = hand(9);
+        let recording = Recording {
+            rate_hz: RATE_HZ,
+            force: vec![0.0; path.len()],
+            qpos: vec![],
+            activations: vec![],
+            done: done.clone(),
+            exits: 0.0,
+            wrong_presses: 0.0,
+            fingertip: path.clone(),
+        };
+        let user = between(PAIR, &recording).unwrap();
+
+        let targets = circle_targets(PAIR[0]);
+        let selection = |(number, done): (usize, &Done)| Selection {
+            target: targets[number],
+            width: PAIR[1],
+            samples: [done.begin, done.end - 1],
+            entry: done.entry,
+            outcome: Outcome::Hit,
+        };
+        let trial = Trial {
+            name: "1".into(),
+            times: (0..path.len()).map(|sample| sample as f64 / RATE_HZ).collect(),
+            points: path,
+            selections: done.iter().enumerate().map(selection).collect(),
+        };
+        let person = Participant { name: "Ada".into(), trials: vec![trial] };
+        let (all, missed) = measured(&person).unwrap();
+        // The first one began elsewhere.
+        let person: Vec<Aim> = all.iter().skip(1).map(Aim::from).collect();
+        assert_eq!((missed, user.len(), person.len()), (0, 8, 8));
+        for (user, person) in user.iter().zip(&person) {
+            assert!(user.is_like(person, 0.003), "{user:?} and {person:?}");
+        }
+    }
+}
