@@ -92,7 +92,7 @@ pub(super) fn told(number: usize, value: f64) -> f64 {
 }
 
 /// Pairs of distance and width (m) of which a person made enough movements, the most frequent first.
-pub(super) fn pairs(who: &str, movements: &[Aim]) -> Result<Vec<[f64; 2]>, FittingError> {
+fn pairs(who: &str, movements: &[Aim]) -> Result<Vec<[f64; 2]>, FittingError> {
     let in_range = |[least, most]: [f64; 2], value: f64| (0.97 * least..=1.03 * most).contains(&value);
     let mut bins: Vec<Vec<[f64; 2]>> = vec![];
     for one in movements.iter().filter(|one| in_range(DISTANCES, one.distance) && in_range(WIDTHS, one.width)) {
@@ -102,21 +102,35 @@ pub(super) fn pairs(who: &str, movements: &[Aim]) -> Result<Vec<[f64; 2]>, Fitti
             None => bins.push(vec![pair]),
         }
     }
-    bins.retain(|bin| bin.len() >= LEAST);
-    bins.sort_by_key(|bin| std::cmp::Reverse(bin.len()));
-    if bins.len() < LEAST_PAIRS {
-        let found = bins.iter().map(Vec::len).sum();
+    let middle = |bin: &Vec<[f64; 2]>| [0, 1].map(|k| bin.iter().map(|pair| pair[k]).sum::<f64>() / bin.len() as f64);
+    // What is alike to the first of a bin need not be so to its middle.
+    let counted = |pair: [f64; 2]| (of(movements, pair).len(), pair);
+    let mut found: Vec<(usize, [f64; 2])> = bins.iter().map(middle).map(counted).collect();
+    found.retain(|&(count, _)| count >= LEAST);
+    found.sort_by_key(|&(count, _)| std::cmp::Reverse(count));
+    if found.len() < LEAST_PAIRS {
         return Err(FittingError::TooFew {
             who: who.into(),
-            found,
-            pairs: bins.len(),
+            found: found.iter().map(|(count, _)| count).sum(),
+            pairs: found.len(),
             least: LEAST,
             least_pairs: LEAST_PAIRS,
         });
     }
-    bins.truncate(MOST_PAIRS);
-    let middle = |bin: &Vec<[f64; 2]>| [0, 1].map(|k| bin.iter().map(|pair| pair[k]).sum::<f64>() / bin.len() as f64);
-    Ok(bins.iter().map(middle).collect())
+    found.truncate(MOST_PAIRS);
+    Ok(found.into_iter().map(|(_, pair)| pair).collect())
+}
+
+/// What a person did: pairs of distance and width (m), figures, and how many movements these are.
+pub(super) fn of_person(who: &str, movements: &[Aim]) -> Result<(Vec<[f64; 2]>, Figures, usize), FittingError> {
+    let pairs = pairs(who, movements)?;
+    let (own, count) = figures(movements, &pairs).ok_or_else(|| FittingError::Alike { who: who.into() })?;
+    Ok((pairs, own, count))
+}
+
+/// Movements of a pair.
+fn of(movements: &[Aim], pair: [f64; 2]) -> Vec<&Aim> {
+    movements.iter().filter(|one| alike([one.distance, one.width], pair)).collect()
 }
 
 fn alike(a: [f64; 2], b: [f64; 2]) -> bool {
@@ -126,7 +140,7 @@ fn alike(a: [f64; 2], b: [f64; 2]) -> bool {
 /// Figures of movements of these pairs, and how many movements those are; none where too few were made of a pair.
 pub(super) fn figures(movements: &[Aim], pairs: &[[f64; 2]]) -> Option<(Figures, usize)> {
     let of_pair = |pair: &[f64; 2]| {
-        let own: Vec<&Aim> = movements.iter().filter(|one| alike([one.distance, one.width], *pair)).collect();
+        let own = of(movements, *pair);
         (own.len() >= LEAST).then(|| Some((of_pair(&own)?, own.len())))?
     };
     let all: Vec<([f64; COUNT], usize)> = pairs.iter().map(of_pair).collect::<Option<_>>()?;
@@ -187,9 +201,10 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Standard deviation.
+/// Standard deviation; none of values that are all the same.
 fn deviation(values: &[f64]) -> Option<f64> {
     let middle = mean(values)?;
     let squares: Vec<f64> = values.iter().map(|x| (x - middle) * (x - middle)).collect();
-    Some(mean(&squares)?.sqrt()).filter(|&deviation| deviation > 0.0)
+    // Less is rounding of values that are all the same.
+    Some(mean(&squares)?.sqrt()).filter(|&deviation| deviation > 1e-6)
 }

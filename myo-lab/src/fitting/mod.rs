@@ -57,6 +57,15 @@ pub enum FittingError {
         /// Fewest pairs.
         least_pairs: usize,
     },
+    /// Movements that tell nothing.
+    #[error(
+        "{who}: nothing can be compared: movement times of a pair of distance and width are all the same, all pairs are equally difficult, or no movement sets \
+         off towards its target"
+    )]
+    Alike {
+        /// Whose.
+        who: String,
+    },
     /// The simulated user does not do what is asked.
     #[error(
         "of {natures} natures only {able} could do what {who} did, and at least {least} are needed: the user who can be anybody has not learnt it, train it longer (`--steps`)"

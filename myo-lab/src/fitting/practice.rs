@@ -9,7 +9,9 @@ use serde_json::json;
 use super::FittingError;
 use super::figures::Aim;
 use super::nature::{Nature, PRACTISED, natures};
-use crate::protocol::{CUT_OFF_HZ, Layout, ProtocolError, Recording, Track, circle, circle_targets, record};
+use crate::protocol::{
+    CUT_OFF_HZ, DWELL_S, Layout, PLANE_X, ProtocolError, Recording, Track, circle, circle_targets, record,
+};
 
 /// Targets of an episode, as many as on the circle that is asked.
 const TARGETS: usize = crate::protocol::SELECTIONS;
@@ -25,13 +27,13 @@ pub(super) const WIDTHS: [f64; 2] = [0.012, 0.12];
 pub fn practice(user: &Task) -> Result<Vec<Task>, LoadError> {
     let [least, most] = WIDTHS;
     let ball = json!({
-        "kind": "sphere", "copies": TARGETS, "at": {"x": 0.5, "y": [-0.25, 0.25], "z": [-0.25, 0.25]},
+        "kind": "sphere", "copies": TARGETS, "at": {"x": PLANE_X, "y": [-0.25, 0.25], "z": [-0.25, 0.25]},
         "radius": [0.4 * least, 0.5 * most], "min_distance_from_previous": DISTANCES[0],
     });
     let task = Layout {
         name: "spheres".into(),
         scene: json!({"ball": ball}),
-        script: json!([{"dwell": {"in": "ball", "for_s": 0.25}}]),
+        script: json!([{"dwell": {"in": "ball", "for_s": DWELL_S}}]),
         time_limit_s: 24.0,
     };
     let task = task.task(user)?;

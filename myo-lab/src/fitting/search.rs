@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::FittingError;
-use super::figures::{self, Aim, FIGURES, Figures, figures, pairs, told};
+use super::figures::{self, Aim, FIGURES, Figures, figures, of_person, told};
 use super::nature::{COUNT, Nature, TRAITS, places};
 use super::surface::{Nearest, Surface, TERMS};
 use crate::recordings::{Participant, measured};
@@ -103,10 +103,8 @@ impl Fitted {
         before: Nature,
         simulate: impl FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
     ) -> Result<Self, E> {
-        let pairs = pairs(who, movements)?;
-        let too_few = || FittingError::Unlearnt { who: who.into(), natures: 0, able: 0, least: 1 };
-        let (own, count) = figures(movements, &pairs).ok_or_else(too_few)?;
-        let mut search = Search { who, pairs, person: own, movements: count, simulate };
+        let (pairs, person, count) = of_person(who, movements)?;
+        let mut search = Search { who, pairs, person, movements: count, simulate };
         let (mut about, mut found) = ([0.0; COUNT], None);
         for (natures, within) in ROUNDS {
             let tried = search.tried(places(natures, about, within))?;
@@ -117,7 +115,7 @@ impl Fitted {
             about = nearest.place;
             found = Some((surface, nearest));
         }
-        let Some((surface, nearest)) = found else { return Err(too_few().into()) };
+        let Some((surface, nearest)) = found else { return Err(FittingError::Alike { who: who.into() }.into()) };
         search.told(before, &surface, &nearest)
     }
 }
@@ -125,10 +123,10 @@ impl Fitted {
 /// Refuses recordings that no user can be fitted to.
 ///
 /// # Errors
-/// Too few movements of the distances and widths that can be asked, or a recording that cannot be measured.
+/// Too few movements of the distances and widths that can be asked, movements that are all alike, or a recording that cannot be measured.
 pub fn comparable(person: &Participant) -> Result<(), FittingError> {
     let (movements, _) = measured(person)?;
-    pairs(&person.name, &movements.iter().map(Aim::from).collect::<Vec<_>>()).map(drop)
+    of_person(&person.name, &movements.iter().map(Aim::from).collect::<Vec<_>>()).map(drop)
 }
 
 impl<F, E: From<FittingError>> Search<'_, F>
@@ -167,7 +165,8 @@ where
     fn told(&mut self, before: Nature, surface: &Surface, nearest: &Nearest) -> Result<Fitted, E> {
         let after = Nature::at(nearest.place);
         let asked = self.ask(&[before, after])?;
-        let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 2, able: 0, least: 2 };
+        let able = asked.iter().flatten().count();
+        let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 2, able, least: 2 };
         let [Some((old, _)), Some((new, _))] = asked[..] else { return Err(unlearnt().into()) };
         let distance = |own: &Figures| {
             let off = |k: usize| (own[k] - self.person[k]) / surface.deviations[k];
@@ -302,6 +301,14 @@ mod tests {
         let fitted = Fitted::of_aims("somebody", &person, USUAL, blind).unwrap();
         let told: Vec<bool> = fitted.traits.iter().map(|one| one.is_told).collect();
         assert_eq!(told, [true, true, false, true], "{:?}", fitted.traits);
+    }
+
+    #[test]
+    fn movements_that_are_all_alike_are_no_lack_of_learning() {
+        let one = moves(USUAL, &PAIRS, 1, 1);
+        let same: Vec<Aim> = one.iter().flat_map(|aim| std::iter::repeat_n(*aim, 20)).collect();
+        let refused = Fitted::of_aims("anna", &same, USUAL, simulate).unwrap_err().to_string();
+        assert!(refused.starts_with("anna: nothing can be compared: movement times"), "{refused}");
     }
 
     #[test]

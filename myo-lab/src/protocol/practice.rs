@@ -15,14 +15,14 @@ const ACROSS: usize = 6;
 /// Selections of an episode; before the first one the arm hangs.
 pub const SELECTIONS: usize = TARGETS + 1;
 /// How long (s) the fingertip stays in a target for it to be selected.
-const DWELL_S: f64 = 0.25;
+pub(crate) const DWELL_S: f64 = 0.25;
 /// Distances (m) from target to target, and widths (m).
 const DISTANCES: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
 const WIDTHS: [f64; 4] = [0.015, 0.025, 0.05, 0.1];
 /// Indices of difficulty (bit) of the pairs that are asked for.
 const INDICES: [f64; 2] = [1.5, 5.0];
 /// The upright plane of the circle (m before the shoulder).
-const PLANE_X: f64 = 0.5;
+pub(crate) const PLANE_X: f64 = 0.5;
 /// Where people work in the air, and the middle of the upright circle there (m before and above the shoulder): with the arm stretched out, and
 /// beside the trunk with the elbow bent.
 pub const HEIGHTS: [(&str, [f64; 2]); 2] = [("shoulder", [0.5, 0.0]), ("waist", [0.35, -0.35])];

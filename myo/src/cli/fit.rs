@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use myo::fitting::{Aim, Fitted, Nature, aims, comparable, practice};
+use myo::protocol::Practice;
 use myo::recordings::{Participant, Recordings};
 use myo::tasks::User;
 use myo::train::session::evaluation_seed;
@@ -24,8 +25,6 @@ use super::train::{Practising, practise};
 const EPISODES: usize = 4;
 /// The task whose user begins where none is named; its targets are others.
 const TASK: &str = "pointing";
-/// Least logarithm of the standard deviation of exploration: small targets are to be learnt, too.
-const LOG_STD_MIN: f64 = -3.5;
 
 /// Who can be anybody.
 #[derive(Args)]
@@ -153,15 +152,14 @@ pub struct Anybody {
 
 impl Anybody {
     /// It learns to be so where it is not there yet.
-    pub fn ready(practice: &AnybodyArgs) -> Result<Self> {
-        let AnybodyArgs { user, practised, steps, seed, physics } = practice;
+    pub fn ready(args: &AnybodyArgs) -> Result<Self> {
+        let AnybodyArgs { user, practised, steps, seed, physics } = args;
         let (scenario, name) = beginner(user)?;
         let folder = practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
-        let layouts = self::practice(&scenario.task).map_err(|error| Failure::sentence(error.to_string()))?;
+        let layouts = practice(&scenario.task).map_err(|error| Failure::sentence(error.to_string()))?;
         let task = layouts[0].clone();
         let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
-        let usual = PpoConfig::for_user(task.user);
-        let config = PpoConfig { log_std_min: usual.log_std_min.min(LOG_STD_MIN), ..usual };
+        let config = Practice::Pointing.learning(&PpoConfig::for_user(task.user));
         let practised = Scenario { task, layouts, model, own_model, most_success: 1.0 };
         let practising = Practising { scenario: &practised, config, users: (1, *seed), steps: *steps, physics };
         let mut users = practise(&practising, &folder, &Interrupt::listen()?)?;

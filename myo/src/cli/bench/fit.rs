@@ -2,6 +2,7 @@
 
 use clap::Args;
 use myo::fitting::{FittedTrait, Nature, TRAITS, others};
+use myo::measure::statistics;
 use myo::protocol::conditions;
 use serde::Serialize;
 
@@ -91,11 +92,10 @@ impl TraitFound {
             each().filter(|&one| of(one)).count() as f64 / users.len().max(1) as f64
         };
         let ratio = |known: f64, found: f64| (found / known).max(known / found);
-        let mut errors: Vec<f64> = each().map(|(known, one)| ratio(known, one.found)).collect();
-        errors.sort_unstable_by(f64::total_cmp);
+        let errors: Vec<f64> = each().map(|(known, one)| ratio(known, one.found)).collect();
         Self {
             key: TRAITS[number].key,
-            median_error: errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN),
+            median_error: statistics::median(&errors).unwrap_or(f64::NAN),
             within_10_percent: share(&|(known, one)| ratio(known, one.found) <= 1.1),
             told: share(&|(_, one)| one.is_told),
             within_interval: share(&|(known, one)| (one.interval[0]..=one.interval[1]).contains(&known)),
