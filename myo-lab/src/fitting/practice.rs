@@ -92,16 +92,15 @@ mod tests {
     /// A hand that goes across the circle by minimum jerk, each time a little beside the middle.
     fn hand(selections: usize) -> (Vec<[f64; 3]>, Vec<Done>) {
         let targets = circle_targets(PAIR[0]);
-        let stop = |selection: usize| targets[selection].map(|x| x + 0.004 * (selection as f64).sin());
         let (mut path, mut done, mut from) = (vec![], vec![], [0.4, 0.05, -0.2]);
-        for selection in 0..selections {
-            let (begin, to) = (path.len(), stop(selection));
+        for (selection, &target) in targets.iter().enumerate().take(selections) {
+            let (begin, to) = (path.len(), target.map(|x| x + 0.004 * (selection as f64).sin()));
             for sample in 1..=MOVING {
                 let s = sample as f64 / MOVING as f64;
                 let share = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
                 path.push([0, 1, 2].map(|k| from[k] + share * (to[k] - from[k])));
             }
-            let inside = |point: &[f64; 3]| crate::advice::distance(*point, targets[selection]) < 0.5 * PAIR[1];
+            let inside = |point: &[f64; 3]| crate::advice::distance(*point, target) < 0.5 * PAIR[1];
             let entry = begin + path[begin..].iter().position(inside).unwrap();
             path.extend(std::iter::repeat_n(to, STAYING));
             done.push(Done { begin, entry, end: path.len() });
