@@ -32,6 +32,10 @@ fn shortened(words: &[String]) -> Vec<String> {
         words[0] == *command && !has(option) && !(has("--protocol") && *option == "--episodes")
     });
     let mut words = words.to_vec();
+    // Several users show what one does not, and two are several.
+    if let Some(at) = words.iter().position(|word| word == "--seeds") {
+        words[at + 1] = "2".into();
+    }
     words.extend(missing.flat_map(|(_, option, value)| [option.to_string(), value.to_string()]));
     words
 }
@@ -48,14 +52,28 @@ fn run(folder: &Path, documented: &Documented, words: &[String]) {
 #[test]
 fn every_block_runs_as_printed() {
     let (mut ran, mut parsed) = (0, 0);
+    // What one document has trained from an empty folder, another that begins in the same way need not train again.
+    let mut first_runs: Vec<(Vec<String>, tempfile::TempDir)> = vec![];
     for (file, text) in documents() {
         // A reader stays in one folder from the first line to the last.
         let folder = tempfile::tempdir().unwrap();
+        let mut is_empty = true;
         for documented in commands(&file, &text).iter().filter(|documented| documented.in_block) {
             match documented.myo() {
                 Some(words) if is_only_parsed(words) => parsed += 1,
                 Some(words) => {
-                    run(folder.path(), documented, &shortened(words));
+                    let words = shortened(words);
+                    let known = first_runs.iter().find(|(other, _)| is_empty && *other == words);
+                    match known {
+                        Some((_, known)) => copy(known.path(), folder.path()),
+                        None => run(folder.path(), documented, &words),
+                    }
+                    if is_empty && words[0] == "train" && known.is_none() {
+                        let kept = tempfile::tempdir().unwrap();
+                        copy(folder.path(), kept.path());
+                        first_runs.push((words, kept));
+                    }
+                    is_empty = false;
                     ran += 1;
                 }
                 None if documented.words[0] == "sed" => run_sed(folder.path(), documented),
@@ -64,6 +82,19 @@ fn every_block_runs_as_printed() {
         }
     }
     assert!(ran >= 5 && parsed >= 1, "{ran} ran, {parsed} were only parsed");
+}
+
+/// Copies all that is in a folder.
+fn copy(from: &Path, to: &Path) {
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let place = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            std::fs::create_dir_all(&place).unwrap();
+            copy(&entry.path(), &place);
+        } else {
+            std::fs::copy(entry.path(), place).unwrap();
+        }
+    }
 }
 
 /// Makes one file of another, as the reader's shell does.
