@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whether simulated users come to five findings about layouts that people came to.
+"""Whether simulated users come to findings about layouts that people came to.
 
     python3 benches/findings.py [--seeds 5] [--only 1,4] [--out DIR] [-- MORE OPTIONS OF `myo train`]
 
@@ -90,6 +90,33 @@ def tunnel(width_cm):
     return task(f"tunnel-{width_cm}-cm", ends, [{"dwell": {"in": "start", "for_s": 0.2}}, steer], 8)
 
 
+#: Rows and columns of the places that a button of a layout may have before the user's eyes: metres up and to the left
+#: of the right shoulder. The middle is at the height of the eyes, a fifth of a metre above the shoulder, before the
+#: middle of the body.
+UP, LEFT = (0.3, 0.2, 0.1), tuple(round(MIDLINE + y, 2) for y in (0.25, 0.15, 0.05, -0.05, -0.15, -0.25))
+
+#: Layouts of three buttons: all neighbours side by side, and all columns; rows and columns are counted from the upper
+#: left.
+TRIPLES = [[(row, column + k) for k in range(3)] for row in range(3) for column in range(4)]
+TRIPLES += [[(row, column) for row in range(3)] for column in range(6)]
+
+#: The one in the middle; of the two there are, that on the side of the arm.
+CENTRED = TRIPLES.index([(1, 2), (1, 3), (1, 4)])
+
+
+def triples():
+    """Three buttons on a wall, pressed one after the other three times, in every layout."""
+    button = {"kind": "button", "size": [0.05, 0.05, 0.02], "tilt_deg": 90, "min_force_n": 1}
+    wall = {"kind": "obstacle", "at": [0.471, MIDLINE, 0.2], "size": [0.4, 0.7, 0.02], "tilt_deg": 90}
+
+    def triple(number, places):
+        buttons = {f"b{k}": {**button, "at": [0.45, LEFT[c], UP[r]]} for k, (r, c) in enumerate(places, 1)}
+        steps = [{"press": list(buttons)}]
+        return task(f"triple-{number}", {**buttons, "wall": wall}, [{"repeat": {"times": 3, "steps": steps}}], 10)
+
+    return [triple(number, places) for number, places in enumerate(TRIPLES)]
+
+
 def time_of(told, number):
     """Movement time of a target in s; more than any where nobody made it."""
     time = told["targets"][number]["movement_time_s"]
@@ -144,6 +171,15 @@ def steering(told):
     return grows and r2 >= 0.8, f"{says}; R2 {r2:.2f}"
 
 
+def against_fatigue(told, others):
+    """Whether the layout that tires others least tires this user less than the centred one."""
+    tiring = [[layout["fatigue"] for layout in user["layouts"]] for [user] in (told, *others)]
+    chosen = min(range(len(TRIPLES)), key=lambda number: sum(user[number] for user in tiring[1:]))
+    own, centred = tiring[0][chosen], tiring[0][CENTRED]
+    says = f"{100 * own:.3f} % of strength with {TRIPLES[chosen]}, {100 * centred:.3f} % in the middle"
+    return own < centred, says
+
+
 #: Number in `docs/findings.md`, what it says, the tasks of each user (several are layouts of one), and who judges them.
 FINDINGS = [
     (
@@ -161,6 +197,7 @@ FINDINGS = [
         high_is_dear,
     ),
     (5, "time through a tunnel follows length over width", [[tunnel(width)] for width in WIDTHS_CM], steering),
+    (6, "a layout chosen against fatigue tires less than a centred one", [triples()], against_fatigue),
 ]
 
 
@@ -173,7 +210,8 @@ class Users:
 
     def trained(self, tasks):
         """The folder of users of these layouts, one for each seed: new ones, or those there once they have finished."""
-        runs = self.out / "-".join(task["name"] for task in tasks)
+        names = [task["name"] for task in tasks]
+        runs = self.out / ("-".join(names) if len(names) < 3 else f"{names[0]}-to-{names[-1]}")
         if runs in self.finished:
             return runs
         if runs.exists():
@@ -195,12 +233,12 @@ class Users:
         return subprocess.run([self.myo, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
-def verdict(judge, told):
-    """Whether a seed's users have the right sign, and their figures."""
+def verdict(judge, told, others):
+    """Whether a seed's users have the right sign, and their figures; `others` are those of the other seeds."""
     least = min(user["success"] for user in told)
     if least < LEARNT:
         return False, f"not learnt: {100 * least:.0f} % of the episodes of one succeed"
-    return judge(told)
+    return judge(told, others) if judge is against_fatigue else judge(told)
 
 
 def main():
@@ -219,8 +257,9 @@ def main():
         if number not in asked:
             continue
         right = 0
-        for seed in range(1, args.seeds + 1):
-            has_sign, says = verdict(judge, users.asked(studies, seed))
+        told = {seed: users.asked(studies, seed) for seed in range(1, args.seeds + 1)}
+        for seed, own in told.items():
+            has_sign, says = verdict(judge, own, [other for name, other in told.items() if name != seed])
             right += has_sign
             print(f"  seed {seed} {'right' if has_sign else 'WRONG'}: {says}", flush=True)
         missed += right < args.seeds

@@ -24,7 +24,7 @@ SEEDS = 5
 PRESETS = ("pointing", "ar", "hello", "choice", "mobile-typing", "public-display")
 #: Millions of control steps after which a user of a preset, of a finding or of a protocol stops in any case.
 PRESET_STEPS = 150
-FINDING_STEPS = {1: 150, 2: 150, 3: 150, 4: 200, 5: 110}
+FINDING_STEPS = {1: 150, 2: 150, 3: 150, 4: 200, 5: 110, 6: 400}
 PROTOCOL_STEPS = {"F1": 250, "T1": 150, "E2": 60, "K3": 70, "S1": 150, "T3": 55}
 #: Single episodes of a user of a preset.
 EPISODES = 1000

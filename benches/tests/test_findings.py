@@ -35,6 +35,7 @@ else:
     each = lambda task: {{
         "targets": [{{"movement_time_s": cost.get(task["name"], 1)}}] * len(task["script"]),
         "effort": cost.get(task["name"], 1),
+        "fatigue": 1,
         "success": success,
     }}
     print(json.dumps({{**each(tasks[0]), "layouts": [each(task) for task in tasks]}}))
@@ -58,10 +59,10 @@ def asked(tmp_path, monkeypatch, capsys):
 
 def test_every_study_is_a_task_of_the_human_user():
     tasks = [task for _, _, studies, _ in findings.FINDINGS for study in studies for task in study]
-    assert len({task["name"] for task in tasks}) == len(tasks) == 14
+    assert len({task["name"] for task in tasks}) == len(tasks) == 32
     for task in tasks:
         assert task["user"] == "human"
-        targets = {"ball": 5, "keys": 5, "start": 3}
+        targets = {"ball": 5, "keys": 5, "start": 3, "b1": 9}
         first = next(iter(task["scene"]))
         assert myoenv.load_task(task).num_targets == targets.get(first, len(task["script"]))
 
@@ -86,7 +87,18 @@ def user(times, wrong=0.0):
     return {"targets": [{"movement_time_s": time} for time in times], "wrong_presses": wrong, "success": 1.0}
 
 
+def tired(least, centred=2.0):
+    """The figures of a user whom the layout of this number tires least."""
+    layouts = [{"fatigue": 3.0} for _ in findings.TRIPLES]
+    layouts[findings.CENTRED]["fatigue"] = centred
+    layouts[least]["fatigue"] = 1.0
+    return [{"layouts": layouts, "success": 1.0}]
+
+
 def test_signs_are_those_of_the_list():
+    assert findings.against_fatigue(tired(3), [tired(3), tired(3), tired(8)])[0]
+    assert not findings.against_fatigue(tired(8), [tired(3), tired(3)])[0], "chosen by others alone"
+    assert not findings.against_fatigue(tired(3, 0.5), [tired(3, 0.5)])[0]
     errors = [2.0, 1.0, 0.5, 0.1, 0.1]
     keys = [user([0.5 - 0.01 * n] * 5, wrong) for n, wrong in enumerate(errors)]
     assert findings.larger_keys(keys)[0]

@@ -11,7 +11,7 @@ SHORT = {"until": None, "steps": 512, "num_envs": 32, "backend": "cpu", "setting
 
 def test_two_layouts_are_compared(tmp_path, fast):
     table = myoenv.compare("pointing-single", fast("public-display"), seeds=2, out=tmp_path, **SHORT)
-    assert list(table.index) == ["success", "episode_length_s", "effort"]
+    assert list(table.index) == ["success", "episode_length_s", "effort", "fatigue"]
     assert table.attrs["names"] == ["pointing-single", "public-display"] and table.attrs["users"] == [2, 2]
     assert len(table.attrs["sentences"]) == 3
     assert (table["difference"] == table["second"] - table["first"]).all()

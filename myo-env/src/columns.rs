@@ -16,6 +16,12 @@ pub(crate) const RETURN: Column = Column::new("return", "", "Sum of the rewards.
 pub(crate) const LENGTH: Column = Column::new("length", "control steps", "Control steps from reset to end.");
 pub(crate) const EFFORT: Column =
     Column::new("effort", "", "Squared muscle control, mean over muscles and control steps.");
+pub(crate) const FATIGUE: Column = Column::new(
+    "fatigue",
+    "",
+    "Share of the strength of all muscles that fatigues in the episode, as of rested people (3CC-r): of what is active of each, weighted by its \
+     greatest force; without what recovers.",
+);
 pub(crate) const SOLVER_ROUNDS: Column = Column::new(
     "solver_rounds",
     "",

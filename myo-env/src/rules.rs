@@ -150,12 +150,13 @@ impl<S: Scalar> Verdict<S> {
 }
 
 /// Columns of an episode summary under [`Rules`], in place of those of a script.
-pub const RULES_COLUMNS: [Column; 7] = [
+pub const RULES_COLUMNS: [Column; 8] = [
     columns::RETURN,
     columns::LENGTH,
     Column::new("success", "", "1 if the rules ended the episode as done, else 0."),
     Column::new("failed", "", "1 if the rules ended it as failed, else 0; neither where the time was up."),
     columns::EFFORT,
+    columns::FATIGUE,
     columns::SOLVER_ROUNDS,
     columns::SOLVER_UNSOLVED,
 ];

@@ -14,7 +14,9 @@ pub const REWARD_TERMS: usize = 9;
 /// Where the other sums over an episode stand behind those of the reward terms.
 pub const EFFORT_SUM: usize = REWARD_TERMS;
 /// See [`EnvState::sums`].
-pub const ROUNDS_SUM: usize = EFFORT_SUM + 1;
+pub const FATIGUE_SUM: usize = EFFORT_SUM + 1;
+/// See [`EnvState::sums`].
+pub const ROUNDS_SUM: usize = FATIGUE_SUM + 1;
 /// See [`EnvState::sums`].
 pub const UNSOLVED_SUM: usize = ROUNDS_SUM + 1;
 /// See [`EnvState::sums`].
@@ -45,7 +47,7 @@ pub struct EnvState<S: Scalar> {
     pub touch: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,
-    /// Sums over the episode: reward terms, mean squared controls, rounds of the constraint solver, physics steps that it left
+    /// Sums over the episode: reward terms, mean squared controls, what fatigues, rounds of the constraint solver, physics steps that it left
     /// unsolved, presses that were not asked for, and ways left. Counts are exact up to 2^24.
     pub sums: [S; SUMS],
     /// What rules of one's own remember; empty where a script judges.

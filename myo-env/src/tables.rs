@@ -9,7 +9,7 @@ use crate::rules::Outline;
 use crate::saved::Identity;
 use myo_dynamics::{CouplingMode, Obstacles, Plan};
 use myo_model::Model;
-use myo_muscle::MuscleGroup;
+use myo_muscle::{FatigueRates, MuscleGroup};
 use myo_scalar::{Real, Scalar};
 use myo_tasks::{FlatTask, InvalidTask, Task, TaskError};
 
@@ -46,6 +46,8 @@ pub struct Tables<C> {
     ranges: Vec<JointRange>,
     /// Of every muscle: which joint it moves.
     groups: Vec<Option<MuscleGroup>>,
+    /// Of every muscle: share of the strength of all that fatigues in a control step while it is as active as it can be, unrounded.
+    pub(crate) fatigue: Vec<f64>,
     /// Seconds of a physics step, unrounded.
     pub(crate) timestep: f64,
     /// Which model and task these are.
@@ -115,6 +117,7 @@ impl<C: Real> Tables<C> {
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
         let ranges: Vec<JointRange> = exact.dofs.iter().map(|dof| dof.range).collect();
         let groups: Vec<_> = model.muscles.iter().map(|muscle| muscle.parameters.group).collect();
+        let fatigue = fatigue_of(&exact, &groups, task.control_dt_s);
         let parameters = Parameters::new(&task, &flat, &ranges, &groups);
         let observation = parts_of(&task, &parameters, rules.as_ref());
         if observation.is_empty() && rules.as_ref().is_none_or(|rules| rules.observed.is_empty()) {
@@ -144,6 +147,7 @@ impl<C: Real> Tables<C> {
             identity: Identity::new(model, &[task], rules.as_ref()),
             rules,
             ranges,
+            fatigue,
             groups,
             timestep: exact.timestep,
             plan,
@@ -301,6 +305,14 @@ impl<C: Real> Tables<C> {
 /// Objects and steps of a task; under rules no steps.
 fn flat_of(task: &Task, has_rules: bool) -> Result<FlatTask, InvalidTask> {
     if has_rules { task.scenery() } else { task.flat() }
+}
+
+/// Of every muscle: which share of the strength of all fatigues in so many seconds while it is as active as it can be, with the rates of rested
+/// people ([`FatigueRates`]).
+fn fatigue_of(plan: &Plan<f64>, groups: &[Option<MuscleGroup>], seconds: f64) -> Vec<f64> {
+    let forces = plan.muscles.iter().map(|muscle| muscle.curves.peak_isometric_force().max(0.0));
+    let all = forces.clone().sum::<f64>().max(f64::MIN_POSITIVE);
+    forces.zip(groups).map(|(force, &group)| FatigueRates::of(group).fatigue_per_s * seconds * force / all).collect()
 }
 
 /// What is observed of a task.

@@ -169,8 +169,9 @@ fn run(task: &Task, seed: u64) -> Result<(), String> {
             return Err(format!("step {step}: {name} is {x}"));
         }
         let summaries = env.spec().episode_names.iter().cycle().zip(&out.episode);
-        // The time of a target that was not done is not a number.
-        if let Some((name, x)) = summaries.into_iter().find(|(name, x)| !x.is_finite() && !name.ends_with("_time")) {
+        // The time of a target that was not done is not a number, and neither is how well nothing was tracked.
+        let may_be_none = |name: &str| name.ends_with("_time") || ["on_target", "tracking_error"].contains(&name);
+        if let Some((name, x)) = summaries.into_iter().find(|(name, x)| !x.is_finite() && !may_be_none(name)) {
             return Err(format!("step {step}: {name} of the summary is {x}"));
         }
     }

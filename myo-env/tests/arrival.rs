@@ -181,3 +181,56 @@ fn a_press_is_where_its_contact_was_seen_to_begin() {
     let truth: Vec<_> = (0..ENVS).map(|i| press(&force(i))).collect();
     check(&task, &truth, 10);
 }
+
+/// Half a second in and about a sphere that hardly moves, against where the fingertip was at every physics step.
+#[test]
+fn how_well_a_sphere_is_tracked_is_what_was_seen() {
+    let task = Task::from_yaml(TRACKING, "tracking").unwrap();
+    let seen = watch(pointing(), "fingertip_position.x", 3);
+    let off = |i: usize, step: usize| {
+        let row = &seen[step][i];
+        row.iter().zip([0.35, -0.1, -0.2]).map(|(x, c)| (x - c) * (x - c)).sum::<f64>().sqrt()
+    };
+    let config = EnvConfig { num_envs: ENVS, ..EnvConfig::default() };
+    let body = arm(&task);
+    let mut backends: Vec<Box<dyn VectorEnv>> = vec![
+        Box::new(ReferenceEnv::new(&body, &task, &config).unwrap()),
+        Box::new(CpuEnv::new(&body, &task, &config).unwrap()),
+    ];
+    if !without_gpu() {
+        backends.push(Box::new(GpuEnv::new(&gpu(), &body, &task, &config).unwrap()));
+    }
+    for mut env in backends {
+        let [on_target, error] = ["on_target", "tracking_error"].map(|name| column(&*env, name));
+        let (width, mut out) = (env.spec().episode_size(), StepStorage::new(env.spec()));
+        for step in 0..10 {
+            let actions = excite(&*env, step);
+            env.step(&actions, out.buffers()).unwrap();
+        }
+        assert!(out.terminated.iter().all(|&is_over| is_over), "half a second is over");
+        let mut between = 0;
+        for i in 0..ENVS {
+            let distances: Vec<f64> = (0..10 * SUBSTEPS).map(|step| off(i, step)).collect();
+            let n = distances.len() as f64;
+            let inside = distances.iter().filter(|&&distance| distance < 0.2).count() as f64 / n;
+            let rms = (distances.iter().map(|distance| distance * distance).sum::<f64>() / n).sqrt();
+            let row = &out.episode[i * width..][..width];
+            assert!((f64::from(row[on_target]) - inside).abs() < 0.0081, "{}, not {inside}", row[on_target]);
+            assert!((f64::from(row[error]) - rms).abs() < 2e-4, "{}, not {rms}", row[error]);
+            between += usize::from(inside > 0.0 && inside < 1.0);
+        }
+        assert!(between > ENVS / 8, "{between}");
+    }
+}
+
+const TRACKING: &str = "\
+version: 2
+user: fastest
+name: pointing
+model: mobl-arms-uitb
+scene:
+  ball: {kind: sphere, at: [0.35, -0.1, -0.2], radius: 0.2, moves: {kind: line, by: [0, 0, 0.0001], period_s: 600}}
+script:
+  - track: {target: ball, for_s: 0.5}
+time_limit_s: 1
+";

@@ -185,3 +185,51 @@ fn a_saved_state_keeps_it() {
         assert!(a.fatigue == b.fatigue && a.fatigue.iter().all(|&fatigued| fatigued > 0.0), "{:?}", b.fatigue);
     }
 }
+
+/// Whose state after an episode can be looked at.
+fn once() -> EnvConfig {
+    EnvConfig { autoreset: Autoreset::NextStep, ..config() }
+}
+
+/// What is active after each control step of an episode fatigues at the rates of rested people, weighted by force.
+fn check_column(make: &dyn Fn(&Task) -> Box<dyn VectorEnv>) {
+    let task = task(Fatigue::default());
+    let muscles = arm(&task).muscles;
+    // All muscles of the built-in arms have a force of their own.
+    let forces: Vec<f64> = muscles.iter().map(|muscle| muscle.parameters.gain.force.unwrap()).collect();
+    let all: f64 = forces.iter().sum();
+    let rate = |k: usize| FatigueRates::of(muscles[k].parameters.group).fatigue_per_s * forces[k] / all;
+    let mut env = make(&task);
+    let mut out = StepStorage::new(env.spec());
+    let column = env.spec().episode_names.iter().position(|name| name == "fatigue").unwrap();
+    let width = env.spec().episode_size();
+    env.reset(Some(1), None, &mut out.observation).unwrap();
+    let (mut sums, mut seen) = ([0.0; ENVS], 0);
+    for number in 0..20 {
+        env.step(&asked(muscles.len(), number), out.buffers()).unwrap();
+        for (env, (now, sum)) in env.peek(0..ENVS).unwrap().iter().zip(&mut sums).enumerate() {
+            *sum += (0..muscles.len()).map(|k| rate(k) * now.body.act[k] * task.control_dt_s).sum::<f64>();
+            if out.terminated[env] || out.truncated[env] {
+                let found = f64::from(out.episode[env * width + column]);
+                assert!((found - *sum).abs() < 1e-5 * *sum && found > 1e-4, "{found}, not {sum}");
+                seen += 1;
+            }
+        }
+    }
+    assert_eq!(seen, ENVS, "a second is over");
+}
+
+#[test]
+fn what_fatigues_is_summed_up() {
+    check_column(&|task| Box::new(ReferenceEnv::new(&arm(task), task, &once()).unwrap()));
+    check_column(&|task| Box::new(CpuEnv::new(&arm(task), task, &once()).unwrap()));
+}
+
+#[test]
+fn what_fatigues_on_a_card_is_summed_up() {
+    if without_gpu() {
+        return;
+    }
+    let gpu = gpu();
+    check_column(&|task| Box::new(GpuEnv::new(&gpu, &arm(task), task, &once()).unwrap()));
+}

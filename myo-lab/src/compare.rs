@@ -83,11 +83,13 @@ pub enum Quantity {
     EpisodeLengthS,
     /// Mean squared muscle control.
     Effort,
+    /// Share of the strength of all muscles that fatigues in an episode.
+    Fatigue,
 }
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Success, Self::EpisodeLengthS, Self::Effort];
+    pub const ALL: [Self; 4] = [Self::Success, Self::EpisodeLengthS, Self::Effort, Self::Fatigue];
 
     /// Of one user.
     pub fn of(self, user: &TrainedUser) -> Option<f64> {
@@ -95,6 +97,7 @@ impl Quantity {
             Self::Success => user.evaluation.success,
             Self::EpisodeLengthS => user.evaluation.episode_length_s,
             Self::Effort => user.evaluation.effort,
+            Self::Fatigue => user.evaluation.fatigue,
         }
     }
 
@@ -104,6 +107,7 @@ impl Quantity {
             Self::Success => "success",
             Self::EpisodeLengthS => "time per episode",
             Self::Effort => "effort",
+            Self::Fatigue => "fatigue per episode",
         }
     }
 
@@ -113,6 +117,7 @@ impl Quantity {
             Self::Success => format!("{:.1} %", 100.0 * value),
             Self::EpisodeLengthS => format!("{value:.2} s"),
             Self::Effort => format!("{value:.4}"),
+            Self::Fatigue => format!("{:.3} %", 100.0 * value),
         }
     }
 
@@ -125,6 +130,8 @@ impl Quantity {
             (Self::EpisodeLengthS, false) => "is faster",
             (Self::Effort, true) => "takes more effort",
             (Self::Effort, false) => "takes less effort",
+            (Self::Fatigue, true) => "is more tiring",
+            (Self::Fatigue, false) => "is less tiring",
         }
     }
 
@@ -132,7 +139,7 @@ impl Quantity {
     fn resolution(self, mean: f64) -> f64 {
         match self {
             Self::Success => TRAINING_SUCCESS,
-            Self::EpisodeLengthS | Self::Effort => TRAINING * mean.abs(),
+            Self::EpisodeLengthS | Self::Effort | Self::Fatigue => TRAINING * mean.abs(),
         }
     }
 }
@@ -421,6 +428,24 @@ mod tests {
         // Certain, but a fiftieth of the time: users may still become faster by a thirtieth.
         let (a, b) = (group("a", &[0.700, 0.701, 0.699]), group("b", &[0.714, 0.715, 0.713]));
         assert_eq!(Comparison::new(&a, &b).differences[1].verdict, Verdict::WithinTraining);
+    }
+
+    /// As fast with as much effort, and other muscles tire.
+    #[test]
+    fn the_more_tiring_layout_is_told() {
+        let tiring = |name: &str, fatigue: [f64; 5]| {
+            let mut group = group(name, &[0.65; 5]);
+            for (user, fatigue) in group.users.iter_mut().zip(fatigue) {
+                user.evaluation.fatigue = Some(fatigue);
+            }
+            group
+        };
+        let high = tiring("high", [0.0031, 0.0030, 0.0032, 0.0033, 0.0029]);
+        let low = tiring("low", [0.0021, 0.0020, 0.0022, 0.0023, 0.0019]);
+        let comparison = Comparison::new(&high, &low);
+        assert_eq!(verdicts(&comparison)[2..], [Verdict::NoDifference, Verdict::Lower]);
+        let sentence = "low is less tiring than high: fatigue per episode 0.210 % against 0.310 % ";
+        assert!(comparison.sentences().any(|told| told.starts_with(sentence)), "{comparison}");
     }
 
     /// Users of the second layout fell into two habits: the spread of all hides from Welch's test that each is slower.

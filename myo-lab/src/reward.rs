@@ -93,6 +93,15 @@ fn at_step(task: &CompiledTask<f64>, (draws, state): &(Draws, TaskState<f64>), s
     state
 }
 
+/// How many bonuses for targets an episode brings at most: one for each, and one for every second of what is tracked.
+fn bonuses(task: &CompiledTask<f64>, control_dt_s: f64) -> f64 {
+    let of_step = |step: usize| match task.follows.get(step) {
+        Some(&follows) if follows > 1.5 => task.steps[step].dwell * control_dt_s,
+        _ => 1.0,
+    };
+    (0..task.steps.len()).map(of_step).sum()
+}
+
 /// The terms of the reward of a task, in the order in which they are summed up; those that cannot come up in it are left out.
 ///
 /// Distances are the least and the greatest of 48 drawn episodes, every step and every place in reach, so they are about right where much
@@ -130,7 +139,12 @@ pub fn reward_terms(task: &Task, reach: &dyn Reach, muscles: usize) -> Result<Ve
     let mut terms = vec![
         running("distance_cost", w.distance_cost, distance, [near * dt, far * dt]),
         running("time_cost", w.time_cost, "s", [dt; 2]),
-        once("subtask_bonus", w.subtask_bonus, "target done", steps),
+        once(
+            "subtask_bonus",
+            w.subtask_bonus,
+            "target done, or second inside what is tracked",
+            bonuses(&trial.task, dt),
+        ),
         once("completion_bonus", w.completion_bonus, "task done", 1.0),
         running("effort_cost", w.effort_cost, "s times the sum of squared muscle controls", [0.0, muscles as f64 * dt]),
         unbounded("acceleration_cost", w.acceleration_cost, "s times the sum of squared joint accelerations (rad/s²)²"),
@@ -202,7 +216,14 @@ pub fn reward_slice(
     let slice = slice(goal.centre);
     let Slice { corner, along, across, places: [columns, rows] } = slice;
     // Nothing is done there, and no muscle pulls.
-    let nothing = Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
+    let nothing = Progress {
+        target_done: false,
+        task_done: false,
+        timed_out: false,
+        wrong_presses: 0.0,
+        exits: 0.0,
+        bonuses: 0.0,
+    };
     let at = |row: usize, column: usize| {
         let share = |index: usize, count: usize| index as f64 / (count.max(2) - 1) as f64;
         let (x, y) = (share(column, columns), share(row, rows));

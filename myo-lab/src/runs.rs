@@ -43,6 +43,8 @@ pub struct RunSummary {
     pub episode_length_s: Option<f64>,
     /// Mean squared control, where it is evaluated.
     pub effort: Option<f64>,
+    /// Share of the strength of all muscles that fatigues in an episode, mean.
+    pub fatigue: Option<f64>,
     /// When it was last written to.
     pub changed: SystemTime,
 }
@@ -128,6 +130,7 @@ pub fn run_summary(path: &Path) -> Result<RunSummary, RunError> {
         success: evaluation.as_ref().and_then(|evaluation| evaluation.success),
         episode_length_s: evaluation.as_ref().and_then(|evaluation| evaluation.episode_length_s),
         effort: evaluation.as_ref().and_then(|evaluation| evaluation.effort),
+        fatigue: evaluation.as_ref().and_then(|evaluation| evaluation.fatigue),
         changed: run.changed()?,
         device: description.device.unwrap_or(description.backend),
     })

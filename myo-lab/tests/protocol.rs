@@ -2,8 +2,9 @@
 
 use myo_env::{CpuEnv, EnvConfig, VectorEnv};
 use myo_lab::protocol::{
-    Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Recording, SELECTIONS, Scatter, SteeringLaw,
-    Stillness, TYPED, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches, record, ways,
+    Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Pursuit, Recording, SELECTIONS, Scatter,
+    SteeringLaw, Stillness, TYPED, Targets, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches,
+    record, ways,
 };
 use myo_lab::{ModelReach, one_structure};
 use myo_measure::bands::{Figure, Figures};
@@ -71,6 +72,7 @@ fn ideal(condition: usize, episode: usize) -> Recording {
         done,
         exits: 0.0,
         wrong_presses: 0.0,
+        targets: None,
     }
 }
 
@@ -249,6 +251,7 @@ fn along(way: &Way, seconds: f64, exits: f64) -> Recording {
         done,
         exits,
         wrong_presses: 0.0,
+        targets: None,
     }
 }
 
@@ -320,6 +323,7 @@ fn words_per_minute_and_errors_come_out_as_they_went_in() {
             done,
             exits: 0.0,
             wrong_presses,
+            targets: None,
         }
     };
     let user =
@@ -443,7 +447,8 @@ fn a_held_arm_is_as_still_as_it_was() {
             activations,
             done,
             exits: 0.0,
-            wrong_presses: 0.0
+            wrong_presses: 0.0,
+            targets: None
         };
         6
     ];
@@ -455,4 +460,64 @@ fn a_held_arm_is_as_still_as_it_was() {
     let drive = MuscleDrive::of(&arm("myo-arm"), &[(holds.clone(), holds)]).unwrap();
     assert!((drive.rows[0].mean - 0.07).abs() < 1e-6 && drive.rows[0].share_saturated == 0.0, "{drive:?}");
     assert!((drive.rows[0].elbow_co_contraction - 1.0).abs() < 1e-6, "all pull alike: {drive:?}");
+}
+
+/// Who keeps to a sphere that goes to and fro at some frequency (Hz), so many seconds late, for so many seconds after half a second in which it is
+/// come to.
+fn pursuing(hz: f64, late_s: f64, seconds: f64) -> Recording {
+    let at = |t: f64| [0.45, 0.1 * (std::f64::consts::TAU * hz * t).sin(), -0.1];
+    let (control_steps, samples) = (((0.5 + seconds) / 0.04).round() as usize, 20);
+    let n = control_steps * samples;
+    let begin = |step: usize| 0.04 * step as f64;
+    Recording {
+        rate_hz: RATE_HZ,
+        fingertip: (0..n).map(|sample| at(sample as f64 / RATE_HZ - late_s)).collect(),
+        force: vec![0.0; n],
+        qpos: vec![],
+        activations: vec![],
+        done: vec![],
+        exits: 0.0,
+        wrong_presses: 0.0,
+        targets: Some(Targets {
+            samples,
+            step: (0..control_steps).map(|step| usize::from(begin(step) > 0.49)).collect(),
+            centre: (0..control_steps).map(|step| at(begin(step))).collect(),
+        }),
+    }
+}
+
+#[test]
+fn who_tracks_a_little_late_is_told_so_for_every_frequency() {
+    let frequencies = [0.05, 0.25, 0.5, 1.0];
+    let user = |late_s: f64| frequencies.map(|hz| vec![pursuing(hz, late_s, 15.0); 3]).to_vec();
+    let found = Pursuit::of(&[user(0.1), user(0.12), user(0.14)]).unwrap();
+    assert_eq!(found.rows.iter().map(|row| row.up_to_hz).collect::<Vec<_>>(), frequencies);
+    for row in &found.rows {
+        assert!((row.lag_s - 0.12).abs() < 0.003 && (row.gain - 1.0).abs() < 0.02, "{row:?}");
+        // Between two places of a wave that are 0.12 s apart; the slowest has not gone once to and fro.
+        let rms = 0.1 * 2.0_f64.sqrt() * (std::f64::consts::PI * row.up_to_hz * 0.12).sin();
+        assert!(row.up_to_hz < 0.1 || (row.rms_error_m / rms - 1.0).abs() < 0.03, "{row:?}, {rms}");
+        let [low, high] = row.lag_s_interval.unwrap();
+        assert!(low < 0.12 && 0.12 < high);
+    }
+    assert!(found.rows[0].inside == 1.0 && found.rows[3].inside < 0.9);
+    // The plot is in centimetres.
+    let plot = found.plot();
+    assert!((plot.series[0].points[3].at[1] - 100.0 * found.rows[3].rms_error_m).abs() < 1e-12);
+}
+
+#[test]
+fn who_came_to_no_target_has_no_figures() {
+    let mut never = pursuing(0.25, 0.1, 15.0);
+    never.targets.as_mut().unwrap().step.fill(0);
+    let short = pursuing(0.25, 0.1, 2.5);
+    let error = Pursuit::of(&[vec![vec![never.clone(), short]; 4]]).unwrap_err().to_string();
+    assert!(
+        error.starts_with(
+            "episodes in which a target of up to 0.05 Hz was come to: the user did 0 of 2, and at least 1"
+        ),
+        "{error}"
+    );
+    // One episode is enough.
+    assert!(Pursuit::of(&[vec![vec![never, pursuing(0.25, 0.1, 15.0)]; 4]]).is_ok());
 }

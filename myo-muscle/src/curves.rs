@@ -99,6 +99,11 @@ impl<C: Real> Muscle<C> {
 }
 
 impl ForceCurves<f64> {
+    /// The greatest active force (N), at optimal length and at rest.
+    pub fn peak_isometric_force(&self) -> f64 {
+        2.0 * self.half_force
+    }
+
     fn new(parameters: &MuscleParameters, acc0: f64) -> Self {
         let (gain, bias) = (&parameters.gain, &parameters.bias);
         let (gain_scale, gain_offset) = normalisation(parameters.length_range, gain);

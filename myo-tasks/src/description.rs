@@ -235,7 +235,7 @@ pub struct Reward {
     #[schemars(transform = WEIGHT.schema())]
     pub time_cost: f64,
 
-    /// Given once when a target is done, the last one included. Default 3.
+    /// Given once when a target is done, the last one included; of what is tracked, for every second inside. Default 3.
     #[garde(custom(WEIGHT.rule()))]
     #[schemars(transform = WEIGHT.schema())]
     pub subtask_bonus: f64,

@@ -179,6 +179,8 @@ pub enum Action {
     Dwell(f64),
     /// To be in a sphere for so many seconds in all.
     Follow(f64),
+    /// To keep to a sphere for so many seconds, inside or not.
+    Track(f64),
     /// To take hold of a slider's handle, move it and let go of it.
     Drag {
         /// Where it must be let go, as a share of the way.
@@ -294,6 +296,7 @@ impl Action {
         match self {
             Self::Dwell(_) => format!("dwell in {name}"),
             Self::Follow(_) => format!("follow {name}"),
+            Self::Track(_) => format!("track {name}"),
             Self::Drag { .. } => format!("drag {name}"),
             Self::Swing { .. } => format!("swing {name}"),
             Self::Steer { .. } => format!("steer to {name}"),
@@ -318,7 +321,7 @@ impl Step {
     /// Seconds to stay; none where it is no dwell.
     pub const fn dwell_s(&self) -> Option<f64> {
         match self.action {
-            Action::Dwell(seconds) | Action::Follow(seconds) => Some(seconds),
+            Action::Dwell(seconds) | Action::Follow(seconds) | Action::Track(seconds) => Some(seconds),
             // The end of a way is a sphere, and so is a knob, where nobody needs to stay.
             Action::Steer { .. } | Action::Swing { .. } => Some(0.0),
             Action::Press | Action::PressAndRelease | Action::Drag { .. } => None,

@@ -36,6 +36,7 @@ instructions! {
     "drag" => Drag, "{slider: NAME, to: 70, within: 2}";
     "swing" => Swing, "{stick: NAME, to_deg: 30, within_deg: 3}";
     "follow" => Follow, "{target: NAME, for_s: 3}";
+    "track" => Track, "{target: NAME, for_s: 10}";
     "steer" => Steer, "{through: [NAME, NAME], width: 0.03}";
     "react" => React, "{among: NAME, after_s: [0.5, 1.5]}";
     "wait" => Wait, "0.5";

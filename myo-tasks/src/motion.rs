@@ -12,7 +12,10 @@ use crate::scene::{is_zero, tilted_and_turned};
 use crate::target::{LENGTH, TILT, TURN, on_one_line};
 
 const EXCURSION: Quantity = Quantity::between(-2.0, 2.0, "m");
+const FREQUENCY: Quantity = Quantity::between(0.001, 5.0, "Hz");
 const PERIOD: Quantity = Quantity::between(0.2, 600.0, "s");
+/// Waves of each axis that are drawn.
+pub(crate) const SINES: usize = 5;
 /// Most waves that are added up.
 pub(crate) const WAVES_MAX: usize = 4;
 /// Periods of a random path's waves, in units of the shortest: no two repeat together for long.
@@ -30,6 +33,8 @@ pub enum Motion {
     Waves(Waves),
     /// A path that does not repeat and cannot be foreseen for long.
     Random(RandomMotion),
+    /// Sine waves that are drawn anew for every episode, slow ones and fast ones.
+    Sines(SinesMotion),
 }
 
 /// Round and round on a circle about the sphere's place.
@@ -117,12 +122,40 @@ pub struct RandomMotion {
     pub period_s: f64,
 }
 
+/// Each axis for itself is a sum of five sine waves whose frequencies, phases and weights every episode draws, as in the tracking task of User-in-the-Box
+/// (Ikkala et al. 2022, doi 10.1145/3526113.3545689): frequencies from 0 to the greatest, weights from 1 to 5, scaled so that no wave leaves the range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+pub struct SinesMotion {
+    /// How far it may go from its place to either side, `[x, y, z]` in m.
+    #[serde(serialize_with = "on_one_line")]
+    #[garde(inner(custom(EXCURSION.rule())))]
+    #[schemars(transform = EXCURSION.schema())]
+    pub by: [f64; 3],
+
+    /// Greatest frequency of its waves, in Hz. From 0.001 to 5.
+    #[garde(custom(FREQUENCY.rule()))]
+    #[schemars(transform = FREQUENCY.schema())]
+    pub up_to_hz: f64,
+}
+
 /// A path as waves: at time `t` (s) the centre is off its place by the sum of `cosine cos(angle) + sine sin(angle)`, where
 /// `angle = rate t + phase` and every episode draws the phase of every wave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
-    /// The waves; at least one.
+    /// The waves; none where all are drawn.
     pub waves: Vec<PathWave>,
+    /// Those that every episode draws.
+    pub sines: Option<PathSines>,
+}
+
+/// Waves of a path that every episode draws, see [`SinesMotion`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSines {
+    /// How far the waves of each own axis go at most (m, world axes).
+    pub axes: [[f64; 3]; 3],
+    /// Greatest angle per time (rad/s).
+    pub rate: f64,
 }
 
 /// One of the waves of a path.
@@ -155,9 +188,17 @@ impl Motion {
                 waves.waves.iter().map(|each| wave(Vector3::from(each.by), still, each.period_s)).collect()
             }
             Self::Random(random) => random.waves().map(|(cosine, sine, period)| wave(cosine, sine, period)).collect(),
+            Self::Sines(sines) => {
+                let [x, y, z] = sines.by;
+                let axes = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
+                let axes = axes.map(|axis| (rotation * Vector3::from(axis) * scale).into());
+                let moves = sines.by.iter().any(|x| *x != 0.0);
+                let sines = PathSines { axes, rate: TAU * sines.up_to_hz };
+                return moves.then_some(Path { waves: vec![], sines: Some(sines) });
+            }
         };
         let moves = |wave: &PathWave| wave.cosine.iter().chain(&wave.sine).any(|x| *x != 0.0);
-        waves.iter().any(moves).then_some(Path { waves })
+        waves.iter().any(moves).then_some(Path { waves, sines: None })
     }
 }
 
@@ -177,7 +218,7 @@ impl RandomMotion {
 }
 
 impl Path {
-    /// How far (m) the centre is off its place at a time (s), with these phases (rad); a wave without one has none.
+    /// How far (m) the centre is off its place at a time (s), with these phases (rad); a wave without one has none. Waves that are drawn are left out.
     pub fn offset(&self, time_s: f64, phases: &[f64]) -> [f64; 3] {
         let phases = phases.iter().copied().chain(std::iter::repeat(0.0));
         let sum = self.waves.iter().zip(phases).fold(Vector3::zeros(), |sum: Vector3<f64>, (wave, phase)| {
@@ -189,7 +230,8 @@ impl Path {
 
     /// No point of it is farther off its place along an axis (m).
     pub fn farthest(&self, axis: usize) -> f64 {
-        self.waves.iter().map(|wave| wave.cosine[axis].hypot(wave.sine[axis])).sum()
+        let drawn = self.sines.iter().flat_map(|sines| sines.axes).map(|own| own[axis].abs());
+        self.waves.iter().map(|wave| wave.cosine[axis].hypot(wave.sine[axis])).chain(drawn).sum()
     }
 
     /// Places that it comes to, off its own (m): where all waves go the same way, and the farthest along every axis.
@@ -200,7 +242,9 @@ impl Path {
             let phase = |wave: &PathWave| wave.sine[axis].atan2(wave.cosine[axis]) + TAU * turn;
             self.waves.iter().map(phase).collect()
         });
-        together.chain(farthest).map(|phases: Vec<f64>| self.offset(0.0, &phases)).collect()
+        let drawn = self.sines.iter().flat_map(|sines| sines.axes);
+        let drawn = drawn.flat_map(|axis| [axis, axis.map(|x| -x)]);
+        together.chain(farthest).map(|phases: Vec<f64>| self.offset(0.0, &phases)).chain(drawn).collect()
     }
 }
 
@@ -223,6 +267,7 @@ impl Validate for Motion {
             Self::Line(motion) => motion.validate_into(ctx, parent, report),
             Self::Waves(motion) => motion.validate_into(ctx, parent, report),
             Self::Random(motion) => motion.validate_into(ctx, parent, report),
+            Self::Sines(motion) => motion.validate_into(ctx, parent, report),
         }
     }
 }

@@ -21,7 +21,9 @@ presets!(
     "slider",
     "choice",
     "wall-ray",
-    "pointing-uitb"
+    "pointing-uitb",
+    "tracking-uitb",
+    "choice-uitb"
 );
 
 /// Names of the presets.

@@ -27,6 +27,8 @@ pub enum Instruction {
     Swing(Swing),
     /// Stay with moving spheres for a time: `follow: {target: ball, for_s: 3}`.
     Follow(Follow),
+    /// Keep to moving spheres as well as one can for a time: `track: {target: ball, for_s: 10}`.
+    Track(Track),
     /// Go from sphere to sphere without leaving a way of some width, as through a menu or a tunnel: `steer: {through: [a, b, c],
     /// width: 0.03}`.
     Steer(Steer),
@@ -88,6 +90,17 @@ pub struct Follow {
     /// Names of the spheres that move, or of groups of them, in the order in which to follow them.
     pub target: Names,
     /// How long inside each, in s, from 0 to 600: all the time inside is added up, to the physics step, at least one.
+    pub for_s: f64,
+}
+
+/// Moving spheres to keep to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Track {
+    /// Names of the spheres that move, or of groups of them, in the order in which to track them.
+    pub target: Names,
+    /// How long to keep to each, in s, from 0 to 600; to the physics step, at least one. It is done when the time is over, and every second inside brings
+    /// `reward.subtask_bonus`; how much of it was inside (`on_target`) and how far off (`tracking_error`) tells how well.
     pub for_s: f64,
 }
 

@@ -7,7 +7,7 @@ use crate::flat::{Action, Cue, Object, Order, Shape, Step};
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::range::Range;
-use crate::script::{Drag, Dwell, Follow, Instruction, React, Repeat, Steer, Swing, Typing};
+use crate::script::{Drag, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
 use crate::spoken::spoken;
 use crate::target::DWELL;
 use crate::technique::Technique;
@@ -61,7 +61,12 @@ impl Builder {
                 }
                 Instruction::Drag(drag) => self.drag(drag, &format!("{path}.drag")),
                 Instruction::Swing(swing) => self.swing(swing, &format!("{path}.swing")),
-                Instruction::Follow(follow) => self.follow(follow, &format!("{path}.follow")),
+                Instruction::Follow(Follow { target, for_s }) => {
+                    self.follow(target, *for_s, Action::Follow, &format!("{path}.follow"));
+                }
+                Instruction::Track(Track { target, for_s }) => {
+                    self.follow(target, *for_s, Action::Track, &format!("{path}.track"));
+                }
                 Instruction::Steer(steer) => self.steer(steer, &format!("{path}.steer")),
                 Instruction::React(react) => self.react(react, &format!("{path}.react")),
                 Instruction::Wait(time) => self.wait(*time, false, &format!("{path}.wait")),
@@ -106,20 +111,21 @@ impl Builder {
         }
     }
 
-    fn follow(&mut self, follow: &Follow, path: &str) {
-        if let Err(problem) = DWELL.check(follow.for_s) {
+    /// Steps to follow or to track moving spheres.
+    fn follow(&mut self, target: &Names, for_s: f64, action: fn(f64) -> Action, path: &str) {
+        if let Err(problem) = DWELL.check(for_s) {
             self.refuse(&format!("{path}.for_s"), "the time", problem.message().to_owned());
         }
-        for name in &follow.target.0 {
+        for name in &target.0 {
             let path_of = format!("{path}.target");
             for object in self.find(&name.0, &path_of) {
                 match self.flat.objects[object].sphere() {
-                    Some(sphere) if sphere.path.is_some() => self.step(object, Action::Follow(follow.for_s), path),
+                    Some(sphere) if sphere.path.is_some() => self.step(object, action(for_s), path),
                     Some(_) => {
                         self.refuse_object(&path_of, object, |_| "does not move (`moves`); `dwell` in it".into())
                     }
                     None => self.refuse_object(&path_of, object, |kind| {
-                        format!("is {kind}; only spheres that move can be followed")
+                        format!("is {kind}; only spheres that move can be followed or tracked")
                     }),
                 }
             }

@@ -4,8 +4,8 @@ mod common;
 
 use common::version_1;
 use myo_tasks::logic::{
-    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, advance,
-    distance_to_goal, inside, remaining_path, reward,
+    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, Tracking,
+    advance, distance_to_goal, inside, remaining_path, reward,
 };
 use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task};
 
@@ -45,6 +45,7 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
     let (held, touch, pressed, let_go) = (0.0, 0.0, 0.0, 0.0);
     let stay = Stay {
         held,
+        tracking: Tracking::new(),
         touch,
         squared_force: 0.0,
         pressed,
@@ -165,8 +166,14 @@ fn every_term_of_the_reward() {
     for (target_done, task_done, bonuses) in
         [(false, false, [0.0, 0.0]), (true, false, [5.0, 0.0]), (true, true, [5.0, 16.0])]
     {
-        let progress: Progress<f64> =
-            Progress { target_done, task_done, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
+        let progress: Progress<f64> = Progress {
+            target_done,
+            task_done,
+            timed_out: false,
+            wrong_presses: 3.0,
+            exits: 2.0,
+            bonuses: f64::from(u8::from(target_done)),
+        };
         // A change by 0.3 within 0.05 s is a rate of 6 a second: 3.6 a second are 0.18 a step.
         let efforts =
             Efforts { squared_control: 8.0, squared_acceleration: 1000.0, squared_change: 0.09, squared_force: 100.0 };
@@ -184,8 +191,14 @@ fn every_term_of_the_reward() {
     }
     // Of a learner: a half of what movements and errors cost, and all of the rest.
     task.weights.cost_share = 0.5;
-    let progress: Progress<f64> =
-        Progress { target_done: true, task_done: false, timed_out: false, wrong_presses: 3.0, exits: 2.0 };
+    let progress: Progress<f64> = Progress {
+        target_done: true,
+        task_done: false,
+        timed_out: false,
+        wrong_presses: 3.0,
+        exits: 2.0,
+        bonuses: 1.0,
+    };
     let efforts =
         Efforts { squared_control: 8.0, squared_acceleration: 1000.0, squared_change: 0.09, squared_force: 100.0 };
     let terms = reward(&task, &progress, 0.3, efforts);
@@ -205,8 +218,14 @@ fn what_movements_cost_beyond_what_is_earned_at_once_in_a_quarter_of_a_second_co
             ..Reward::default()
         };
         let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
-        let nothing: Progress<f64> =
-            Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
+        let nothing: Progress<f64> = Progress {
+            target_done: false,
+            task_done: false,
+            timed_out: false,
+            wrong_presses: 0.0,
+            exits: 0.0,
+            bonuses: 0.0,
+        };
         let efforts = Efforts { squared_control: 0.2, squared_acceleration: 30.0, squared_change, squared_force: 0.0 };
         let terms = reward(&task, &nothing, 0.0, efforts);
         [terms.neural_effort, terms.acceleration_effort, terms.control_change]
@@ -306,8 +325,14 @@ fn costs_of_old_files_are_those_per_control_step() {
 fn far_distances_count_for_less_where_the_reward_says_so() {
     let weights =
         |distance_scale_m| Reward { distance_cost: 20.0, time_cost: 0.0, distance_scale_m, ..Reward::default() };
-    let progress: Progress<f64> =
-        Progress { target_done: false, task_done: false, timed_out: false, wrong_presses: 0.0, exits: 0.0 };
+    let progress: Progress<f64> = Progress {
+        target_done: false,
+        task_done: false,
+        timed_out: false,
+        wrong_presses: 0.0,
+        exits: 0.0,
+        bonuses: 0.0,
+    };
     let cost = |scale: f64, distance: f64| {
         let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights(scale)));
         -reward(&task, &progress, distance, Efforts::none()).distance

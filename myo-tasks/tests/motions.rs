@@ -10,6 +10,8 @@ const SLIDER: &str = "  s: {kind: slider, at: [0.4, 0, 0], length: 0.1, range: [
 const LAMPS: &str = "  lamps: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 3, pitch: 0.05, of: {kind: button, size: [0.03, 0.03, 0.01]}}";
 const BALL: &str =
     "  ball: {kind: sphere, at: [0.4, 0, 0], radius: 0.05, moves: {kind: circle, diameter: 0.2, period_s: 2}}";
+const SINES: &str =
+    "  ball: {kind: sphere, at: [0.4, 0, 0], radius: 0.05, moves: {kind: sines, by: [0.01, 0.1, 0.2], up_to_hz: 0.5}}";
 const WALL: &str = "  wall: {kind: obstacle, at: [2, 0, 0], tilt_deg: 90, size: [2, 2, 0.02]}\n  spot: {kind: sphere, at: [1.99, 0.2, 0.3], radius: 0.1}";
 
 /// On the slider at a value, pressing.
@@ -171,6 +173,72 @@ fn following_adds_up_the_time_inside_and_dwelling_does_not() {
     assert_eq!(run.state.reached_at, [75.0]);
     let mut run = Run::new(&task(BALL, "  - dwell: {in: ball, for_s: 0.5}"));
     assert!(!run.run(40, inside));
+}
+
+#[test]
+fn tracking_is_over_when_its_time_is_and_tells_how_well_it_went() {
+    // On the centre for half of the control steps, and 8 cm beside it for the others.
+    let beside = |goal: &Goal<f64>, now: usize| {
+        let [x, y, z] = goal.centre_after((now % SUBSTEPS) as f64 / SUBSTEPS as f64);
+        ([x + if (now / SUBSTEPS).is_multiple_of(2) { 0.0 } else { 0.08 }, y, z], None)
+    };
+    let mut run = Run::new(&task(BALL, "  - track: {target: ball, for_s: 0.5}"));
+    assert!(!run.run(9, beside));
+    assert_eq!(run.state.dwell, 9.0, "control steps that have passed, inside or not");
+    assert!(run.run(1, beside));
+    let tracking = run.state.tracking.unwrap();
+    assert_eq!((tracking.steps, tracking.on_target()), (250.0, 0.5));
+    assert!((tracking.error() - 0.08 * 0.5_f64.sqrt()).abs() < 1e-12);
+    // A quarter of a second inside what is tracked brings a quarter of a target's bonus, little by little, and to have come to the end of it nothing.
+    assert!((run.bonuses - 0.25).abs() < 1e-12, "{}", run.bonuses);
+    // What comes before or after it, and waiting, does not count.
+    let script = "  - follow: {target: ball, for_s: 0}\n  - wait: 0.2\n  - track: {target: ball, for_s: 0.1}\n  - dwell: {in: ball, for_s: 0}";
+    let mut run = Run::new(&task(BALL, script));
+    assert!(run.run(20, |goal, now| beside(goal, now % SUBSTEPS)));
+    let tracking = run.state.tracking.unwrap();
+    assert_eq!((tracking.steps, tracking.on_target(), run.state.done_at[1]), (50.0, 1.0, 7.0));
+    assert!((run.bonuses - 2.1).abs() < 1e-12, "two targets and a tenth of a second: {}", run.bonuses);
+    // Nobody is on it.
+    let mut run = Run::new(&task(BALL, "  - track: {target: ball, for_s: 0}"));
+    assert!(run.run(1, |_, _| OFF), "of no seconds: a physics step");
+    assert_eq!(run.state.tracking.unwrap().on_target(), 0.0);
+    assert!(Run::new(&task(BALL, "  - track: {target: ball, for_s: 1}")).state.tracking.unwrap().on_target().is_nan());
+    assert!(Run::new(&task(BALL, "  - follow: {target: ball, for_s: 1}")).state.tracking.is_none());
+}
+
+/// Weights, frequencies and phases of many episodes against what they are drawn from, and the path against its bounds.
+#[test]
+fn sines_are_drawn_anew_for_every_episode_and_stay_within_what_they_were_given() {
+    let of_sines = task(SINES, "  - track: {target: ball, for_s: 10}");
+    let (mut rates, mut shares, mut most) = (vec![], vec![], [0.0_f64; 3]);
+    for episode in 0..300 {
+        let mut run = Run::episode(&of_sines, episode);
+        for axis in run.state.sines[0].chunks(5) {
+            assert!((axis.iter().map(|wave| wave[0]).sum::<f64>() - 1.0).abs() < 1e-12);
+            rates.extend(axis.iter().map(|wave| wave[1] / 0.05));
+            shares.extend(axis.iter().map(|wave| wave[0]));
+            assert!(axis.iter().all(|wave| (0.0..1.0).contains(&wave[2])));
+        }
+        for step in 0..40 {
+            run.state.step = 5.0 * f64::from(step);
+            let [x, y, z] = run.goal().centre;
+            let off = [x - 0.4, y, z];
+            most = [0, 1, 2].map(|axis| most[axis].max(off[axis].abs()));
+        }
+    }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    assert!(rates.iter().all(|rate| (0.0..0.5).contains(rate)) && (mean(&rates) - 0.25).abs() < 0.01);
+    // Five weights from 1 to 5: one has at most 5 of 9 and at least 1 of 21 of all.
+    assert!(shares.iter().all(|share| (1.0 / 21.0..5.0 / 9.0).contains(share)));
+    let given = [0.01, 0.1, 0.2];
+    assert!((0..3).all(|k| most[k] <= given[k] && most[k] > 0.7 * given[k]), "{most:?}");
+    // It goes on where it was to be.
+    let mut run = Run::new(&of_sines);
+    for _ in 0..20 {
+        let next = run.goal().centre_after(1.0);
+        run.run(1, |_, _| OFF);
+        assert_near(run.goal().centre, next);
+    }
 }
 
 #[test]
@@ -376,7 +444,24 @@ fn what_cannot_be_is_refused_by_name_and_place() {
         ),
         (
             text(LAMPS, "  - follow: {target: lamps.2, for_s: 1}"),
-            "t.yaml:6:22: `lamps.2` is a button; only spheres that move can be followed",
+            "t.yaml:6:22: `lamps.2` is a button; only spheres that move can be followed or tracked",
+        ),
+        (
+            text(LAMPS, "  - track: {target: lamps.2, for_s: 1}"),
+            "t.yaml:6:21: `lamps.2` is a button; only spheres that move can be followed or tracked",
+        ),
+        (
+            text(BALL, "  - track: {target: ball, for_s: 700}"),
+            "t.yaml:6:34: the time is 700 s; it must be from 0 to 600 s",
+        ),
+        (text(BALL, "  - track: ball"), "`track`"),
+        (
+            text(&SINES.replace("up_to_hz: 0.5", "up_to_hz: 50"), "  - track: {target: ball, for_s: 1}"),
+            "is 50 Hz; it must be from 0.001 to 5 Hz",
+        ),
+        (
+            text(&SINES.replace("0.1, 0.2", "0, 0").replace("[0.01", "[0"), "  - track: {target: ball, for_s: 1}"),
+            "the way of `ball` has no length; write how far it goes, or leave `moves` out",
         ),
         (
             text(

@@ -16,7 +16,7 @@ fn presets_are_sound() {
     for name in preset_names() {
         let task = preset(name).unwrap();
         assert_eq!(task.name, name);
-        let published = ["pointing-single", "pointing-uitb"].contains(&name);
+        let published = name == "pointing-single" || name.ends_with("-uitb");
         let who = if published { ("mobl-arms-uitb", User::Fastest) } else { ("myo-arm", User::Human) };
         assert_eq!((task.model.as_str(), task.user), who, "{name}");
         assert_eq!(check(&task, &Anywhere), Default::default(), "{name}");
@@ -48,6 +48,8 @@ fn presets_have_the_published_values() {
     assert_eq!(shape("pointing-single"), ("S".into(), 4.0));
     assert_eq!(shape("ar"), ("SBSBSBSB".into(), 10.0));
     assert_eq!(shape("public-display"), ("BBBB".into(), 4.0));
+    assert_eq!(shape("tracking-uitb"), ("SS".into(), 12.0));
+    assert_eq!(shape("choice-uitb"), ("B".repeat(10), 40.0));
     // People take their time.
     assert_eq!(shape("pointing"), ("SSSSSSSSSS".into(), 20.0));
     assert_eq!(shape("mobile-typing"), ("SSSSS".into(), 8.0));

@@ -31,6 +31,13 @@ pub struct Evaluation {
     pub effort: Option<f64>,
     /// 95 % confidence interval of it.
     pub effort_interval: Option<[f64; 2]>,
+    /// Share of the strength of all muscles that fatigues in an episode, mean, as of rested people and without what recovers (3CC-r; Looft et al.
+    /// 2018, doi 10.1016/j.jbiomech.2018.06.005).
+    #[serde(default)]
+    pub fatigue: Option<f64>,
+    /// 95 % confidence interval of it.
+    #[serde(default)]
+    pub fatigue_interval: Option<[f64; 2]>,
     /// Mean number of presses per episode of buttons that were not asked for.
     #[serde(default)]
     pub wrong_presses: Option<f64>,
@@ -43,6 +50,18 @@ pub struct Evaluation {
     /// 95 % confidence interval of it.
     #[serde(default)]
     pub exits_interval: Option<[f64; 2]>,
+    /// Share of the time of `track` steps inside what is to be tracked, mean; none without such steps.
+    #[serde(default)]
+    pub on_target: Option<f64>,
+    /// 95 % confidence interval of it.
+    #[serde(default)]
+    pub on_target_interval: Option<[f64; 2]>,
+    /// Distance from its centre, root mean square over the time, mean, in metres; none without such steps.
+    #[serde(default)]
+    pub tracking_error_m: Option<f64>,
+    /// 95 % confidence interval of it.
+    #[serde(default)]
+    pub tracking_error_m_interval: Option<[f64; 2]>,
     /// Mean duration of an episode, in seconds.
     pub episode_length_s: Option<f64>,
     /// 95 % confidence interval of it.
@@ -216,10 +235,16 @@ impl Evaluation {
             final_distance_m_interval: interval(distance),
             effort: mean(effort),
             effort_interval: interval(effort),
+            fatigue: mean(sample("fatigue")),
+            fatigue_interval: interval(sample("fatigue")),
             wrong_presses: mean(sample("wrong_presses")),
             wrong_presses_interval: interval(sample("wrong_presses")),
             exits: mean(sample("exits")),
             exits_interval: interval(sample("exits")),
+            on_target: mean(sample("on_target")),
+            on_target_interval: interval(sample("on_target")),
+            tracking_error_m: mean(sample("tracking_error")),
+            tracking_error_m_interval: interval(sample("tracking_error")),
             episode_length_s: mean(length),
             episode_length_s_interval: interval(length),
             episode_return: mean(episode_return),

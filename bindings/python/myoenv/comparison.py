@@ -32,8 +32,8 @@ def compare(
 ) -> pandas.DataFrame:
     """Trains users on two layouts and tells what differs.
 
-    A row per quantity (`success`, `episode_length_s`, `effort`) with the columns `first` and `second`, means over
-    users; `difference`, the second less the first; `low` and `high`, its 95 % confidence interval (Welch's, over
+    A row per quantity (`success`, `episode_length_s`, `effort`, `fatigue`) with the columns `first` and `second`, means
+    over users; `difference`, the second less the first; `low` and `high`, its 95 % confidence interval (Welch's, over
     users); `p_value`, by ranks of users from five of each on, else by Welch's test; and `verdict`: `higher` or `lower`
     where the difference is neither chance (Holm's correction over all rows) nor what more training may still bring,
     else `within_training`, `no_difference`, or, with a single user, `unknown`.

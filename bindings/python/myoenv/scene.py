@@ -76,6 +76,7 @@ __all__ = [
     "Repeat",
     "Reset",
     "Reward",
+    "SinesMotion",
     "Slider",
     "Sphere",
     "Steer",
@@ -83,6 +84,7 @@ __all__ = [
     "Stick",
     "Swing",
     "Technique",
+    "Track",
     "Type",
     "User",
     "Wait",
@@ -204,6 +206,20 @@ class RandomMotion(Motion):
     kind: ClassVar[str] = "random"
     by: Triple
     period_s: float
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SinesMotion(Motion):
+    """Sine waves that are drawn anew for every episode, slow ones and fast ones.
+
+    Args:
+        by: How far it may go from its place to either side, `(x, y, z)` in m. Each from -2 to 2 m.
+        up_to_hz: Greatest frequency of its waves, in Hz. From 0.001 to 5.
+    """
+
+    kind: ClassVar[str] = "sines"
+    by: Triple
+    up_to_hz: float
 
 
 class Object(OfKind):
@@ -575,6 +591,23 @@ class Follow(Step):
     """
 
     action: ClassVar[str] = "follow"
+    target: Names
+    _: KW_ONLY
+    for_s: float
+
+
+@dataclass(frozen=True, repr=False)
+class Track(Step):
+    """Keep to moving spheres as well as one can for a time: `Track("ball", for_s=10)`.
+
+    Args:
+        target: Names of the spheres that move, or of groups of them, in the order in which to track them.
+        for_s: How long to keep to each, in s, from 0 to 600; to the physics step, at least one. It is done when the
+            time is over: how much of it was inside (`on_target`) and how far off (`tracking_error`) is what tells how
+            well.
+    """
+
+    action: ClassVar[str] = "track"
     target: Names
     _: KW_ONLY
     for_s: float

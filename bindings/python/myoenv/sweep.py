@@ -108,9 +108,9 @@ def sweep(
 ) -> list[Row]:
     """Trains every layout with every seed; returns one row for each, in this order, and writes them as `results.csv`.
 
-    Columns: `layout`, `seed`, `success`, `return`, `effort`, `final_distance_m`, `episode_length_s` and, for each
-    target, `target_1_success`, `target_1_movement_time_s` (without dwell) and `target_1_time_s` (with it), all of 1,000
-    fresh episodes with the deterministic policy; then `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty
+    Columns: `layout`, `seed`, `success`, `return`, `effort`, `fatigue`, `final_distance_m`, `episode_length_s` and, for
+    each target, `target_1_success`, `target_1_movement_time_s` (without dwell) and `target_1_time_s` (with it), all of
+    1,000 fresh episodes with the deterministic policy; then `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty
     where all went well. A trial that failed is tried again by the next call.
 
     Args:
@@ -296,7 +296,7 @@ def _row(
     trial: Trial, *, evaluation: dict[str, Any] | None, env_steps: int, wall_s: float, stopped_by: str, **_: Any
 ) -> Row:
     evaluation = evaluation or {}
-    means = ("success", "return", "effort", "final_distance_m", "episode_length_s")
+    means = ("success", "return", "effort", "fatigue", "final_distance_m", "episode_length_s")
     row: Row = {"layout": trial.layout, "seed": trial.seed, **{name: evaluation.get(name) for name in means}}
     for k, target in enumerate(evaluation.get("targets", ()), start=1):
         row |= {f"target_{k}_{name}": target[name] for name in ("success", "movement_time_s", "time_s")}

@@ -70,6 +70,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
         let kinds = world.parameters.task.kinds;
         let Stay {
             held,
+            tracking,
             touch,
             squared_force,
             pressed,
@@ -90,6 +91,9 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
         }
         if world.parameters.task.weights.contact_cost.is_some() {
             visitor.number(squared_force);
+        }
+        if kinds.track {
+            visitor.numbers(tracking.numbers());
         }
         if kinds.steer {
             let Steering { along, within, exits } = steering;

@@ -2,13 +2,13 @@
 
 use crate::columns::{self, Column};
 use crate::parameters::World;
-use crate::state::{EFFORT_SUM, EXIT_SUM, EnvState, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM, WRONG_SUM};
+use crate::state::{EFFORT_SUM, EXIT_SUM, EnvState, FATIGUE_SUM, REWARD_TERMS, ROUNDS_SUM, UNSOLVED_SUM, WRONG_SUM};
 use myo_dynamics::SolverTally;
 use myo_scalar::Scalar;
 use myo_tasks::logic::{self, Goal, Progress, Sensed};
 
 /// Columns of an episode summary, those of its targets aside.
-pub const EPISODE_COLUMNS: [Column; 19] = [
+pub const EPISODE_COLUMNS: [Column; 22] = [
     columns::RETURN,
     columns::LENGTH,
     Column::new("success", "", "1 if every target was done, else 0."),
@@ -19,8 +19,9 @@ pub const EPISODE_COLUMNS: [Column; 19] = [
         "From the fingertip, or the pointer, to the centre of the current target at the end.",
     ),
     columns::EFFORT,
+    columns::FATIGUE,
     Column::new("reward_distance", "", "What the cost of distance and of time added up to, negative."),
-    Column::new("reward_subtask", "", "What was given for targets."),
+    Column::new("reward_subtask", "", "What was given for targets, and for being inside what was tracked."),
     Column::new("reward_completion", "", "What was given for the whole task."),
     Column::new("reward_neural_effort", "", "What muscle control cost, negative."),
     Column::new("reward_acceleration_effort", "", "What joint accelerations cost, negative."),
@@ -32,6 +33,17 @@ pub const EPISODE_COLUMNS: [Column; 19] = [
     columns::SOLVER_UNSOLVED,
     Column::new("wrong_presses", "", "How often a button was pressed that the current step did not ask for."),
     Column::new("exits", "", "How often a way was left that was to be steered along."),
+    Column::new(
+        "on_target",
+        "",
+        "Share of the time of `track` steps in which the pointer was inside the sphere; NaN without such steps.",
+    ),
+    Column::new(
+        "tracking_error",
+        "m",
+        "From the pointer to the centre of the sphere that is to be tracked, root mean square over the time of `track` steps; NaN without such \
+         steps.",
+    ),
 ];
 
 /// Columns of every target `k`, counted from 1, which are called `target_{k}_` and this.
@@ -59,7 +71,7 @@ pub fn episode_names(ntarget: usize) -> Vec<String> {
     EPISODE_COLUMNS.iter().map(|column| column.name.to_owned()).chain(per_target).collect()
 }
 
-/// Adds the reward terms, in their order and at most so many, the effort and the solver's work of a control step.
+/// Adds the reward terms, in their order and at most so many, the effort, what fatigues, and the solver's work of a control step.
 #[inline(always)]
 pub fn add_up<S: Scalar>(
     world: &World<'_, S>,
@@ -73,6 +85,9 @@ pub fn add_up<S: Scalar>(
         *sum += term;
     }
     env.sums[EFFORT_SUM] += effort * S::lit(1.0 / world.tables.plan.nmuscle().max(1) as f64);
+    for (&share, &act) in world.tables.fatigue.iter().zip(&env.body.act) {
+        env.sums[FATIGUE_SUM] = act.mul_add(S::lit(share), env.sums[FATIGUE_SUM]);
+    }
     env.sums[ROUNDS_SUM] += S::from_word(solver.rounds);
     env.sums[UNSOLVED_SUM] += S::from_word(solver.unsolved);
     env.sums[WRONG_SUM] += wrong_presses;
@@ -97,12 +112,14 @@ pub fn summarise<S: Scalar>(
     out.push(task.phase);
     out.push(logic::norm(logic::difference(sensed.pointer, goal.centre)));
     let per_step = task.step.recip();
-    out.push(env.sums[EFFORT_SUM] * per_step);
+    out.extend([env.sums[EFFORT_SUM] * per_step, env.sums[FATIGUE_SUM]]);
     out.extend_from_slice(&env.sums[..REWARD_TERMS]);
     out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
     out.push(env.sums[WRONG_SUM]);
     out.push(env.sums[EXIT_SUM]);
+    let none = S::lit(f64::NAN);
+    out.extend(task.tracking.map_or([none; 2], |tracking| [tracking.on_target(), tracking.error()]));
     let timestep = world.tables.timestep;
     let dt = f64::from(world.tables.substeps) * timestep;
     let substeps = S::lit(f64::from(world.tables.substeps));
@@ -114,7 +131,13 @@ pub fn summarise<S: Scalar>(
         let where_done = |time| S::select(done, time, S::lit(f64::NAN));
         out.push(S::indicator(done));
         out.push(where_done((done_at - start) * S::lit(dt)));
-        out.push(where_done((reached_at - start * substeps) * S::lit(timestep)));
+        let mut movement = (reached_at - start * substeps) * S::lit(timestep);
+        if world.parameters.task.kinds.track {
+            // What is tracked is not moved to.
+            let follows = world.parameters.task.follows[step];
+            movement = S::select(S::lit(1.5).lt(follows), none, movement);
+        }
+        out.push(where_done(movement));
         start = done_at;
     }
 }
@@ -126,7 +149,7 @@ pub fn summarise_own<S: Scalar>(world: &World<'_, S>, env: &EnvState<S>, ended: 
     let per_step = step.recip();
     out.clear();
     out.extend([total_reward(env), step, S::indicator(success), S::indicator(failed)]);
-    out.push(env.sums[EFFORT_SUM] * per_step);
+    out.extend([env.sums[EFFORT_SUM] * per_step, env.sums[FATIGUE_SUM]]);
     out.push(env.sums[ROUNDS_SUM] * per_step * S::lit(1.0 / f64::from(world.tables.substeps)));
     out.push(env.sums[UNSOLVED_SUM]);
 }

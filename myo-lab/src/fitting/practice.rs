@@ -120,6 +120,7 @@ mod tests {
             done: done.clone(),
             exits: 0.0,
             wrong_presses: 0.0,
+            targets: None,
             fingertip: path.clone(),
         };
         let user = between(PAIR, &recording).unwrap();

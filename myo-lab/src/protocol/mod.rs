@@ -2,7 +2,7 @@
 //!
 //! A user learns the tasks of a protocol first ([`Practice`]), with its own body, rhythm, reward and noise. Then it is [recorded](record) at every
 //! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5),
-//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
+//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
 //! [`myo_measure::bands`].
 
 mod answers;
@@ -21,6 +21,7 @@ mod scatter;
 mod sizes;
 mod steering;
 mod strength;
+mod tracking;
 mod typing;
 mod working;
 
@@ -37,10 +38,11 @@ pub(crate) use practice::{DWELL_S, Layout, PLANE_X, circle};
 pub use practice::{HOLD_DEG, Practice, SELECTIONS, TYPED, WAY_PIECES, Way, circle_targets, conditions, ways};
 pub(crate) use reach::{Aimed, CUT_OFF_HZ, StraightOn, Track, mean_profile};
 pub use reach::{Reach, reaches};
-pub use recording::{Done, Recording, record};
+pub use recording::{Done, Recording, Targets, record};
 pub use scatter::{Scatter, ScatterRow};
 pub use sizes::{SizeRow, Sizes, SizesError, WomanOfMan};
 pub use steering::{SteeringFit, SteeringLaw, SteeringRow};
 pub use strength::{HoldingShare, MomentArm, SignChange, Strength, StrengthError, StrengthRow};
+pub use tracking::{Pursuit, PursuitRow};
 pub use typing::{Typing, TypingRow};
 pub use working::{WorkInTheAir, WorkRow};

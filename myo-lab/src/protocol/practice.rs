@@ -59,6 +59,14 @@ pub const WAY_PIECES: usize = 15;
 const WAY_WIDTHS: [f64; 4] = [0.02, 0.03, 0.05, 0.08];
 /// Radius (m) of the spheres between which they go: passes are timed from leaving the first to the last.
 pub const WAY_SPHERE: f64 = 0.01;
+/// A sphere that is tracked: its place (m), its radius (m), how far it goes to either side, up and down (m), for how long (s), and the greatest
+/// frequencies (Hz) of the waves it goes along, as User-in-the-Box was asked (Ikkala et al. 2022, doi 10.1145/3526113.3545689) on a smaller plane: people need not
+/// walk to see it, and every arm reaches all of it.
+const TRACKED_AT: [f64; 3] = [0.45, 0.0, -0.1];
+pub(crate) const TRACKED_RADIUS: f64 = 0.05;
+const TRACKED_BY: f64 = 0.2;
+const TRACKED_S: f64 = 15.0;
+pub(crate) const TRACKED_UP_TO_HZ: [f64; 4] = [0.05, 0.25, 0.5, 1.0];
 /// What leaving a way costs.
 const EXIT_COST: f64 = 2.0;
 /// Least logarithm of the standard deviation of exploration.
@@ -83,12 +91,22 @@ pub enum Practice {
     Typing,
     /// Along straight and round ways of four widths: S1.
     Steering,
+    /// After a sphere that wanders about, slowly and fast: S2.
+    Tracking,
 }
 
 impl Practice {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Pointing, Self::Holding, Self::Keys, Self::Tapping, Self::Working, Self::Typing, Self::Steering];
+    pub const ALL: [Self; 8] = [
+        Self::Pointing,
+        Self::Holding,
+        Self::Keys,
+        Self::Tapping,
+        Self::Working,
+        Self::Typing,
+        Self::Steering,
+        Self::Tracking,
+    ];
 
     /// Its name, also of the folder of its runs.
     pub const fn name(self) -> &'static str {
@@ -100,6 +118,7 @@ impl Practice {
             Self::Working => "working",
             Self::Typing => "typing",
             Self::Steering => "steering",
+            Self::Tracking => "tracking",
         }
     }
 
@@ -123,6 +142,7 @@ impl Practice {
             Self::Tapping => Ok(vec![of_user(tapping())?]),
             Self::Working => HEIGHTS.into_iter().map(|(height, middle)| of_user(working(height, middle))).collect(),
             Self::Typing => KEY_WIDTHS.into_iter().map(|width| of_user(typing(width))).collect(),
+            Self::Tracking => TRACKED_UP_TO_HZ.into_iter().map(|up_to_hz| of_user(tracking(up_to_hz))).collect(),
             Self::Steering => ways().iter().map(|way| of_user(steering(way)).map(not_to_leave)).collect(),
         }
     }
@@ -311,6 +331,21 @@ fn typing(key: f64) -> Layout {
         name: format!("keys of {:.0} mm", 1e3 * key),
         scene: json!({"phone": phone, "case": case}),
         script: json!([{"type": TYPED}]),
+        time_limit_s: 20.0,
+    }
+}
+
+/// To come to the sphere, and to keep to it.
+fn tracking(up_to_hz: f64) -> Layout {
+    let mut ball = sphere(TRACKED_AT, TRACKED_RADIUS);
+    ball["moves"] = json!({"kind": "sines", "by": [0.0, TRACKED_BY, TRACKED_BY], "up_to_hz": up_to_hz});
+    Layout {
+        name: format!("up to {up_to_hz} Hz"),
+        scene: json!({"ball": ball}),
+        script: json!([
+            {"follow": {"target": "ball", "for_s": 0}},
+            {"track": {"target": "ball", "for_s": TRACKED_S}},
+        ]),
         time_limit_s: 20.0,
     }
 }

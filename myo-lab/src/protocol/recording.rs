@@ -1,8 +1,8 @@
 //! Users at work, recorded at every physics step.
 
-use myo_env::{CpuEnv, EnvConfig, EnvSpec, StepStorage, TraceShape, VectorEnv};
+use myo_env::{CpuEnv, EnvConfig, EnvSpec, Skeleton, Snapshot, StepStorage, TraceShape, VectorEnv};
 use myo_model::Model;
-use myo_tasks::Task;
+use myo_tasks::{Object, Task};
 use myo_train::Policy;
 
 use super::ProtocolError;
@@ -26,6 +26,32 @@ pub struct Recording {
     pub exits: f64,
     /// How often something was pressed that was not asked for.
     pub wrong_presses: f64,
+    /// What was asked for and where it was; none in scenes where nothing moves.
+    pub targets: Option<Targets>,
+}
+
+/// What was asked for at the beginning of each control step, and where it was.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Targets {
+    /// Samples of a control step.
+    pub samples: usize,
+    /// Number of the step of the script.
+    pub step: Vec<usize>,
+    /// Centre of its object (m from the shoulder centre).
+    pub centre: Vec<[f64; 3]>,
+}
+
+impl Targets {
+    /// Where it was at every sample: within a control step it goes straight.
+    pub fn path(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let ends = self.centre.iter().skip(1).chain(self.centre.last());
+        self.centre.iter().zip(ends).flat_map(move |(begin, end)| {
+            (0..self.samples).map(move |sample| {
+                let share = sample as f64 / self.samples as f64;
+                [0, 1, 2].map(|k| begin[k] + share * (end[k] - begin[k]))
+            })
+        })
+    }
 }
 
 /// A step of the script that was done, in samples.
@@ -50,7 +76,19 @@ impl Recording {
             done: vec![],
             exits: 0.0,
             wrong_presses: 0.0,
+            targets: None,
         }
+    }
+
+    /// Where what is asked for is as a control step of so many samples begins.
+    fn look(&mut self, skeleton: &Skeleton, before: &Snapshot, samples: usize) -> Result<(), ProtocolError> {
+        let pose = skeleton.pose(before)?;
+        let targets = self.targets.get_or_insert(Targets { samples, ..Targets::default() });
+        if let (Some(step), Some(object)) = (pose.step, pose.current) {
+            targets.step.push(step);
+            targets.centre.push(pose.objects[object].frame.position.array());
+        }
+        Ok(())
     }
 
     fn add(&mut self, shape: &TraceShape, rows: &[f32]) {
@@ -106,6 +144,14 @@ impl Done {
     }
 }
 
+/// What shows where objects are, of each layout; none where nothing moves.
+fn moving(model: &Model, layouts: &[Task]) -> Result<Option<Vec<Skeleton>>, ProtocolError> {
+    let skeletons = layouts.iter().map(|task| Skeleton::new(model, task)).collect::<Result<Vec<_>, _>>()?;
+    let moves = |object: &Object| object.sphere().is_some_and(|sphere| sphere.path.is_some());
+    let any = skeletons.iter().any(|skeleton| skeleton.task().objects.iter().any(moves));
+    Ok(any.then_some(skeletons))
+}
+
 /// The first episodes of `repeats` environments for each layout, acted in with the means of the policy, the task's noise on; in the
 /// order of the layouts.
 ///
@@ -125,9 +171,15 @@ pub fn record(
     let mut trace = vec![0.0; num_envs * shape.len_per_env()];
     let mut recordings = vec![Recording::new(shape.rate_hz); num_envs];
     let mut going: Vec<bool> = vec![true; num_envs];
+    let skeletons = moving(model, layouts)?;
     env.reset(Some(seed), None, &mut step.observation)?;
     while going.contains(&true) {
         policy.act_deterministic(&step.observation, &mut actions);
+        if let Some(skeletons) = &skeletons {
+            for (number, before) in env.peek(0..num_envs)?.iter().enumerate().filter(|&(number, _)| going[number]) {
+                recordings[number].look(&skeletons[number % layouts.len()], before, shape.samples)?;
+            }
+        }
         env.step_traced(&actions, step.buffers(), &mut trace)?;
         for number in (0..num_envs).filter(|&number| going[number]) {
             recordings[number].add(&shape, &trace[number * shape.len_per_env()..][..shape.len_per_env()]);

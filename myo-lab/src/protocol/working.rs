@@ -243,6 +243,7 @@ mod tests {
             done: (0..14).map(|n| Done { begin: 100 * n, entry: 100 * n + 50, end: 100 * n + 100 }).collect(),
             exits: 0.0,
             wrong_presses: 0.0,
+            targets: None,
         }
     }
 

@@ -128,6 +128,7 @@ fn row(group: &Group, kin: &Kin, against: Option<Against>) -> LayoutRow {
         success: user.evaluation.success,
         episode_s: user.evaluation.episode_length_s,
         effort: user.evaluation.effort,
+        fatigue: user.evaluation.fatigue,
     });
     let over = |quantity: Quantity| {
         let most = if quantity == Quantity::Success { 1.0 } else { f64::INFINITY };
@@ -139,6 +140,7 @@ fn row(group: &Group, kin: &Kin, against: Option<Against>) -> LayoutRow {
         success: over(Quantity::Success),
         episode_s: over(Quantity::EpisodeLengthS),
         effort: over(Quantity::Effort),
+        fatigue: over(Quantity::Fatigue),
         steps: steps(group),
         against,
     }

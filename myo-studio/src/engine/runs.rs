@@ -55,6 +55,7 @@ fn readable(summary: RunSummary) -> RunStanding {
         success: summary.success,
         episode_s: summary.episode_length_s,
         effort: summary.effort,
+        fatigue: summary.fatigue,
         changed_s: seconds(summary.changed),
     }
 }

@@ -36,6 +36,8 @@ pub struct LayoutRow {
     pub episode_s: Option<Mean>,
     /// Mean squared control, over users.
     pub effort: Option<Mean>,
+    /// Share of the strength of all muscles that fatigues in an episode, over users.
+    pub fatigue: Option<Mean>,
     /// Each step, in the order of the script.
     pub steps: Vec<StepRow>,
     /// How it differs from the first layout; none for the first.
@@ -56,6 +58,8 @@ pub struct UserRow {
     pub episode_s: Option<f64>,
     /// Mean squared control.
     pub effort: Option<f64>,
+    /// Share of the strength of all muscles that fatigues in an episode.
+    pub fatigue: Option<f64>,
 }
 
 /// A mean over users.
@@ -84,7 +88,7 @@ pub struct StepRow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Against {
-    /// Success, time and effort, as far as both have them.
+    /// Success, time, effort and fatigue, as far as both have them.
     pub contrasts: Vec<Contrast>,
     /// What can be said, for people.
     pub sentences: Vec<String>,
@@ -96,7 +100,7 @@ pub struct Against {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Contrast {
-    /// `success`, `episode_length_s` or `effort`.
+    /// `success`, `episode_length_s`, `effort` or `fatigue`.
     pub quantity: String,
     /// This layout less the first.
     pub difference: f64,

@@ -37,6 +37,8 @@ pub enum RunStanding {
         episode_s: Option<f64>,
         /// Mean squared control.
         effort: Option<f64>,
+        /// Share of the strength of all muscles that fatigues in an episode.
+        fatigue: Option<f64>,
         /// When it was last written to (s since 1970).
         changed_s: f64,
     },

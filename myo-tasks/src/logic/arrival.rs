@@ -3,15 +3,17 @@
 //! When the fingertip got there, how long it stayed, and whether it pressed and let go, is followed at every physics step. So what
 //! counts, and when the fingertip came for it, knows nothing of the control step; only the next step of the task waits for its end.
 
-use super::{CompiledTask, Contact, Goal, Hold, Point, Steering, TaskState, difference, dot};
+use super::{CompiledTask, Contact, Goal, Hold, Point, Steering, TaskState, Tracking, difference, dot};
 use myo_scalar::{Mask, Scalar};
 
 /// What the fingertip did with the current object, up to a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stay<S> {
     /// Physics steps inside the sphere or in contact with the face of the button, or with the knob held, without a break; of what is followed, all
-    /// those inside. Whole numbers, so that no rounding adds up.
+    /// those inside, and of what is tracked, all. Whole numbers, so that no rounding adds up.
     pub held: S,
+    /// How well what is to be tracked was, within the control step; zeros where nothing is.
+    pub tracking: Tracking<S>,
     /// Greatest force on the fingertip within the control step (N), whatever it touches.
     pub touch: S,
     /// Sum over the physics steps of the control step of the squared force of all contacts (N^2), where that costs something; else zero.
@@ -52,6 +54,7 @@ impl<S: Scalar> Stay<S> {
         let steering = state.steering.map_or_else(Steering::new, |steering| Steering { exits: o, ..steering });
         Self {
             held,
+            tracking: Tracking::new(),
             touch: o,
             squared_force: o,
             pressed: o,
@@ -83,11 +86,16 @@ impl<S: Scalar> Stay<S> {
             self.feel(task, contacts.clone());
         }
         let mut inside = S::Mask::splat(false);
+        let mut tracks_now = S::Mask::splat(false);
         if task.kinds.dwell {
             let off = difference(pointer, goal.centre_after(self.passed * S::lit(share)));
             inside = dot(off, off).lt(goal.size * goal.size) & !goal.is_press;
             if let Some(is_lit) = goal.is_lit {
                 inside = inside & is_lit;
+            }
+            if let Some(tracks) = goal.tracks {
+                tracks_now = tracks & goal.lit();
+                self.tracking.count(tracks_now, inside, dot(off, off));
             }
         }
         if task.kinds.motion {
@@ -102,6 +110,9 @@ impl<S: Scalar> Stay<S> {
             inside = inside & !steer.is_steer;
         }
         let mut on = inside;
+        if task.kinds.track {
+            on = on | tracks_now;
+        }
         if let Some(swing) = &goal.swing {
             let [is_held, is_left] = self.hold.follow(swing, pointer, goal.lit());
             inside = inside & !swing.is_swing;

@@ -1,6 +1,6 @@
 //! The task in numbers.
 
-use super::{DragStep, Handle, Pointer, Shifts, SteerStep, StepCue, Swing, SwingStep, Waves};
+use super::{DragStep, Handle, Pointer, Shifts, Sines, SteerStep, StepCue, Swing, SwingStep, Waves};
 use crate::flat::{Action, Block, FlatTask, Object, Order, Shape, Step};
 use crate::{InvalidTask, Reward, Stimulus, Task};
 use myo_model::StaticBox;
@@ -39,6 +39,8 @@ pub struct CompiledTask<T> {
     pub shifts: Shifts<T>,
     /// How each sphere moves; none where all stand still.
     pub waves: Vec<Waves<T>>,
+    /// How far and how fast each sphere moves along waves that are drawn; none where none does.
+    pub sines: Vec<Sines<T>>,
     /// How each sphere swings about a hinge; none where there are no sticks to be swung.
     pub swings: Vec<Swing<T>>,
     /// Of each step, how it wants a stick; none where there are none to be swung.
@@ -51,8 +53,10 @@ pub struct CompiledTask<T> {
     pub cues: Vec<StepCue<T>>,
     /// Numbers of the objects that steps with a choice choose from.
     pub choices: Vec<T>,
-    /// Of each step, one where all the time inside is added up; none where there is no such step.
+    /// Of each step, one where all the time inside is added up, and two where all the time is; none where there is no such step.
     pub follows: Vec<T>,
+    /// Seconds of a control step, where something is tracked.
+    pub control_s: Option<T>,
     /// The way of each step; none where no step has one.
     pub steers: Vec<SteerStep<T>>,
     /// Steps that change places with each other; empty where all stand where they are written.
@@ -81,8 +85,10 @@ pub struct Kinds {
     /// It matters when a button is let go, and what else is pressed: some step asks to let go or must be waited for, there are
     /// several presses or boxes, or wrong presses must be corrected.
     pub release: bool,
-    /// Some step is to follow something.
+    /// Some step is to follow or to track something.
     pub follow: bool,
+    /// Some step is to track something.
+    pub track: bool,
     /// Some step drags a handle.
     pub drag: bool,
     /// Some step swings a stick.
@@ -91,6 +97,8 @@ pub struct Kinds {
     pub cue: bool,
     /// Some sphere moves.
     pub motion: bool,
+    /// Some sphere moves along waves that are drawn.
+    pub sines: bool,
     /// Some step is a way.
     pub steer: bool,
     /// What comes next is shown.
@@ -203,6 +211,7 @@ impl<C: Real> CompiledTask<C> {
         Self {
             shifts: Shifts::new(flat),
             waves: if kinds.motion { waves(flat, task.control_dt_s) } else { vec![] },
+            sines: if kinds.sines { sines(flat, task.control_dt_s) } else { vec![] },
             swings: if kinds.swing { round(flat).map(Swing::new).collect() } else { vec![] },
             swing_steps: if kinds.swing { flat.steps.iter().map(SwingStep::new).collect() } else { vec![] },
             handles: if kinds.drag { handles(flat) } else { vec![] },
@@ -210,6 +219,7 @@ impl<C: Real> CompiledTask<C> {
             cues: if kinds.cue { cues(flat, task.control_dt_s) } else { vec![] },
             choices: flat.steps.iter().flat_map(|step| &step.among).map(|&object| numbers.number(object)).collect(),
             follows: if kinds.follow { follows(flat) } else { vec![] },
+            control_s: kinds.track.then(|| C::from_f64(task.control_dt_s)),
             steers: if kinds.steer { steers(flat, &numbers) } else { vec![] },
             orders: flat.orders.clone(),
             correction: flat.correction.map(|object| numbers.number(object)),
@@ -248,6 +258,7 @@ impl<T> CompiledTask<T> {
             kinds: self.kinds,
             shifts: self.shifts.map(f),
             waves: self.waves.iter().map(|waves| waves.map(f)).collect(),
+            sines: self.sines.iter().map(|sines| sines.map(f)).collect(),
             swings: self.swings.iter().map(|swing| swing.map(f)).collect(),
             swing_steps: self.swing_steps.iter().map(|step| step.map(f)).collect(),
             handles: self.handles.iter().map(|handle| handle.map(f)).collect(),
@@ -255,6 +266,7 @@ impl<T> CompiledTask<T> {
             cues: self.cues.iter().map(|cue| cue.map(f)).collect(),
             choices: self.choices.iter().map(&mut *f).collect(),
             follows: self.follows.iter().map(&mut *f).collect(),
+            control_s: self.control_s.as_ref().map(&mut *f),
             steers: self.steers.iter().map(|steer| steer.map(f)).collect(),
             orders: self.orders.clone(),
             correction: self.correction.as_ref().map(&mut *f),
@@ -274,16 +286,19 @@ impl Kinds {
         let boxes = flat.objects.iter().filter(|object| object.block().is_some()).count();
         let (drag, cue) = (any(|step| matches!(step.action, Action::Drag { .. })), any(|step| step.cue.is_some()));
         let corrects = flat.correction.is_some();
+        let moving = || flat.objects.iter().filter_map(|object| object.sphere()?.path.as_ref());
         let asks_for_release = drag || corrects || any(|step| step.action == Action::PressAndRelease);
         Self {
             dwell: any(|step| step.dwell_s().is_some()),
             press: presses > 0 || corrects,
             release: asks_for_release || presses > 0 && (cue || presses.max(boxes) > 1),
-            follow: any(|step| matches!(step.action, Action::Follow(_))),
+            follow: any(|step| matches!(step.action, Action::Follow(_) | Action::Track(_))),
+            track: any(|step| matches!(step.action, Action::Track(_))),
             drag,
             swing: any(|step| matches!(step.action, Action::Swing { .. })),
             cue,
-            motion: flat.objects.iter().filter_map(Object::sphere).any(|sphere| sphere.path.is_some()),
+            motion: moving().next().is_some(),
+            sines: moving().any(|path| path.sines.is_some()),
             steer: any(|step| matches!(step.action, Action::Steer { .. })),
             next: flat.stimulus == Stimulus::All,
             memory: flat.stimulus == Stimulus::BeforeMovement,
@@ -317,6 +332,13 @@ fn waves<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<Waves<C>> {
     round(flat).map(path).collect()
 }
 
+fn sines<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<Sines<C>> {
+    let sines = |object: &Object| {
+        Sines::new(object.sphere().and_then(|sphere| sphere.path.as_ref()?.sines.as_ref()), control_dt_s)
+    };
+    round(flat).map(sines).collect()
+}
+
 /// Spheres, and sticks, whose knobs are spheres.
 fn round(flat: &FlatTask) -> impl Iterator<Item = &Object> {
     flat.objects.iter().filter(|object| object.is_round())
@@ -347,7 +369,12 @@ fn cues<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<StepCue<C>> {
 }
 
 fn follows<C: Real>(flat: &FlatTask) -> Vec<C> {
-    let follows = |step: &Step| C::from_f64(f64::from(u8::from(matches!(step.action, Action::Follow(_)))));
+    let follows = |step: &Step| match step.action {
+        Action::Follow(_) => 1.0,
+        Action::Track(_) => 2.0,
+        _ => 0.0,
+    };
+    let follows = |step| C::from_f64(follows(step));
     flat.steps.iter().map(follows).collect()
 }
 

@@ -19,8 +19,10 @@ pub struct Goal<S: Scalar> {
     pub size: S,
     /// Control steps to stay in the sphere, a real number; see [`is_stayed`](Self::is_stayed).
     pub dwell: S,
-    /// Where all the time inside is added up; none where the task has no such step.
+    /// Where all the time inside is added up, or all the time; none where the task has no such step.
     pub follows: Option<S::Mask>,
+    /// Where all the time is, inside or not; none where the task has no such step.
+    pub tracks: Option<S::Mask>,
     /// Whether it is a press or a drag; none is where the task has none.
     pub is_press: S::Mask,
     /// Where the step counts already; none where all of the task count at once.
@@ -194,11 +196,12 @@ impl<S: Scalar> Goal<S> {
             is_lit = is_lit.map(|is_lit| is_lit | corrects);
         }
         let follows = task.kinds.follow.then_some(&task.follows);
-        let follows = follows.map(|follows| {
-            let [follows] = S::gather(follows.len(), |k| [follows[k]], number);
-            let follows = S::lit(0.5).lt(follows);
-            corrects.map_or(follows, |corrects| follows & !corrects)
-        });
+        let follows = follows.map(|follows| S::gather(follows.len(), |k| [follows[k]], number)[0]);
+        let beyond = |least: f64| {
+            let is_so = S::lit(least).lt(follows?);
+            Some(corrects.map_or(is_so, |corrects| is_so & !corrects))
+        };
+        let (follows, tracks) = (beyond(0.5), beyond(1.5).filter(|_| task.kinds.track));
         let (centre, size) = ([S::zero(); 3], S::zero());
         let mut goal = Self {
             centre,
@@ -206,6 +209,7 @@ impl<S: Scalar> Goal<S> {
             size,
             dwell,
             follows,
+            tracks,
             is_press,
             is_lit,
             pauses: state.pauses(),

@@ -18,6 +18,7 @@ mod slide;
 mod steer;
 mod swing;
 mod touch;
+mod track;
 mod waves;
 
 pub use arrival::Stay;
@@ -36,7 +37,8 @@ pub use steer::{GoalSteer, SteerStep, Steering};
 pub(crate) use swing::arm;
 pub use swing::{GoalSwing, Hold, Sticks, Swing, SwingStep};
 pub use touch::Contact;
-pub use waves::{Wave, Waves};
+pub use track::Tracking;
+pub use waves::{DrawnSines, Sines, Wave, Waves};
 
 use myo_scalar::Scalar;
 
@@ -58,6 +60,8 @@ pub struct TaskState<S> {
     pub shifts: Vec<Point<S>>,
     /// Where the waves of each sphere's path begin (turns); empty where nothing moves.
     pub phases: Vec<[S; 4]>,
+    /// The waves of each sphere that this episode drew; empty where none are drawn.
+    pub sines: Vec<DrawnSines<S>>,
     /// Where the handle of each slider stands, as a share of its way; empty where none is dragged.
     pub values: Vec<S>,
     /// Which step stands at each place of the script; empty where all stand where they are written.
@@ -70,6 +74,8 @@ pub struct TaskState<S> {
     pub pause: Option<S>,
     /// How far the current way has been gone; none where no step has one.
     pub steering: Option<Steering<S>>,
+    /// How well spheres were tracked in this episode; none where no step asks for it.
+    pub tracking: Option<Tracking<S>>,
     /// How sticks stand; none where there are none to swing.
     pub sticks: Option<Sticks<S>>,
     /// What is remembered of the current object; none where it is seen all the time.
@@ -108,6 +114,8 @@ impl<S: Scalar> TaskState<S> {
             size: vec![o; spheres],
             shifts: vec![[o; 3]; task.shifts.spans.len()],
             phases: vec![[o; 4]; task.waves.len()],
+            sines: vec![[[o; 3]; 15]; task.sines.len()],
+            tracking: task.kinds.track.then(Tracking::new),
             values: vec![o; task.handles.len()],
             order: if task.orders.is_empty() { vec![] } else { (0..steps).map(|step| S::lit(step as f64)).collect() },
             cue: (task.kinds.cue || !task.orders.is_empty()).then(|| CueState::new(steps)),
@@ -135,6 +143,7 @@ impl<S: Scalar> TaskState<S> {
         let marks = [&mut self.held, &mut self.down, &mut self.grounded];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
+        let steering = steering.chain(self.tracking.iter_mut().flat_map(Tracking::numbers));
         let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
         for counter in counters.chain(&mut self.errors).chain(&mut self.pause).chain(steering).chain(pointed) {
             *counter = S::select(mask, S::zero(), *counter);
@@ -188,10 +197,12 @@ impl<S: Scalar> TaskState<S> {
             size,
             shifts,
             phases,
+            sines,
             values,
             order,
             cue,
             steering,
+            tracking,
             sticks,
             errors,
             pause,
@@ -208,7 +219,8 @@ impl<S: Scalar> TaskState<S> {
             reached_at,
         } = self;
         let points = position.iter_mut().chain(shifts).flatten();
-        let objects = points.chain(size).chain(phases.iter_mut().flatten());
+        let waves = phases.iter_mut().flatten().chain(sines.iter_mut().flatten().flatten());
+        let objects = points.chain(size).chain(waves);
         let cue = cue
             .iter_mut()
             .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
@@ -218,7 +230,8 @@ impl<S: Scalar> TaskState<S> {
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
         let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors).chain(pause);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);
-        objects.chain(values).chain(sticks).chain(script).chain(steering).chain(pointed)
+        let ways = steering.chain(tracking.iter_mut().flat_map(Tracking::numbers));
+        objects.chain(values).chain(sticks).chain(script).chain(ways).chain(pointed)
     }
 
     /// Place and radius of the sphere of this number.

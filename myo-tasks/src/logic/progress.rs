@@ -29,6 +29,8 @@ pub struct Progress<S: Scalar> {
     pub wrong_presses: S,
     /// How often a way was left.
     pub exits: S,
+    /// What of the bonus for a target is earned: one where a target is done, and of what is tracked the seconds inside.
+    pub bonuses: S,
 }
 
 /// Counts the control step, judges the current step of the task or the correction of a wrong press, and moves on to the next one
@@ -100,6 +102,9 @@ pub fn advance<S: Scalar>(
             *kept = kept.only(!done);
         }
     }
+    if let Some(tracking) = &mut state.tracking {
+        tracking.add(&sensed.stay.tracking);
+    }
     if let (Some(sticks), Some(swing)) = (&mut state.sticks, &goal.swing) {
         sticks.update(swing, &sensed.stay.hold, done);
     }
@@ -114,7 +119,20 @@ pub fn advance<S: Scalar>(
     }
     let timed_out = task.time_limit.le(state.step) & !task_done;
     let Stay { wrong_presses, steering, .. } = sensed.stay;
-    Progress { target_done: done, task_done, timed_out, wrong_presses, exits: steering.exits }
+    let bonuses = bonuses(task, goal, &sensed.stay, done, share);
+    Progress { target_done: done, task_done, timed_out, wrong_presses, exits: steering.exits, bonuses }
+}
+
+/// See [`Progress::bonuses`].
+#[inline(always)]
+fn bonuses<S: Scalar>(task: &CompiledTask<S>, goal: &Goal<S>, stay: &Stay<S>, done: S::Mask, share: f64) -> S {
+    let bonus = S::indicator(done);
+    match (goal.tracks, task.control_s) {
+        (Some(tracks), Some(control_s)) => {
+            (stay.tracking.inside * control_s).mul_add(S::lit(share), bonus.only(!tracks))
+        }
+        _ => bonus,
+    }
 }
 
 /// Who pressed something wrong in this control step goes on some time later.

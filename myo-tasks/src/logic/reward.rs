@@ -9,7 +9,7 @@ use myo_scalar::Scalar;
 pub struct RewardTerms<S> {
     /// Minus the distance, and minus the time.
     pub distance: S,
-    /// For a target done.
+    /// For a target done, and for being inside what is tracked.
     pub subtask: S,
     /// For the task done.
     pub completion: S,
@@ -161,7 +161,7 @@ pub fn reward<S: Scalar>(
     let [neural_effort, acceleration_effort, control_change, contact] = movement_costs(w, efforts);
     RewardTerms {
         distance: -(w.distance_cost.mul_add(felt(distance, w.distance_scale), w.time_cost)),
-        subtask: w.subtask_bonus.only(progress.target_done),
+        subtask: w.subtask_bonus * progress.bonuses,
         completion: w.completion_bonus.only(progress.task_done),
         neural_effort: -neural_effort,
         acceleration_effort: -acceleration_effort,

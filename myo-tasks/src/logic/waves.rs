@@ -1,7 +1,7 @@
 //! Spheres that move: waves about their places.
 
 use super::{CompiledTask, Point, TaskState};
-use crate::motion::{Path, WAVES_MAX};
+use crate::motion::{Path, PathSines, SINES, WAVES_MAX};
 use myo_scalar::{Counter, Real, Scalar, Word, philox, unit};
 use std::f64::consts::TAU;
 
@@ -23,6 +23,37 @@ pub struct Wave<T> {
     pub sine: [T; 3],
     /// Turns per control step.
     pub rate: T,
+}
+
+/// Waves of a sphere that every episode draws, see [`PathSines`]; no size where there are none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sines<T> {
+    /// How far those of each axis go at most (m).
+    pub axes: [[T; 3]; 3],
+    /// Turns per control step of the fastest.
+    pub rate: T,
+}
+
+/// What an episode draws of a wave: its share of how far the waves of its axis go together, its turns per control step, and where it begins (turns).
+pub type DrawnSine<S> = [S; 3];
+
+/// Of all waves of a sphere, axis by axis.
+pub type DrawnSines<S> = [DrawnSine<S>; 3 * SINES];
+
+impl<C: Real> Sines<C> {
+    /// Those of a path; of a sphere without, ones that do not move it.
+    pub(super) fn new(sines: Option<&PathSines>, control_dt_s: f64) -> Self {
+        let axes = sines.map_or([[0.0; 3]; 3], |sines| sines.axes);
+        let rate = sines.map_or(0.0, |sines| sines.rate * control_dt_s / TAU);
+        Self { axes: axes.map(|axis| axis.map(C::from_f64)), rate: C::from_f64(rate) }
+    }
+}
+
+impl<T> Sines<T> {
+    #[inline(always)]
+    pub(super) fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Sines<U> {
+        Sines { axes: self.axes.each_ref().map(|axis| axis.each_ref().map(&mut *f)), rate: f(&self.rate) }
+    }
 }
 
 impl<C: Real> Waves<C> {
@@ -64,6 +95,32 @@ pub(super) fn draw_phases<S: Scalar>(
             *phase = S::select(mask, unit(word), *phase);
         }
     }
+    for ((sphere, sines), drawn) in task.spheres.iter().zip(&task.sines).zip(&mut state.sines) {
+        let stream = S::Word::splat(MOTION_STREAM + sphere.number);
+        for (axis, drawn) in drawn.chunks_mut(SINES).enumerate() {
+            draw_axis(sines.rate, mask, Counter { stream, ..counter }, axis, drawn);
+        }
+    }
+}
+
+/// Draws the waves of an axis, the fastest of so many turns per control step, where the mask is true.
+#[inline(always)]
+fn draw_axis<S: Scalar>(fastest: S, mask: S::Mask, counter: Counter<S::Word>, axis: usize, drawn: &mut [DrawnSine<S>]) {
+    let mut sum = S::zero();
+    let mut fresh = [[S::zero(); 3]; SINES];
+    for (k, wave) in fresh.iter_mut().enumerate() {
+        // The first draw is that of the phases.
+        let step = S::Word::splat((1 + SINES * axis + k) as u32);
+        let [weight, rate, phase, _] = philox::<S>(Counter { step, ..counter });
+        *wave = [unit::<S>(weight).mul_add(S::lit(4.0), S::lit(1.0)), unit::<S>(rate) * fastest, unit(phase)];
+        sum += wave[0];
+    }
+    let share = sum.recip();
+    for (old, [weight, rate, phase]) in drawn.iter_mut().zip(fresh) {
+        for (old, new) in old.iter_mut().zip([weight * share, rate, phase]) {
+            *old = S::select(mask, new, *old);
+        }
+    }
 }
 
 /// Where sphere `number` is off its place at the beginning of a control step (m), and how much farther at its end.
@@ -90,5 +147,33 @@ pub(super) fn moved<S: Scalar>(
             }
         }
     }
+    if task.kinds.sines {
+        add_sines(task, state, number, step, [&mut from, &mut to]);
+    }
     (from, super::difference(to, from))
+}
+
+/// Adds what the drawn waves of sphere `number` move it at the beginning and at the end of a control step (m).
+#[inline(always)]
+fn add_sines<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, number: S, step: S, places: [&mut Point<S>; 2]) {
+    let count = task.sines.len();
+    let now = [step, step + S::lit(1.0)];
+    let mut places = places;
+    for axis in 0..3 {
+        let along = S::gather(count, |sphere| task.sines[sphere].axes[axis], number);
+        let mut sums = [S::zero(); 2];
+        for wave in SINES * axis..SINES * (axis + 1) {
+            let [share, rate, phase] = S::gather(count, |sphere| state.sines[sphere][wave], number);
+            for (sum, &step) in sums.iter_mut().zip(&now) {
+                let turns = rate.mul_add(step, phase);
+                let (sin, _) = ((turns - turns.floor()) * S::lit(TAU)).sin_cos();
+                *sum = share.mul_add(sin, *sum);
+            }
+        }
+        for (place, sum) in places.iter_mut().zip(sums) {
+            for (x, along) in place.iter_mut().zip(along) {
+                *x = along.mul_add(sum, *x);
+            }
+        }
+    }
 }

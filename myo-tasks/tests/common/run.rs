@@ -44,6 +44,7 @@ pub struct Run {
     pub step: usize,
     pub wrong_presses: f64,
     pub exits: f64,
+    pub bonuses: f64,
 }
 
 impl Run {
@@ -60,7 +61,7 @@ impl Run {
         state.restart(true);
         draw_objects(&task, true, counter, &mut state);
         begin_step(&task, true, counter, &mut state);
-        Self { task, state, step: 0, wrong_presses: 0.0, exits: 0.0 }
+        Self { task, state, step: 0, wrong_presses: 0.0, exits: 0.0, bonuses: 0.0 }
     }
 
     /// What is to do now.
@@ -88,6 +89,7 @@ impl Run {
             begin_step(&self.task, begins, counter(self.step as u32), &mut self.state);
             choose_nearest(&self.task, &body, &mut self.state);
             self.wrong_presses += progress.wrong_presses;
+            self.bonuses += progress.bonuses;
             self.exits += progress.exits;
             if progress.task_done {
                 return true;

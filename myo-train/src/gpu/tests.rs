@@ -428,6 +428,7 @@ fn evaluation_on_the_card_is_that_of_the_processor() {
         for (what, a, b) in [
             ("success", card.success, host.success),
             ("effort", card.effort, host.effort),
+            ("fatigue", card.fatigue, host.fatigue),
             ("length", card.episode_length_s, host.episode_length_s),
             ("return", card.episode_return, host.episode_return),
         ] {

@@ -48,14 +48,14 @@ Every user is a training of its own, with its own seed, and is evaluated in 1,00
 tasks train at once, each to the bit as alone, where the tasks differ in numbers alone, time limits are the same and there are no more
 than 64 users; else those of the second after those of the first. A difference is claimed where
 it is unlikely to be chance (the rank-sum test over users, with fewer than five of each Welch's; Holm's correction over success,
-time and effort: a layout differs from itself once in twenty comparisons) and larger than what more training may still bring
-(3 % of time and effort, 1 % of success).
+time, effort and fatigue: a layout differs from itself once in twenty comparisons) and larger than what more training may still bring
+(3 % of time, effort and fatigue, 1 % of success).
 With one user of a layout nothing can be claimed. What else weakens the comparison is told: other bodies, versions, kinds of
 targets, rewards or settings, and users that had not finished learning.
 
 The users are kept in a folder for each layout: stopped with Ctrl-C, go on with `myo train --resume` and compare the folders.
 
-JSON: `names`, `users` (of each), `differences`, a list of objects with `quantity` (`success`, `episode_length_s`, `effort`),
+JSON: `names`, `users` (of each), `differences`, a list of objects with `quantity` (`success`, `episode_length_s`, `effort`, `fatigue`),
 `first`, `second`, `difference` (second less first), `interval` (95 %), `p_value` and `verdict` (`higher`, `lower`,
 `within_training`, `no_difference`, `unknown`); `caveats`; `sentences`; `folders`.";
 

@@ -90,11 +90,11 @@ a button: without dwell, to one physics step. With dwell it is the time to the e
 
 With --protocol the user is asked what people were asked in studies, and the answers stand beside theirs. It practises first what is asked, as its
 task was learnt, and so do others with other seeds; they are kept in the folder `protocols` of the run. F1 is Fitts' law, K1 speeds and shapes of movements, K2 where
-movements end before they are corrected, K3 how still the arm is held, K5 what muscles do, S1 how long ways take that must not be left, T1 presses of keys, T3 words per minute, E2 what ten minutes of
+movements end before they are corrected, K3 how still the arm is held, K5 what muscles do, S1 how long ways take that must not be left, S2 how well a wandering target is tracked, T1 presses of keys, T3 words per minute, E2 what ten minutes of
 selecting in the air cost at the height of the shoulder and of the waist. M1, A1, E1 and E3 ask the body alone: M1 isometric strength of elbow, shoulder and forearm, the share of it that holds the
-straight arm up, moment arms at the elbow, and muscles that change sides; A1 whether it becomes the bodies of small and large people; E1 how long muscles hold a load, E3 how they recover. `bands` does all but A1, E3, S1 and T3 and tells which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
+straight arm up, moment arms at the elbow, and muscles that change sides; A1 whether it becomes the bodies of small and large people; E1 how long muscles hold a load, E3 how they recover. `bands` does all but A1, E3, S1, S2 and T3 and tells which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
 confidence interval of the mean over users), of K1 `rows` (`figure`, `what`, `unit`, `median`, `interval`), of K2 `rows`, `elongation`, `growth_along`, `direction_deg`, of K3 and K5 `rows`, of S1 `rows` (`shape`, `width_m`, `index`,
-`time_s`, `time_s_interval`, `left`) and `steering` (`shape`, `r2`, `slope_s`, `intercept_s`, each also with `_interval`), of T1
+`time_s`, `time_s_interval`, `left`) and `steering` (`shape`, `r2`, `slope_s`, `intercept_s`, each also with `_interval`), of S2 `rows` (`up_to_hz`, `target_speed_m_s`, `rms_error_m`, `mean_error_m`, `inside`, `lag_s`, `gain`), of T1
 `peak_force_n`, `contact_time_s`, `impulse_n_s`, `interval_s`, `rate_hz`, of T3 `rows` (`key_m`, `words_per_min`, `letter_s`, `wrong_per_100`, `unfinished`); of M1 `model`, `strength`, `holding`, `moment_arms`, `sign_changes`; of A1 `model`, `rows` (`user`, `height_m`, `mass_kg`, `reach_m`, `reach_of_height`, `people_reach_of_height`,
 `arm_kg`, `arm_of_mass`, `people_arm_of_mass`, `strength_of_man`, `holding_share`), `woman_of_man`; of E1 `rows` (`joint`, `load`, `time_s`, `people_s`,
 `of_people`), of E2 `rows` (`height`, `fatigued`, `of_strength`, `consumed_endurance`, `consumed_nicer`, `upper_arm`, `selections_per_min`), of E3 `rows` (`joint`, `after_work`, `after_rest`,
@@ -103,7 +103,7 @@ confidence interval of the mean over users), of K1 `rows` (`figure`, `what`, `un
 `value`, `verdict`, `judged`, `confidence`), and the answers under their names.
 
 JSON: `success` (share of episodes with every target done), `episodes`, `targets`, a list with `success`, `movement_time_s`
-and `time_s` (with dwell) each, `final_distance_m`, `effort`, `episode_length_s`, `return`; each of these but `episodes` also
+and `time_s` (with dwell) each, `final_distance_m`, `effort`, `fatigue` (share of the strength of all muscles that fatigues in an episode), `episode_length_s`, `return`; each of these but `episodes` also
 with `_interval` behind its name, a list of the two ends of its 95 % confidence interval (Wilson's for shares, Student's for
 means), and times of targets with `_sd` (standard deviation); and `run`, `user` (who it is, with its body), `task`, `trained_task`, `trained_layouts` (names, one or more), `env_steps` (control steps that the policy was
 trained for), `trend` (what the last doubling of them brought and more would, as `myo train --json` tells), `seed`, `backend` (`cpu` or `gpu`) and

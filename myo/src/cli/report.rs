@@ -37,9 +37,10 @@ fn of_layouts(names: &[String], evaluation: &Evaluation) -> String {
             cell(evaluation.episode_length_s, evaluation.episode_length_s_interval, &SECONDS),
             cell(evaluation.final_distance_m, evaluation.final_distance_m_interval, &CENTIMETRES),
             cell(evaluation.effort, evaluation.effort_interval, &Kind { unit: "", ..EFFORT }),
+            cell(evaluation.fatigue, evaluation.fatigue_interval, &Kind { unit: " %", ..FATIGUE }),
         ]
     };
-    let heading = row(["layout", "success", "episode", "final distance", "effort"]);
+    let heading = row(["layout", "success", "episode", "final distance", "effort", "fatigue"]);
     let mut rows: Vec<_> = [heading].into_iter().collect();
     rows.extend(names.iter().zip(&evaluation.layouts).map(|(layout, evaluation)| cells(layout, evaluation)));
     rows.push(cells("mean", evaluation));
@@ -60,10 +61,13 @@ fn of_task(task: &Task, evaluation: &Evaluation) -> String {
     let (distance, effort, length) = (evaluation.final_distance_m, evaluation.effort, evaluation.episode_length_s);
     line("final distance", distance, evaluation.final_distance_m_interval, &CENTIMETRES);
     line("effort", effort, evaluation.effort_interval, &EFFORT);
+    line("fatigue", evaluation.fatigue, evaluation.fatigue_interval, &FATIGUE);
     let wrong = evaluation.wrong_presses.filter(|_| has(task, |step| step.dwell_s().is_none()));
     line("wrong presses", wrong, evaluation.wrong_presses_interval, &PER_EPISODE);
     let exits = evaluation.exits.filter(|_| has(task, |step| matches!(step.action, Action::Steer { .. })));
     line("exits", exits, evaluation.exits_interval, &PER_EPISODE);
+    line("on target", evaluation.on_target, evaluation.on_target_interval, &OF_THE_TIME);
+    line("tracking error", evaluation.tracking_error_m, evaluation.tracking_error_m_interval, &CENTIMETRES);
     line("episode", length, evaluation.episode_length_s_interval, &SECONDS);
     line("return", evaluation.episode_return, evaluation.episode_return_interval, &RETURN);
     text + NOTE
@@ -71,7 +75,8 @@ fn of_task(task: &Task, evaluation: &Evaluation) -> String {
 
 /// What the numbers mean.
 const NOTE: &str = "  in brackets     95 % confidence interval of the mean\n  movement time   from the start of the target to the last \
-                    entry or the touch, without dwell\n";
+                    entry or the touch, without dwell\n  fatigue         what of the strength of all muscles fatigues, without what recovers \
+                    (3CC-r)\n";
 
 /// The same where there are several layouts.
 const LAYOUTS_NOTE: &str =
@@ -87,6 +92,8 @@ struct Kind {
 
 const CENTIMETRES: Kind = Kind { factor: 100.0, digits: 2, unit: " cm" };
 const EFFORT: Kind = Kind { factor: 1.0, digits: 4, unit: " mean squared muscle control" };
+const OF_THE_TIME: Kind = Kind { factor: 100.0, digits: 1, unit: " % of the time of tracking" };
+const FATIGUE: Kind = Kind { factor: 100.0, digits: 3, unit: " % of muscle strength per episode" };
 const PER_EPISODE: Kind = Kind { factor: 1.0, digits: 3, unit: " per episode" };
 const SECONDS: Kind = Kind { factor: 1.0, digits: 3, unit: " s" };
 const RETURN: Kind = Kind { factor: 1.0, digits: 2, unit: "" };
@@ -162,7 +169,7 @@ mod tests {
         });
         let read: Evaluation = serde_json::from_value(serde_json::json!({
             "success": 0.5, "success_interval": [0.25, 0.75], "episodes": 1000, "targets": [first, second],
-            "final_distance_m": 0.0519, "final_distance_m_interval": [0.0499, 0.0539], "episode_length_s": 0.974,
+            "final_distance_m": 0.0519, "final_distance_m_interval": [0.0499, 0.0539], "fatigue": 0.0021, "fatigue_interval": [0.002, 0.0022], "episode_length_s": 0.974,
         }))
         .unwrap();
         let want = "\
@@ -173,9 +180,11 @@ pair: 50.0 % of 1,000 fresh episodes succeeded (95 % interval 25.0 to 75.0 %)
        2  press upper_left      0.0 % [0.0, 0.4]                       -        -                       -
 
   final distance  5.19 cm [4.99, 5.39]
+  fatigue         0.210 % of muscle strength per episode [0.200, 0.220]
   episode         0.974 s
   in brackets     95 % confidence interval of the mean
   movement time   from the start of the target to the last entry or the touch, without dwell
+  fatigue         what of the strength of all muscles fatigues, without what recovers (3CC-r)
 ";
         let display = preset_text("public-display").unwrap().replace("name: public-display", "name: pair");
         let two_buttons = display.replace(", lower_right, lower_left]", "]");

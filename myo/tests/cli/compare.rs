@@ -18,7 +18,7 @@ fn two_tasks_are_compared_and_their_users_kept() {
         ["pointing-single", "public-display"].map(|name| format!("runs/pointing-single-public-display-1/{name}"));
     assert_eq!(result["folders"], serde_json::json!(folders));
     let quantities: Vec<_> = result["differences"].as_array().unwrap().iter().map(|row| &row["quantity"]).collect();
-    assert_eq!(quantities, ["success", "episode_length_s", "effort"]);
+    assert_eq!(quantities, ["success", "episode_length_s", "effort", "fatigue"]);
     let caveats = result["caveats"].to_string();
     for caveat in ["the tasks ask for different things", "2 of 2 users of pointing-single had not finished learning"] {
         assert!(caveats.contains(caveat), "{caveats}");

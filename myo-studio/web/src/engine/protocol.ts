@@ -737,6 +737,10 @@ episode_s: number | null,
  */
 effort: number | null, 
 /**
+ * Share of the strength of all muscles that fatigues in an episode.
+ */
+fatigue: number | null, 
+/**
  * When it was last written to (s since 1970).
  */
 changed_s: number, } | { "is": "damaged", 
@@ -935,14 +939,18 @@ episode_s: number | null,
 /**
  * Mean squared control.
  */
-effort: number | null, };
+effort: number | null, 
+/**
+ * Share of the strength of all muscles that fatigues in an episode.
+ */
+fatigue: number | null, };
 
 /**
  * A quantity of two layouts.
  */
 export type Contrast = { 
 /**
- * `success`, `episode_length_s` or `effort`.
+ * `success`, `episode_length_s`, `effort` or `fatigue`.
  */
 quantity: string, 
 /**
@@ -963,7 +971,7 @@ verdict: string, };
  */
 export type Against = { 
 /**
- * Success, time and effort, as far as both have them.
+ * Success, time, effort and fatigue, as far as both have them.
  */
 contrasts: Array<Contrast>, 
 /**
@@ -999,6 +1007,10 @@ episode_s: Mean | null,
  * Mean squared control, over users.
  */
 effort: Mean | null, 
+/**
+ * Share of the strength of all muscles that fatigues in an episode, over users.
+ */
+fatigue: Mean | null, 
 /**
  * Each step, in the order of the script.
  */

@@ -29,6 +29,11 @@ export function percent(share: number | null | undefined): string {
   return `${value.toFixed(value >= 99.95 || value === 0 ? 0 : 1)} %`;
 }
 
+/** Of the strength of all muscles: `0.214 %`. */
+export function ofStrength(share: number | null | undefined): string {
+  return share === null || share === undefined ? '–' : `${(100 * share).toPrecision(3)} %`;
+}
+
 export function seconds(s: number | null | undefined): string {
   if (s === null || s === undefined) return '–';
   return s < 10 ? `${s.toFixed(2)} s` : `${s.toFixed(1)} s`;

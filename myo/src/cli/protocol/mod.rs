@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use myo::measure::bands::{Figures, judge};
 use myo::protocol::{
-    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Recording, Recovery,
-    Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing, UserReaches, WorkInTheAir, answer_path, reaches, record,
+    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Pursuit, Recording,
+    Recovery, Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing, UserReaches, WorkInTheAir, answer_path,
+    reaches, record,
 };
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, PpoConfig, write_whole};
@@ -51,6 +52,9 @@ pub enum Protocol {
     /// The steering law: how long straight and round ways take that must not be left
     #[value(name = "S1")]
     S1,
+    /// How well a wandering target is tracked, by how fast it wanders
+    #[value(name = "S2")]
+    S2,
     /// Presses of keys: force, contact time, rate
     #[value(name = "T1")]
     T1,
@@ -72,7 +76,7 @@ pub enum Protocol {
     /// How muscles recover from work
     #[value(name = "E3")]
     E3,
-    /// All but A1, E3, S1 and T3, and which figures are like people's
+    /// All but A1, E3, S1, S2 and T3, and which figures are like people's
     #[value(name = "bands")]
     Bands,
 }
@@ -116,6 +120,7 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
             let found = tell(asked, "S1", asking.steering(), (tables::steering, Some(SteeringLaw::plot)), json)?;
             whole("some ways were not learnt", found.unlearnt)
         }
+        Protocol::S2 => tell(asked, "S2", asking.tracking(), (tables::tracking, Some(Pursuit::plot)), json).map(drop),
         Protocol::T1 => tell(asked, "T1", asking.keys(figures), (tables::keys, None), json).map(drop),
         Protocol::T3 => {
             let found = tell(asked, "T3", asking.typing(), (tables::typing, Some(Typing::plot)), json)?;
@@ -288,6 +293,10 @@ impl Asking<'_> {
 
     fn steering(&mut self) -> Result<SteeringLaw> {
         Ok(SteeringLaw::of(self.recordings(Practice::Steering)?)?)
+    }
+
+    fn tracking(&mut self) -> Result<Pursuit> {
+        Ok(Pursuit::of(self.recordings(Practice::Tracking)?)?)
     }
 
     fn endurance(&self, figures: &mut Figures) -> Result<Endurance> {

@@ -3,7 +3,7 @@
 use myo::measure::bands::{Finding, Judgement, Verdict};
 use myo::muscle::MuscleGroup;
 use myo::protocol::{
-    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Recovery, Scatter, SizeRow, Sizes, SteeringLaw,
+    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Pursuit, Recovery, Scatter, SizeRow, Sizes, SteeringLaw,
     Stillness, Strength, Typing, WorkInTheAir,
 };
 use serde::Serialize;
@@ -228,6 +228,38 @@ pub fn typing(found: &Typing) -> String {
         "Protocol T3, one sentence on a phone with one finger, {who}\n{}\npeople with one finger: 29 words/min\n",
         table(&rows)
     )
+}
+
+pub fn tracking(found: &Pursuit) -> String {
+    let mut rows = vec![row([
+        "up to",
+        "speed of the target",
+        "distance, RMS",
+        "95 % interval",
+        "mean",
+        "inside",
+        "95 % interval",
+        "late by",
+        "95 % interval",
+        "gain",
+        "95 % interval",
+    ])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            &format!("{} Hz", r.up_to_hz),
+            &format!("{:.3} m/s", r.target_speed_m_s),
+            &format!("{:.1} cm", 100.0 * r.rms_error_m),
+            &interval(r.rms_error_m_interval.map(|ends| ends.map(|error| 100.0 * error))),
+            &format!("{:.1} cm", 100.0 * r.mean_error_m),
+            &format!("{:.1} %", 100.0 * r.inside),
+            &interval(r.inside_interval.map(|ends| ends.map(|share| 100.0 * share))),
+            &format!("{:.0} ms", 1e3 * r.lag_s),
+            &interval(r.lag_s_interval.map(|ends| ends.map(|lag| 1e3 * lag))),
+            &short(r.gain),
+            &interval(r.gain_interval),
+        ])
+    }));
+    format!("Protocol S2, tracking of a sphere that wanders, by {}\n{}", users(found.users), table(&rows))
 }
 
 pub fn steering(found: &SteeringLaw) -> String {
