@@ -13,7 +13,7 @@ def test_two_layouts_are_compared(tmp_path, fast):
     table = myoenv.compare("pointing-single", fast("public-display"), seeds=2, out=tmp_path, **SHORT)
     assert list(table.index) == ["success", "episode_length_s", "effort", "fatigue"]
     assert table.attrs["names"] == ["pointing-single", "public-display"] and table.attrs["users"] == [2, 2]
-    assert len(table.attrs["sentences"]) == 3
+    assert len(table.attrs["sentences"]) == 4
     assert (table["difference"] == table["second"] - table["first"]).all()
     assert ((table["low"] <= table["difference"]) & (table["difference"] <= table["high"])).all()
     assert any("had not finished learning" in caveat for caveat in table.attrs["caveats"])

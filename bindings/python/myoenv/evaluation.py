@@ -37,9 +37,9 @@ def evaluate(
     `pandas.DataFrame(evaluate("runs/pointing-1"))` is a table. Columns: `return`, `length` (control steps), `success`,
     `targets_done`, `final_distance` (m), `effort`, `fatigue`, the parts of the reward, and for each target
     `target_1_success`, `target_1_movement_time` (s: from the end of the target before it, or the reset, to the last
-    entry or the touch, without dwell, in whole physics steps) and `target_1_time` (s: to its own end, dwell included, in whole control
-    steps), both NaN where it was not done. Of a run of several layouts there are `episodes` of each, and `layout` tells
-    which, counted from 0.
+    entry or the touch, without dwell, in whole physics steps) and `target_1_time` (s: to its own end, dwell included,
+    in whole control steps), both NaN where it was not done. Of a run of several layouts there are `episodes` of each,
+    and `layout` tells which, counted from 0.
 
     Args:
         run: A run folder or a `Policy`, of which the mean actions are taken, or any function that makes actions

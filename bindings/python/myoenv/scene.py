@@ -603,8 +603,8 @@ class Track(Step):
     Args:
         target: Names of the spheres that move, or of groups of them, in the order in which to track them.
         for_s: How long to keep to each, in s, from 0 to 600; to the physics step, at least one. It is done when the
-            time is over: how much of it was inside (`on_target`) and how far off (`tracking_error`) is what tells how
-            well.
+            time is over, and every second inside brings `reward.subtask_bonus`; how much of it was inside (`on_target`)
+            and how far off (`tracking_error`) tells how well.
     """
 
     action: ClassVar[str] = "track"
@@ -869,7 +869,8 @@ class Reward(Described):
             centre. Default True.
         remaining_path: Whether the distance goes on over the centres of the targets still to come. Default False.
         time_cost: Cost per second as long as the task is not finished. Default 0.6. From 0 to 1,000,000.
-        subtask_bonus: Given once when a target is done, the last one included. Default 3. From 0 to 1,000,000.
+        subtask_bonus: Given once when a target is done, the last one included; of what is tracked, for every second
+            inside. Default 3. From 0 to 1,000,000.
         completion_bonus: Given once when the whole task is done. Default 6. From 0 to 1,000,000.
         wrong_press: Cost of pressing a button that the current step does not ask for, each time. Default 0; for
             `user="human"` 2, two thirds of what a target brings. It is counted in any case, and takes the time of

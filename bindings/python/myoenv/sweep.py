@@ -110,8 +110,8 @@ def sweep(
 
     Columns: `layout`, `seed`, `success`, `return`, `effort`, `fatigue`, `final_distance_m`, `episode_length_s` and, for
     each target, `target_1_success`, `target_1_movement_time_s` (without dwell) and `target_1_time_s` (with it), all of
-    1,000 fresh episodes with the deterministic policy; then `env_steps`, `wall_s`, `stopped_by`, and `error`, which is empty
-    where all went well. A trial that failed is tried again by the next call.
+    1,000 fresh episodes with the deterministic policy; then `env_steps`, `wall_s`, `stopped_by`, and `error`, which is
+    empty where all went well. A trial that failed is tried again by the next call.
 
     Args:
         layouts: Tasks by their names in the table; all are checked before the first is trained.
