@@ -29,6 +29,8 @@ def main(built: Path) -> None:
     )
     shutil.copy2(library, site / "myoenv" / ("_native.pyd" if library.suffix == ".dll" else "_native.abi3.so"))
     os.chdir(ROOT)
+    # It asks for its own program by name.
+    os.environ["PATH"] = os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", "")])
     maturin.prepare_metadata_for_build_wheel(str(site))
 
 

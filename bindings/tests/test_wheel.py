@@ -20,8 +20,8 @@ pytestmark = pytest.mark.skipif(
     reason="cargo is missing: no wheel can be built",
 )
 
-# That of `pip install .`, whose build is then used again; `dev` is built sooner.
-PROFILE = os.environ.get("MYO_WHEEL_PROFILE", "release")
+# Made of what `./test` has compiled already, or, with `--all`, as `pip install .` makes it, whose build is then used again.
+BUILD = ["--profile", "release"] if os.environ.get("MYO_TEST_ALL") else ["--profile", "dev", "--features", "beside-tests"]
 
 # What a user does first, with nothing but what the wheel brings.
 USE = """
@@ -53,7 +53,7 @@ def run(*command, **options) -> str:
 def built(tmp_path_factory) -> Path:
     """A folder with a wheel and a source distribution."""
     out = tmp_path_factory.mktemp("dist")
-    run(sys.executable, "-m", "maturin", "build", "--locked", "--profile", PROFILE, "--out", str(out), cwd=ROOT)
+    run(sys.executable, "-m", "maturin", "build", "--locked", *BUILD, "--out", str(out), cwd=ROOT)
     run(sys.executable, "-m", "maturin", "sdist", "--out", str(out), cwd=ROOT)
     return out
 

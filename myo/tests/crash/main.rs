@@ -69,10 +69,8 @@ fn a_training_on_a_card_that_is_stopped_at_any_file_operation_ends_as_one_left_a
         println!("skipped: there is no driver that computes a graphics card on the processor");
         return;
     };
-    let mut scene = Scene::new(&["--until", "off", "--steps", "4096", "--backend", "gpu", "--device", &card]);
     // A start takes seconds there.
-    scene.faults.iter_mut().for_each(|(_, sample)| *sample = 1);
-    scene.check_all();
+    Scene::new(&["--until", "off", "--steps", "4096", "--backend", "gpu", "--device", &card]).sample(1).check_all();
 }
 
 #[test]

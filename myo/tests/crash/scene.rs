@@ -107,6 +107,12 @@ impl Scene {
         Self { place, shim, training, begun: None, further: None, faults }
     }
 
+    /// The same, with so many cases of each fault in a sample: for trainings that take long.
+    pub fn sample(mut self, cases: usize) -> Self {
+        self.faults.iter_mut().for_each(|(_, sample)| *sample = cases);
+        self
+    }
+
     /// The same, going on with a run that was killed: at the operation that `at` says of how many there are.
     pub fn begun(self, at: impl Fn(usize) -> usize) -> Self {
         let (whole, operations) = self.undisturbed();
