@@ -1,10 +1,12 @@
 //! Protocols on recordings whose figures are known, and on users who have learnt nothing.
 
+use std::f64::consts::TAU;
+
 use myo_env::{CpuEnv, EnvConfig, VectorEnv};
 use myo_lab::protocol::{
-    Done, FittsLaw, Kinematics, MuscleDrive, Practice, ProtocolError, Pursuit, Recording, SELECTIONS, Scatter,
-    SteeringLaw, Stillness, TYPED, Targets, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches,
-    record, ways,
+    BEFORE_WAY, CHOICES, ChoiceReaction, Done, EllipseLaps, FittsLaw, Kinematics, LAP_PIECES, LAPS, MuscleDrive,
+    Practice, ProtocolError, Pursuit, REACTIONS, Recording, SELECTIONS, Scatter, SteeringLaw, Stillness, TYPED,
+    Targets, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches, record, ways,
 };
 use myo_lab::{ModelReach, one_structure};
 use myo_measure::bands::{Figure, Figures};
@@ -360,12 +362,14 @@ fn what_is_practised_can_be_done() {
         for practice in Practice::ALL {
             let layouts = practice.layouts(&user).unwrap();
             one_structure(&model, &layouts).unwrap();
+            // All of them are done by the same body, with the same technique.
+            let reach = ModelReach::for_task(&model, &layouts[0]).unwrap();
             for layout in &layouts {
-                let told = if practice == Practice::Steering { 2.0 } else { 0.0 };
+                let told = if [Practice::Steering, Practice::Ellipse].contains(&practice) { 2.0 } else { 0.0 };
                 assert_eq!(layout.reward, Reward { exit: told, ..user.reward.clone() });
                 assert_eq!(layout.noise, user.noise);
                 assert_eq!(layout.control_dt_s, user.control_dt_s);
-                let report = check(layout, &ModelReach::for_task(&model, layout).unwrap());
+                let report = check(layout, &reach);
                 assert!(report.errors.is_empty(), "{name}, {}: {:?}", layout.name, report.errors);
             }
         }
@@ -376,7 +380,12 @@ fn what_is_practised_can_be_done() {
 fn steps_of_ways_and_sentences_are_those_that_are_measured() {
     let (user, model) = (preset("pointing-uitb").unwrap(), arm("mobl-arms-uitb"));
     // To stay at the beginning of a way, to be there when it begins, and its pieces; a press for each letter.
-    for (practice, steps) in [(Practice::Steering, 2 + WAY_PIECES), (Practice::Typing, TYPED.chars().count())] {
+    for (practice, steps) in [
+        (Practice::Steering, BEFORE_WAY + WAY_PIECES),
+        (Practice::Ellipse, BEFORE_WAY + LAPS * LAP_PIECES),
+        (Practice::Choosing, 2 * REACTIONS),
+        (Practice::Typing, TYPED.chars().count()),
+    ] {
         let layouts = practice.layouts(&user).unwrap();
         let config = EnvConfig { num_envs: layouts.len(), ..EnvConfig::default() };
         let env = CpuEnv::with_layouts(&model, &layouts, &config).unwrap();
@@ -433,7 +442,7 @@ fn a_held_arm_is_as_still_as_it_was() {
     let n = 1500;
     let at = |sample: usize| {
         let t = sample as f64 / RATE_HZ;
-        [0.4 + 0.005 * t, 1e-4 * (std::f64::consts::TAU * 8.0 * t).sin(), -0.4]
+        [0.4 + 0.005 * t, 1e-4 * (TAU * 8.0 * t).sin(), -0.4]
     };
     let fingertip: Vec<[f64; 3]> = (0..n).map(at).collect();
     let activations = vec![0.07; 32 * n];
@@ -465,7 +474,7 @@ fn a_held_arm_is_as_still_as_it_was() {
 /// Who keeps to a sphere that goes to and fro at some frequency (Hz), so many seconds late, for so many seconds after half a second in which it is
 /// come to.
 fn pursuing(hz: f64, late_s: f64, seconds: f64) -> Recording {
-    let at = |t: f64| [0.45, 0.1 * (std::f64::consts::TAU * hz * t).sin(), -0.1];
+    let at = |t: f64| [0.45, 0.1 * (TAU * hz * t).sin(), -0.1];
     let (control_steps, samples) = (((0.5 + seconds) / 0.04).round() as usize, 20);
     let n = control_steps * samples;
     let begin = |step: usize| 0.04 * step as f64;
@@ -520,4 +529,79 @@ fn who_came_to_no_target_has_no_figures() {
     );
     // One episode is enough.
     assert!(Pursuit::of(&[vec![vec![never, pursuing(0.25, 0.1, 15.0)]; 4]]).is_ok());
+}
+
+/// Steps that were done one after the other, each so many samples long, over this path.
+fn recorded(fingertip: Vec<[f64; 3]>, done: Vec<Done>) -> Recording {
+    let n = fingertip.len();
+    Recording {
+        rate_hz: RATE_HZ,
+        fingertip,
+        force: vec![0.0; n],
+        qpos: vec![],
+        activations: vec![],
+        done,
+        exits: 0.0,
+        wrong_presses: 0.0,
+        targets: None,
+    }
+}
+
+/// Laps of an ellipse of 20 by 10 cm in so many seconds each, of harmonic motion.
+fn lapping(lap_s: f64, laps: usize) -> Recording {
+    let lap = (lap_s * RATE_HZ) as usize;
+    let at = |sample: usize| {
+        let (sin, cos) = (TAU * sample as f64 / lap as f64).sin_cos();
+        [0.45, -0.1 * sin, -0.1 + 0.05 * cos]
+    };
+    let end = |number: usize| lap * number / LAP_PIECES;
+    let done = |number: usize| Done { begin: end(number.saturating_sub(1)), entry: end(number), end: end(number) };
+    let before = (0..BEFORE_WAY).map(|_| Done { begin: 0, entry: 0, end: 0 });
+    let done = before.chain((1..=laps * LAP_PIECES).map(done)).collect();
+    recorded((0..=laps * lap).map(at).collect(), done)
+}
+
+#[test]
+fn laps_of_harmonic_motion_obey_the_two_thirds_law() {
+    let user = |lap_s| vec![lapping(lap_s, LAPS), lapping(lap_s, LAPS), lapping(lap_s, 1)];
+    let found = EllipseLaps::of(&[user(1.0), user(0.8)]).unwrap();
+    assert_eq!(found.users, 2);
+    // Between the first lap and the last, without what is faster than 10 Hz.
+    assert!((found.laps_per_s.median - 0.5 * (1.0 + 1.25)).abs() < 1e-9, "{found:?}");
+    assert!((found.exponent.median + 1.0 / 3.0).abs() < 0.01 && found.r2.median > 0.99, "{found:?}");
+    assert!((found.finished - 2.0 / 3.0).abs() < 1e-12);
+    let refused = EllipseLaps::of(&[vec![lapping(1.0, LAPS), lapping(1.0, 2)]]).unwrap_err().to_string();
+    assert!(refused.starts_with("episodes of 3 laps of the ellipse: the user did 1 of 2"), "{refused}");
+}
+
+#[test]
+fn who_takes_longer_to_choose_is_told_so_by_the_bit() {
+    // Between reactions it comes back to the middle, which takes another time.
+    let episode = |response_s: f64, reactions: usize| {
+        let samples = (response_s * RATE_HZ).round() as usize;
+        let step = |number: usize| {
+            let took = if number % 2 == 0 { 77 } else { samples };
+            Done { begin: 1000 * number, entry: 1000 * number + took, end: 1000 * number + took + 125 }
+        };
+        recorded(vec![[0.0; 3]; 20_000], (0..2 * reactions).map(step).collect())
+    };
+    let bits = CHOICES.map(|choices| ((choices + 1) as f64).log2());
+    let user = |slope: f64| -> Vec<Vec<Recording>> {
+        bits.map(|bits| (0..4).map(|_| episode(0.3 + slope * bits, REACTIONS)).collect()).into()
+    };
+    let found = ChoiceReaction::of(&[user(0.1), user(0.2)]).unwrap();
+    assert_eq!(found.rows.iter().map(|row| row.choices).collect::<Vec<_>>(), CHOICES);
+    assert!((found.slope_s_per_bit.median - 0.15).abs() < 2e-3, "{found:?}");
+    assert!((found.intercept_s.median - 0.3).abs() < 4e-3, "{found:?}");
+    let [low, high] = found.slope_s_per_bit.interval.unwrap();
+    assert!(low < 0.1 && high > 0.2);
+    for (row, bits) in found.rows.iter().zip(bits) {
+        assert!((row.bits - bits).abs() < 1e-12 && row.missed == 0.0);
+        assert!((row.response_s.median - (0.3 + 0.15 * bits)).abs() < 2e-3, "{row:?}");
+    }
+    found.plot().svg().unwrap();
+    let mut slow = user(0.1);
+    slow[2] = vec![episode(0.5, 2); 4];
+    let refused = ChoiceReaction::of(&[slow]).unwrap_err().to_string();
+    assert!(refused.starts_with("reactions to one of 8: the user did 8 of 24"), "{refused}");
 }

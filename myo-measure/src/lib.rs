@@ -5,7 +5,8 @@
 //! - [`fitts`] is Fitts' law and throughput, of one user and over several;
 //! - [`EndpointCloud`] says how repeats of one movement scatter, [`Hold`] how still a hand is held;
 //! - [`ergonomics`] says how long a raised arm can be held and in which postures it is;
-//! - [`drive`] is about activations of muscles, [`taps`] about contact forces, [`steering`] about paths through tunnels, [`tracking`] about moving targets;
+//! - [`drive`] is about activations of muscles, [`taps`] about contact forces, [`steering`] about paths through tunnels, [`tracking`] about moving targets,
+//!   [`power_law`] about speed and curvature;
 //! - [`bands`] holds figures of people, and judges figures of simulated users by them.
 //!
 //! A movement as minimum jerk has it, 30 cm in 0.6 s, after a rest and before one:
@@ -49,6 +50,7 @@ pub mod fitts;
 pub mod hold;
 pub mod movement;
 mod point;
+pub mod power_law;
 pub mod signal;
 pub mod smoothness;
 pub mod statistics;

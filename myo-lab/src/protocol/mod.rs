@@ -2,10 +2,12 @@
 //!
 //! A user learns the tasks of a protocol first ([`Practice`]), with its own body, rhythm, reward and noise. Then it is [recorded](record) at every
 //! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5),
-//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
+//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2) [`EllipseLaps`] (K4), [`ChoiceReaction`] (C1) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
 //! [`myo_measure::bands`].
 
 mod answers;
+mod choosing;
+mod ellipse;
 mod endurance;
 mod error;
 mod fitts;
@@ -26,6 +28,8 @@ mod typing;
 mod working;
 
 pub use answers::{KeptAnswer, answer_path, kept_answers};
+pub use choosing::{ChoiceReaction, ChoiceRow};
+pub use ellipse::EllipseLaps;
 pub use endurance::{Endurance, EnduranceRow, Recovery, RecoveryRow};
 pub use error::ProtocolError;
 pub use fitts::{FittsCondition, FittsFit, FittsLaw};
@@ -34,8 +38,11 @@ pub use keys::KeyPresses;
 pub use kinematics::{KinematicRow, Kinematics, SpeedProfile};
 pub use plot::{Plot, PlotError, PlotPoint, PlotSeries};
 pub use pointing::{OverUsers, UserReaches};
+pub use practice::{
+    BEFORE_WAY, CHOICES, HOLD_DEG, LAP_PIECES, LAPS, Practice, REACTIONS, SELECTIONS, TYPED, WAY_PIECES, Way,
+    circle_targets, conditions, ways,
+};
 pub(crate) use practice::{DWELL_S, Layout, PLANE_X, circle};
-pub use practice::{HOLD_DEG, Practice, SELECTIONS, TYPED, WAY_PIECES, Way, circle_targets, conditions, ways};
 pub(crate) use reach::{Aimed, CUT_OFF_HZ, StraightOn, Track, mean_profile};
 pub use reach::{Reach, reaches};
 pub use recording::{Done, Recording, Targets, record};

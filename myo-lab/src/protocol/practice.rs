@@ -59,6 +59,26 @@ pub const WAY_PIECES: usize = 15;
 const WAY_WIDTHS: [f64; 4] = [0.02, 0.03, 0.05, 0.08];
 /// Radius (m) of the spheres between which they go: passes are timed from leaving the first to the last.
 pub const WAY_SPHERE: f64 = 0.01;
+/// Steps before the first piece of a way: to stay at its beginning, and to be there when it begins.
+pub const BEFORE_WAY: usize = 2;
+/// Semi-axes of the ellipse (m), and how wide its way is (m).
+const ELLIPSE: [f64; 2] = [0.1, 0.05];
+const ELLIPSE_WIDTH: f64 = 0.03;
+/// Straight pieces of a lap of the ellipse.
+pub const LAP_PIECES: usize = 16;
+/// Laps of an episode.
+pub const LAPS: usize = 3;
+/// How many spheres there are to choose from.
+pub const CHOICES: [usize; 3] = [2, 4, 8];
+/// How often one of them lights up in an episode.
+pub const REACTIONS: usize = 6;
+/// Spheres about the hand, how far from the middle (m), and their radius (m). Those that may light up lie opposite each other, so that to wait in the
+/// middle is best.
+const LAMPS: usize = 8;
+const LAMPS_OFF: f64 = 0.12;
+const LAMP_RADIUS: f64 = 0.03;
+/// After what time one lights up (s).
+const LIT_AFTER_S: [f64; 2] = [0.5, 1.5];
 /// A sphere that is tracked: its place (m), its radius (m), how far it goes to either side, up and down (m), for how long (s), and the greatest
 /// frequencies (Hz) of the waves it goes along, as User-in-the-Box was asked (Ikkala et al. 2022, doi 10.1145/3526113.3545689) on a smaller plane: people need not
 /// walk to see it, and every arm reaches all of it.
@@ -93,11 +113,15 @@ pub enum Practice {
     Steering,
     /// After a sphere that wanders about, slowly and fast: S2.
     Tracking,
+    /// Three times round an ellipse of 20 by 10 cm: K4.
+    Ellipse,
+    /// To one of two, four or eight spheres that lights up: C1.
+    Choosing,
 }
 
 impl Practice {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Pointing,
         Self::Holding,
         Self::Keys,
@@ -106,6 +130,8 @@ impl Practice {
         Self::Typing,
         Self::Steering,
         Self::Tracking,
+        Self::Ellipse,
+        Self::Choosing,
     ];
 
     /// Its name, also of the folder of its runs.
@@ -119,6 +145,8 @@ impl Practice {
             Self::Typing => "typing",
             Self::Steering => "steering",
             Self::Tracking => "tracking",
+            Self::Ellipse => "ellipse",
+            Self::Choosing => "choosing",
         }
     }
 
@@ -143,6 +171,8 @@ impl Practice {
             Self::Working => HEIGHTS.into_iter().map(|(height, middle)| of_user(working(height, middle))).collect(),
             Self::Typing => KEY_WIDTHS.into_iter().map(|width| of_user(typing(width))).collect(),
             Self::Tracking => TRACKED_UP_TO_HZ.into_iter().map(|up_to_hz| of_user(tracking(up_to_hz))).collect(),
+            Self::Ellipse => Ok(vec![not_to_leave(of_user(laps())?)]),
+            Self::Choosing => CHOICES.into_iter().map(|choices| of_user(choosing(choices))).collect(),
             Self::Steering => ways().iter().map(|way| of_user(steering(way)).map(not_to_leave)).collect(),
         }
     }
@@ -351,22 +381,63 @@ fn tracking(up_to_hz: f64) -> Layout {
 }
 
 fn steering(way: &Way) -> Layout {
-    let name = |corner: usize| format!("corner{}", corner + 1);
+    let name = format!("{} of {:.0} mm", way.shape, 1e3 * way.width);
+    along(name, &way.corners, &(0..way.corners.len()).collect::<Vec<_>>(), way.width)
+}
+
+/// From the top of an ellipse that stands upright, to the right, and so on.
+fn laps() -> Layout {
+    let ([x, y, z], [wide, high]) = (WAY_AT, ELLIPSE);
+    let corner = |corner: usize| {
+        let (sine, cosine) = (TAU * corner as f64 / LAP_PIECES as f64).sin_cos();
+        [x, y - wide * sine, z + high * cosine]
+    };
+    let corners: Vec<_> = (0..LAP_PIECES).map(corner).collect();
+    let through: Vec<usize> = (0..=LAPS * LAP_PIECES).map(|corner| corner % LAP_PIECES).collect();
+    along("ellipse".into(), &corners, &through, ELLIPSE_WIDTH)
+}
+
+/// To stay at the first of these corners (m), and to go through them in this order.
+fn along(name: String, corners: &[[f64; 3]], through: &[usize], width: f64) -> Layout {
+    let called = |corner: usize| format!("corner{}", corner + 1);
     // As near to one another as they are.
     let corner = |at| {
         let mut corner = sphere(at, WAY_SPHERE);
         corner["min_distance_from_previous"] = 0.into();
         corner
     };
-    let spheres = way.corners.iter().enumerate().map(|(number, &at)| (name(number), corner(at)));
-    let through: Vec<String> = (0..way.corners.len()).map(name).collect();
+    let spheres = corners.iter().enumerate().map(|(number, &at)| (called(number), corner(at)));
+    let through: Vec<String> = through.iter().map(|&corner| called(corner)).collect();
     Layout {
-        name: format!("{} of {:.0} mm", way.shape, 1e3 * way.width),
+        name,
         scene: Value::Object(spheres.collect()),
         script: json!([
-            {"dwell": {"in": name(0), "for_s": DWELL_S}},
-            {"steer": {"through": through, "width": way.width}},
+            {"dwell": {"in": through[0], "for_s": DWELL_S}},
+            {"steer": {"through": through, "width": width}},
         ]),
         time_limit_s: 15.0,
+    }
+}
+
+/// Spheres on an upright circle, of which those that may light up are named as often as makes eight: layouts of one structure.
+fn choosing(choices: usize) -> Layout {
+    let [x, y, z] = WAY_AT;
+    let lamp = |number: usize| format!("lamp{}", number + 1);
+    let at = |number: usize| {
+        let (sine, cosine) = (TAU * number as f64 / LAMPS as f64).sin_cos();
+        [x, y - LAMPS_OFF * sine, z + LAMPS_OFF * cosine]
+    };
+    let mut scene: serde_json::Map<String, Value> =
+        (0..LAMPS).map(|number| (lamp(number), sphere(at(number), LAMP_RADIUS))).collect();
+    scene.insert("middle".into(), sphere(WAY_AT, LAMP_RADIUS));
+    let among: Vec<String> = (0..LAMPS).map(|k| lamp(k % choices * (LAMPS / choices))).collect();
+    Layout {
+        name: format!("one of {choices}"),
+        scene: Value::Object(scene),
+        script: json!([{"repeat": {"times": REACTIONS, "steps": [
+            {"dwell": {"in": "middle", "for_s": DWELL_S}},
+            {"react": {"among": among, "after_s": LIT_AFTER_S, "for_s": DWELL_S}},
+        ]}}]),
+        time_limit_s: 24.0,
     }
 }

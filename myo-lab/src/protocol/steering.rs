@@ -6,12 +6,10 @@ use serde::Serialize;
 use super::ProtocolError;
 use super::plot::{Plot, PlotPoint, PlotSeries};
 use super::pointing::OverUsers;
-use super::practice::{WAY_PIECES, WAY_SPHERE, Way, ways};
+use super::practice::{BEFORE_WAY as BEFORE, WAY_PIECES, WAY_SPHERE, Way, ways};
 use super::recording::Recording;
 use crate::advice::distance;
 
-/// Steps before the first piece of a way: to stay at its beginning, and to be there when it begins.
-const BEFORE: usize = 2;
 /// Fewest passes of a way without leaving it that a time is taken from.
 const LEAST_PASSES: usize = 2;
 

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use myo::measure::bands::{Figures, judge};
 use myo::protocol::{
-    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice, ProtocolError, Pursuit, Recording,
-    Recovery, Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing, UserReaches, WorkInTheAir, answer_path,
-    reaches, record,
+    ChoiceReaction, EllipseLaps, Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice,
+    ProtocolError, Pursuit, Recording, Recovery, Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing, UserReaches,
+    WorkInTheAir, answer_path, reaches, record,
 };
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, PpoConfig, write_whole};
@@ -46,6 +46,9 @@ pub enum Protocol {
     /// How still the arm is held
     #[value(name = "K3")]
     K3,
+    /// How much slower a hand is where its way is more curved, on laps of an ellipse
+    #[value(name = "K4")]
+    K4,
     /// Activations of muscles, held and moving
     #[value(name = "K5")]
     K5,
@@ -55,6 +58,9 @@ pub enum Protocol {
     /// How well a wandering target is tracked, by how fast it wanders
     #[value(name = "S2")]
     S2,
+    /// How much longer it takes to react where there are more to choose from
+    #[value(name = "C1")]
+    C1,
     /// Presses of keys: force, contact time, rate
     #[value(name = "T1")]
     T1,
@@ -76,7 +82,7 @@ pub enum Protocol {
     /// How muscles recover from work
     #[value(name = "E3")]
     E3,
-    /// All but A1, E3, S1, S2 and T3, and which figures are like people's
+    /// All but A1, C1, E3, K4, S1, S2 and T3, and which figures are like people's
     #[value(name = "bands")]
     Bands,
 }
@@ -115,6 +121,10 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
             tell(asked, "K2", asking.scatter(figures), (tables::scatter, Some(Scatter::plot)), json).map(drop)
         }
         Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (tables::stillness, None), json).map(drop),
+        Protocol::K4 => tell(asked, "K4", asking.ellipse(), (tables::ellipse, None), json).map(drop),
+        Protocol::C1 => {
+            tell(asked, "C1", asking.choosing(), (tables::choosing, Some(ChoiceReaction::plot)), json).map(drop)
+        }
         Protocol::K5 => tell(asked, "K5", asking.drive(figures), (tables::drive, None), json).map(drop),
         Protocol::S1 => {
             let found = tell(asked, "S1", asking.steering(), (tables::steering, Some(SteeringLaw::plot)), json)?;
@@ -297,6 +307,14 @@ impl Asking<'_> {
 
     fn tracking(&mut self) -> Result<Pursuit> {
         Ok(Pursuit::of(self.recordings(Practice::Tracking)?)?)
+    }
+
+    fn ellipse(&mut self) -> Result<EllipseLaps> {
+        Ok(EllipseLaps::of(&self.single(Practice::Ellipse)?)?)
+    }
+
+    fn choosing(&mut self) -> Result<ChoiceReaction> {
+        Ok(ChoiceReaction::of(self.recordings(Practice::Choosing)?)?)
     }
 
     fn endurance(&self, figures: &mut Figures) -> Result<Endurance> {

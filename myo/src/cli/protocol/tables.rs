@@ -3,8 +3,8 @@
 use myo::measure::bands::{Finding, Judgement, Verdict};
 use myo::muscle::MuscleGroup;
 use myo::protocol::{
-    Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Pursuit, Recovery, Scatter, SizeRow, Sizes, SteeringLaw,
-    Stillness, Strength, Typing, WorkInTheAir,
+    ChoiceReaction, EllipseLaps, Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, OverUsers, Pursuit,
+    Recovery, Scatter, SizeRow, Sizes, SteeringLaw, Stillness, Strength, Typing, WorkInTheAir,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -370,5 +370,43 @@ pub fn strength(found: &Strength) -> String {
         table(&strengths),
         table(&holding),
         table(&arms)
+    )
+}
+
+pub fn ellipse(found: &EllipseLaps) -> String {
+    let figure =
+        |what: &str, own: &OverUsers, people: &str| row([what, &short(own.median), &interval(own.interval), people]);
+    let rows = [
+        row(["an ellipse of 20 by 10 cm", "median", "95 % interval", "people"]),
+        figure("laps per second", &found.laps_per_s, ""),
+        figure("exponent of speed over curvature", &found.exponent, "-0.35 to -0.28"),
+        figure("R2", &found.r2, ""),
+    ];
+    format!(
+        "Protocol K4, laps of {} as fast as they go, on a way of 3 cm, {:.0} % finished\n{}",
+        users(found.users),
+        100.0 * found.finished,
+        table(&rows)
+    )
+}
+
+pub fn choosing(found: &ChoiceReaction) -> String {
+    let mut rows = vec![row(["choices", "bits", "response time", "95 % interval", "missed"])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            &r.choices.to_string(),
+            &format!("{:.2}", r.bits),
+            &format!("{:.3} s", r.response_s.median),
+            &interval(r.response_s.interval),
+            &format!("{:.1} %", 100.0 * r.missed),
+        ])
+    }));
+    let (slope, from) = (found.slope_s_per_bit, interval(found.slope_s_per_bit.interval));
+    format!(
+        "Protocol C1, one of several spheres 12 cm away lights up, {}\n{}\n{} s/bit ({from}); people who touch what lights up: nearly 0, \
+         with keys that they had to learn: 0.15\n",
+        users(found.users),
+        table(&rows),
+        short(slope.median)
     )
 }
