@@ -71,6 +71,8 @@ pub enum ObservationPart {
     Pause,
     /// One while the current handle or knob is held, and the way that it must go (m), where there are sliders or sticks.
     Drag,
+    /// From the current vehicle to where it must stop (m), and its speed (m/s), where something is driven.
+    Drive,
     /// From the pointer to the farthest place of the current way that was come to (m), and one within the way, where there are ways.
     Steer,
     /// From the fingertip to the nearest place of the surface of any box but the current one (m), where there are boxes.
@@ -122,7 +124,7 @@ impl ObservationPart {
             | Self::Touch
             | Self::Cue
             | Self::Pause => 1,
-            Self::Drag | Self::Steer => 4,
+            Self::Drag | Self::Drive | Self::Steer => 4,
             Self::Traits => TRAITS.len(),
         }
     }
@@ -154,6 +156,7 @@ impl ObservationPart {
             Self::Cue => "cue",
             Self::Pause => "pause",
             Self::Drag => "drag",
+            Self::Drive => "drive",
             Self::Steer => "steer",
             Self::NearestObstacle => "nearest_obstacle",
             Self::Traits => "traits",
@@ -170,6 +173,7 @@ impl ObservationPart {
             Self::Cue => Some("where a step must be waited for"),
             Self::Pause => Some("where a wrong press takes time"),
             Self::Drag => Some("where there is a slider to drag or a stick to swing"),
+            Self::Drive => Some("where something is driven"),
             Self::Steer => Some("where there is a way to steer along"),
             Self::NearestObstacle => Some("where there are boxes"),
             _ => None,
@@ -180,7 +184,7 @@ impl ObservationPart {
 /// The parts that a task asks for and has, in order.
 pub fn parts<T>(o: &Observation, parameters: &Parameters<T>) -> Vec<ObservationPart> {
     let task = &parameters.task;
-    let Kinds { motion, cue, drag, swing, steer, .. } = task.kinds;
+    let Kinds { motion, cue, drag, swing, drive, steer, .. } = task.kinds;
     let all = [
         (o.joint_position, ObservationPart::JointPosition),
         (o.joint_velocity, ObservationPart::JointVelocity),
@@ -206,6 +210,7 @@ pub fn parts<T>(o: &Observation, parameters: &Parameters<T>) -> Vec<ObservationP
         (o.cue && cue, ObservationPart::Cue),
         (o.pause && task.error_pause.is_some(), ObservationPart::Pause),
         (o.drag && (drag || swing), ObservationPart::Drag),
+        (o.drive && drive, ObservationPart::Drive),
         (o.steer && steer, ObservationPart::Steer),
         (o.nearest_obstacle && !task.boxes.is_empty(), ObservationPart::NearestObstacle),
         (o.traits, ObservationPart::Traits),
@@ -244,6 +249,7 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             | ObservationPart::Cue
             | ObservationPart::Pause => vec![name.into()],
             ObservationPart::Drag => of(&["held", "x", "y", "z"].map(String::from)),
+            ObservationPart::Drive => of(&["x", "y", "z", "speed"].map(String::from)),
             ObservationPart::Steer => of(&["x", "y", "z", "within"].map(String::from)),
             ObservationPart::Traits => of(&TRAITS.map(|(trait_name, _)| trait_name.to_owned())),
         }
@@ -284,6 +290,7 @@ pub fn observe<S: Scalar>(
             ObservationPart::Cue => out.push(S::indicator(goal.lit())),
             ObservationPart::Pause => out.push(pause(task, state)),
             ObservationPart::Drag => drag(goal, state, out),
+            ObservationPart::Drive => drive(goal, out),
             ObservationPart::Steer => steer(goal, state, sensed, out),
             ObservationPart::NearestObstacle => {
                 let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
@@ -412,6 +419,14 @@ fn drag<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, out: &mut Vec<S>) {
         sum = [0, 1, 2, 3].map(|k| sum[k] + terms[k]);
     }
     out.extend_from_slice(&sum);
+}
+
+/// Appends the way that the current vehicle must go (m) and its speed (m/s); zeros where the step asks for none.
+#[inline(always)]
+fn drive<S: Scalar>(goal: &Goal<S>, out: &mut Vec<S>) {
+    let Some(drive) = &goal.drive else { return out.extend([S::zero(); 4]) };
+    out.extend_from_slice(&drive.way_left(drive.ride.along));
+    out.push(drive.ride.speed.only(drive.is_drive));
 }
 
 /// Appends the vector to where the current way was left off (m), and whether the pointer is within it; zeros where the step is no way.

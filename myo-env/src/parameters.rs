@@ -194,6 +194,7 @@ impl Parameters<()> {
             (new.follow, old.follow, "asks to follow something", "asks to follow nothing"),
             (new.drag, old.drag, "asks to drag a slider", "asks to drag nothing"),
             (new.swing, old.swing, "asks to swing a stick", "asks to swing nothing"),
+            (new.drive, old.drive, "asks to drive something", "asks to drive nothing"),
             (
                 !ours.shifts.sizes.is_empty(),
                 !theirs.shifts.sizes.is_empty(),

@@ -42,6 +42,7 @@ const fn sense(part: ObservationPart) -> Sense {
         | Part::Inside
         | Part::Cue
         | Part::Drag
+        | Part::Drive
         | Part::Steer
         | Part::NearestObstacle => Sense::Vision,
     }

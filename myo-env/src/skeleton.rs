@@ -237,6 +237,11 @@ impl Skeleton {
                 task.sticks.as_ref().map_or(0, |sticks| sticks.angles.len()),
                 fresh.sticks.as_ref().map_or(0, |sticks| sticks.angles.len()),
             ),
+            (
+                "task.vehicles of the snapshot",
+                task.vehicles.as_ref().map_or(0, |vehicles| vehicles.along.len()),
+                fresh.vehicles.as_ref().map_or(0, |vehicles| vehicles.along.len()),
+            ),
             ("task.shifts of the snapshot", task.shifts.len(), fresh.shifts.len()),
             ("task.seen of the snapshot", usize::from(task.seen.is_some()), usize::from(fresh.seen.is_some())),
             ("task.cursor of the snapshot", usize::from(task.cursor.is_some()), usize::from(fresh.cursor.is_some())),

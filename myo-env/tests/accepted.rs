@@ -4,9 +4,7 @@
 //! Tasks are generated within the bounds, at the bounds, and by changing single values of the presets. `MYO_TEST_ALL=1` runs
 //! ten times as many.
 
-mod common;
-
-use common::arm;
+use crate::common::arm;
 use myo_env::gpu::record;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, ReferenceEnv, StepStorage, VectorEnv};
 use myo_scalar::symbolic::Form;

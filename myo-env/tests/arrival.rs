@@ -3,9 +3,7 @@
 //! With a control step of one physics step, observations tell where the fingertip is and what it touches in between. Actions
 //! are repeated, so that the body moves alike.
 
-mod common;
-
-use common::{actions, arm, column, dwell_for, entry, gpu, sphere, without_gpu};
+use crate::common::{actions, arm, column, dwell_for, entry, gpu, sphere, without_gpu};
 use myo_env::{CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
 use myo_model::StaticBox;
 use myo_scalar::Level;

@@ -1,9 +1,8 @@
 //! One list of properties for every backend. A backend is done when it passes.
 
-mod common;
-
-use common::{
-    actions, arm, assert_follows, column, drifting, entry, fast, following, gpu, rollout, short, sphere, steered, swung,
+use crate::common::{
+    actions, arm, assert_follows, column, drifting, driven, entry, fast, following, gpu, rollout, short, sphere,
+    steered, swung,
 };
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
@@ -349,14 +348,14 @@ macro_rules! conformance {
 conformance!(
     cpu: myo_env::CpuEnv, skip if false;
     reference: myo_env::ReferenceEnv, skip if false;
-    gpu: myo_env::GpuEnv, skip if super::common::without_gpu();
+    gpu: myo_env::GpuEnv, skip if crate::common::without_gpu();
 );
 
 /// The backends draw the same integers and agree in floats as far as single precision goes, at every level, in all that a
 /// step returns.
 #[test]
 fn lanes_follow_the_reference() {
-    let made = [following(), drifting(), steered(), swung()];
+    let made = [following(), drifting(), steered(), swung(), driven()];
     let tasks = ["pointing-uitb", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain(made);
     for task in tasks {
         let name = &task.name;

@@ -1,8 +1,6 @@
 //! What it costs to change what is asked of muscles, and that users perceive what they last asked for.
 
-mod common;
-
-use common::{arm, gpu, short, without_gpu};
+use crate::common::{arm, gpu, short, without_gpu};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
 use myo_tasks::Task;

@@ -1,8 +1,6 @@
 //! A share of what movement costs: environments that let it count are those of a task with lower costs, and nothing else about them differs.
 
-mod common;
-
-use common::{arm, gpu, rollout, short, without_gpu};
+use crate::common::{arm, gpu, rollout, short, without_gpu};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, VectorEnv};
 use myo_tasks::Task;

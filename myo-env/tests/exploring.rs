@@ -1,8 +1,6 @@
 //! Exploring starts: what they change, and what they leave alone.
 
-mod common;
-
-use common::{arm, column, entry, fast, rollout, short};
+use crate::common::{arm, column, entry, fast, rollout, short};
 use myo_env::{CpuEnv, EnvConfig, EnvSpec, VectorEnv};
 use myo_tasks::{Pose, Task};
 

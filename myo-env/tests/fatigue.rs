@@ -1,8 +1,6 @@
 //! Fatigue: muscles tire by what they do and do no more than is left of them, on all evaluators, and as long as the task says.
 
-mod common;
-
-use common::{arm, gpu, short, without_gpu};
+use crate::common::{arm, gpu, short, without_gpu};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, VectorEnv};
 use myo_muscle::{Fatigue as Tires, FatigueRates};

@@ -1,8 +1,6 @@
 //! Environments of several groups on a card: those of each are what they are without the others.
 
-mod common;
-
-use common::{arm, gpu, rollout, short, without_gpu};
+use crate::common::{arm, gpu, rollout, short, without_gpu};
 use myo_env::{EnvConfig, GpuEnv, StepStorage, VectorEnv};
 use myo_gpu::Gpu;
 

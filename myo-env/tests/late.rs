@@ -1,8 +1,6 @@
 //! Senses that are late perceive what was there before, and nothing else changes.
 
-mod common;
-
-use common::{arm, gpu, short, without_gpu};
+use crate::common::{arm, gpu, short, without_gpu};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, StepStorage, VectorEnv};
 use myo_tasks::{Perception, Task};

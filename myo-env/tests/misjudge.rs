@@ -1,8 +1,6 @@
 //! Targets that seem to be elsewhere: how far off, and that nothing else changes.
 
-mod common;
-
-use common::{arm, gpu, short, without_gpu};
+use crate::common::{arm, gpu, short, without_gpu};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};
 use myo_tasks::Task;

@@ -1,10 +1,8 @@
 //! Numbers of a task are data: they change without anything being compiled, and what runs afterwards is the other task.
 
-mod common;
-
-use common::{
-    arm, changed, drifting, drifting_with, dwell_for, entry, following, following_with, gpu, rollout, short, shuffled,
-    sphere, steered, steered_with, swung, swung_with, without_gpu,
+use crate::common::{
+    arm, changed, drifting, drifting_with, driven, driven_with, dwell_for, entry, following, following_with, gpu,
+    rollout, short, shuffled, sphere, steered, steered_with, swung, swung_with, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, record};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
@@ -141,6 +139,11 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         ("length: 0.25, knob: 0.24, swings: up", "length: 0.2, knob: 0.15, range_deg: [-90, 30]"),
         ("to_deg: -10, within_deg: 60", "to_deg: 20, within_deg: 5"),
     ];
+    let tuned = [
+        ("springs_back_s: 0.2", "springs_back_s: 0.05"),
+        ("acceleration: 30, drag_per_s: 2", "acceleration: 12, drag_per_s: 0"),
+        ("vehicle: van, into: end, slower_than: 5", "vehicle: van, into: end, slower_than: 2"),
+    ];
     let mut wider = shuffled();
     sphere(&mut wider, "wide").radius = Range::fixed(0.4);
     for (before, task) in [
@@ -152,6 +155,7 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         (drifting(), drifting_with(&drifted)),
         (steered(), steered_with(&aimed)),
         (swung(), swung_with(&bent)),
+        (driven(), driven_with(&tuned)),
     ] {
         let model = arm(&task);
         let lanes = |task| CpuEnv::new(&model, task, &config(21)).unwrap();
@@ -195,6 +199,16 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         ("- swing: {stick: desk.lever, to_deg: 10, within_deg: 50}", "- dwell: {in: desk.ball, for_s: 0.1}"),
     ]);
     assert!(refused(&left, &swung()).ends_with("it asks to swing a stick, and the other did not"));
+    let dwelt = [(
+        "- drive: {stick: lever, vehicle: van, into: end, slower_than: 5}",
+        "- swing: {stick: lever, to_deg: 0, within_deg: 9}",
+    )];
+    let both = [
+        dwelt[0],
+        ("- drive: {stick: lever, vehicle: car, into: place, slower_than: 2}", "- dwell: {in: end, for_s: 0.1}"),
+        ("- drive: {stick: lever, vehicle: car, into: place, slower_than: 1}", "- dwell: {in: end, for_s: 0.1}"),
+    ];
+    assert!(refused(&driven_with(&both), &driven()).ends_with("it asks to drive something, and the other did not"));
     let mut fixed = shuffled();
     let Instruction::RandomOrder(steps) = fixed.script.remove(0) else { panic!("an order") };
     fixed.script.splice(0..0, steps);

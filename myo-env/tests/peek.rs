@@ -1,8 +1,6 @@
 //! A few environments seen without the others, where those lie in several places.
 
-mod common;
-
-use common::{arm, gpu, rollout, short, without_gpu};
+use crate::common::{arm, gpu, rollout, short, without_gpu};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Env, EnvConfig, GpuEnv, Snapshot, Tables, VectorEnv};
 

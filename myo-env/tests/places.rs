@@ -1,8 +1,6 @@
 //! Places that every episode draws: what stands there is as if it had been written there.
 
-mod common;
-
-use common::{arm, drifting, entry, rollout, steered};
+use crate::common::{arm, drifting, entry, rollout, steered};
 use myo_env::{EnvConfig, ReferenceEnv, Snapshot, StepStorage, VectorEnv};
 use myo_tasks::{Item, Range, Region, Task};
 

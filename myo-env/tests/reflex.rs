@@ -1,8 +1,6 @@
 //! Stretch reflexes: muscles that lengthen are excited more, by as much as the task says, and nothing else changes.
 
-mod common;
-
-use common::{arm, gpu, short, without_gpu};
+use crate::common::{arm, gpu, short, without_gpu};
 use myo_dynamics::{CouplingMode, Plan, State, Workspace, step};
 use myo_env::gpu::GpuOptions;
 use myo_env::{Autoreset, CpuEnv, EnvConfig, GpuEnv, ReferenceEnv, StepStorage, VectorEnv};

@@ -1,8 +1,6 @@
 //! What cannot be built is refused with a reason, whatever asks for it.
 
-mod common;
-
-use common::{arm, short, sphere};
+use crate::common::{arm, short, sphere};
 use myo_env::{CpuEnv, EnvConfig};
 use myo_tasks::{Observation, Scene, Task};
 
@@ -50,6 +48,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
         cue: false,
         pause: false,
         drag: false,
+        drive: false,
         steer: false,
         target_normal: false,
         target_kind: false,

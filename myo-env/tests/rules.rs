@@ -1,8 +1,6 @@
 //! Rules of one's own: when they are asked, what they see, and what becomes of what they say.
 
-mod common;
-
-use common::{actions, arm, column, entry, gpu, rollout, without_gpu};
+use crate::common::{actions, arm, column, entry, gpu, rollout, without_gpu};
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, Moment, RULES_COLUMNS, ReferenceEnv, Rules, Skeleton,
     StepStorage, Tables, VectorEnv, Verdict,
@@ -225,7 +223,7 @@ fn saved_states_go_on_under_the_same_rules_alone() {
         );
         let changed = refusal(&Probe { done_at: 0.3, ..PROBE });
         assert!(changed.contains("another version of the task `probed, rules probe`"), "{changed}");
-        let mut script = CpuEnv::new(&model(), &common::short("pointing-uitb"), &config(5)).unwrap();
+        let mut script = CpuEnv::new(&model(), &crate::common::short("pointing-uitb"), &config(5)).unwrap();
         assert!(script.load_state(&saved).is_err());
     }
 }
@@ -234,7 +232,7 @@ fn saved_states_go_on_under_the_same_rules_alone() {
 fn numbers_of_the_task_are_exchanged_under_rules_too() {
     let mut longer = task();
     longer.time_limit_s = 0.7;
-    common::sphere(&mut longer, "ball").radius = myo_tasks::Range::new(0.3, 0.3);
+    crate::common::sphere(&mut longer, "ball").radius = myo_tasks::Range::new(0.3, 0.3);
     for env in &mut everywhere(&PROBE, &config(3)) {
         env.set_task(&longer).unwrap();
         assert_eq!(env.spec().max_episode_steps, 14);
@@ -242,7 +240,7 @@ fn numbers_of_the_task_are_exchanged_under_rules_too() {
         env.reset(None, None, &mut first).unwrap();
         assert!(observed(env.as_ref(), &first, "ball_radius").iter().all(|radius| (radius - 0.3).abs() < 1e-6));
         assert!(rollout(env.as_mut(), 14).pop().unwrap().truncated[0]);
-        let other = Task { scene: common::short("pointing-uitb").scene, ..task() };
+        let other = Task { scene: crate::common::short("pointing-uitb").scene, ..task() };
         let refusal = env.set_task(&other).unwrap_err();
         assert!(matches!(&refusal, EnvError::OtherTask { what } if what.contains("spheres instead of 1")), "{refusal}");
     }
@@ -277,7 +275,7 @@ fn rules_that_contradict_themselves_and_what_they_cannot_judge_are_refused_by_na
 #[test]
 fn rules_stand_in_the_place_of_a_script() {
     let mut with_script = task();
-    with_script.script = common::short("pointing-single").script;
+    with_script.script = crate::common::short("pointing-single").script;
     let text = serde_json::to_string(&with_script.script).unwrap();
     assert!(text.contains("dwell"), "{text}");
     let [mut with, mut without] =
@@ -318,6 +316,6 @@ fn saved_states_are_looked_into_with_their_tables() {
     let saved = env.save_state().unwrap();
     let moment = myo_env::Snapshot::read(env.tables(), &saved, 1).unwrap();
     assert_eq!(moment.remembered, [3.0]);
-    let others = Tables::<f64>::exact(&model(), &common::short("pointing-uitb")).unwrap();
+    let others = Tables::<f64>::exact(&model(), &crate::common::short("pointing-uitb")).unwrap();
     assert!(myo_env::Snapshot::read(&others, &saved, 1).is_err());
 }

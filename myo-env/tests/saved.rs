@@ -1,8 +1,6 @@
 //! Looking into saved states, and seeds for single environments.
 
-mod common;
-
-use common::{fast, shuffled};
+use crate::common::{fast, shuffled};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, ReferenceEnv, Snapshot, StepStorage, VectorEnv, reseed};
 use myo_model::{Model, builtin};
 use myo_tasks::{Task, preset, preset_names};

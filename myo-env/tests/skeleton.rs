@@ -1,8 +1,6 @@
 //! Poses of states: they are those of the physics.
 
-mod common;
-
-use common::{arm, entry, rollout, short, shuffled};
+use crate::common::{arm, entry, rollout, short, shuffled};
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Obstacles, Workspace, step};
 use myo_env::{EnvConfig, EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, StepStorage, VectorEnv};

@@ -1,8 +1,6 @@
 //! What an episode tells of the constraint solver.
 
-mod common;
-
-use common::{arm, column, gpu, rollout, short, without_gpu};
+use crate::common::{arm, column, gpu, rollout, short, without_gpu};
 use myo_env::{CpuEnv, EnvConfig, GpuEnv, StepStorage, VectorEnv};
 
 const ENVS: usize = 21;

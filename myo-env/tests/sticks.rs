@@ -1,8 +1,6 @@
 //! Sticks that the arm swings: what is seen of them, and that their knobs stay on their circles.
 
-mod common;
-
-use common::{arm, entry, rollout, swung};
+use crate::common::{arm, entry, rollout, swung};
 use myo_env::{EnvConfig, ReferenceEnv, Skeleton, VectorEnv};
 
 const ENVS: usize = 32;

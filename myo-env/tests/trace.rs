@@ -1,8 +1,6 @@
 //! Every physics step of a control step, as those see it who measure movements.
 
-mod common;
-
-use common::{arm, fast, short};
+use crate::common::{arm, fast, short};
 use myo_env::{CpuEnv, EnvConfig, StepStorage, TraceSample, VectorEnv};
 use myo_tasks::Task;
 

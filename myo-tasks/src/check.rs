@@ -331,10 +331,12 @@ fn look(flat: &FlatTask, index: usize, object: &Object, reach: &dyn Reach) -> Un
 /// Angles (rad) that the knob goes through from where it stands at first to where steps want it.
 fn swept(flat: &FlatTask, index: usize, stick: &Stick) -> Range {
     let wanted = flat.steps_of(index).filter_map(|step| match step.action {
-        Action::Swing { to, .. } => Some(to),
+        Action::Swing { to, .. } => Some(Range::fixed(to)),
+        // Who drives may need all of it.
+        Action::Drive { .. } => Some(stick.range),
         _ => None,
     });
-    wanted.fold(stick.start, |Range { min, max }, to| Range::new(min.min(to), max.max(to)))
+    wanted.fold(stick.start, |Range { min, max }, to| Range::new(min.min(to.min), max.max(to.max)))
 }
 
 /// A sphere counts as reached when the fingertip gets inside it: its centre may be out of reach by less than the radius.

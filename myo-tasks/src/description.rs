@@ -354,6 +354,8 @@ pub struct Observation {
     /// Whether the handle of the current slider, or the knob of the current stick, is held, 1 or 0, and the way it must go, in m; in tasks with
     /// sliders or sticks. Default true.
     pub drag: bool,
+    /// From the current vehicle to where it must stop, in m, and its speed, in m/s; in tasks in which something is driven. Default true.
+    pub drive: bool,
     /// From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and whether it is within the
     /// way: 1 or 0; in tasks with ways. Default true.
     pub steer: bool,
@@ -488,7 +490,7 @@ impl Stimulus {
 
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 26] {
+    pub fn parts(&self) -> [(&'static str, bool); 27] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
@@ -513,6 +515,7 @@ impl Observation {
             ("cue", self.cue),
             ("pause", self.pause),
             ("drag", self.drag),
+            ("drive", self.drive),
             ("steer", self.steer),
             ("nearest_obstacle", self.nearest_obstacle),
             ("traits", self.traits),
@@ -606,6 +609,7 @@ impl Default for Observation {
             cue: true,
             pause: true,
             drag: true,
+            drive: true,
             steer: true,
             nearest_obstacle: false,
             traits: false,

@@ -195,6 +195,15 @@ pub enum Action {
         /// How far off that it may be (rad).
         within: f64,
     },
+    /// To take hold of a stick's knob, and drive something with it to where it must stop.
+    Drive {
+        /// Index of the sphere that is driven.
+        vehicle: usize,
+        /// Index of the sphere in which its middle must stop.
+        into: usize,
+        /// How slow it must be there (m/s).
+        slower_than: f64,
+    },
     /// To go straight to a sphere from another without leaving a way.
     Steer {
         /// Index of the sphere where the way begins.
@@ -256,6 +265,9 @@ impl FlatTask {
             _ if self.object(step).is_target() => name,
             (Action::Drag { to, .. }, Shape::Slider(slider)) => format!("drag {name} to {}", rounded(slider.value(to))),
             (Action::Swing { to, .. }, _) => format!("swing {name} to {} degrees", rounded(to.to_degrees())),
+            (Action::Drive { vehicle, into, .. }, _) => {
+                format!("drive {} into {}", self.objects[vehicle].name, self.objects[into].name)
+            }
             (action, _) => action.with(&name),
         }
     }
@@ -299,6 +311,7 @@ impl Action {
             Self::Track(_) => format!("track {name}"),
             Self::Drag { .. } => format!("drag {name}"),
             Self::Swing { .. } => format!("swing {name}"),
+            Self::Drive { .. } => format!("drive with {name}"),
             Self::Steer { .. } => format!("steer to {name}"),
             Self::Press => format!("press {name}"),
             Self::PressAndRelease => format!("press and release {name}"),
@@ -323,7 +336,7 @@ impl Step {
         match self.action {
             Action::Dwell(seconds) | Action::Follow(seconds) | Action::Track(seconds) => Some(seconds),
             // The end of a way is a sphere, and so is a knob, where nobody needs to stay.
-            Action::Steer { .. } | Action::Swing { .. } => Some(0.0),
+            Action::Steer { .. } | Action::Swing { .. } | Action::Drive { .. } => Some(0.0),
             Action::Press | Action::PressAndRelease | Action::Drag { .. } => None,
         }
     }

@@ -35,6 +35,7 @@ instructions! {
     "press_and_release" => PressAndRelease, "NAME";
     "drag" => Drag, "{slider: NAME, to: 70, within: 2}";
     "swing" => Swing, "{stick: NAME, to_deg: 30, within_deg: 3}";
+    "drive" => Drive, "{stick: NAME, vehicle: NAME, into: NAME}";
     "follow" => Follow, "{target: NAME, for_s: 3}";
     "track" => Track, "{target: NAME, for_s: 10}";
     "steer" => Steer, "{through: [NAME, NAME], width: 0.03}";

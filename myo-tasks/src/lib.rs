@@ -74,7 +74,8 @@ pub use layout::SourceLocation;
 pub use load::{SCHEMA_HINT, Source, load};
 pub use load_error::{BadValue, LoadError};
 pub use motion::{
-    CircularMotion, LinearMotion, Motion, Path, PathSines, PathWave, RandomMotion, SinesMotion, Wave, Waves,
+    CircularMotion, DrivenMotion, LinearMotion, Motion, Path, PathDriven, PathSines, PathWave, RandomMotion,
+    SinesMotion, Wave, Waves,
 };
 pub use motor::{Fatigue, Noise, Reflex};
 pub use notation::{Name, Pitch, Place};
@@ -84,7 +85,7 @@ pub use remedy::{Move, Remedy};
 pub use report::{Element, HeldPlace, InvalidTask, Report, TaskError, TaskWarning};
 pub use scene::{Arc, ButtonItem, Circle, Grid, Group, Item, Keyboard, Letters, ObstacleItem, Scene, SphereItem};
 pub use schema::task_schema;
-pub use script::{Drag, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
+pub use script::{Drag, Drive, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
 pub use slider::{Direction, Slider, SliderItem};
 pub use stick::{Stick, StickItem};
 pub use target::{Pointing, Pressing, Region, TARGETS_MAX, Target};

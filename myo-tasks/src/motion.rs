@@ -12,6 +12,9 @@ use crate::scene::{is_zero, tilted_and_turned};
 use crate::target::{LENGTH, TILT, TURN, on_one_line};
 
 const EXCURSION: Quantity = Quantity::between(-2.0, 2.0, "m");
+const WAY: Quantity = Quantity::between(-100.0, 100.0, "m");
+const ACCELERATION: Quantity = Quantity::between(0.01, 1000.0, "m/s^2");
+const DRAG: Quantity = Quantity::between(0.0, 100.0, "per s");
 const FREQUENCY: Quantity = Quantity::between(0.001, 5.0, "Hz");
 const PERIOD: Quantity = Quantity::between(0.2, 600.0, "s");
 /// Waves of each axis that are drawn.
@@ -35,6 +38,8 @@ pub enum Motion {
     Random(RandomMotion),
     /// Sine waves that are drawn anew for every episode, slow ones and fast ones.
     Sines(SinesMotion),
+    /// As a stick drives it, like a car on rails.
+    Driven(DrivenMotion),
 }
 
 /// Round and round on a circle about the sphere's place.
@@ -139,6 +144,30 @@ pub struct SinesMotion {
     pub up_to_hz: f64,
 }
 
+/// Along a line, as a stick drives it (`drive` in the script): the stick accelerates it, and by itself it comes to a stop. It stands still at its
+/// place when an episode begins, and while no step asks to drive it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema, Validate)]
+#[serde(deny_unknown_fields)]
+pub struct DrivenMotion {
+    /// How far it may go from its place to either side, `[x, y, z]` in m; this way where the angle of the stick rises.
+    #[serde(serialize_with = "on_one_line")]
+    #[garde(inner(custom(WAY.rule())))]
+    #[schemars(transform = WAY.schema())]
+    pub by: [f64; 3],
+
+    /// Its acceleration where the stick is as far from 0 as it goes, in m/s^2; less in proportion where it is not. Default 2.
+    #[serde(default = "brisk")]
+    #[garde(custom(ACCELERATION.rule()))]
+    #[schemars(transform = ACCELERATION.schema())]
+    pub acceleration: f64,
+
+    /// The share of its speed that it would lose in a second, per s, so that `acceleration / drag_per_s` is its greatest speed in m/s. Default 1.
+    #[serde(default = "one")]
+    #[garde(custom(DRAG.rule()))]
+    #[schemars(transform = DRAG.schema())]
+    pub drag_per_s: f64,
+}
+
 /// A path as waves: at time `t` (s) the centre is off its place by the sum of `cosine cos(angle) + sine sin(angle)`, where
 /// `angle = rate t + phase` and every episode draws the phase of every wave.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,6 +176,19 @@ pub struct Path {
     pub waves: Vec<PathWave>,
     /// Those that every episode draws.
     pub sines: Option<PathSines>,
+    /// How a stick drives it, in place of waves.
+    pub driven: Option<PathDriven>,
+}
+
+/// A line along which a stick drives something, see [`DrivenMotion`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathDriven {
+    /// How far it goes one way; as far the other way (m, world axes).
+    pub by: [f64; 3],
+    /// Acceleration where the stick is as far from 0 as it goes (m/s^2).
+    pub acceleration: f64,
+    /// Share of the speed that is lost by time (1/s).
+    pub drag: f64,
 }
 
 /// Waves of a path that every episode draws, see [`SinesMotion`].
@@ -194,11 +236,17 @@ impl Motion {
                 let axes = axes.map(|axis| (rotation * Vector3::from(axis) * scale).into());
                 let moves = sines.by.iter().any(|x| *x != 0.0);
                 let sines = PathSines { axes, rate: TAU * sines.up_to_hz };
-                return moves.then_some(Path { waves: vec![], sines: Some(sines) });
+                return moves.then_some(Path { waves: vec![], sines: Some(sines), driven: None });
+            }
+            Self::Driven(DrivenMotion { by, acceleration, drag_per_s }) => {
+                let way: [f64; 3] = (rotation * Vector3::from(*by) * scale).into();
+                let driven = PathDriven { by: way, acceleration: *acceleration, drag: *drag_per_s };
+                let moves = by.iter().any(|x| *x != 0.0);
+                return moves.then_some(Path { waves: vec![], sines: None, driven: Some(driven) });
             }
         };
         let moves = |wave: &PathWave| wave.cosine.iter().chain(&wave.sine).any(|x| *x != 0.0);
-        waves.iter().any(moves).then_some(Path { waves, sines: None })
+        waves.iter().any(moves).then_some(Path { waves, sines: None, driven: None })
     }
 }
 
@@ -230,8 +278,14 @@ impl Path {
 
     /// No point of it is farther off its place along an axis (m).
     pub fn farthest(&self, axis: usize) -> f64 {
-        let drawn = self.sines.iter().flat_map(|sines| sines.axes).map(|own| own[axis].abs());
+        let drawn = self.ways().map(|own| own[axis].abs());
         self.waves.iter().map(|wave| wave.cosine[axis].hypot(wave.sine[axis])).chain(drawn).sum()
+    }
+
+    /// Ways along which it goes to either side, besides its waves (m).
+    fn ways(&self) -> impl Iterator<Item = [f64; 3]> {
+        let drawn = self.sines.into_iter().flat_map(|sines| sines.axes);
+        drawn.chain(self.driven.map(|driven| driven.by))
     }
 
     /// Places that it comes to, off its own (m): where all waves go the same way, and the farthest along every axis.
@@ -242,10 +296,17 @@ impl Path {
             let phase = |wave: &PathWave| wave.sine[axis].atan2(wave.cosine[axis]) + TAU * turn;
             self.waves.iter().map(phase).collect()
         });
-        let drawn = self.sines.iter().flat_map(|sines| sines.axes);
-        let drawn = drawn.flat_map(|axis| [axis, axis.map(|x| -x)]);
+        let drawn = self.ways().flat_map(|axis| [axis, axis.map(|x| -x)]);
         together.chain(farthest).map(|phases: Vec<f64>| self.offset(0.0, &phases)).chain(drawn).collect()
     }
+}
+
+fn brisk() -> f64 {
+    2.0
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 fn upright() -> f64 {
@@ -268,6 +329,7 @@ impl Validate for Motion {
             Self::Waves(motion) => motion.validate_into(ctx, parent, report),
             Self::Random(motion) => motion.validate_into(ctx, parent, report),
             Self::Sines(motion) => motion.validate_into(ctx, parent, report),
+            Self::Driven(motion) => motion.validate_into(ctx, parent, report),
         }
     }
 }

@@ -23,7 +23,8 @@ presets!(
     "wall-ray",
     "pointing-uitb",
     "tracking-uitb",
-    "choice-uitb"
+    "choice-uitb",
+    "driving-uitb"
 );
 
 /// Names of the presets.

@@ -25,6 +25,8 @@ pub enum Instruction {
     Drag(Drag),
     /// Swing a stick to an angle and leave its knob there: `swing: {stick: lever, to_deg: 30, within_deg: 3}`.
     Swing(Swing),
+    /// Drive a sphere with a stick into another sphere, and stop it there: `drive: {stick: lever, vehicle: car, into: garage}`.
+    Drive(Drive),
     /// Stay with moving spheres for a time: `follow: {target: ball, for_s: 3}`.
     Follow(Follow),
     /// Keep to moving spheres as well as one can for a time: `track: {target: ball, for_s: 10}`.
@@ -81,6 +83,21 @@ pub struct Swing {
     pub to_deg: f64,
     /// How far off the angle may be when the knob is left, in degrees.
     pub within_deg: f64,
+}
+
+/// Something to be driven with a stick.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// Name of the stick whose knob is held and moved.
+    pub stick: Name,
+    /// Name of the sphere that it drives, whose motion (`moves`) is `driven`.
+    pub vehicle: Name,
+    /// Name of the sphere in which the middle of the vehicle must come to a stop.
+    pub into: Name,
+    /// How slow it must be there, in m/s, from 0.001 to 10. Default 0.05.
+    #[serde(default = "nearly_still")]
+    pub slower_than: f64,
 }
 
 /// Moving spheres to stay with.
@@ -152,6 +169,10 @@ pub struct Repeat {
 /// One or several names, in a file `slot`, `3` or `[1, 3, 3, 5]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names(pub Vec<Name>);
+
+fn nearly_still() -> f64 {
+    0.05
+}
 
 impl Serialize for Names {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,13 +1,15 @@
 //! From the script of a file to every step.
 
 use myo_model::Nearest;
+use nalgebra::Vector3;
 
 use crate::expand::{Builder, STEPS_MAX, join, with_article};
-use crate::flat::{Action, Cue, Object, Order, Shape, Step};
+use crate::flat::{Action, Cue, Object, Order, Shape, Sphere, Step};
+use crate::motion::Path;
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::range::Range;
-use crate::script::{Drag, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
+use crate::script::{Drag, Drive, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
 use crate::spoken::spoken;
 use crate::target::DWELL;
 use crate::technique::Technique;
@@ -15,6 +17,7 @@ use crate::technique::Technique;
 /// Most steps that change places with each other: each is told from every other in one line of code.
 const ORDER_MAX: usize = 32;
 const WIDTH: Quantity = Quantity::between(0.002, 4.0, "m");
+const SPEED: Quantity = Quantity::between(0.001, 10.0, "m/s");
 const WAIT: Quantity = Quantity::between(0.0, 600.0, "s");
 
 impl Builder {
@@ -61,6 +64,7 @@ impl Builder {
                 }
                 Instruction::Drag(drag) => self.drag(drag, &format!("{path}.drag")),
                 Instruction::Swing(swing) => self.swing(swing, &format!("{path}.swing")),
+                Instruction::Drive(drive) => self.drive(drive, &format!("{path}.drive")),
                 Instruction::Follow(Follow { target, for_s }) => {
                     self.follow(target, *for_s, Action::Follow, &format!("{path}.follow"));
                 }
@@ -120,6 +124,9 @@ impl Builder {
             let path_of = format!("{path}.target");
             for object in self.find(&name.0, &path_of) {
                 match self.flat.objects[object].sphere() {
+                    Some(Sphere { path: Some(Path { driven: Some(_), .. }), .. }) => {
+                        self.refuse_object(&path_of, object, |_| "moves only while it is driven; `drive` it".into());
+                    }
                     Some(sphere) if sphere.path.is_some() => self.step(object, action(for_s), path),
                     Some(_) => {
                         self.refuse_object(&path_of, object, |_| "does not move (`moves`); `dwell` in it".into())
@@ -156,12 +163,59 @@ impl Builder {
             };
             let ([least, most], (to, within)) =
                 ([stick.range.min, stick.range.max].map(in_degrees), (swing.to_deg, swing.within_deg));
+            if stick.springs_back_s.is_some() && swing.to_deg.abs() > swing.within_deg {
+                let problem = "springs back to 0 degrees when it is left; leave `springs_back_s` out".into();
+                return self.refuse_object(&format!("{path}.stick"), object, |_| problem);
+            }
             let goes = format!("the stick swings from {least} to {most} degrees");
             if let Some((field, problem)) = bad_goal((to, within), [least, most], &goes) {
                 return self.refuse_value(&format!("{path}.{field}_deg"), problem);
             }
             self.step(object, Action::Swing { to: to.to_radians(), within: within.to_radians() }, path);
         }
+    }
+
+    fn drive(&mut self, drive: &Drive, path: &str) {
+        if let Err(problem) = SPEED.check(drive.slower_than) {
+            return self.refuse(&format!("{path}.slower_than"), "the speed", problem.message().to_owned());
+        }
+        let names = [("stick", &drive.stick), ("vehicle", &drive.vehicle), ("into", &drive.into)];
+        let [stick, vehicle, into] = names.map(|(field, name)| self.only(&name.0, &format!("{path}.{field}")));
+        let (Some(stick), Some(vehicle), Some(into)) = (stick, vehicle, into) else { return };
+        if !matches!(self.flat.objects[stick].shape, Shape::Stick(_)) {
+            let path = format!("{path}.stick");
+            return self.refuse_object(&path, stick, |kind| format!("is {kind}; only sticks drive something"));
+        }
+        let Some(Sphere { path: Some(Path { driven: Some(driven), .. }), .. }) = self.flat.objects[vehicle].sphere()
+        else {
+            let problem = "cannot be driven; take a sphere with `moves: {kind: driven, by: [0, 1, 0]}`".into();
+            return self.refuse_object(&format!("{path}.vehicle"), vehicle, |_| problem);
+        };
+        let place = self.flat.objects[into].sphere().filter(|sphere| sphere.path.is_none());
+        let Some(place) = place else {
+            let problem = "is no place to stop in; take a sphere that stands still".into();
+            return self.refuse_object(&format!("{path}.into"), into, |_| problem);
+        };
+        let beside = farthest_beside([&self.flat.objects[vehicle], &self.flat.objects[into]], driven.by);
+        if beside >= place.radius.min {
+            let name = self.name(vehicle);
+            let problem = format!(
+                "may be {beside:.3} m beside the way of `{name}`, more than its radius, {:.3} m; put it on the way, or make it larger",
+                place.radius.min
+            );
+            return self.refuse_object(&format!("{path}.into"), into, |_| problem);
+        }
+        self.step(stick, Action::Drive { vehicle, into, slower_than: drive.slower_than }, path);
+    }
+
+    /// The object of this name, which must be one alone.
+    fn only(&mut self, name: &str, path: &str) -> Option<usize> {
+        let found = self.find(name, path);
+        if found.len() > 1 {
+            let problem = format!("is {} objects; name one of them", found.len());
+            self.refuse(path, &format!("`{name}`"), problem);
+        }
+        (found.len() == 1).then(|| found[0])
     }
 
     fn steer(&mut self, steer: &Steer, path: &str) {
@@ -476,4 +530,20 @@ fn bad_goal((to, within): (f64, f64), [least, most]: [f64; 2], goes: &str) -> Op
 /// Degrees without what binary fractions leave at the end.
 fn in_degrees(radians: f64) -> f64 {
     (radians.to_degrees() * 1e9).round() / 1e9
+}
+
+/// How far (m) a place may be beside the way of a vehicle that goes so far (m) to either side, wherever an episode draws both.
+fn farthest_beside([vehicle, place]: [&Object; 2], by: [f64; 3]) -> f64 {
+    let by = Vector3::from(by);
+    let beside = |from: [f64; 3], to: [f64; 3]| {
+        let off = Vector3::from(to) - Vector3::from(from);
+        (off - by * (off.dot(&by) / by.norm_squared()).clamp(-1.0, 1.0)).norm()
+    };
+    // What is moved as one keeps its distance.
+    let corners = |object: &Object| {
+        if vehicle.shift == place.shift { object.region().corners().to_vec() } else { object.corners() }
+    };
+    let (from, to) = (corners(vehicle), corners(place));
+    let ways = from.iter().flat_map(|from| to.iter().map(|to| (*from, *to)));
+    ways.map(|(from, to)| beside(from, to)).fold(0.0, f64::max)
 }

@@ -14,6 +14,7 @@ use crate::scene::{Frame, is_zero};
 use crate::slider::Direction;
 use crate::target::{LENGTH, Region, TILT, TURN};
 
+const SPRING: Quantity = Quantity::between(0.01, 10.0, "s");
 pub(crate) const ANGLE: Quantity = Quantity::between(-180.0, 180.0, "deg");
 
 /// A stick on a hinge, such as a lever or a switch: its knob is taken hold of by pointing into it, follows the pointer on its circle,
@@ -50,11 +51,17 @@ pub struct StickItem {
     pub range_deg: [f64; 2],
 
     /// How it stands when an episode begins, in degrees: a number, or `[min, max]`, drawn anew for every episode. Without it: at
-    /// the smaller end.
+    /// the smaller end, or at 0 where it springs back.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[garde(inner(custom(ANGLE.range_rule())))]
     #[schemars(transform = ANGLE.schema())]
     pub angle_deg: Option<Range>,
+
+    /// Of a stick that goes back to 0 by a spring when it is left: how long it takes for two thirds of the way, in s. Without it, it stays where it is left.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(inner(custom(SPRING.rule())))]
+    #[schemars(transform = SPRING.schema())]
+    pub springs_back_s: Option<f64>,
 
     /// Where what it stands on looks, in degrees: 0 up, like a table; 90 towards the user, like a wall. Default 0.
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -84,6 +91,8 @@ pub struct Stick {
     pub range: Range,
     /// How it stands when an episode begins.
     pub start: Range,
+    /// How long it takes (s) until it is back at 0 but for a share of 1/e; none where it stays where it is left.
+    pub springs_back_s: Option<f64>,
 }
 
 impl StickItem {
@@ -93,10 +102,16 @@ impl StickItem {
     /// The field that is wrong, and what is wrong with it.
     pub(crate) fn placed(&self, frame: Frame) -> Result<Stick, (&'static str, String)> {
         let [least, most] = self.range_deg;
-        let angle = self.angle_deg.unwrap_or(Range::fixed(least));
+        let angle = self.angle_deg.unwrap_or(Range::fixed(if self.springs_back_s.is_some() { 0.0 } else { least }));
         if angle.min < least || angle.max > most {
             let wrong = if angle.min < least { angle.min } else { angle.max };
             return Err(("angle_deg", format!("is {wrong}; its `range_deg` goes from {least} to {most}")));
+        }
+        if self.springs_back_s.is_some() && (least > 0.0 || most < 0.0) {
+            return Err((
+                "range_deg",
+                format!("goes from {least} to {most}; a stick springs back to 0, which must be within"),
+            ));
         }
         if self.knob >= self.length {
             let Self { knob, length, .. } = self;
@@ -111,6 +126,7 @@ impl StickItem {
             knob: frame.scale * self.knob,
             range: radians(Range::new(least, most)),
             start: radians(angle),
+            springs_back_s: self.springs_back_s,
         })
     }
 }

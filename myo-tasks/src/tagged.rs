@@ -9,7 +9,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeSeed, Error, IntoDeserializer, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::motion::{CircularMotion, LinearMotion, Motion, RandomMotion, SinesMotion, Waves};
+use crate::motion::{CircularMotion, DrivenMotion, LinearMotion, Motion, RandomMotion, SinesMotion, Waves};
 use crate::scene::{Arc, ButtonItem, Circle, Grid, Group, Item, Keyboard, ObstacleItem, SphereItem};
 use crate::slider::SliderItem;
 use crate::stick::StickItem;
@@ -74,7 +74,8 @@ tagged!(Item, "an object", ItemInAnyOrder, ItemVisitor:
     "stick" => Stick(StickItem), "obstacle" => Obstacle(ObstacleItem),
     "group" => Group(Group), "grid" => Grid(Grid), "arc" => Arc(Arc), "circle" => Circle(Circle), "keyboard" => Keyboard(Keyboard));
 tagged!(Motion, "a motion", MotionInAnyOrder, MotionVisitor:
-    "circle" => Circle(CircularMotion), "line" => Line(LinearMotion), "waves" => Waves(Waves), "random" => Random(RandomMotion), "sines" => Sines(SinesMotion));
+    "circle" => Circle(CircularMotion), "line" => Line(LinearMotion), "waves" => Waves(Waves), "random" => Random(RandomMotion), "sines" => Sines(SinesMotion),
+    "driven" => Driven(DrivenMotion));
 
 /// A technique that is given by keys and values.
 pub(crate) enum TechniqueMap {

@@ -1,8 +1,6 @@
 //! When the fingertip came to its target, against movements made by hand.
 
-mod common;
-
-use common::version_1;
+use crate::common::version_1;
 use myo_tasks::logic::{CompiledTask, Contact, Goal, Landmarks, Point, Sensed, Stay, TaskState, advance};
 use myo_tasks::{Pointing, Pressing, Range, Region, Target, Task};
 

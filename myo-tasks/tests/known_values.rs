@@ -1,10 +1,8 @@
 //! Distances, rewards and counts against values worked out by hand.
 
-mod common;
-
-use common::version_1;
+use crate::common::version_1;
 use myo_tasks::logic::{
-    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, Progress, Sensed, Stay, Steering, TaskState, Tracking,
+    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, Progress, Ride, Sensed, Stay, Steering, TaskState, Tracking,
     advance, distance_to_goal, inside, remaining_path, reward,
 };
 use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task};
@@ -57,6 +55,7 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
         value: 0.0,
         steering: Steering::new(),
         hold: Hold { angle: 0.0, held: 0.0 },
+        ride: Ride { along: 0.0, speed: 0.0 },
         passed: 0.0,
         cursor: [0.0; 2],
     };

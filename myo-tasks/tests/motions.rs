@@ -1,8 +1,6 @@
 //! Objects that move, handles that are dragged, steps that must be waited for, and techniques.
 
-mod common;
-
-use common::run::{OFF, Run, SUBSTEPS, refusal, task, text};
+use crate::common::run::{OFF, Run, SUBSTEPS, refusal, task, text};
 use myo_tasks::logic::{CompiledTask, Goal, Landmarks, Pointer, centre_ahead, remember};
 use myo_tasks::{Action, Task, check};
 

@@ -1,8 +1,6 @@
 //! Orders other than that of the script, what is shown of it, and wrong presses that must be corrected.
 
-mod common;
-
-use common::run::{Deed, OFF, Run, SUBSTEPS, refusal, task, text};
+use crate::common::run::{Deed, OFF, Run, SUBSTEPS, refusal, task, text};
 use myo_tasks::logic::{Goal, remember};
 use myo_tasks::{Order, Stimulus};
 

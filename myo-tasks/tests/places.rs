@@ -1,8 +1,6 @@
 //! Groups and boxes whose place is drawn anew for every episode, and arcs.
 
-mod common;
-
-use common::run::{Run, refusal, task, text};
+use crate::common::run::{Run, refusal, task, text};
 use myo_tasks::{FlatTask, Reach, Task, check};
 
 /// A panel on the wall, somewhere to the left or right and nearer or farther, with two keys and a spot on it, and a lamp that stands

@@ -1,10 +1,8 @@
 //! The tasks that come with the library, and reading and writing in general.
 
-mod common;
-
 use std::path::Path;
 
-use common::{VERSION_1, version_1};
+use crate::common::{VERSION_1, version_1};
 use myo_tasks::{
     Anywhere, LoadError, Pointing, Range, Region, SCHEMA_HINT, Target, Task, User, check, load, preset, preset_names,
     preset_text, rounded_steps, task_schema,
@@ -50,6 +48,7 @@ fn presets_have_the_published_values() {
     assert_eq!(shape("public-display"), ("BBBB".into(), 4.0));
     assert_eq!(shape("tracking-uitb"), ("SS".into(), 12.0));
     assert_eq!(shape("choice-uitb"), ("B".repeat(10), 40.0));
+    assert_eq!(shape("driving-uitb"), ("B".into(), 10.0));
     // People take their time.
     assert_eq!(shape("pointing"), ("SSSSSSSSSS".into(), 20.0));
     assert_eq!(shape("mobile-typing"), ("SSSSS".into(), 8.0));

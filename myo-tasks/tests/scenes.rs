@@ -1,8 +1,6 @@
 //! Scenes and scripts: what stands where, what is to do with it, and what is refused.
 
-mod common;
-
-use common::{VERSION_1, version_1};
+use crate::common::{VERSION_1, version_1};
 use myo_tasks::logic::{CompiledTask, Contact, Goal, Landmarks, Sensed, Stay, TaskState, advance};
 use myo_tasks::{Action, Anywhere, FlatTask, Source, Task, User, preset, preset_text};
 

@@ -1,8 +1,6 @@
 //! Ways between spheres that must not be left.
 
-mod common;
-
-use common::run::{Deed, Run, SUBSTEPS, refusal, task, text};
+use crate::common::run::{Deed, Run, SUBSTEPS, refusal, task, text};
 use myo_tasks::logic::{Goal, begins_at};
 use myo_tasks::{Action, Task};
 

@@ -1,8 +1,6 @@
 //! Sticks on hinges whose knobs are swung.
 
-mod common;
-
-use common::run::{Deed, OFF, Run, SUBSTEPS, refusal, task, text};
+use crate::common::run::{Deed, OFF, Run, SUBSTEPS, refusal, task, text};
 use myo_tasks::logic::{Goal, centre_ahead};
 use myo_tasks::{Action, Anywhere, Reach, Shape, Stick, TaskError, check};
 

@@ -1,8 +1,6 @@
 //! What counts as a press, what touching costs, and what an error costs.
 
-mod common;
-
-use common::run::{SUBSTEPS, task};
+use crate::common::run::{SUBSTEPS, task};
 use myo_tasks::Task;
 use myo_tasks::logic::{CompiledTask, Contact, Goal, Landmarks, Sensed, Stay, TaskState, advance};
 

@@ -7,7 +7,7 @@ use crate::trace::record;
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
-use myo_tasks::logic::{self, Goal, Hold, Landmarks, Stay, Steering, TaskState};
+use myo_tasks::logic::{self, Goal, Hold, Landmarks, Ride, Stay, Steering, TaskState};
 
 /// Looks at every physics step of a control step.
 pub trait Watch<S: Scalar> {
@@ -82,6 +82,7 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             value,
             steering,
             hold,
+            ride,
             passed,
             cursor,
         } = &mut self.stay;
@@ -102,6 +103,10 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
         if kinds.swing {
             let Hold { angle, held } = hold;
             visitor.numbers([angle, held]);
+        }
+        if kinds.drive {
+            let Ride { along, speed } = ride;
+            visitor.numbers([along, speed]);
         }
         if kinds.release {
             visitor.numbers([let_go, down, landed, grounded, wrong_presses]);

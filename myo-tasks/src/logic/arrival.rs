@@ -3,7 +3,7 @@
 //! When the fingertip got there, how long it stayed, and whether it pressed and let go, is followed at every physics step. So what
 //! counts, and when the fingertip came for it, knows nothing of the control step; only the next step of the task waits for its end.
 
-use super::{CompiledTask, Contact, Goal, Hold, Point, Steering, TaskState, Tracking, difference, dot};
+use super::{CompiledTask, Contact, Goal, Hold, Point, Ride, Steering, TaskState, Tracking, difference, dot};
 use myo_scalar::{Mask, Scalar};
 
 /// What the fingertip did with the current object, up to a physics step.
@@ -19,8 +19,8 @@ pub struct Stay<S> {
     /// Sum over the physics steps of the control step of the squared force of all contacts (N^2), where that costs something; else zero.
     pub squared_force: S,
     /// Physics steps from the arrival for what first counted within the control step until now, zero where nothing did: from the onset
-    /// of the contact that pressed the button, from the beginning of the stay that completed the dwell, from the end of a way or of a
-    /// swing, or from the first entry into what is followed.
+    /// of the contact that pressed the button, from the beginning of the stay that completed the dwell, from the end of a way, of a swing
+    /// or of a drive, or from the first entry into what is followed.
     pub pressed: S,
     /// One where the button was pressed, and let go within the control step.
     pub let_go: S,
@@ -38,6 +38,8 @@ pub struct Stay<S> {
     pub steering: Steering<S>,
     /// How the current stick stands.
     pub hold: Hold<S>,
+    /// Where the current vehicle is.
+    pub ride: Ride<S>,
     /// Physics steps of the control step that have passed.
     pub passed: S,
     /// See [`TaskState::cursor`]; zeros where there is none.
@@ -66,6 +68,7 @@ impl<S: Scalar> Stay<S> {
             value,
             steering,
             hold: Hold::new(state, goal.swing.as_ref()),
+            ride: Ride::new(goal.drive.as_ref()),
             passed: o,
             cursor: state.cursor.unwrap_or([o; 2]),
         }
@@ -114,10 +117,13 @@ impl<S: Scalar> Stay<S> {
             on = on | tracks_now;
         }
         if let Some(swing) = &goal.swing {
-            let [is_held, is_left] = self.hold.follow(swing, pointer, goal.lit());
+            let [is_held, is_left] = self.hold.follow(swing, pointer, goal.lit(), share);
             inside = inside & !swing.is_swing;
             on = is_held | inside;
             arrives = arrives | is_left;
+        }
+        if let (Some(drive), Some(control_s)) = (&goal.drive, task.control_s) {
+            arrives = arrives | self.ride.follow(drive, &self.hold, control_s * S::lit(share));
         }
         let mut comes = S::Mask::splat(false);
         if let Some(button) = &goal.button {

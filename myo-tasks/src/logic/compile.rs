@@ -1,6 +1,7 @@
 //! The task in numbers.
 
-use super::{DragStep, Handle, Pointer, Shifts, Sines, SteerStep, StepCue, Swing, SwingStep, Waves};
+use super::drive;
+use super::{DragStep, DriveStep, Handle, Pointer, Shifts, Sines, SteerStep, StepCue, Swing, SwingStep, Waves};
 use crate::flat::{Action, Block, FlatTask, Object, Order, Shape, Step};
 use crate::{InvalidTask, Reward, Stimulus, Task};
 use myo_model::StaticBox;
@@ -45,6 +46,10 @@ pub struct CompiledTask<T> {
     pub swings: Vec<Swing<T>>,
     /// Of each step, how it wants a stick; none where there are none to be swung.
     pub swing_steps: Vec<SwingStep<T>>,
+    /// Along which line each sphere is driven, a unit vector, or zeros; none where nothing is to be driven.
+    pub lines: Vec<[T; 3]>,
+    /// Of each step, how it wants a vehicle; none where there are none to be driven.
+    pub drive_steps: Vec<DriveStep<T>>,
     /// Handles of sliders, in the order of the scene.
     pub handles: Vec<Handle<T>>,
     /// Of each step, where it wants a handle; none where there are no sliders to be dragged.
@@ -55,7 +60,7 @@ pub struct CompiledTask<T> {
     pub choices: Vec<T>,
     /// Of each step, one where all the time inside is added up, and two where all the time is; none where there is no such step.
     pub follows: Vec<T>,
-    /// Seconds of a control step, where something is tracked.
+    /// Seconds of a control step, where something is tracked or driven.
     pub control_s: Option<T>,
     /// The way of each step; none where no step has one.
     pub steers: Vec<SteerStep<T>>,
@@ -91,8 +96,10 @@ pub struct Kinds {
     pub track: bool,
     /// Some step drags a handle.
     pub drag: bool,
-    /// Some step swings a stick.
+    /// Some step swings a stick, or drives something with it.
     pub swing: bool,
+    /// Some step drives something.
+    pub drive: bool,
     /// Some step must be waited for.
     pub cue: bool,
     /// Some sphere moves.
@@ -212,14 +219,16 @@ impl<C: Real> CompiledTask<C> {
             shifts: Shifts::new(flat),
             waves: if kinds.motion { waves(flat, task.control_dt_s) } else { vec![] },
             sines: if kinds.sines { sines(flat, task.control_dt_s) } else { vec![] },
-            swings: if kinds.swing { round(flat).map(Swing::new).collect() } else { vec![] },
+            swings: if kinds.swing { swings(flat, task.control_dt_s) } else { vec![] },
             swing_steps: if kinds.swing { flat.steps.iter().map(SwingStep::new).collect() } else { vec![] },
+            lines: if kinds.drive { round(flat).map(drive::line).collect() } else { vec![] },
+            drive_steps: if kinds.drive { drive_steps(flat, &numbers) } else { vec![] },
             handles: if kinds.drag { handles(flat) } else { vec![] },
             drags: if kinds.drag { drags(flat) } else { vec![] },
             cues: if kinds.cue { cues(flat, task.control_dt_s) } else { vec![] },
             choices: flat.steps.iter().flat_map(|step| &step.among).map(|&object| numbers.number(object)).collect(),
             follows: if kinds.follow { follows(flat) } else { vec![] },
-            control_s: kinds.track.then(|| C::from_f64(task.control_dt_s)),
+            control_s: (kinds.track || kinds.drive).then(|| C::from_f64(task.control_dt_s)),
             steers: if kinds.steer { steers(flat, &numbers) } else { vec![] },
             orders: flat.orders.clone(),
             correction: flat.correction.map(|object| numbers.number(object)),
@@ -261,6 +270,8 @@ impl<T> CompiledTask<T> {
             sines: self.sines.iter().map(|sines| sines.map(f)).collect(),
             swings: self.swings.iter().map(|swing| swing.map(f)).collect(),
             swing_steps: self.swing_steps.iter().map(|step| step.map(f)).collect(),
+            lines: self.lines.iter().map(|line| line.each_ref().map(&mut *f)).collect(),
+            drive_steps: self.drive_steps.iter().map(|step| step.map(f)).collect(),
             handles: self.handles.iter().map(|handle| handle.map(f)).collect(),
             drags: self.drags.iter().map(|drag| drag.map(f)).collect(),
             cues: self.cues.iter().map(|cue| cue.map(f)).collect(),
@@ -295,9 +306,10 @@ impl Kinds {
             follow: any(|step| matches!(step.action, Action::Follow(_) | Action::Track(_))),
             track: any(|step| matches!(step.action, Action::Track(_))),
             drag,
-            swing: any(|step| matches!(step.action, Action::Swing { .. })),
+            swing: any(|step| matches!(step.action, Action::Swing { .. } | Action::Drive { .. })),
+            drive: any(|step| matches!(step.action, Action::Drive { .. })),
             cue,
-            motion: moving().next().is_some(),
+            motion: moving().any(|path| path.driven.is_none()),
             sines: moving().any(|path| path.sines.is_some()),
             steer: any(|step| matches!(step.action, Action::Steer { .. })),
             next: flat.stimulus == Stimulus::All,
@@ -376,6 +388,14 @@ fn follows<C: Real>(flat: &FlatTask) -> Vec<C> {
     };
     let follows = |step| C::from_f64(follows(step));
     flat.steps.iter().map(follows).collect()
+}
+
+fn swings<C: Real>(flat: &FlatTask, control_dt_s: f64) -> Vec<Swing<C>> {
+    round(flat).map(|object| Swing::new(object, control_dt_s)).collect()
+}
+
+fn drive_steps<C: Real>(flat: &FlatTask, numbers: &Numbers) -> Vec<DriveStep<C>> {
+    flat.steps.iter().map(|step| DriveStep::new(step, flat, |object| numbers.number(object))).collect()
 }
 
 fn steers<C: Real>(flat: &FlatTask, numbers: &Numbers) -> Vec<SteerStep<C>> {

@@ -2,8 +2,8 @@
 
 use super::waves::moved;
 use super::{
-    CompiledTask, GoalDrag, GoalSteer, GoalSwing, Point, TaskState, TaskStep, TouchBox, cue, order, select_point,
-    slide, swing,
+    CompiledTask, GoalDrag, GoalDrive, GoalSteer, GoalSwing, Point, TaskState, TaskStep, TouchBox, cue, drive, order,
+    select_point, slide, swing,
 };
 use myo_model::StaticBox;
 use myo_scalar::{Mask, Scalar};
@@ -35,6 +35,8 @@ pub struct Goal<S: Scalar> {
     pub steer: Option<GoalSteer<S>>,
     /// The stick to swing, in tasks with sticks.
     pub swing: Option<GoalSwing<S>>,
+    /// The vehicle to drive, in tasks with vehicles.
+    pub drive: Option<GoalDrive<S>>,
     /// Where a wrong press is to be corrected; none where none must be.
     pub corrects: Option<S::Mask>,
     /// The button to press, where there are presses; meaningless where this is none.
@@ -142,6 +144,11 @@ pub fn sphere<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, number: S
             *x += off;
         }
     }
+    if task.kinds.drive {
+        for (x, off) in centre.iter_mut().zip(drive::driven(task, state, number)) {
+            *x += off;
+        }
+    }
     if !task.kinds.motion {
         return (centre, radius, None);
     }
@@ -215,6 +222,7 @@ impl<S: Scalar> Goal<S> {
             pauses: state.pauses(),
             steer: None,
             swing: None,
+            drive: None,
             corrects,
             button: None,
             remembered: None,
@@ -229,6 +237,9 @@ impl<S: Scalar> Goal<S> {
         }
         if task.kinds.swing {
             goal.swing = Some(GoalSwing::of(task, state, number, object));
+        }
+        if task.kinds.drive {
+            goal.drive = Some(GoalDrive::of(task, state, number));
         }
         if task.kinds.press {
             goal.press(task, state, object, releases);

@@ -6,6 +6,7 @@
 mod arrival;
 mod compile;
 mod cue;
+mod drive;
 mod goal;
 mod memory;
 mod order;
@@ -24,6 +25,7 @@ mod waves;
 pub use arrival::Stay;
 pub use compile::{CompiledTask, DrawnSphere, Kinds, TaskStep, TouchBox, Weights, Which};
 pub use cue::{CueState, StepCue, begin_step};
+pub use drive::{DriveStep, GoalDrive, Ride, Vehicles};
 pub use goal::{Goal, GoalButton, begins_at, centre_ahead, sphere};
 pub use memory::{Seen, remember};
 pub use order::choose_nearest;
@@ -40,6 +42,7 @@ pub use touch::Contact;
 pub use track::Tracking;
 pub use waves::{DrawnSines, Sines, Wave, Waves};
 
+use crate::motion::SINES;
 use myo_scalar::Scalar;
 
 /// Random streams of this crate; [`myo_scalar::Counter::stream`] of object `i` is `TARGET_STREAM + i`.
@@ -78,6 +81,8 @@ pub struct TaskState<S> {
     pub tracking: Option<Tracking<S>>,
     /// How sticks stand; none where there are none to swing.
     pub sticks: Option<Sticks<S>>,
+    /// Where vehicles are; none where no step drives one.
+    pub vehicles: Option<Vehicles<S>>,
     /// What is remembered of the current object; none where it is seen all the time.
     pub seen: Option<Seen<S>>,
     /// Where a cursor that moves by itself stands, see [`Landmarks::cursor`]; none where there is none.
@@ -114,13 +119,14 @@ impl<S: Scalar> TaskState<S> {
             size: vec![o; spheres],
             shifts: vec![[o; 3]; task.shifts.spans.len()],
             phases: vec![[o; 4]; task.waves.len()],
-            sines: vec![[[o; 3]; 15]; task.sines.len()],
+            sines: vec![[[o; 3]; 3 * SINES]; task.sines.len()],
             tracking: task.kinds.track.then(Tracking::new),
             values: vec![o; task.handles.len()],
             order: if task.orders.is_empty() { vec![] } else { (0..steps).map(|step| S::lit(step as f64)).collect() },
             cue: (task.kinds.cue || !task.orders.is_empty()).then(|| CueState::new(steps)),
             steering: task.kinds.steer.then(Steering::new),
             sticks: task.kinds.swing.then(|| Sticks::new(spheres)),
+            vehicles: task.kinds.drive.then(|| Vehicles::new(spheres)),
             errors: task.correction.is_some().then(S::zero),
             pause: task.error_pause.is_some().then(S::zero),
             seen: task.kinds.memory.then(Seen::new),
@@ -144,6 +150,7 @@ impl<S: Scalar> TaskState<S> {
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
         let steering = steering.chain(self.tracking.iter_mut().flat_map(Tracking::numbers));
+        let steering = steering.chain(self.vehicles.iter_mut().flat_map(Vehicles::numbers));
         let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
         for counter in counters.chain(&mut self.errors).chain(&mut self.pause).chain(steering).chain(pointed) {
             *counter = S::select(mask, S::zero(), *counter);
@@ -204,6 +211,7 @@ impl<S: Scalar> TaskState<S> {
             steering,
             tracking,
             sticks,
+            vehicles,
             errors,
             pause,
             seen,
@@ -230,6 +238,7 @@ impl<S: Scalar> TaskState<S> {
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
         let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors).chain(pause);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);
+        let sticks = sticks.chain(vehicles.iter_mut().flat_map(Vehicles::numbers));
         let ways = steering.chain(tracking.iter_mut().flat_map(Tracking::numbers));
         objects.chain(values).chain(sticks).chain(script).chain(ways).chain(pointed)
     }

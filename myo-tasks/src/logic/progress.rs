@@ -39,7 +39,7 @@ pub struct Progress<S: Scalar> {
 ///
 /// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it, first enters what it
 /// follows, touches a button or a handle for the press or the drag that counts, comes into the knob that it leaves at the right angle, or to
-/// the end of a way. What was completed within the control step stays so, wherever the fingertip is at its end.
+/// the end of a way, and where what it drives stops. What was completed within the control step stays so, wherever the fingertip is at its end.
 #[inline(always)]
 pub fn advance<S: Scalar>(
     task: &CompiledTask<S>,
@@ -107,6 +107,9 @@ pub fn advance<S: Scalar>(
     }
     if let (Some(sticks), Some(swing)) = (&mut state.sticks, &goal.swing) {
         sticks.update(swing, &sensed.stay.hold, done);
+    }
+    if let (Some(vehicles), Some(drive)) = (&mut state.vehicles, &goal.drive) {
+        vehicles.update(drive, &sensed.stay.ride, done);
     }
     if let Some(cursor) = &mut state.cursor {
         *cursor = sensed.stay.cursor;

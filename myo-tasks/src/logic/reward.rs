@@ -59,7 +59,7 @@ impl<S: Scalar> RewardTerms<S> {
     }
 }
 
-/// Distance (m) from the pointer to what counts of the current object at the end of a control step, and of a handle, a stick or a way how
+/// Distance (m) from the pointer to what counts of the current object at the end of a control step, and of a handle, a stick, a way or a vehicle how
 /// far it must still go; zero before the step counts.
 #[inline(always)]
 pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, goal: &Goal<S>) -> S {
@@ -78,7 +78,11 @@ pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, g
     if let Some(swing) = &goal.swing {
         let Hold { angle, held } = sensed.stay.hold;
         let to_knob = swing.distance(sensed.pointer, angle, inside_is_zero).only(held.lt(S::lit(0.5)));
-        distance = S::select(swing.is_swing, to_knob + swing.left(angle), distance);
+        let mut left = swing.left(angle);
+        if let Some(drive) = &goal.drive {
+            left = S::select(drive.is_drive, drive.left(sensed.stay.ride.along, inside_is_zero), left);
+        }
+        distance = S::select(swing.is_swing, to_knob + left, distance);
     }
     if let Some(steer) = &goal.steer {
         distance = S::select(steer.is_steer, steer.left(sensed.pointer, &sensed.stay.steering), distance);

@@ -26,6 +26,8 @@ pub struct Swing<T> {
     pub start: T,
     /// and how much more at most.
     pub start_extent: T,
+    /// How much of its angle a spring takes back in a control step where its knob is not held; zero where it stays.
+    pub back: T,
 }
 
 /// How a step wants a stick; zeros where it is about none.
@@ -82,15 +84,17 @@ pub struct GoalSwing<S: Scalar> {
     pub within: S,
     /// Its angle at the beginning of the control step (rad).
     pub angle: S,
+    /// See [`Swing::back`].
+    pub back: S,
 }
 
 impl<C: Real> Swing<C> {
     /// Of an object that is a sphere or a stick.
-    pub(super) fn new(object: &Object) -> Self {
+    pub(super) fn new(object: &Object, control_dt_s: f64) -> Self {
         let c = C::from_f64;
         let o = c(0.0);
-        let Shape::Stick(Stick { upright, aside, range, start, .. }) = &object.shape else {
-            return Self { upright: [o; 3], aside: [o; 3], least: o, most: o, start: o, start_extent: o };
+        let Shape::Stick(Stick { upright, aside, range, start, springs_back_s, .. }) = &object.shape else {
+            return Self { upright: [o; 3], aside: [o; 3], least: o, most: o, start: o, start_extent: o, back: o };
         };
         Self {
             upright: upright.map(c),
@@ -99,6 +103,7 @@ impl<C: Real> Swing<C> {
             most: c(range.max),
             start: c(start.min),
             start_extent: c(start.width()),
+            back: c(springs_back_s.map_or(0.0, |seconds| control_dt_s / seconds)),
         }
     }
 }
@@ -113,6 +118,7 @@ impl<T> Swing<T> {
             most: f(&self.most),
             start: f(&self.start),
             start_extent: f(&self.start_extent),
+            back: f(&self.back),
         }
     }
 }
@@ -122,6 +128,8 @@ impl<C: Real> SwingStep<C> {
         let c = C::from_f64;
         match step.action {
             Action::Swing { to, within } => Self { is_swing: c(1.0), to: c(to), within: c(within) },
+            // Nothing is done by leaving it: it is never within.
+            Action::Drive { .. } => Self { is_swing: c(1.0), to: c(0.0), within: c(-1.0) },
             _ => Self { is_swing: c(0.0), to: c(0.0), within: c(0.0) },
         }
     }
@@ -216,13 +224,13 @@ impl<S: Scalar> GoalSwing<S> {
         }
         let angle = |k: usize| state.sticks.as_ref().map_or(S::zero(), |sticks| sticks.angles[k]);
         let row = |k: usize| {
-            let Swing { upright: [a, b, c], aside: [d, e, f], least, most, .. } = task.swings[k];
-            [a, b, c, d, e, f, least, most, angle(k)]
+            let Swing { upright: [a, b, c], aside: [d, e, f], least, most, back, .. } = task.swings[k];
+            [a, b, c, d, e, f, least, most, angle(k), back]
         };
-        let [a, b, c, d, e, f, least, most, angle] = S::gather(task.swings.len(), row, knob);
+        let [a, b, c, d, e, f, least, most, angle, back] = S::gather(task.swings.len(), row, knob);
         let (upright, aside) = ([a, b, c], [d, e, f]);
         let (hinge, radius) = state.sphere(knob);
-        Self { is_swing, knob, radius, hinge, upright, aside, least, most, to, within, angle }
+        Self { is_swing, knob, radius, hinge, upright, aside, least, most, to, within, angle, back }
     }
 
     /// See [`arm`].
@@ -266,10 +274,16 @@ impl<S: Scalar> Hold<S> {
         Self { angle: goal.map_or(o, |goal| goal.angle), held: state.sticks.as_ref().map_or(o, |sticks| sticks.held) }
     }
 
-    /// Counts a physics step that began with the pointer here; where `counts` is false nothing can be taken hold of. Tells where the
+    /// Counts a physics step that began with the pointer here, `share` of a control step; where `counts` is false nothing can be taken hold of. Tells where the
     /// knob is held, and where it was left at the angle that was asked for.
     #[inline(always)]
-    pub(super) fn follow(&mut self, goal: &GoalSwing<S>, pointer: Point<S>, counts: S::Mask) -> [S::Mask; 2] {
+    pub(super) fn follow(
+        &mut self,
+        goal: &GoalSwing<S>,
+        pointer: Point<S>,
+        counts: S::Mask,
+        share: f64,
+    ) -> [S::Mask; 2] {
         let [out, along] = goal.arm(self.angle);
         let seen = difference(pointer, goal.hinge);
         let off = difference(seen, out);
@@ -283,7 +297,8 @@ impl<S: Scalar> Hold<S> {
         let turn = (tangent + tangent) * (S::lit(1.0) + tangent.mul_add(tangent, S::lit(1.0)).sqrt()).recip();
         let turned = self.angle + turn;
         let turned = turned.max(goal.least).min(goal.most);
-        self.angle = S::select(is_held, turned, self.angle);
+        let sprung = (goal.back * S::lit(-share)).max(S::lit(-1.0)).mul_add(self.angle, self.angle);
+        self.angle = S::select(is_held, turned, sprung);
         self.held = S::indicator(is_held);
         [is_held, was_held & !is_held & is_there]
     }

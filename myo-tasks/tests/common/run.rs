@@ -69,6 +69,13 @@ impl Run {
         Goal::of(&self.task, &self.state)
     }
 
+    /// What is seen of a pointer that is here at the beginning of a control step.
+    pub fn sensed_at(&self, pointer: [f64; 3]) -> Sensed<f64> {
+        let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, cursor: [0.0; 2] };
+        let stay = Stay::new(&self.state, &self.goal());
+        Sensed { body, pointer, stay, now: (self.step * SUBSTEPS) as f64 }
+    }
+
     /// Runs control steps until the task is done or `steps` are over; returns whether it is done.
     pub fn run(&mut self, steps: usize, at: impl Fn(&Goal<f64>, usize) -> Deed) -> bool {
         for _ in 0..steps {

@@ -1,0 +1,27 @@
+//! Environments against what they must do: one program, as each compiles the code of a step anew.
+
+mod common;
+
+mod accepted;
+mod arrival;
+mod conformance;
+mod control_change;
+mod cost_share;
+mod driving;
+mod exploring;
+mod fatigue;
+mod groups;
+mod late;
+mod misjudge;
+mod parameters;
+mod peek;
+mod places;
+mod precision;
+mod reflex;
+mod refused;
+mod rules;
+mod saved;
+mod skeleton;
+mod solver;
+mod sticks;
+mod trace;
