@@ -146,6 +146,9 @@ def test_examples_in_the_documentation_are_right():
         "PressAndRelease(1, 3, 3, 5)": {"press_and_release": [1, 3, 3, 5]},
         'Drag("volume", to=70, within=2)': {"drag": {"slider": "volume", "to": 70, "within": 2}},
         'Swing("lever", to_deg=30, within_deg=3)': {"swing": {"stick": "lever", "to_deg": 30, "within_deg": 3}},
+        'Drive("lever", vehicle="car", into="garage")': {
+            "drive": {"stick": "lever", "vehicle": "car", "into": "garage"}
+        },
         'Follow("ball", for_s=3)': {"follow": {"target": "ball", "for_s": 3}},
         'Track("ball", for_s=10)': {"track": {"target": "ball", "for_s": 10}},
         'Steer(("a", "b", "c"), width=0.03)': {"steer": {"through": ["a", "b", "c"], "width": 0.03}},

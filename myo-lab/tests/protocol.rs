@@ -243,18 +243,7 @@ fn along(way: &Way, seconds: f64, exits: f64) -> Recording {
     let at = |sample| Done { begin: sample, entry: sample, end: sample };
     let mut done = vec![Done { begin: 0, entry: 0, end: rest - 50 }, at(rest - 50)];
     done.extend((1..=WAY_PIECES).map(|piece| at(rest - 1 + moving * piece / WAY_PIECES)));
-    let n = fingertip.len();
-    Recording {
-        rate_hz: RATE_HZ,
-        fingertip,
-        force: vec![0.0; n],
-        qpos: vec![],
-        activations: vec![],
-        done,
-        exits,
-        wrong_presses: 0.0,
-        targets: None,
-    }
+    Recording { exits, ..recorded(fingertip, done) }
 }
 
 #[test]
@@ -580,7 +569,7 @@ fn who_takes_longer_to_choose_is_told_so_by_the_bit() {
     let episode = |response_s: f64, reactions: usize| {
         let samples = (response_s * RATE_HZ).round() as usize;
         let step = |number: usize| {
-            let took = if number % 2 == 0 { 77 } else { samples };
+            let took = if number.is_multiple_of(2) { 77 } else { samples };
             Done { begin: 1000 * number, entry: 1000 * number + took, end: 1000 * number + took + 125 }
         };
         recorded(vec![[0.0; 3]; 20_000], (0..2 * reactions).map(step).collect())

@@ -48,6 +48,8 @@ __all__ = [
     "CircleMotion",
     "Cursor",
     "Drag",
+    "Drive",
+    "DrivenMotion",
     "Dwell",
     "Fatigue",
     "Fingertip",
@@ -222,6 +224,25 @@ class SinesMotion(Motion):
     up_to_hz: float
 
 
+@dataclass(frozen=True, kw_only=True, repr=False)
+class DrivenMotion(Motion):
+    """As a stick drives it, like a car on rails.
+
+    Args:
+        by: How far it may go from its place to either side, `(x, y, z)` in m; this way where the angle of the stick
+            rises. Each from -100 to 100 m.
+        acceleration: Its acceleration where the stick is as far from 0 as it goes, in m/s^2; less in proportion where
+            it is not. Default 2. From 0.01 to 1,000 m/s^2.
+        drag_per_s: The share of its speed that it would lose in a second, per s, so that `acceleration / drag_per_s` is
+            its greatest speed in m/s. Default 1. From 0 to 100 per s.
+    """
+
+    kind: ClassVar[str] = "driven"
+    by: Triple
+    acceleration: float | None = None
+    drag_per_s: float | None = None
+
+
 class Object(OfKind):
     """One or several objects. Places are in m from the shoulder centre (x forward, y to the left, z up), or, in a
     group, along the group's own axes."""
@@ -328,7 +349,9 @@ class Stick(Object):
         range_deg: How far it swings, in degrees, the smaller angle first: at 0 it stands straight out of what it stands
             on. Default `(-45, 45)`.
         angle_deg: How it stands when an episode begins, in degrees: a number, or `(min, max)`, drawn anew for every
-            episode. Without it: at the smaller end. From -180 to 180 deg.
+            episode. Without it: at the smaller end, or at 0 where it springs back. From -180 to 180 deg.
+        springs_back_s: Of a stick that goes back to 0 by a spring when it is left: how long it takes for two thirds of
+            the way, in s. Without it, it stays where it is left. From 0.01 to 10 s.
         tilt_deg: Where what it stands on looks, in degrees: 0 up, like a table; 90 towards the user, like a wall.
             Default 0. From 0 to 180 deg.
         turn_deg: Turned about the vertical, in degrees, to the left as seen from above. Default 0. From -180 to 180
@@ -342,6 +365,7 @@ class Stick(Object):
     swings: Literal["right", "up"] | None = None
     range_deg: Pair | None = None
     angle_deg: NumberOrRange | None = None
+    springs_back_s: float | None = None
     tilt_deg: float | None = None
     turn_deg: float | None = None
 
@@ -578,6 +602,26 @@ class Swing(Step):
     _: KW_ONLY
     to_deg: float
     within_deg: float
+
+
+@dataclass(frozen=True, repr=False)
+class Drive(Step):
+    """Drive a sphere with a stick into another sphere, and stop it there: `Drive("lever", vehicle="car",
+    into="garage")`.
+
+    Args:
+        stick: Name of the stick whose knob is held and moved.
+        vehicle: Name of the sphere that it drives, whose motion (`moves`) is `driven`.
+        into: Name of the sphere in which the middle of the vehicle must come to a stop.
+        slower_than: How slow it must be there, in m/s, from 0.001 to 10. Default 0.05.
+    """
+
+    action: ClassVar[str] = "drive"
+    stick: Name
+    _: KW_ONLY
+    vehicle: Name
+    into: Name
+    slower_than: float | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -948,6 +992,8 @@ class Observation(Described):
             (`perception.error_pause_s`). Default True.
         drag: Whether the handle of the current slider, or the knob of the current stick, is held, 1 or 0, and the way
             it must go, in m; in tasks with sliders or sticks. Default True.
+        drive: From the current vehicle to where it must stop, in m, and its speed, in m/s; in tasks in which something
+            is driven. Default True.
         steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
             whether it is within the way: 1 or 0; in tasks with ways. Default True.
         nearest_obstacle: From the fingertip to the nearest place of the surface of any box but the current target, in
@@ -982,6 +1028,7 @@ class Observation(Described):
     cue: bool | None = None
     pause: bool | None = None
     drag: bool | None = None
+    drive: bool | None = None
     steer: bool | None = None
     nearest_obstacle: bool | None = None
     traits: bool | None = None
