@@ -20,8 +20,9 @@ pytestmark = pytest.mark.skipif(
     reason="cargo is missing: no wheel can be built",
 )
 
-# Made of what `./test` has compiled already, or, with `--all`, as `pip install .` makes it, whose build is then used again.
-BUILD = ["--profile", "release"] if os.environ.get("MYO_TEST_ALL") else ["--profile", "dev", "--features", "beside-tests"]
+# Made of what `./test` has compiled already, or, with `--all`, as `pip install .` makes it.
+SOON = ["--profile", "dev", "--features", "beside-tests"]
+BUILD = ["--profile", "release"] if os.environ.get("MYO_TEST_ALL") else SOON
 
 # What a user does first, with nothing but what the wheel brings.
 USE = """
