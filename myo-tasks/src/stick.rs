@@ -102,16 +102,16 @@ impl StickItem {
     /// The field that is wrong, and what is wrong with it.
     pub(crate) fn placed(&self, frame: Frame) -> Result<Stick, (&'static str, String)> {
         let [least, most] = self.range_deg;
-        let angle = self.angle_deg.unwrap_or(Range::fixed(if self.springs_back_s.is_some() { 0.0 } else { least }));
-        if angle.min < least || angle.max > most {
-            let wrong = if angle.min < least { angle.min } else { angle.max };
-            return Err(("angle_deg", format!("is {wrong}; its `range_deg` goes from {least} to {most}")));
-        }
         if self.springs_back_s.is_some() && (least > 0.0 || most < 0.0) {
             return Err((
                 "range_deg",
                 format!("goes from {least} to {most}; a stick springs back to 0, which must be within"),
             ));
+        }
+        let angle = self.angle_deg.unwrap_or(Range::fixed(if self.springs_back_s.is_some() { 0.0 } else { least }));
+        if angle.min < least || angle.max > most {
+            let wrong = if angle.min < least { angle.min } else { angle.max };
+            return Err(("angle_deg", format!("is {wrong}; its `range_deg` goes from {least} to {most}")));
         }
         if self.knob >= self.length {
             let Self { knob, length, .. } = self;

@@ -174,7 +174,11 @@ fn what_cannot_be_driven_is_refused() {
         "  - swing: {stick: lever, to_deg: 20, within_deg: 5}",
         "`lever` springs back to 0 degrees when it is left",
     );
-    told(&scene.replace("[-20, 30]", "[10, 30]"), DRIVE, "a stick springs back to 0, which must be within");
+    told(
+        &scene.replace("[-20, 30]", "[10, 30], angle_deg: 10"),
+        DRIVE,
+        "a stick springs back to 0, which must be within",
+    );
     told(&scene.replace("[0, -3, 0]", "[0, 0, 0]"), DRIVE, "has no length; write how far it goes");
     told(&scene.replace("acceleration: 3", "acceleration: 0"), DRIVE, "must be from 0.01 to 1000 m/s^2");
 }
