@@ -30,13 +30,19 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def cargo_run(*arguments):
-    """Standard output of `cargo run`; the test errors with the program's own words if it fails."""
-    command = ["cargo", "run", "--quiet", *arguments]
+def output(*command):
+    """Standard output of a command; the test errors with its own words if it fails."""
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         pytest.fail(f"`{' '.join(command)}` failed:\n{done.stderr[-4000:]}", pytrace=False)
     return done.stdout
+
+
+def myo(*arguments):
+    """Standard output of `myo`: of the program that MYO_PROGRAM names, or of what cargo makes of it, which for a package
+    alone compiles all crates once more."""
+    program = os.environ.get("MYO_PROGRAM")
+    return output(*([program] if program else ["cargo", "run", "--quiet", "-p", "myo-sim", "--"]), *arguments)
 
 
 @pytest.fixture(scope="session")
@@ -45,7 +51,7 @@ def data(tmp_path_factory):
     if "MYO_PARITY_DATA" in os.environ:
         return pathlib.Path(os.environ["MYO_PARITY_DATA"])
     directory = tmp_path_factory.mktemp("parity")
-    cargo_run("-p", "myo-dynamics", "--example", "parity", "--", str(directory))
+    output("cargo", "run", "--quiet", "-p", "myo-dynamics", "--example", "parity", "--", str(directory))
     return directory
 
 

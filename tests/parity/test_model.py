@@ -5,14 +5,14 @@ import re
 import mujoco
 import numpy as np
 import pytest
-from conftest import ROOT, cargo_run
+from conftest import ROOT, myo
 
 VARIANTS = ("mobl-arms", "mobl-arms-uitb")
 
 
 @pytest.fixture(scope="module", params=VARIANTS)
 def exported(request):
-    xml = cargo_run("-p", "myo-sim", "--", "model", "export", request.param, "--format", "mjcf")
+    xml = myo("model", "export", request.param, "--format", "mjcf")
     return mujoco.MjModel.from_xml_string(xml)
 
 
@@ -55,7 +55,7 @@ def test_muscles_keep_separate_curves_and_length_ranges(exported):
 
 
 def test_parity_data_uses_the_same_arm(arm):
-    xml = cargo_run("-p", "myo-sim", "--", "model", "export", "mobl-arms", "--format", "mjcf")
+    xml = myo("model", "export", "mobl-arms", "--format", "mjcf")
     exported = mujoco.MjModel.from_xml_string(xml)
     for field in ("body_mass", "body_inertia", "body_pos", "jnt_axis", "jnt_range", "site_pos", "actuator_gainprm", "eq_data"):
         np.testing.assert_array_equal(getattr(exported, field), getattr(arm, field), err_msg=field)
