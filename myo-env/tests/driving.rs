@@ -33,5 +33,5 @@ fn an_arm_that_moves_by_chance_drives_vehicles_along_their_lines() {
             steps[number] = pose.step;
         }
     }
-    assert!(driven > 100 && done > 20, "driven {driven}, done {done} times");
+    assert!(driven > 10 && done > 20, "driven {driven}, done {done} times");
 }
