@@ -100,6 +100,7 @@ def test_classes_have_the_fields_of_the_schema():
         "Dwell",
         "Drag",
         "Swing",
+        "Drive",
         "Follow",
         "Track",
         "Steer",
