@@ -139,6 +139,14 @@ fn vehicles_stand_where_they_were_left_while_others_are_driven() {
 }
 
 #[test]
+fn a_vehicle_that_stands_there_already_waits_for_its_turn() {
+    let there = format!("{LEVER}\n{CAR}\n{}", GARAGE.replace("-1, 0.05", "0.5, 0"));
+    let mut run = Run::new(&task(&there, &format!("  - wait: 0.5\n{DRIVE}")));
+    assert!(!run.run(10, |_, _| OFF), "nothing counts before the time is over");
+    assert!(run.run(1, |_, _| OFF), "{:?}", now(&run));
+}
+
+#[test]
 fn what_cannot_be_driven_is_refused() {
     let told = |scene: &str, script: &str, sentence: &str| {
         let said = refusal(&text(scene, script));
@@ -178,6 +186,12 @@ fn what_cannot_be_driven_is_refused() {
         &scene.replace("[-20, 30]", "[10, 30], angle_deg: 10"),
         DRIVE,
         "a stick springs back to 0, which must be within",
+    );
+    // The state has the speed of one vehicle: none may take the place of another on its way.
+    told(
+        &scene,
+        "  - any_order: [{drive: {stick: lever, vehicle: car, into: garage}}, {drive: {stick: lever, vehicle: car, into: garage}}]",
+        "which nothing but its order tells from others",
     );
     told(&scene.replace("[0, -3, 0]", "[0, 0, 0]"), DRIVE, "has no length; write how far it goes");
     told(&scene.replace("acceleration: 3", "acceleration: 0"), DRIVE, "must be from 0.01 to 1000 m/s^2");

@@ -135,7 +135,7 @@ pub fn driven_with(changes: &[(&str, &str)]) -> Task {
     let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: driven\nscene:\n  \
                 lever: {kind: stick, at: [0.2, 0, -0.3], length: 0.3, knob: 0.28, range_deg: [-30, 40], springs_back_s: 0.2, tilt_deg: 40}\n  \
                 car: {kind: sphere, at: [2, 0, [-0.1, 0.1]], radius: 0.1, moves: {kind: driven, by: [0, -0.6, 0.2], acceleration: 30, drag_per_s: 2}}\n  \
-                place: {kind: sphere, at: [2, [-0.4, 0.4], 0], radius: 0.25, min_distance_from_previous: 0}\n  \
+                place: {kind: sphere, at: [2, [0.4, 0.5], -0.15], radius: 0.3, min_distance_from_previous: 0}\n  \
                 van: {kind: sphere, at: [1, 0, 0], radius: 0.1, moves: {kind: driven, by: [0.5, 0, 0], acceleration: 9}}\n  \
                 end: {kind: sphere, at: [[1.3, 1.4], 0, 0], radius: 0.2, min_distance_from_previous: 0}\nscript:\n  \
                 - wait: [0, 0.1]\n  - drive: {stick: lever, vehicle: car, into: place, slower_than: 2}\n  \

@@ -12,7 +12,7 @@ use super::recording::Recording;
 
 /// Fewest episodes of a user that figures are taken from.
 const LEAST: usize = 2;
-/// The first lap begins, and the last one ends, at rest.
+/// The last step of the first lap, which begins at rest and is left out, and of the last one.
 const FIRST: usize = BEFORE_WAY + LAP_PIECES - 1;
 const LAST: usize = BEFORE_WAY + LAPS * LAP_PIECES - 1;
 

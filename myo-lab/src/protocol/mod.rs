@@ -2,7 +2,7 @@
 //!
 //! A user learns the tasks of a protocol first ([`Practice`]), with its own body, rhythm, reward and noise. Then it is [recorded](record) at every
 //! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5),
-//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2) [`EllipseLaps`] (K4), [`ChoiceReaction`] (C1) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
+//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2), [`EllipseLaps`] (K4), [`ChoiceReaction`] (C1) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
 //! [`myo_measure::bands`].
 
 mod answers;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::ProtocolError;
 use super::plot::{Plot, PlotPoint, PlotSeries};
 use super::pointing::OverUsers;
-use super::practice::{BEFORE_WAY as BEFORE, WAY_PIECES, WAY_SPHERE, Way, ways};
+use super::practice::{BEFORE_WAY, WAY_PIECES, WAY_SPHERE, Way, ways};
 use super::recording::Recording;
 use crate::advice::distance;
 
@@ -197,7 +197,8 @@ impl<'a> Passes<'a> {
 
 /// How long (s) an episode took from leaving the first sphere of its way to coming to the last one; none where it did not.
 fn time(way: &Way, recording: &Recording) -> Option<f64> {
-    let (start, end) = (recording.done.get(BEFORE - 1)?.end, recording.done.get(BEFORE + WAY_PIECES - 1)?.entry);
+    let (start, end) =
+        (recording.done.get(BEFORE_WAY - 1)?.end, recording.done.get(BEFORE_WAY + WAY_PIECES - 1)?.entry);
     let is_at_start = |&sample: &usize| distance(recording.fingertip[sample], way.corners[0]) <= WAY_SPHERE;
     let leaves = (start..end.min(recording.fingertip.len())).rev().find(is_at_start).unwrap_or(start);
     Some((end - leaves) as f64 / recording.rate_hz)

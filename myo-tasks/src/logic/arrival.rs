@@ -123,7 +123,7 @@ impl<S: Scalar> Stay<S> {
             arrives = arrives | is_left;
         }
         if let (Some(drive), Some(control_s)) = (&goal.drive, task.control_s) {
-            arrives = arrives | self.ride.follow(drive, &self.hold, control_s * S::lit(share));
+            arrives = arrives | self.ride.follow(drive, &self.hold, control_s * S::lit(share)) & goal.lit();
         }
         let mut comes = S::Mask::splat(false);
         if let Some(button) = &goal.button {
