@@ -5,7 +5,7 @@ use myo_dynamics::{Obstacles, Plan};
 use myo_muscle::{Fatigue, FatigueRates, MotorNoise, MuscleGroup};
 use myo_scalar::{Real, Scalar};
 use myo_tasks::logic::{CompiledTask, Shifts};
-use myo_tasks::{FlatTask, Pose, Reset, Task};
+use myo_tasks::{Control, FlatTask, Pose, Reset, Task};
 
 /// Least and greatest position of a joint (rad), where it has limits.
 pub(crate) type JointRange = Option<[f64; 2]>;
@@ -15,6 +15,8 @@ pub(crate) type JointRange = Option<[f64; 2]>;
 pub struct Parameters<T> {
     /// What is to do.
     pub task: CompiledTask<T>,
+    /// What actions ask of muscles.
+    pub control: Control,
     /// Motor noise.
     pub noise: Option<Motor<T>>,
     /// Stretch reflexes.
@@ -103,6 +105,7 @@ impl<C: Real> Parameters<C> {
     pub(crate) fn new(task: &Task, flat: &FlatTask, ranges: &[JointRange], groups: &[Option<MuscleGroup>]) -> Self {
         Self {
             task: CompiledTask::of(task, flat),
+            control: task.control,
             noise: Motor::new(task),
             reflex: Reflex::new(task),
             fatigue: Tiring::new(task, groups),
@@ -158,6 +161,7 @@ impl<T> Parameters<T> {
     pub fn map<U>(&self, f: &mut impl FnMut(&T) -> U) -> Parameters<U> {
         Parameters {
             task: self.task.map(f),
+            control: self.control,
             noise: self.noise.as_ref().map(|noise| noise.map(f)),
             reflex: self.reflex.as_ref().map(|reflex| reflex.map(f)),
             fatigue: self.fatigue.as_ref().map(|tiring| tiring.map(f)),
@@ -255,6 +259,17 @@ impl Parameters<()> {
         if self.task.weights != other.task.weights {
             return Some(
                 "it measures the distance in another way (reward.inside_is_zero, reward.remaining_path, reward.distance_scale_m)".into(),
+            );
+        }
+        if ours.step_limit != theirs.step_limit {
+            return Some(
+                "its steps may take only so long where they could take any time, or the other way round (step_limit_s)"
+                    .into(),
+            );
+        }
+        if self.control != other.control {
+            return Some(
+                "its actions ask for excitations where they asked for changes, or the other way round (control)".into(),
             );
         }
         if self.noise != other.noise {

@@ -245,6 +245,11 @@ impl Skeleton {
             ("task.shifts of the snapshot", task.shifts.len(), fresh.shifts.len()),
             ("task.seen of the snapshot", usize::from(task.seen.is_some()), usize::from(fresh.seen.is_some())),
             ("task.cursor of the snapshot", usize::from(task.cursor.is_some()), usize::from(fresh.cursor.is_some())),
+            (
+                "task.given_up of the snapshot",
+                usize::from(task.given_up.is_some()),
+                usize::from(fresh.given_up.is_some()),
+            ),
             ("task.errors of the snapshot", usize::from(task.errors.is_some()), usize::from(fresh.errors.is_some())),
         ];
         match lengths.into_iter().find(|(_, got, expected)| got != expected) {

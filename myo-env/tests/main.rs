@@ -12,6 +12,7 @@ mod exploring;
 mod fatigue;
 mod groups;
 mod late;
+mod limits;
 mod misjudge;
 mod parameters;
 mod peek;

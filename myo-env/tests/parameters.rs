@@ -2,13 +2,13 @@
 
 use crate::common::{
     arm, changed, drifting, drifting_with, driven, driven_with, dwell_for, entry, following, following_with, gpu,
-    rollout, short, shuffled, sphere, steered, steered_with, swung, swung_with, without_gpu,
+    limited, limited_with, rollout, short, shuffled, sphere, steered, steered_with, swung, swung_with, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, record};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
 use myo_model::Model;
 use myo_scalar::symbolic::Form;
-use myo_tasks::{Body, Instruction, Item, Range, Repeat, Stimulus, Task};
+use myo_tasks::{Body, Control, Instruction, Item, Range, Repeat, Stimulus, Task};
 
 /// A short task with motor noise.
 fn noisy(name: &str) -> Task {
@@ -156,6 +156,7 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         (steered(), steered_with(&aimed)),
         (swung(), swung_with(&bent)),
         (driven(), driven_with(&tuned)),
+        (limited(), limited_with(&[("step_limit_s: 0.25", "step_limit_s: 0.15")])),
     ] {
         let model = arm(&task);
         let lanes = |task| CpuEnv::new(&model, task, &config(21)).unwrap();
@@ -209,6 +210,11 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         ("- drive: {stick: lever, vehicle: car, into: place, slower_than: 1}", "- dwell: {in: end, for_s: 0.1}"),
     ];
     assert!(refused(&driven_with(&both), &driven()).ends_with("it asks to drive something, and the other did not"));
+    let patient = Task { step_limit_s: None, ..limited() };
+    let whole = "its steps may take only so long where they could take any time, or the other way round (step_limit_s)";
+    assert!(refused(&patient, &limited()).ends_with(whole) && refused(&limited(), &patient).ends_with(whole));
+    let absolute = Task { control: Control::Absolute, ..limited() };
+    assert!(refused(&absolute, &limited()).ends_with("asked for changes, or the other way round (control)"));
     let mut fixed = shuffled();
     let Instruction::RandomOrder(steps) = fixed.script.remove(0) else { panic!("an order") };
     fixed.script.splice(0..0, steps);

@@ -218,7 +218,9 @@ pub fn reward_slice(
     // Nothing is done there, and no muscle pulls.
     let nothing = Progress {
         target_done: false,
+        target_over: false,
         task_done: false,
+        task_over: false,
         timed_out: false,
         wrong_presses: 0.0,
         exits: 0.0,

@@ -141,6 +141,14 @@ fn times(task: &Task, flat: &FlatTask, report: &mut Report) {
         let (what, path) = ("the time limit".into(), "time_limit_s".into());
         report.warnings.push(TaskWarning::Rounded { what, path, given_s, used_s, steps });
     }
+    if let (Some(given_s), Some(steps)) = (task.step_limit_s, task.step_limit_steps()) {
+        let used_s = f64::from(steps) * task.control_dt_s;
+        if (used_s - given_s).abs() > ROUNDING_S {
+            let (what, path) = ("the limit of a step".into(), "step_limit_s".into());
+            report.warnings.push(TaskWarning::Rounded { what, path, given_s, used_s, steps });
+        }
+    }
+    let of_step_s = task.step_limit_steps().map(|steps| (f64::from(steps) * task.control_dt_s).min(used_s));
     let is_too_long = |seconds: f64| seconds > used_s + ROUNDING_S;
     let (mut dwells_s, mut waits_s) = (0.0, 0.0);
     let mut one_too_long = false;
@@ -152,7 +160,9 @@ fn times(task: &Task, flat: &FlatTask, report: &mut Report) {
         }
         let Some(dwell_s) = step.dwell_s() else { continue };
         dwells_s += times * step.least_dwell_s(task.control_dt_s);
-        if is_too_long(dwell_s) {
+        if let Some(limit_s) = of_step_s.filter(|limit_s| dwell_s > limit_s + ROUNDING_S && !is_too_long(dwell_s)) {
+            report.errors.push(TaskError::DwellBeyondStepLimit { target, dwell_s, limit_s });
+        } else if is_too_long(dwell_s) {
             one_too_long = true;
             report.errors.push(TaskError::DwellBeyondLimit { target, dwell_s, time_limit_s: given_s });
         }

@@ -19,6 +19,7 @@ use crate::user::{Perception, User};
 
 const WEIGHT: Quantity = Quantity::between(0.0, 1e6, "");
 const TIME_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
+const STEP_LIMIT: Quantity = Quantity::between(0.001, 600.0, "s");
 const CONTROL_STEP: Quantity = Quantity::between(0.001, 0.5, "s");
 const ANGLE_SPREAD: Quantity = Quantity::between(0.0, 1.0, "rad");
 const VELOCITY_SPREAD: Quantity = Quantity::between(0.0, 10.0, "rad/s");
@@ -107,12 +108,24 @@ pub struct Task {
     #[schemars(transform = TIME_LIMIT.schema())]
     pub time_limit_s: f64,
 
+    /// How long each step of the script may take, in s, from when it counts. What is not done by then is given up: the script goes on with the next
+    /// step, and the episode is no success. Rounded to whole control steps. Default: as long as the episode.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[garde(custom(step_limit_rule))]
+    #[schemars(transform = STEP_LIMIT.schema())]
+    pub step_limit_s: Option<f64>,
+
     /// Time between two decisions of the simulated user, in s; muscle controls are held in between.
     /// From 0.001 to 0.5; default 0.05 (20 Hz).
     #[serde(default = "default_control_step")]
     #[garde(custom(CONTROL_STEP.rule()))]
     #[schemars(transform = CONTROL_STEP.schema())]
     pub control_dt_s: f64,
+
+    /// What an action asks of a muscle: its excitation, or a change of what it does. Default `absolute`.
+    #[serde(default, skip_serializing_if = "Control::is_absolute")]
+    #[garde(skip)]
+    pub control: Control,
 
     /// How the body starts an episode.
     #[serde(default)]
@@ -161,6 +174,24 @@ pub enum Stimulus {
     Current,
     /// The same, and only until the pointer has moved a centimetre towards it or elsewhere; from then on it is remembered as it was.
     BeforeMovement,
+}
+
+/// What an action `a`, from -1 to 1, asks of a muscle. Default `absolute`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Control {
+    /// The excitation `(a + 1) / 2`.
+    #[default]
+    Absolute,
+    /// The excitation `activation + a`, within 0 and 1, with the activation as the control step begins; as in User-in-the-Box (Ikkala et al.
+    /// 2022, doi 10.1145/3526113.3545689).
+    Relative,
+}
+
+impl Control {
+    fn is_absolute(&self) -> bool {
+        *self == Self::Absolute
+    }
 }
 
 /// How the body starts an episode. Coupled joints follow the independent ones.
@@ -385,7 +416,9 @@ impl Task {
             correction: None,
             targets: vec![],
             time_limit_s: default_time_limit(),
+            step_limit_s: None,
             control_dt_s: default_control_step(),
+            control: Control::default(),
             reset: Reset::default(),
             reward: Reward::default(),
             observation: Observation::default(),
@@ -407,6 +440,11 @@ impl Task {
     /// Control steps until the time limit.
     pub fn time_limit_steps(&self) -> u32 {
         self.steps(self.time_limit_s)
+    }
+
+    /// Control steps until a step of the script is given up; none where it may take as long as the episode.
+    pub fn step_limit_steps(&self) -> Option<u32> {
+        self.step_limit_s.map(|seconds| self.steps(seconds))
     }
 
     /// Refuses values out of bounds. Tasks read from a text have been checked; those made or changed by code have not.
@@ -528,6 +566,10 @@ impl Noise {
     pub const LITERATURE_SIGNAL_DEPENDENT: f64 = 0.103;
     /// Level of constant noise in the literature (van Beers et al. 2004).
     pub const LITERATURE_CONSTANT: f64 = 0.185;
+}
+
+fn step_limit_rule(limit: &Option<f64>, context: &()) -> garde::Result {
+    limit.map_or(Ok(()), |limit| STEP_LIMIT.rule()(&limit, context))
 }
 
 fn optional_weight(weight: &Option<f64>, context: &()) -> garde::Result {

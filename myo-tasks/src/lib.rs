@@ -65,7 +65,7 @@ mod weakness;
 
 pub use body::{Body, Hand};
 pub use check::{Anywhere, RARE_ACCEPTANCE, Reach, check, places_apart};
-pub use description::{FORMAT_VERSION, Observation, Pose, Reset, Reward, Stimulus, Task, rounded_steps};
+pub use description::{Control, FORMAT_VERSION, Observation, Pose, Reset, Reward, Stimulus, Task, rounded_steps};
 pub use expand::{OBJECTS_MAX, STEPS_MAX};
 pub use flat::{Action, Block, Cue, FlatTask, Object, Order, Pointer, Shape, Shift, Sphere, Step};
 pub use geometry::spread;

@@ -22,6 +22,7 @@ presets!(
     "choice",
     "wall-ray",
     "pointing-uitb",
+    "pointing-replication",
     "tracking-uitb",
     "choice-uitb",
     "driving-uitb"

@@ -145,6 +145,18 @@ pub enum TaskError {
         /// The task's limit.
         time_limit_s: f64,
     },
+    /// A dwell is longer than its step may take.
+    #[error(
+        "{target} needs a dwell of {dwell_s} s but a step is given up after {limit_s} s (step_limit_s); raise the limit or shorten the dwell"
+    )]
+    DwellBeyondStepLimit {
+        /// The target.
+        target: Element,
+        /// Its dwell.
+        dwell_s: f64,
+        /// How long a step may take (s).
+        limit_s: f64,
+    },
     /// All dwells together are longer than the episode.
     #[error(
         "the dwells{} of all targets add up to {dwells_s:.2} s but the time limit is {time_limit_s} s; raise the limit or shorten the dwells",
@@ -330,7 +342,7 @@ impl TaskError {
         match self {
             Self::Value { path, .. } => path.clone(),
             Self::UnevenControlStep { .. } => "control_dt_s".into(),
-            Self::DwellBeyondLimit { target, .. } => target.field("for_s"),
+            Self::DwellBeyondLimit { target, .. } | Self::DwellBeyondStepLimit { target, .. } => target.field("for_s"),
             Self::DwellsBeyondLimit { .. } => "time_limit_s".into(),
             Self::DistanceImpossible { target, .. } => target.field("min_distance_from_previous"),
             Self::Overlap { b, .. } => b.field("at"),

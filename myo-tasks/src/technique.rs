@@ -221,6 +221,13 @@ fn or_a_word(schema: &mut schemars::Schema) {
     }
 }
 
+impl GoGo {
+    /// With the published numbers.
+    pub fn published() -> Self {
+        Self { beyond: two_thirds(), gain: sixth_per_cm() }
+    }
+}
+
 fn two_thirds() -> f64 {
     0.4
 }

@@ -167,7 +167,9 @@ fn every_term_of_the_reward() {
     {
         let progress: Progress<f64> = Progress {
             target_done,
+            target_over: target_done,
             task_done,
+            task_over: task_done,
             timed_out: false,
             wrong_presses: 3.0,
             exits: 2.0,
@@ -192,7 +194,9 @@ fn every_term_of_the_reward() {
     task.weights.cost_share = 0.5;
     let progress: Progress<f64> = Progress {
         target_done: true,
+        target_over: true,
         task_done: false,
+        task_over: false,
         timed_out: false,
         wrong_presses: 3.0,
         exits: 2.0,
@@ -219,7 +223,9 @@ fn what_movements_cost_beyond_what_is_earned_at_once_in_a_quarter_of_a_second_co
         let (task, _) = start(&task(vec![sphere([0.3, 0.0, 0.0], 0.05, 0.0)], weights));
         let nothing: Progress<f64> = Progress {
             target_done: false,
+            target_over: false,
             task_done: false,
+            task_over: false,
             timed_out: false,
             wrong_presses: 0.0,
             exits: 0.0,
@@ -326,7 +332,9 @@ fn far_distances_count_for_less_where_the_reward_says_so() {
         |distance_scale_m| Reward { distance_cost: 20.0, time_cost: 0.0, distance_scale_m, ..Reward::default() };
     let progress: Progress<f64> = Progress {
         target_done: false,
+        target_over: false,
         task_done: false,
+        task_over: false,
         timed_out: false,
         wrong_presses: 0.0,
         exits: 0.0,

@@ -6,6 +6,7 @@ mod arrival;
 mod bad_input;
 mod driving;
 mod known_values;
+mod limits;
 mod motions;
 mod orders;
 mod places;

@@ -14,7 +14,7 @@ fn presets_are_sound() {
     for name in preset_names() {
         let task = preset(name).unwrap();
         assert_eq!(task.name, name);
-        let published = name == "pointing-single" || name.ends_with("-uitb");
+        let published = ["pointing-single", "pointing-replication"].contains(&name) || name.ends_with("-uitb");
         let who = if published { ("mobl-arms-uitb", User::Fastest) } else { ("myo-arm", User::Human) };
         assert_eq!((task.model.as_str(), task.user), who, "{name}");
         assert_eq!(check(&task, &Anywhere), Default::default(), "{name}");
@@ -43,6 +43,7 @@ fn presets_have_the_published_values() {
         (kinds, task.time_limit_s)
     };
     assert_eq!(shape("pointing-uitb"), ("SSSSSSSSSS".into(), 12.0));
+    assert_eq!(shape("pointing-replication"), ("SSSSSSSSSS".into(), 40.0));
     assert_eq!(shape("pointing-single"), ("S".into(), 4.0));
     assert_eq!(shape("ar"), ("SBSBSBSB".into(), 10.0));
     assert_eq!(shape("public-display"), ("BBBB".into(), 4.0));

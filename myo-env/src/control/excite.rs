@@ -6,23 +6,28 @@ use crate::state::EnvState;
 use myo_dynamics::{State, Workspace, step};
 use myo_muscle::{left_of, noisy_excitation};
 use myo_scalar::{Counter, Scalar, Word, normal_pair, philox};
+use myo_tasks::Control;
 
 /// Random stream of motor noise.
 const NOISE_STREAM: u32 = 0x1000;
 
-/// The excitation that an action asks a muscle for: from -1 to 1, mapped to 0 to 1.
+/// The excitation that an action from -1 to 1 asks a muscle for whose activation is `act`.
 #[inline(always)]
-pub fn excitation<S: Scalar>(action: S) -> S {
-    action.clamp(-1.0, 1.0).mul_add(S::lit(0.5), S::lit(0.5))
+pub fn excitation<S: Scalar>(control: Control, action: S, act: S) -> S {
+    let action = action.clamp(-1.0, 1.0);
+    match control {
+        Control::Absolute => action.mul_add(S::lit(0.5), S::lit(0.5)),
+        Control::Relative => (act + action).clamp(0.0, 1.0),
+    }
 }
 
-/// Maps actions (in `ctrl`) to excitations `(a + 1) / 2` and adds reflexes and motor noise, which begins anew with each episode; then muscles tire,
+/// Maps actions (in `ctrl`) to [excitations](excitation) and adds reflexes and motor noise, which begins anew with each episode; then muscles tire,
 /// and none is excited beyond what is left of it.
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let Scratch { physics, ctrl, squared_change, squared_control, draws, .. } = ws;
-    for u in ctrl.iter_mut() {
-        *u = excitation(*u);
+    for (u, &act) in ctrl.iter_mut().zip(&env.body.act) {
+        *u = excitation(world.parameters.control, *u, act);
     }
     *squared_change = remember(ctrl, &mut env.asked);
     if let Some(reflex) = world.parameters.reflex {

@@ -87,8 +87,8 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     S::outline(stages::Physics { world, env, ws, watch: &mut Following { goal: &goal, stay: &mut stay } });
     let mut sensed = sense(world, goal.centre_after(S::lit(1.0)), env, stay, &mut ws.physics);
     let (distance, progress) = judge(world, &goal, env, &sensed);
-    // After the last step is done it stays the current one.
-    let begins = progress.target_done & !progress.task_done;
+    // After the last step is over it stays the current one.
+    let begins = progress.target_over & !progress.task_over;
     logic::begin_step(&world.parameters.task, begins, env.counter(), &mut env.task);
     misjudge::look_again(world, begins, env);
     choose(world, &sensed.body, env);
@@ -104,7 +104,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     let terms = logic::reward(&world.parameters.task, &progress, distance, efforts);
     let errors = [progress.wrong_presses, progress.exits];
     summary::add_up(world, env, &terms.array(), errors, effort, &ws.physics.tally);
-    let known = logic::remember(&goal, sensed.pointer, progress.target_done, &mut env.task);
+    let known = logic::remember(&goal, sensed.pointer, progress.target_over, &mut env.task);
     let known = known.as_ref().unwrap_or(&goal);
     S::outline(stages::Observe { world, goal: known, env, sensed: &sensed, out: &mut ws.observation });
     perceive::after_step(&world.tables.delays, &mut env.late, &mut ws.observation);

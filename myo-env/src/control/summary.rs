@@ -109,7 +109,7 @@ pub fn summarise<S: Scalar>(
     out.push(total_reward(env));
     out.push(task.step);
     out.push(S::indicator(progress.task_done));
-    out.push(task.phase);
+    out.push(task.given_up.map_or(task.phase, |given_up| task.phase - given_up));
     out.push(logic::norm(logic::difference(sensed.pointer, goal.centre)));
     let per_step = task.step.recip();
     out.extend([env.sums[EFFORT_SUM] * per_step, env.sums[FATIGUE_SUM]]);

@@ -125,6 +125,21 @@ pub fn swung_with(changes: &[(&str, &str)]) -> Task {
     changed("swung", text, changes)
 }
 
+/// Three spheres, each of which is given up soon, for actions that change what muscles do.
+pub fn limited() -> Task {
+    limited_with(&[])
+}
+
+/// The same with other numbers.
+pub fn limited_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nuser: fastest\nmodel: mobl-arms\nname: limited\nscene:\n  \
+                near: {kind: sphere, at: [0.2, -0.1, [-0.6, -0.2]], radius: [0.2, 0.4]}\n  \
+                wide: {kind: sphere, at: [0.2, -0.1, -0.4], radius: 0.5, min_distance_from_previous: 0}\nscript:\n  \
+                - dwell: {in: near, for_s: 0.1}\n  - wait: [0, 0.1]\n  - dwell: {in: wide, for_s: 0.1}\n  \
+                - dwell: {in: near, for_s: 0.1}\nstep_limit_s: 0.25\ncontrol: relative\ntime_limit_s: 0.8\n";
+    changed("limited", text, changes)
+}
+
 /// Two vehicles that a wide knob drives into where they need not be still, one after the other.
 pub fn driven() -> Task {
     driven_with(&[])

@@ -2,7 +2,7 @@
 
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, Skeleton, StepStorage, VectorEnv, excitation};
 use myo_model::Model;
-use myo_tasks::Task;
+use myo_tasks::{Control, Task};
 use myo_train::Policy;
 
 use super::motion;
@@ -17,6 +17,9 @@ pub struct Actor {
     /// Control steps since the episode began.
     steps: u32,
     control_dt: f64,
+    control: Control,
+    /// Mean squared control of the last action.
+    effort: f64,
 }
 
 impl Actor {
@@ -31,7 +34,7 @@ impl Actor {
         let (skeleton, mut step) = (Skeleton::new(model, task)?, StepStorage::new(env.spec()));
         let (actions, control_dt) = (vec![0.0; env.spec().action_size()], env.spec().control_dt);
         env.reset(Some(seed), None, &mut step.observation)?;
-        Ok(Self { env, skeleton, step, actions, steps: 0, control_dt })
+        Ok(Self { env, skeleton, step, actions, steps: 0, control_dt, control: task.control, effort: 0.0 })
     }
 
     /// How the numbers of its frames lie.
@@ -66,6 +69,7 @@ impl Actor {
     pub fn act(&mut self, policy: &mut Policy) -> Result<bool, EnvError> {
         let has_ended = self.step.terminated[0] || self.step.truncated[0];
         policy.act_deterministic(&self.step.observation, &mut self.actions);
+        self.effort = self.asked()?;
         self.env.step(&self.actions, self.step.buffers())?;
         self.steps = if has_ended { 0 } else { self.steps + 1 };
         Ok(self.step.terminated[0] || self.step.truncated[0])
@@ -81,8 +85,16 @@ impl Actor {
     }
 
     /// Mean squared control of the last action.
-    pub fn effort(&self) -> f64 {
-        let squares = self.actions.iter().map(|&action| excitation(f64::from(action)).powi(2));
-        squares.sum::<f64>() / self.actions.len() as f64
+    pub const fn effort(&self) -> f64 {
+        self.effort
+    }
+
+    /// Mean squared control that the actions ask for now.
+    fn asked(&self) -> Result<f64, EnvError> {
+        let moments = self.env.peek(0..1)?;
+        let acts = moments.iter().flat_map(|moment| &moment.body.act);
+        let control = |(&action, &act): (&f32, &f64)| excitation(self.control, f64::from(action), act);
+        let squares = self.actions.iter().zip(acts).map(|pair| control(pair).powi(2));
+        Ok(squares.sum::<f64>() / self.actions.len() as f64)
     }
 }

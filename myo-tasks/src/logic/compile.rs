@@ -76,6 +76,8 @@ pub struct CompiledTask<T> {
     pub pointer: Pointer<T>,
     /// Control steps until the episode is cut.
     pub time_limit: T,
+    /// Control steps until the current step is given up, from when it counts; none where it may take as long as the episode.
+    pub step_limit: Option<T>,
     /// Reward weights.
     pub weights: Weights<T>,
 }
@@ -241,6 +243,7 @@ impl<C: Real> CompiledTask<C> {
             steps: flat.steps.iter().map(step).collect(),
             kinds,
             time_limit: C::from_f64(f64::from(task.time_limit_steps())),
+            step_limit: task.step_limit_steps().map(|steps| C::from_f64(f64::from(steps))),
             weights: Weights::new(
                 &task.reward,
                 task.control_dt_s,
@@ -251,6 +254,11 @@ impl<C: Real> CompiledTask<C> {
 }
 
 impl<T> CompiledTask<T> {
+    /// Whether it must be remembered since when the current step counts: it is not always since the step before was done.
+    pub(super) fn has_cues(&self) -> bool {
+        self.kinds.cue || !self.orders.is_empty() || self.step_limit.is_some()
+    }
+
     /// Whether it matters how hard the fingertip touches: something is pressed, or touching costs something.
     #[inline(always)]
     pub fn is_felt(&self) -> bool {
@@ -285,6 +293,7 @@ impl<T> CompiledTask<T> {
             bounce: f(&self.bounce),
             pointer: self.pointer.map(f),
             time_limit: f(&self.time_limit),
+            step_limit: self.step_limit.as_ref().map(&mut *f),
             weights: self.weights.map(f),
         }
     }

@@ -101,7 +101,7 @@ pub fn begin_step<S: Scalar>(
     let Some(cue) = &mut state.cue else { return };
     S::when(mask, &mut Drawn(cue), |Drawn(cue)| {
         if task.cues.is_empty() {
-            // Where only the order is not that of the script, a step begins when the one before is done.
+            // Where nothing must be waited for, a step begins when the one before is over.
             let [object] = S::gather(task.steps.len(), |k| [task.steps[k].object], number);
             cue.object = S::select(mask, object, cue.object);
             cue.lit_at = S::select(mask, step, cue.lit_at);

@@ -87,7 +87,9 @@ pub struct TaskState<S> {
     pub seen: Option<Seen<S>>,
     /// Where a cursor that moves by itself stands, see [`Landmarks::cursor`]; none where there is none.
     pub cursor: Option<[S; 2]>,
-    /// Number of steps done.
+    /// Steps that took too long; none where they may take as long as they do.
+    pub given_up: Option<S>,
+    /// Number of steps done or given up.
     pub phase: S,
     /// Control steps inside the current sphere, to the physics step: what [`held`](Self::held) is of a dwell, and zero of all else.
     pub dwell: S,
@@ -123,7 +125,8 @@ impl<S: Scalar> TaskState<S> {
             tracking: task.kinds.track.then(Tracking::new),
             values: vec![o; task.handles.len()],
             order: if task.orders.is_empty() { vec![] } else { (0..steps).map(|step| S::lit(step as f64)).collect() },
-            cue: (task.kinds.cue || !task.orders.is_empty()).then(|| CueState::new(steps)),
+            cue: task.has_cues().then(|| CueState::new(steps)),
+            given_up: task.step_limit.is_some().then(S::zero),
             steering: task.kinds.steer.then(Steering::new),
             sticks: task.kinds.swing.then(|| Sticks::new(spheres)),
             vehicles: task.kinds.drive.then(|| Vehicles::new(spheres)),
@@ -152,7 +155,13 @@ impl<S: Scalar> TaskState<S> {
         let steering = steering.chain(self.tracking.iter_mut().flat_map(Tracking::numbers));
         let steering = steering.chain(self.vehicles.iter_mut().flat_map(Vehicles::numbers));
         let pointed = self.cursor.iter_mut().flatten().chain(self.sticks.iter_mut().map(|sticks| &mut sticks.held));
-        for counter in counters.chain(&mut self.errors).chain(&mut self.pause).chain(steering).chain(pointed) {
+        for counter in counters
+            .chain(&mut self.given_up)
+            .chain(&mut self.errors)
+            .chain(&mut self.pause)
+            .chain(steering)
+            .chain(pointed)
+        {
             *counter = S::select(mask, S::zero(), *counter);
         }
         let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
@@ -216,6 +225,7 @@ impl<S: Scalar> TaskState<S> {
             pause,
             seen,
             cursor,
+            given_up,
             phase,
             dwell,
             held,
@@ -236,7 +246,8 @@ impl<S: Scalar> TaskState<S> {
         let steering = steering.iter_mut().flat_map(Steering::kept);
         let counters = [phase, dwell, held, down, landed, grounded, step];
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
-        let script = order.iter_mut().chain(cue).chain(times).chain(counters).chain(errors).chain(pause);
+        let script =
+            order.iter_mut().chain(cue).chain(times).chain(counters).chain(given_up).chain(errors).chain(pause);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);
         let sticks = sticks.chain(vehicles.iter_mut().flat_map(Vehicles::numbers));
         let ways = steering.chain(tracking.iter_mut().flat_map(Tracking::numbers));

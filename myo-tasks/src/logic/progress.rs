@@ -21,9 +21,13 @@ pub struct Sensed<S> {
 pub struct Progress<S: Scalar> {
     /// The step that was current is done.
     pub target_done: S::Mask,
-    /// The last step is done.
+    /// It is over: done, or given up since it took too long.
+    pub target_over: S::Mask,
+    /// Every step is done.
     pub task_done: S::Mask,
-    /// The time limit is reached and the task is not done.
+    /// Every step is over: done, or given up.
+    pub task_over: S::Mask,
+    /// The episode ends and the task is not done: the time limit is reached, or all steps are over and some of them were given up.
     pub timed_out: S::Mask,
     /// How often a button was pressed that was not asked for.
     pub wrong_presses: S,
@@ -34,7 +38,7 @@ pub struct Progress<S: Scalar> {
 }
 
 /// Counts the control step, judges the current step of the task or the correction of a wrong press, and moves on to the next one
-/// when it is done; `share` of a control step is a physics step. How long the fingertip stayed counts from zero again whenever it leaves, to
+/// when it is done, or takes too long; `share` of a control step is a physics step. How long the fingertip stayed counts from zero again whenever it leaves, to
 /// the physics step, and with every new step of the task.
 ///
 /// An object is reached, in [`TaskState::reached_at`], when the fingertip enters a sphere for the dwell that completes it, first enters what it
@@ -67,10 +71,14 @@ pub fn advance<S: Scalar>(
     state.step += one;
     let reached_at = sensed.now - sensed.stay.since_arrival();
     // What corrects a wrong press is none of the steps.
-    let is_over = done;
+    let mut is_over = done;
     if let Some(corrects) = goal.corrects {
         (reached, done) = (reached & !corrects, done & !corrects);
         count_errors(&sensed.stay, is_over & corrects, state);
+    }
+    let mut target_over = done;
+    if let Some(gives_up) = gives_up(task, goal, done, state) {
+        (target_over, is_over) = (done | gives_up, is_over | gives_up);
     }
     let number = state.step_ahead(0);
     for index in 0..task.steps.len() {
@@ -99,31 +107,59 @@ pub fn advance<S: Scalar>(
     if let Some(steering) = &mut state.steering {
         *steering = sensed.stay.steering;
         for kept in steering.kept() {
-            *kept = kept.only(!done);
+            *kept = kept.only(!target_over);
         }
     }
     if let Some(tracking) = &mut state.tracking {
         tracking.add(&sensed.stay.tracking);
     }
     if let (Some(sticks), Some(swing)) = (&mut state.sticks, &goal.swing) {
-        sticks.update(swing, &sensed.stay.hold, done);
+        sticks.update(swing, &sensed.stay.hold, target_over);
     }
     if let (Some(vehicles), Some(drive)) = (&mut state.vehicles, &goal.drive) {
-        vehicles.update(drive, &sensed.stay.ride, done);
+        vehicles.update(drive, &sensed.stay.ride, target_over);
     }
     if let Some(cursor) = &mut state.cursor {
         *cursor = sensed.stay.cursor;
     }
     pause(task, sensed.stay.wrong_presses, state);
-    state.phase += S::indicator(done);
-    let mut task_done = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);
+    state.phase += S::indicator(target_over);
+    let mut task_over = S::lit(task.steps.len() as f64 - 0.5).lt(state.phase);
     if let Some(corrects) = state.corrects() {
-        task_done = task_done & !corrects;
+        task_over = task_over & !corrects;
     }
-    let timed_out = task.time_limit.le(state.step) & !task_done;
+    let task_done = state.given_up.map_or(task_over, |given_up| task_over & given_up.lt(half));
+    let timed_out = (task_over | task.time_limit.le(state.step)) & !task_done;
     let Stay { wrong_presses, steering, .. } = sensed.stay;
     let bonuses = bonuses(task, goal, &sensed.stay, done, share);
-    Progress { target_done: done, task_done, timed_out, wrong_presses, exits: steering.exits, bonuses }
+    Progress {
+        target_done: done,
+        target_over,
+        task_done,
+        task_over,
+        timed_out,
+        wrong_presses,
+        exits: steering.exits,
+        bonuses,
+    }
+}
+
+/// Counts the current step among those that are given up where it takes too long and is not `done`, and tells where, if that can be. Time passes from when it counts, and
+/// it is not given up while a wrong press must be corrected.
+#[inline(always)]
+fn gives_up<S: Scalar>(
+    task: &CompiledTask<S>,
+    goal: &Goal<S>,
+    done: S::Mask,
+    state: &mut TaskState<S>,
+) -> Option<S::Mask> {
+    let (limit, cue, given_up) = (task.step_limit?, state.cue.as_ref()?, state.given_up.as_mut()?);
+    let mut gives_up = (cue.lit_at + limit).le(state.step) & !done;
+    if let Some(corrects) = goal.corrects {
+        gives_up = gives_up & !corrects;
+    }
+    *given_up += S::indicator(gives_up);
+    Some(gives_up)
 }
 
 /// See [`Progress::bonuses`].

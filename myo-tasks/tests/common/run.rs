@@ -92,14 +92,14 @@ impl Run {
             let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, cursor: [0.0; 2] };
             let sensed = Sensed { body, pointer, stay, now: (self.step * SUBSTEPS) as f64 };
             let progress = advance(&self.task, &goal, &sensed, &mut self.state, SHARE);
-            let begins = progress.target_done && !progress.task_done;
+            let begins = progress.target_over && !progress.task_over;
             begin_step(&self.task, begins, counter(self.step as u32), &mut self.state);
             choose_nearest(&self.task, &body, &mut self.state);
             self.wrong_presses += progress.wrong_presses;
             self.bonuses += progress.bonuses;
             self.exits += progress.exits;
-            if progress.task_done {
-                return true;
+            if progress.task_over {
+                return progress.task_done;
             }
         }
         false
