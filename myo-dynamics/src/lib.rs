@@ -54,6 +54,7 @@
 mod batch;
 mod cast;
 mod crowd;
+mod exertion;
 mod impedance;
 mod isometric;
 mod obstacles;
@@ -68,6 +69,7 @@ mod workspace;
 
 pub use batch::Batch;
 pub use crowd::{MovedBox, most_at_once};
+pub use exertion::{Exerter, Exertion};
 pub use isometric::{Isometric, Pull};
 pub use myo_model::StaticBox;
 pub use obstacles::{Obstacles, Surface};

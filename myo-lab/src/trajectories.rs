@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use myo_dynamics::{CouplingMode, Exerter, Exertion, Plan, State};
 use myo_env::{
     BuildError, CpuEnv, EnvConfig, EnvError, Skeleton, SkeletonPose, Snapshot, StepStorage, TraceShape, VectorEnv,
 };
@@ -146,8 +147,9 @@ impl Trajectories {
 /// Columns: `episode` from one; `layout`, where there are several; `time_s` since the start of the episode, at the end of a physics step; `step` of the script that is to do, from
 /// one, and `object` that it asks for, with its place (`object_x_m`, `object_y_m`, `object_z_m`: m from the shoulder centre, x forward, y to the left, z up) and
 /// its size (`object_width_m`, of a sphere its diameter); `fingertip_x_m` and so on; `pointer_x_m` and so on, where something else points; `force_n` on the fingertip; `event`: `entered` at the last entry
-/// into what was asked for, `done` when the step was done, `success` or `time_out` at the end of an episode; of each independent joint its position and its velocity (`elbow_flexion_rad`, `elbow_flexion_rad_s`),
-/// of each muscle activation and force (`DELT1_activation`, `DELT1_force_n`).
+/// into what was asked for, `done` when the step was done, `given_up` when it had taken too long (`step_limit_s`), `success` or `time_out` at the end of an episode; of each independent joint its position and its velocity (`elbow_flexion_rad`, `elbow_flexion_rad_s`),
+/// of each muscle activation and force (`DELT1_activation`, `DELT1_force_n`); of all muscles together the torque on each of these joints (`elbow_flexion_torque_nm`), the power with
+/// which they pull (`mechanical_w`), and what they consume, more than at rest (`metabolic_w`; [`myo_muscle::MetabolicPower`]).
 ///
 /// # Errors
 /// The policy does not fit the layouts, these cannot be simulated, or `take` fails.
@@ -177,14 +179,15 @@ struct Scribe {
     names: Vec<String>,
     joints: Vec<(String, JointKind)>,
     muscles: Vec<String>,
+    exerter: Exerter,
 }
 
 /// An episode on its way.
 #[derive(Default)]
 struct Going {
     samples: Vec<Sample>,
-    /// Steps that were done, with how many samples there were then.
-    done: Vec<(usize, usize)>,
+    /// Steps that are over, done or given up, with how many samples there were then.
+    over: Vec<(usize, usize)>,
     is_over: bool,
 }
 
@@ -216,6 +219,7 @@ impl Scribe {
             joints: first.joint_names().map(|name| (name.to_owned(), kind(name))).collect(),
             muscles: model.muscles.iter().map(|muscle| muscle.name.clone()).collect(),
             names: layout_names(layouts),
+            exerter: Exerter::new(model, Plan::exact(model, CouplingMode::Reduced).map_err(BuildError::from)?),
             skeletons,
         })
     }
@@ -234,6 +238,7 @@ impl Scribe {
         policy.check(&spec)?;
         let (mut step, mut actions) = (StepStorage::new(&spec), vec![0.0; num_envs * spec.action_size()]);
         let mut trace = vec![0.0; num_envs * shape.len_per_env()];
+        let mut exerter = self.exerter.clone();
         let mut going: Vec<Going> = (0..num_envs).map(|_| Going::default()).collect();
         env.reset(Some(seed), None, &mut step.observation)?;
         while going.iter().any(|episode| !episode.is_over) {
@@ -242,11 +247,12 @@ impl Scribe {
             env.step_traced(&actions, step.buffers(), &mut trace)?;
             for (number, episode) in going.iter_mut().enumerate().filter(|(_, episode)| !episode.is_over) {
                 let rows = &trace[number * shape.len_per_env()..][..shape.len_per_env()];
-                self.add(number % layouts.len(), &before[number], (&shape, rows), episode)?;
+                self.add(number % layouts.len(), &before[number], (&shape, rows), &mut exerter, episode)?;
                 if step.terminated[number] || step.truncated[number] {
                     let summary = &step.episode[number * spec.episode_size()..][..spec.episode_size()];
+                    let is_done = |step: usize| Done::is_done(&spec, summary, step);
                     let after_entry = |step: usize| Done::after_entry(&spec, summary, step, shape.rate_hz);
-                    episode.end(after_entry, step.terminated[number]);
+                    episode.end(is_done, after_entry, step.terminated[number]);
                 }
             }
         }
@@ -264,6 +270,7 @@ impl Scribe {
         layout: usize,
         before: &Snapshot,
         (shape, rows): (&TraceShape, &[f32]),
+        exerter: &mut Exerter,
         episode: &mut Going,
     ) -> Result<(), EnvError> {
         let skeleton = &self.skeletons[layout];
@@ -272,16 +279,19 @@ impl Scribe {
         if let Some(last) =
             episode.samples.last().and_then(|sample| sample.step).filter(|&last| asked.step != Some(last))
         {
-            episode.done.push((last, episode.samples.len()));
+            episode.over.push((last, episode.samples.len()));
         }
         let object = asked.current.map(|index| object(skeleton, &asked, index));
         let mut moment = before.clone();
         for sample in rows.chunks_exact(shape.columns).filter_map(|row| shape.sample(row)) {
-            for (q, &seen) in moment.body.qpos.iter_mut().zip(sample.qpos) {
-                *q = f64::from(seen);
+            let State { qpos, qvel, act } = &mut moment.body;
+            for (own, seen) in [(qpos, sample.qpos), (qvel, sample.qvel), (act, sample.activations)] {
+                own.iter_mut().zip(seen).for_each(|(own, &seen)| *own = f64::from(seen));
             }
+            let Exertion { torque, mechanical, metabolic } = exerter.at(&moment.body);
+            let exerted: Vec<f32> = torque.into_iter().chain([mechanical, metabolic]).map(|x| x as f32).collect();
             let SkeletonPose { fingertip, pointer, .. } = skeleton.pose(&moment)?;
-            let parts = [sample.qpos, sample.qvel, sample.activations, sample.muscle_forces];
+            let parts = [sample.qpos, sample.qvel, sample.activations, sample.muscle_forces, &exerted];
             episode.samples.push(Sample {
                 step: asked.step,
                 object: object.clone(),
@@ -335,19 +345,27 @@ impl Scribe {
         let velocities = self.joints.iter().map(|(name, kind)| format!("{name}_{}_s", unit(kind)));
         let activations = self.muscles.iter().map(|name| format!("{name}_activation"));
         let forces = self.muscles.iter().map(|name| format!("{name}_force_n"));
-        positions.chain(velocities).chain(activations).chain(forces).collect()
+        let turned = |kind: &JointKind| if *kind == JointKind::Hinge { "torque_nm" } else { "force_n" };
+        let torques = self.joints.iter().map(|(name, kind)| format!("{name}_{}", turned(kind)));
+        let powers = ["mechanical_w", "metabolic_w"].map(str::to_owned);
+        let muscles = positions.chain(velocities).chain(activations).chain(forces);
+        muscles.chain(torques).chain(powers).collect()
     }
 }
 
 impl Going {
-    /// Writes what happened beside the samples in which it did; `after_entry` tells of a step how many samples there were from the entry to its end.
-    fn end(&mut self, after_entry: impl Fn(usize) -> Option<usize>, is_success: bool) {
+    /// Writes what happened beside the samples in which it did: which steps were done, and how many samples there were from the entry of each to its end.
+    fn end(&mut self, is_done: impl Fn(usize) -> bool, after_entry: impl Fn(usize) -> Option<usize>, is_success: bool) {
         self.is_over = true;
         let (Some(last), length) = (self.samples.last(), self.samples.len()) else { return };
-        if let Some(step) = last.step.filter(|_| is_success) {
-            self.done.push((step, length));
+        if let Some(step) = last.step.filter(|&step| is_done(step)) {
+            self.over.push((step, length));
         }
-        for &(step, end) in &self.done {
+        for &(step, end) in &self.over {
+            if !is_done(step) {
+                self.samples[end - 1].event = "given_up";
+                continue;
+            }
             if let Some(entry) = after_entry(step).and_then(|since| end.checked_sub(since)) {
                 // An entry in the very last sample is told before it: a sample has one event.
                 self.samples[entry.min(end.saturating_sub(2))].event = "entered";

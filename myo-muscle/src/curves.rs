@@ -59,6 +59,11 @@ fn normalisation(length_range: [f64; 2], curve: &CurveParameters) -> (f64, f64) 
     (scale, curve.range[0] - length_range[0] * scale)
 }
 
+/// Distance from the optimum to the inflection point above it, in units of the optimal length.
+fn inflection(gain: &CurveParameters) -> f64 {
+    (0.5 * (1.0 + gain.lmax) - 1.0).max(TINY)
+}
+
 /// Peak isometric force (N): given, or `scale / acc0`.
 fn peak_force(curve: &CurveParameters, acc0: f64) -> f64 {
     curve.force.unwrap_or(curve.scale / acc0.max(TINY))
@@ -104,6 +109,12 @@ impl ForceCurves<f64> {
         2.0 * self.half_force
     }
 
+    /// From tendon length (m) to fibre length in units of the optimal length, scale and offset; these curves are worked out from `gain`.
+    pub(crate) fn fibre_length(&self, gain: &CurveParameters) -> [f64; 2] {
+        let unit = inflection(gain);
+        [self.above[0] * unit, self.above[1] * unit + 1.0]
+    }
+
     fn new(parameters: &MuscleParameters, acc0: f64) -> Self {
         let (gain, bias) = (&parameters.gain, &parameters.bias);
         let (gain_scale, gain_offset) = normalisation(parameters.length_range, gain);
@@ -112,7 +123,7 @@ impl ForceCurves<f64> {
         let velocity_scale = gain_scale / gain.vmax.max(TINY);
         // The distance of the normalised length from the optimum, `scale * length + offset - 1`, in some unit.
         let distance = |scale: f64, offset: f64, unit: f64| [scale / unit, (offset - 1.0) / unit];
-        let above = (0.5 * (1.0 + gain.lmax) - 1.0).max(TINY);
+        let above = inflection(gain);
         let below = (1.0 - 0.5 * (gain.lmin + 1.0)).max(TINY);
         Self {
             above: distance(gain_scale, gain_offset, above),
@@ -178,8 +189,19 @@ impl<S: Scalar> ForceCurves<S> {
     /// `length` (m) and `velocity` (m/s, positive when lengthening) are those of the whole tendon path.
     #[inline(always)]
     pub fn force(&self, length: S, velocity: S, activation: S) -> S {
-        let gain = self.twice_force_length(length) * self.force_velocity(velocity) * self.half_force;
-        -gain.mul_add(activation, self.passive_force(length))
+        -self.gain(length, velocity).mul_add(activation, self.passive_force(length))
+    }
+
+    /// What of it (N) is active, positive when the muscle pulls.
+    #[inline(always)]
+    pub fn active_force(&self, length: S, velocity: S, activation: S) -> S {
+        self.gain(length, velocity) * activation
+    }
+
+    /// Active force (N) of a muscle that is fully active.
+    #[inline(always)]
+    fn gain(&self, length: S, velocity: S) -> S {
+        self.twice_force_length(length) * self.force_velocity(velocity) * self.half_force
     }
 
     /// Twice the active force-length curve: the curve is one at optimal length, a bump of four parabolas between `lmin`

@@ -1,4 +1,4 @@
-//! Hill-type muscle: activation dynamics, force-length-velocity curves, motor noise, fatigue.
+//! Hill-type muscle: activation dynamics, force-length-velocity curves, motor noise, fatigue, metabolic power.
 //!
 //! [`MuscleParameters`] is what a person writes; [`Muscle`] is the same with every quotient worked out, in the precision
 //! of the numbers that run on it. The functions are generic over [`myo_scalar::Scalar`] and have no branches that depend
@@ -20,14 +20,17 @@
 //! assert!((muscle.force(optimal, 0.0, 1.0) + 500.0_f64).abs() < 1e-9);
 //! ```
 //!
-//! This crate does not know tendon paths, bodies or time steps. It has no tendon elasticity and no pennation.
+//! This crate does not know tendon paths, bodies or time steps. It has no tendon elasticity and no pennation, and of what a muscle is made of no
+//! more than its force and length tell: half of all fibres are taken to be slow.
 
 mod curves;
 mod fatigue;
+mod metabolism;
 mod noise;
 mod parameters;
 
 pub use curves::{ActivationDynamics, ForceCurves, Muscle};
 pub use fatigue::{Endurance, Fatigue, FatigueRates, MuscleGroup, left_of};
+pub use metabolism::{MetabolicPower, Metabolism};
 pub use noise::{CONSTANT_NOISE, MotorNoise, SIGNAL_DEPENDENT_NOISE, noisy_excitation};
 pub use parameters::{CurveParameters, MuscleParameters};

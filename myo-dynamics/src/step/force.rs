@@ -81,6 +81,12 @@ fn set_wrench<S: Scalar>(set: &LinkSet, ws: &Workspace<S>) -> Wrench<S> {
 pub fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) -> Vec<S> {
     ws.muscle_force.fill(S::zero());
     ws.muscle_force[muscle] = S::lit(1.0);
+    muscle_torques(plan, ws)
+}
+
+/// What muscles with the forces of `ws` do to every coordinate of an exact plan (N m or N), whose paths [`tendon::lengths`] has worked out. Torques and
+/// wrenches of `ws` are of no use afterwards.
+pub fn muscle_torques<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) -> Vec<S> {
     ws.torque.fill(S::zero());
     ws.wrench.fill(Wrench::zero());
     ws.joint_torque.fill(S::zero());

@@ -18,6 +18,8 @@ pub struct Recording {
     pub force: Vec<f64>,
     /// Positions of the independent joints (rad; m for slides), (samples, joints).
     pub qpos: Vec<f32>,
+    /// Velocities of the independent joints (rad/s; m/s for slides), (samples, joints).
+    pub qvel: Vec<f32>,
     /// Activations, (samples, muscles).
     pub activations: Vec<f32>,
     /// Steps of the script that were done, in order.
@@ -72,6 +74,7 @@ impl Recording {
             fingertip: vec![],
             force: vec![],
             qpos: vec![],
+            qvel: vec![],
             activations: vec![],
             done: vec![],
             exits: 0.0,
@@ -96,6 +99,7 @@ impl Recording {
             self.fingertip.push(sample.fingertip);
             self.force.push(sample.force);
             self.qpos.extend_from_slice(sample.qpos);
+            self.qvel.extend_from_slice(sample.qvel);
             self.activations.extend_from_slice(sample.activations);
         }
     }
@@ -112,6 +116,13 @@ impl Recording {
 }
 
 impl Done {
+    /// Whether a step, counted from zero, was done, by the summary of an episode.
+    pub(crate) fn is_done(spec: &EnvSpec, summary: &[f32], step: usize) -> bool {
+        let name = format!("target_{}_success", step + 1);
+        let column = spec.episode_names.iter().position(|other| *other == name);
+        column.and_then(|column| summary.get(column)).is_some_and(|&success| success > 0.5)
+    }
+
     /// How many samples there were from the last entry into the target of a step, counted from zero, to its end, by the summary of an episode.
     pub(crate) fn after_entry(spec: &EnvSpec, summary: &[f32], step: usize, rate_hz: f64) -> Option<usize> {
         let value = |quantity: &str| {

@@ -3,7 +3,7 @@
 //! Episodes that were recorded are put one behind the other until ten minutes have passed. Fatigue is reckoned from the activations, as if muscles tired by them: a user whose
 //! muscles do tire is none the more tired for it. Endurance is reckoned from the share of its strength that holds the upper arm up.
 
-use myo_dynamics::{CouplingMode, Isometric, Plan};
+use myo_dynamics::{CouplingMode, Exerter, Isometric, Plan, State};
 use myo_measure::bands::{Figure, Figures};
 use myo_measure::{ergonomics, statistics};
 use myo_model::Model;
@@ -26,6 +26,8 @@ const RAISED_DEG: f64 = 45.0;
 const LEAST_ARM: f64 = 0.005;
 /// From one look at the posture to the next (s).
 const LOOK_S: f64 = 0.1;
+/// From one look at what muscles do to the next (s).
+const EXERTION_S: f64 = 0.02;
 
 /// Work at both heights.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -51,6 +53,14 @@ pub struct WorkRow {
     pub consumed_nicer: f64,
     /// Share of the time that the upper arm is within 20 degrees of hanging down, within 45, within 90, and above (RULA).
     pub upper_arm: [f64; 4],
+    /// What muscles consume (W), more than at rest.
+    pub metabolic_w: f64,
+    /// Torque of the muscles on all joints together (N m), root mean square.
+    pub torque_nm: f64,
+    /// How fast that changes (N m/s), root mean square.
+    pub torque_change_nm_s: f64,
+    /// Mean squared activation of the muscles.
+    pub activation: f64,
     /// Selections per minute.
     pub selections_per_min: f64,
 }
@@ -62,6 +72,15 @@ struct Worker {
     /// Muscles of the shoulder that raise the arm: which, and how strong.
     elevators: Vec<(usize, f64)>,
     rates: Vec<FatigueRates>,
+    exerter: Exerter,
+}
+
+/// What all muscles together do, mean over time.
+struct Efforts {
+    metabolic_w: f64,
+    torque_nm: f64,
+    torque_change_nm_s: f64,
+    activation: f64,
 }
 
 impl Worker {
@@ -87,7 +106,8 @@ impl Worker {
             });
         }
         let rates = (0..model.muscles.len()).map(|muscle| FatigueRates::of(group(muscle))).collect();
-        Ok(Self { plan, raises, elevators, rates })
+        let exerter = Exerter::new(model, plan.clone());
+        Ok(Self { plan, raises, elevators, rates, exerter })
     }
 
     /// Ten minutes of these recordings, one behind the other.
@@ -118,8 +138,13 @@ impl Worker {
         let consumed = |endurance: Result<f64, myo_measure::MeasureError>| {
             endurance.and_then(|endurance_s| ergonomics::consumed(WORK_S, endurance_s)).map_err(measuring())
         };
+        let Efforts { metabolic_w, torque_nm, torque_change_nm_s, activation } = self.efforts(&stretches, rate_hz);
         Ok(WorkRow {
             height,
+            metabolic_w,
+            torque_nm,
+            torque_change_nm_s,
+            activation,
             fatigued: self.fatigued(&stretches, rate_hz),
             of_strength,
             consumed_endurance: consumed(ergonomics::rohmert_endurance_s(of_strength.min(1.0)))?,
@@ -141,6 +166,44 @@ impl Worker {
             .map(|qpos| (Isometric::at(&self.plan, &qpos).holding_share(self.raises), qpos[self.raises].to_degrees()))
             .unzip();
         (shares.iter().sum::<f64>() / shares.len() as f64, angles)
+    }
+
+    /// What the muscles do and consume, every [`EXERTION_S`].
+    fn efforts(&self, stretches: &[(&Recording, std::ops::Range<usize>)], rate_hz: f64) -> Efforts {
+        let (joints, muscles) = (self.plan.ndof(), self.plan.nmuscle());
+        let every = ((EXERTION_S * rate_hz) as usize).max(1);
+        let (mut exerter, mut state) = (self.exerter.clone(), State::new(&self.plan));
+        let squares = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
+        let (mut metabolic, mut torque, mut change, mut activation) = (vec![], vec![], vec![], vec![]);
+        for (recording, samples) in stretches {
+            let mut before: Option<Vec<f64>> = None;
+            for sample in samples.clone().step_by(every) {
+                let State { qpos, qvel, act } = &mut state;
+                for (own, seen, count) in [
+                    (qpos, &recording.qpos, joints),
+                    (qvel, &recording.qvel, joints),
+                    (act, &recording.activations, muscles),
+                ] {
+                    own.iter_mut().zip(&seen[sample * count..]).for_each(|(own, &seen)| *own = f64::from(seen));
+                }
+                let now = exerter.at(&state);
+                metabolic.push(now.metabolic);
+                torque.push(squares(&now.torque));
+                activation.push(squares(&state.act) / muscles as f64);
+                if let Some(before) = before.replace(now.torque.clone()) {
+                    let rates: Vec<f64> =
+                        now.torque.iter().zip(before).map(|(now, was)| (now - was) / EXERTION_S).collect();
+                    change.push(squares(&rates));
+                }
+            }
+        }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        Efforts {
+            metabolic_w: mean(&metabolic),
+            torque_nm: mean(&torque).sqrt(),
+            torque_change_nm_s: mean(&change).sqrt(),
+            activation: mean(&activation),
+        }
     }
 
     /// Mean share that is fatigued of the muscles that raise the arm, after ten minutes.
@@ -212,6 +275,10 @@ fn median(height: &'static str, rows: &[WorkRow]) -> Result<WorkRow, ProtocolErr
         consumed_endurance: over(&|row| row.consumed_endurance)?,
         consumed_nicer: over(&|row| row.consumed_nicer)?,
         upper_arm,
+        metabolic_w: over(&|row| row.metabolic_w)?,
+        torque_nm: over(&|row| row.torque_nm)?,
+        torque_change_nm_s: over(&|row| row.torque_change_nm_s)?,
+        activation: over(&|row| row.activation)?,
         selections_per_min: over(&|row| row.selections_per_min)?,
     })
 }
@@ -238,6 +305,7 @@ mod tests {
             rate_hz: 100.0,
             fingertip: vec![[0.0; 3]; samples],
             force: vec![0.0; samples],
+            qvel: vec![0.0; qpos.len() * samples],
             qpos: qpos.repeat(samples),
             activations: vec![activation; samples * model.muscles.len()],
             done: (0..14).map(|n| Done { begin: 100 * n, entry: 100 * n + 50, end: 100 * n + 100 }).collect(),
@@ -264,6 +332,12 @@ mod tests {
         assert!((waist.fatigued - exact).abs() < 0.01 * exact, "{waist:?}, not {exact}");
         // Four times as much work would tire more than there is.
         assert!((0.7..0.95).contains(&shoulder.fatigued), "{shoulder:?}");
+        // Arms that do not move: nothing changes, and heat alone is consumed. A muscle a fifth active takes 24 W/kg at the most of heat.
+        assert_eq!([shoulder, waist].map(|row| row.torque_change_nm_s), [0.0; 2]);
+        assert!((shoulder.activation - 0.04).abs() < 1e-6 && (waist.activation - 0.0025).abs() < 1e-7, "{found:?}");
+        let most = 24.0 * Exerter::new(&model, Plan::exact(&model, CouplingMode::Reduced).unwrap()).muscle_mass_kg();
+        assert!((0.5 * most..most).contains(&shoulder.metabolic_w), "{shoulder:?}, not {most}");
+        assert!(waist.metabolic_w < 0.3 * shoulder.metabolic_w && waist.torque_nm < shoulder.torque_nm, "{found:?}");
         let mut figures = Figures::new();
         found.figures(&mut figures).unwrap();
         assert!(figures.get(Figure::WaistOverShoulder).unwrap() < 1.0);
@@ -293,6 +367,10 @@ mod tests {
             consumed_endurance: 0.0,
             consumed_nicer: 0.1,
             upper_arm: [1.0, 0.0, 0.0, 0.0],
+            metabolic_w: 10.0,
+            torque_nm: 10.0,
+            torque_change_nm_s: 10.0,
+            activation: 0.01,
             selections_per_min: 100.0,
         }
     }

@@ -16,9 +16,9 @@ const HANDS: [&str; 3] = ["pointer_", "fingertip_", ""];
 const TARGETS: [&str; 2] = ["target_", "object_"];
 /// Beginning and endings of columns that are passed over.
 const PASSED_OVER: &str = "note_";
-const PASSED_ENDINGS: [&str; 5] = ["_rad", "_rad_s", "_m_s", "_activation", "force_n"];
+const PASSED_ENDINGS: [&str; 6] = ["_rad", "_rad_s", "_m_s", "_activation", "force_n", "_torque_nm"];
 /// Names of other columns that are passed over; without a name are numbers of rows, as pandas writes them.
-const PASSED_NAMES: [&str; 3] = ["step", "object", ""];
+const PASSED_NAMES: [&str; 5] = ["step", "object", "mechanical_w", "metabolic_w", ""];
 /// Narrowest target (m) that is believed: a smaller one is in other units.
 const NARROWEST_M: f64 = 0.0005;
 
@@ -41,7 +41,7 @@ impl Sample {
     /// Of a recording of one's own.
     pub fn of(whose: [&str; 3], time_s: f64, point: Point, target: Option<(Point, f64)>, event: &str) -> Self {
         let [participant, layout, trial] = whose.map(str::to_owned);
-        let (line, enters, gives_up) = (0, event == "entered", event == "time_out");
+        let (line, enters, gives_up) = (0, event == "entered", matches!(event, "given_up" | "time_out"));
         let ends = gives_up || matches!(event, "done" | "success");
         Self { line, participant, layout, trial, time_s, point, target, enters, ends, gives_up }
     }
@@ -197,8 +197,8 @@ impl Columns {
             None
         };
         let event = text(self.event);
-        if !["", "entered", "done", "success", "time_out"].contains(&&*event) {
-            let right = "known are `entered`, `done`, `success` and `time_out`";
+        if !["", "entered", "done", "given_up", "success", "time_out"].contains(&&*event) {
+            let right = "known are `entered`, `done`, `given_up`, `success` and `time_out`";
             return Err(RecordingError::Value { line, column: "event".into(), value: format!("`{event}`"), right });
         }
         let [mut participant, layout] = [self.participant, self.layout].map(text);

@@ -15,7 +15,7 @@
 //!
 //! What [`trajectories`](crate::trajectories()) writes is such a table; its columns of joints and muscles are passed over, and so are columns whose name begins
 //! with `note_` or that have none. Where no row has `done` a selection ends where another target is to be come to, or with its trial, and its target was entered
-//! when the hand came into it for the last time. Who did not end in the target missed it: the movement counts, with where it ended, unless the time was up (`time_out`).
+//! when the hand came into it for the last time. Who did not end in the target missed it: the movement counts, with where it ended, unless the time was up (`time_out`, or `given_up` of one selection among others).
 
 mod aimed;
 mod columns;
@@ -160,6 +160,14 @@ impl Recordings {
             found.add(columns.sample(&record, line)?)?;
         }
         found.whole()
+    }
+
+    /// All participants taken for one person.
+    #[must_use]
+    pub fn as_one(self) -> Self {
+        let name = format!("all {} participants", self.participants.len());
+        let trials = self.participants.into_iter().flat_map(|person| person.trials).collect();
+        Self { participants: vec![Participant { name, trials }] }
     }
 
     /// Puts people of other recordings behind these.
