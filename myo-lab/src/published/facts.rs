@@ -22,14 +22,14 @@ pub struct PublishedTraining {
 pub const TRAININGS: [PublishedTraining; 6] = [
     PublishedTraining {
         system: "User-in-the-Box, pointing",
-        preset: "pointing-uitb",
+        preset: "pointing-replication",
         runs: 3,
         env_steps: [42.9e6, 9.0e6],
         wall_s: [6.9 * 3600.0, 1.5 * 3600.0],
     },
     PublishedTraining {
         system: "MyoInteract (Replication), pointing",
-        preset: "pointing-uitb",
+        preset: "pointing-replication",
         runs: 5,
         env_steps: [7.4e6, 0.8e6],
         wall_s: [0.17 * 3600.0, 0.03 * 3600.0],

@@ -27,7 +27,9 @@ Means and standard deviations over users. Published figures are from an RTX 5090
 const ABOUT_TABLES: &str = "
 What is alike: body (`mobl-arms-uitb`), targets, dwells and forces, 20 decisions a second, physics every 2 ms. What is not: the reward and the learner; and the end. Ours is reached when the policy without \
 its exploration succeeds in 95 % of 1,000 fresh episodes, theirs when the reward curve looked flat to its authors, at 95 % success or more. A user at 95 % is half-learned: the rows tell how long one \
-waits for an answer to \"can it be done\", and not which learns sooner. The replication of the paper is not released; its row stands beside the same preset.
+waits for an answer to \"can it be done\", and not which learns sooner. The replication of the paper is not released: \
+`pointing-replication` is made of what it says of it and of User-in-the-Box's own files (targets, dwell, reward, four seconds for each target, actions that change activations), with the learner's settings as everywhere here; and an \
+episode succeeds when none of its ten targets was missed.
 ";
 
 const FIGURES: &str = "

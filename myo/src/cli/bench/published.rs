@@ -27,7 +27,7 @@ use crate::cli::train::{Practising, Several, practise_until};
 const BODY: &str = "mobl-arms-uitb";
 const USER: User = User::Fastest;
 /// Its tasks, as presets.
-const TASKS: [&str; 4] = ["pointing-uitb", "ar", "public-display", "mobile-typing"];
+const TASKS: [&str; 5] = ["pointing-replication", "pointing-uitb", "ar", "public-display", "mobile-typing"];
 /// The one whose users are recorded.
 const POINTING: &str = "pointing-uitb";
 /// Share of successful episodes to which users of the tables learn.
@@ -72,7 +72,7 @@ pub struct PublishedArgs {
 /// What is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// Control steps and time until users of four tasks have learnt
+    /// Control steps and time until users of five tasks have learnt
     Tables,
     /// Fitts' law, positions and velocities of users who point
     Figures,
@@ -95,7 +95,7 @@ Examples:
   myo bench published --only figures --beside runs/pointing-1 --people people.csv
   myo bench published --backend gpu --out docs/experiments
 
-MyoInteract (arXiv 2602.15245) reports how long users learn four tasks, and Fitts' law, positions and velocities of users who point. This does the same with users of Myo on its body, as fast as
+MyoInteract (arXiv 2602.15245) reports how long users learn its tasks, and Fitts' law, positions and velocities of users who point. This does the same with users of Myo on its body, as fast as
 muscles allow. It writes a page (published.md), its figures (fitts.svg, positions-1.svg, velocities-1.svg, ...) and what was found as data (published.json); users of the figures are kept in `users` and are found again.
 The page tells what is alike and what is not.";
 
