@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use myo_env::{CpuEnv, EnvConfig, VectorEnv};
 use myo_lab::protocol::{
-    BEFORE_WAY, CHOICES, ChoiceReaction, Done, EllipseLaps, FittsLaw, Kinematics, LAP_PIECES, LAPS, MuscleDrive,
-    Practice, ProtocolError, Pursuit, REACTIONS, Recording, SELECTIONS, Scatter, SteeringLaw, Stillness, TYPED,
-    Targets, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions, reaches, record, ways,
+    BEFORE_WAY, CHOICES, ChoiceReaction, Done, EllipseLaps, FAR, FAR_REACHES, FarReaches, FittsLaw, Kinematics,
+    LAP_PIECES, LAPS, MuscleDrive, Practice, ProtocolError, Pursuit, REACTIONS, RayPointing, Recording, SELECTIONS,
+    Scatter, SteeringLaw, Stillness, TYPED, Targets, Typing, UserReaches, WAY_PIECES, Way, circle_targets, conditions,
+    ray_pairs, reaches, record, ways,
 };
 use myo_lab::{ModelReach, one_structure};
 use myo_measure::bands::{Figure, Figures};
@@ -70,6 +71,7 @@ fn ideal(condition: usize, episode: usize) -> Recording {
         fingertip,
         force: vec![0.0; n],
         qpos: vec![],
+        qvel: vec![],
         activations,
         done,
         exits: 0.0,
@@ -310,6 +312,7 @@ fn words_per_minute_and_errors_come_out_as_they_went_in() {
             fingertip,
             force,
             qpos: vec![],
+            qvel: vec![],
             activations: vec![],
             done,
             exits: 0.0,
@@ -373,6 +376,8 @@ fn steps_of_ways_and_sentences_are_those_that_are_measured() {
         (Practice::Steering, BEFORE_WAY + WAY_PIECES),
         (Practice::Ellipse, BEFORE_WAY + LAPS * LAP_PIECES),
         (Practice::Choosing, 2 * REACTIONS),
+        (Practice::Ray, SELECTIONS),
+        (Practice::Far, 2 * FAR_REACHES),
         (Practice::Typing, TYPED.chars().count()),
     ] {
         let layouts = practice.layouts(&user).unwrap();
@@ -442,6 +447,7 @@ fn a_held_arm_is_as_still_as_it_was() {
             fingertip,
             force: vec![0.0; n],
             qpos: vec![],
+            qvel: vec![],
             activations,
             done,
             exits: 0.0,
@@ -472,6 +478,7 @@ fn pursuing(hz: f64, late_s: f64, seconds: f64) -> Recording {
         fingertip: (0..n).map(|sample| at(sample as f64 / RATE_HZ - late_s)).collect(),
         force: vec![0.0; n],
         qpos: vec![],
+        qvel: vec![],
         activations: vec![],
         done: vec![],
         exits: 0.0,
@@ -528,6 +535,7 @@ fn recorded(fingertip: Vec<[f64; 3]>, done: Vec<Done>) -> Recording {
         fingertip,
         force: vec![0.0; n],
         qpos: vec![],
+        qvel: vec![],
         activations: vec![],
         done,
         exits: 0.0,
@@ -593,4 +601,119 @@ fn who_takes_longer_to_choose_is_told_so_by_the_bit() {
     slow[2] = vec![episode(0.5, 2); 4];
     let refused = ChoiceReaction::of(&[slow]).unwrap_err().to_string();
     assert!(refused.starts_with("reactions to one of 8: the user did 8 of 24"), "{refused}");
+}
+
+/// Two seconds for each step, of which so many are the movement.
+fn paced(steps: usize, made: usize, moving_s: impl Fn(usize) -> f64) -> Recording {
+    let step = |number: usize| {
+        let (begin, took) = (1000 * number, (moving_s(number) * RATE_HZ).round() as usize);
+        Done { begin, entry: begin + took, end: begin + took + 125 }
+    };
+    recorded(vec![[0.3, 0.0, 0.0]; 1000 * steps], (0..made).map(step).collect())
+}
+
+#[test]
+fn targets_of_a_ray_are_as_far_apart_and_as_wide_as_their_angles() {
+    let user = preset("pointing-uitb").unwrap();
+    let layouts = Practice::Ray.layouts(&user).unwrap();
+    let angle = |a: [f64; 3], b: [f64; 3]| {
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        (dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()).acos().to_degrees()
+    };
+    assert_eq!(layouts.len(), 12);
+    for (layout, [distance, width]) in layouts.iter().zip(ray_pairs()) {
+        let flat = layout.flat().unwrap();
+        let at = |step: usize| {
+            let region = flat.object(step).region();
+            [region.x, region.y, region.z].map(|range| range.centre())
+        };
+        for step in 1..SELECTIONS {
+            assert!((angle(at(step - 1), at(step)) - distance).abs() < 1e-6, "{}, step {step}", layout.name);
+        }
+        let radius = flat.object(0).sphere().unwrap().radius.centre();
+        let far = at(0).iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((2.0 * (radius / far).atan().to_degrees() - width).abs() < 1e-6, "{}", layout.name);
+    }
+}
+
+#[test]
+fn rays_have_the_law_of_their_angles() {
+    let user = |slope: f64| -> Vec<Vec<Recording>> {
+        let of_pair = |[distance, width]: [f64; 2]| {
+            let time_s = 0.2 + slope * (distance / width + 1.0).log2();
+            // From the hanging arm it takes longer.
+            let one = || paced(SELECTIONS, SELECTIONS, |step| if step == 0 { 1.5 } else { time_s });
+            vec![one(), one()]
+        };
+        ray_pairs().into_iter().map(of_pair).collect()
+    };
+    let found = RayPointing::of(&[user(0.15), user(0.25)]).unwrap();
+    let law = found.law.as_ref().unwrap();
+    assert_eq!((found.users, found.rows.len(), law.pairs, &found.unlearnt), (2, 12, 12, &None));
+    assert!((law.slope_s_per_bit.median - 0.2).abs() < 2e-3 && (law.intercept_s.median - 0.2).abs() < 4e-3, "{law:?}");
+    assert!(law.r2.median > 0.999 && law.r2_of_exponent.median < law.r2.median, "{law:?}");
+    found.plot().svg().unwrap();
+    // Times of another law are known by its exponent.
+    let squared = |[distance, width]: [f64; 2]| {
+        let time_s = 0.3 + 0.02 * (distance / f64::powf(width, 1.5) + 1.0).log2().powi(2);
+        vec![paced(SELECTIONS, SELECTIONS, |_| time_s); 2]
+    };
+    let found = RayPointing::of(&[ray_pairs().into_iter().map(squared).collect()]).unwrap();
+    let law = found.law.unwrap();
+    assert!((law.exponent.median - 1.5).abs() < 0.05 && law.r2_of_exponent.median > 0.999, "{law:?}");
+    // A pair that somebody has not learnt is told, and the law goes through the others.
+    let mut beginner = user(0.2);
+    beginner[0] = vec![paced(SELECTIONS, 3, |_| 1.0); 2];
+    let found = RayPointing::of(&[user(0.2), beginner.clone()]).unwrap();
+    assert_eq!(found.law.unwrap().pairs, 11);
+    assert!((found.rows[0].missed - 0.5 * (1.0 - 4.0 / 26.0)).abs() < 1e-12, "{:?}", found.rows[0]);
+    let told = found.unlearnt.unwrap();
+    assert!(
+        told.starts_with("selections with a ray, 10 degrees apart and 1 degrees wide: the user did 4 of 26"),
+        "{told}"
+    );
+    let nothing = beginner.iter().map(|_| vec![paced(SELECTIONS, 0, |_| 1.0)]).collect();
+    assert!(RayPointing::of(&[nothing]).is_err());
+}
+
+#[test]
+fn far_reaches_tell_how_fast_the_hand_is_and_what_it_points_with() {
+    let task = Practice::Far.layouts(&preset("pointing-uitb").unwrap()).unwrap().remove(0);
+    // Straight ahead from 0.25 m to a place within a second by minimum jerk, and back at once.
+    let reaching = |to: f64| {
+        let path = (0..2 * FAR_REACHES * 1000).map(|sample| {
+            let s = ((sample % 1000) as f64 / RATE_HZ).min(1.0);
+            let share = s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
+            let goes_out = (sample / 1000) % 2 == 1;
+            [0.25 + (to - 0.25) * if goes_out { share } else { 1.0 - share }, 0.0, 0.0]
+        });
+        let step = |number: usize| Done { begin: 1000 * number, entry: 1000 * number + 500, end: 1000 * number + 625 };
+        recorded(path.collect(), (0..2 * FAR_REACHES).map(step).collect())
+    };
+    // Where the fingertip must be for a hand that grows to be there: x + 16.7 (x - 0.4)^2 beyond 0.4 m.
+    let fingertip = |far: f64| {
+        if far <= 0.4 { far } else { 0.4 + ((1.0 + 4.0 * 16.7 * (far - 0.4)).sqrt() - 1.0) / (2.0 * 16.7) }
+    };
+    let user: Vec<Vec<Recording>> = FAR.into_iter().map(|far| vec![reaching(fingertip(far))]).collect();
+    let found = FarReaches::of(&task, std::slice::from_ref(&user)).unwrap();
+    assert_eq!((found.rows.len(), &found.unlearnt), (FAR.len(), &None));
+    let mut before = 0.0;
+    for (row, far) in found.rows.iter().zip(FAR) {
+        let (time, hand, pointer) = (row.time_s.unwrap(), row.hand_speed_m_s.unwrap(), row.pointer_speed_m_s.unwrap());
+        assert!((time.median - 1.0).abs() < 1e-9 && row.missed == 0.0, "{row:?}");
+        assert!((hand.median - 1.875 * (fingertip(far) - 0.25)).abs() < 0.02, "{row:?}");
+        // Within two thirds of the arm both are one.
+        assert!(if far <= 0.4 {
+            (pointer.median - hand.median).abs() < 0.01
+        } else {
+            pointer.median > 1.2 * hand.median
+        });
+        assert!(pointer.median > before, "{row:?}");
+        before = pointer.median;
+    }
+    found.plot().svg().unwrap();
+    let mut beginner = user;
+    beginner[4] = vec![recorded(vec![[0.3, 0.0, 0.0]; 2000], vec![])];
+    let told = FarReaches::of(&task, &[beginner]).unwrap().unlearnt.unwrap();
+    assert!(told.starts_with("reaches to 1.9 m: the user did 0 of 6"), "{told}");
 }

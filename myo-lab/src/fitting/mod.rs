@@ -9,6 +9,7 @@
 //! shoulder wherever they were for the person; whoever differs from people in a way that no trait changes is not found to do so, and
 //! [what is left](Fitted::distance_after) of the distance tells how much that is.
 
+mod anybody;
 mod figures;
 mod nature;
 mod practice;
@@ -17,6 +18,7 @@ mod surface;
 
 use thiserror::Error;
 
+pub use anybody::Anybody;
 pub use figures::{Aim, FIGURES};
 pub use nature::{Nature, TRAITS, Trait, natures, others};
 use practice::{DISTANCES, WIDTHS};

@@ -116,6 +116,7 @@ mod tests {
             rate_hz: RATE_HZ,
             force: vec![0.0; path.len()],
             qpos: vec![],
+            qvel: vec![],
             activations: vec![],
             done: done.clone(),
             exits: 0.0,

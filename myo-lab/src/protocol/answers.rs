@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 /// Names of all answers, in the order in which they are told.
-const NAMES: [&str; 16] =
-    ["bands", "F1", "K1", "K2", "K3", "K4", "K5", "C1", "S1", "S2", "T1", "T3", "M1", "E1", "E2", "E3"];
+const NAMES: [&str; 18] =
+    ["bands", "F1", "K1", "K2", "K3", "K4", "K5", "C1", "S1", "S2", "I1", "I2", "T1", "T3", "M1", "E1", "E2", "E3"];
 
 /// What was answered last.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,7 +2,8 @@
 //!
 //! A user learns the tasks of a protocol first ([`Practice`]), with its own body, rhythm, reward and noise. Then it is [recorded](record) at every
 //! physics step, and the recordings become tables: [`FittsLaw`] (F1), [`Kinematics`] (K1), [`Scatter`] (K2), [`Stillness`] (K3), [`MuscleDrive`] (K5),
-//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2), [`EllipseLaps`] (K4), [`ChoiceReaction`] (C1) and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
+//! [`KeyPresses`] (T1), [`Typing`] (T3), [`SteeringLaw`] (S1), [`Pursuit`] (S2), [`EllipseLaps`] (K4), [`ChoiceReaction`] (C1), [`RayPointing`] (I1), [`FarReaches`] (I2)
+//! and [`WorkInTheAir`] (E2). [`Strength`] (M1), [`Endurance`] (E1) and [`Recovery`] (E3) ask the body alone. What they found stands beside figures of people in
 //! [`myo_measure::bands`].
 
 mod answers;
@@ -10,6 +11,7 @@ mod choosing;
 mod ellipse;
 mod endurance;
 mod error;
+mod far;
 mod fitts;
 mod holding;
 mod keys;
@@ -17,6 +19,7 @@ mod kinematics;
 mod plot;
 mod pointing;
 mod practice;
+mod ray;
 mod reach;
 mod recording;
 mod scatter;
@@ -32,6 +35,7 @@ pub use choosing::{ChoiceReaction, ChoiceRow};
 pub use ellipse::EllipseLaps;
 pub use endurance::{Endurance, EnduranceRow, Recovery, RecoveryRow};
 pub use error::ProtocolError;
+pub use far::{FarReaches, FarRow};
 pub use fitts::{FittsCondition, FittsFit, FittsLaw};
 pub use holding::{DriveRow, MuscleDrive, Stillness, StillnessRow};
 pub use keys::KeyPresses;
@@ -39,10 +43,11 @@ pub use kinematics::{KinematicRow, Kinematics, SpeedProfile};
 pub use plot::{Plot, PlotError, PlotPoint, PlotSeries};
 pub use pointing::{OverUsers, UserReaches};
 pub use practice::{
-    BEFORE_WAY, CHOICES, HOLD_DEG, LAP_PIECES, LAPS, Practice, REACTIONS, SELECTIONS, TYPED, WAY_PIECES, Way,
-    circle_targets, conditions, ways,
+    BEFORE_WAY, CHOICES, FAR, FAR_REACHES, HOLD_DEG, LAP_PIECES, LAPS, Practice, REACTIONS, SELECTIONS, TYPED,
+    WAY_PIECES, Way, circle_targets, conditions, ray_pairs, ways,
 };
 pub(crate) use practice::{DWELL_S, Layout, PLANE_X, circle};
+pub use ray::{RayLaw, RayPointing, RayRow};
 pub(crate) use reach::{Aimed, CUT_OFF_HZ, StraightOn, Track, mean_profile};
 pub use reach::{Reach, reaches};
 pub use recording::{Done, Recording, Targets, record};

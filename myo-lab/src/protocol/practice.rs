@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use myo_tasks::{LoadError, Pose, Reset, Task};
+use myo_tasks::{GoGo, LoadError, Pose, Ray, RayFrom, Reset, Task, Technique};
 use myo_train::PpoConfig;
 use serde_json::{Value, json};
 
@@ -87,6 +87,19 @@ pub(crate) const TRACKED_RADIUS: f64 = 0.05;
 const TRACKED_BY: f64 = 0.2;
 const TRACKED_S: f64 = 15.0;
 pub(crate) const TRACKED_UP_TO_HZ: [f64; 4] = [0.05, 0.25, 0.5, 1.0];
+/// A wall that a ray points at: how far before the shoulder it stands, and how large it is (m). On its face are what is to be pointed at.
+const WALL_X: f64 = 2.0;
+const WALL_SIZE: [f64; 3] = [2.0, 2.0, 0.02];
+/// Angles (degrees) from target to target, and of targets, as seen from the shoulder; and how long the ray stays in one (s).
+const RAY_DISTANCES_DEG: [f64; 3] = [10.0, 20.0, 40.0];
+const RAY_WIDTHS_DEG: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+const RAY_DWELL_S: f64 = 0.4;
+/// Distances (m) that a hand that grows reaches out to straight ahead, the radius (m) of what is there, and from where near the body (m).
+pub const FAR: [f64; 5] = [0.4, 0.6, 0.9, 1.3, 1.9];
+const FAR_RADIUS: f64 = 0.1;
+const FAR_FROM: [f64; 3] = [0.25, 0.0, -0.2];
+/// How often it does so in an episode.
+pub const FAR_REACHES: usize = 6;
 /// What leaving a way costs.
 const EXIT_COST: f64 = 2.0;
 /// Least logarithm of the standard deviation of exploration.
@@ -117,11 +130,15 @@ pub enum Practice {
     Ellipse,
     /// To one of two, four or eight spheres that lights up: C1.
     Choosing,
+    /// With a ray from the hand across circles on a wall, for twelve pairs of angles: I1.
+    Ray,
+    /// With a hand that grows (Go-Go) to things in and beyond the arm's reach: I2.
+    Far,
 }
 
 impl Practice {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Pointing,
         Self::Holding,
         Self::Keys,
@@ -132,6 +149,8 @@ impl Practice {
         Self::Tracking,
         Self::Ellipse,
         Self::Choosing,
+        Self::Ray,
+        Self::Far,
     ];
 
     /// Its name, also of the folder of its runs.
@@ -147,6 +166,8 @@ impl Practice {
             Self::Tracking => "tracking",
             Self::Ellipse => "ellipse",
             Self::Choosing => "choosing",
+            Self::Ray => "ray",
+            Self::Far => "far",
         }
     }
 
@@ -172,6 +193,8 @@ impl Practice {
             Self::Typing => KEY_WIDTHS.into_iter().map(|width| of_user(typing(width))).collect(),
             Self::Tracking => TRACKED_UP_TO_HZ.into_iter().map(|up_to_hz| of_user(tracking(up_to_hz))).collect(),
             Self::Ellipse => Ok(vec![not_to_leave(of_user(laps())?)]),
+            Self::Ray => ray_pairs().into_iter().map(|pair| of_user(on_a_wall(pair)).map(with_a_ray)).collect(),
+            Self::Far => FAR.into_iter().map(|distance| of_user(far(distance)).map(with_a_growing_hand)).collect(),
             Self::Choosing => CHOICES.into_iter().map(|choices| of_user(choosing(choices))).collect(),
             Self::Steering => ways().iter().map(|way| of_user(steering(way)).map(not_to_leave)).collect(),
         }
@@ -184,6 +207,21 @@ fn not_to_leave(mut task: Task) -> Task {
         task.reward.exit = EXIT_COST;
     }
     task
+}
+
+/// Done with a ray from the hand, as from a pointer that is held.
+fn with_a_ray(task: Task) -> Task {
+    Task { technique: Technique::Ray(Ray { from: RayFrom::Hand, onto: Some("wall".into()) }), ..task }
+}
+
+/// Done with a hand that grows, by the published numbers (Poupyrev et al. 1996, doi 10.1145/237091.237102).
+fn with_a_growing_hand(task: Task) -> Task {
+    Task { technique: Technique::GoGo(GoGo::published()), ..task }
+}
+
+/// Angles from target to target, and of targets (degrees), of each layout of [`Practice::Ray`].
+pub fn ray_pairs() -> Vec<[f64; 2]> {
+    RAY_DISTANCES_DEG.into_iter().flat_map(|distance| RAY_WIDTHS_DEG.map(|width| [distance, width])).collect()
 }
 
 /// Distance and width (m) of each layout of [`Practice::Pointing`].
@@ -263,6 +301,7 @@ impl Layout {
             reward: user.reward.clone(),
             observation: user.observation.clone(),
             noise: user.noise.clone(),
+            control: user.control,
             reflex: user.reflex.clone(),
             fatigue: user.fatigue.clone(),
             reset: Reset { pose: Pose::NearZero, activation_max: 0.0, ..Reset::default() },
@@ -438,6 +477,41 @@ fn choosing(choices: usize) -> Layout {
             {"dwell": {"in": "middle", "for_s": DWELL_S}},
             {"react": {"among": among, "after_s": LIT_AFTER_S, "for_s": DWELL_S}},
         ]}}]),
+        time_limit_s: 24.0,
+    }
+}
+
+/// A circle of targets on the face of a wall, as far apart and as wide as these angles (degrees) as seen from the shoulder.
+fn on_a_wall([distance, width]: [f64; 2]) -> Layout {
+    let face = WALL_X - 0.5 * WALL_SIZE[2];
+    // Of all directions from the shoulder that are so far off straight ahead, those that come after each other are `distance` apart.
+    let turn = TAU * ACROSS as f64 / TARGETS as f64;
+    let off = ((0.5 * distance.to_radians()).sin() / (0.5 * turn).sin()).asin();
+    let (radius, size) = (face * off.tan(), face / off.cos() * (0.5 * width.to_radians()).tan());
+    let name = |number: usize| format!("target{}", number % TARGETS + 1);
+    let at = |number: usize| {
+        let (sine, cosine) = (turn * number as f64).sin_cos();
+        json!({"kind": "sphere", "at": [face, -radius * sine, radius * cosine], "radius": size, "min_distance_from_previous": 0})
+    };
+    let mut scene: serde_json::Map<String, Value> = (0..TARGETS).map(|number| (name(number), at(number))).collect();
+    scene.insert("wall".into(), json!({"kind": "obstacle", "at": [WALL_X, 0, 0], "tilt_deg": 90, "size": WALL_SIZE}));
+    let order: Vec<String> = (0..SELECTIONS).map(name).collect();
+    Layout {
+        name: format!("{distance} by {width} degrees"),
+        scene: Value::Object(scene),
+        script: json!([{"dwell": {"in": order, "for_s": RAY_DWELL_S}}]),
+        time_limit_s: 30.0,
+    }
+}
+
+/// From near the body to something straight ahead and back.
+fn far(distance: f64) -> Layout {
+    let mut thing = sphere([distance, 0.0, 0.0], FAR_RADIUS);
+    thing["min_distance_from_previous"] = json!(0);
+    Layout {
+        name: format!("{distance} m"),
+        scene: json!({"near": sphere(FAR_FROM, 0.05), "thing": thing}),
+        script: json!([{"repeat": {"times": FAR_REACHES, "steps": [{"dwell": {"in": ["near", "thing"], "for_s": DWELL_S}}]}}]),
         time_limit_s: 24.0,
     }
 }

@@ -16,7 +16,7 @@ use super::backend::{BackendName, Options, sentence};
 use super::failure::{Failure, Result};
 use super::interrupt::Interrupt;
 use super::output::{argument, command, name, print, print_json, rounded};
-use super::protocol::{self, Protocol};
+use super::protocol::{self, People, Protocol};
 use super::run_folder::existing_checkpoint;
 use super::scenario::Scenario;
 use super::train::open_run;
@@ -61,6 +61,10 @@ pub struct Eval {
     #[arg(long, value_name = "N", value_parser = parse::count, requires = "protocol")]
     steps: Option<u64>,
 
+    /// Recordings of people, as `myo measure` takes them, beside the answers of F1 and K1; may be given several times
+    #[arg(long, value_name = "FILE", requires = "protocol")]
+    people: Vec<PathBuf>,
+
     #[command(flatten)]
     physics: Options,
 
@@ -75,6 +79,7 @@ Examples:
   myo eval runs/pointing-1 --episodes 10000 --seed 3 --json
   myo eval runs/phone-1 --task other-phone.yaml             how would this user do on another layout?
   myo eval runs/pointing-1 --checkpoint 1638400
+  myo eval runs/pointing-1 --protocol F1 --people ours.csv  Fitts' law of the user beside that of our participants
   myo eval runs/pointing-1 --protocol M1                    is the body of this user as strong as people?
 
 Evaluates the deterministic policy of the newest checkpoint, or of the one before it if that file is damaged.
@@ -90,14 +95,14 @@ a button: without dwell, to one physics step. With dwell it is the time to the e
 
 With --protocol the user is asked what people were asked in studies, and the answers stand beside theirs. It practises first what is asked, as its
 task was learnt, and so do others with other seeds; they are kept in the folder `protocols` of the run. F1 is Fitts' law, K1 speeds and shapes of movements, K2 where
-movements end before they are corrected, K3 how still the arm is held, K4 how much slower a hand is where its way is more curved, K5 what muscles do, C1 how much longer it takes to react where there are more to choose from, S1 how long ways take that must not be left, S2 how well a wandering target is tracked, T1 presses of keys, T3 words per minute, E2 what ten minutes of
+movements end before they are corrected, K3 how still the arm is held, K4 how much slower a hand is where its way is more curved, K5 what muscles do, C1 how much longer it takes to react where there are more to choose from, S1 how long ways take that must not be left, S2 how well a wandering target is tracked, I1 how long pointing with a ray takes, I2 reaching far with a hand that grows, T1 presses of keys, T3 words per minute, E2 what ten minutes of
 selecting in the air cost at the height of the shoulder and of the waist. M1, A1, E1 and E3 ask the body alone: M1 isometric strength of elbow, shoulder and forearm, the share of it that holds the
-straight arm up, moment arms at the elbow, and muscles that change sides; A1 whether it becomes the bodies of small and large people; E1 how long muscles hold a load, E3 how they recover. `bands` does all but A1, C1, E3, K4, S1, S2 and T3 and tells which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
+straight arm up, moment arms at the elbow, and muscles that change sides; A1 whether it becomes the bodies of small and large people; E1 how long muscles hold a load, E3 how they recover. `bands` does all but A1, C1, E3, I1, I2, K4, S1, S2 and T3 and tells which figures are like people's. JSON: of F1 `conditions` and `fitts` (`r2`, `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each also with `_interval`, the 95 %
 confidence interval of the mean over users), of K1 `rows` (`figure`, `what`, `unit`, `median`, `interval`), of K2 `rows`, `elongation`, `growth_along`, `direction_deg`, of K3 and K5 `rows`, of K4 `laps_per_s`, `exponent`, `r2` (each with `median` and `interval`) and `finished`, of C1 `rows` (`choices`, `bits`, `response_s`, `missed`), `slope_s_per_bit`, `intercept_s`, of S1 `rows` (`shape`, `width_m`, `index`,
-`time_s`, `time_s_interval`, `left`) and `steering` (`shape`, `r2`, `slope_s`, `intercept_s`, each also with `_interval`), of S2 `rows` (`up_to_hz`, `target_speed_m_s`, `rms_error_m`, `mean_error_m`, `inside`, `lag_s`, `gain`), of T1
+`time_s`, `time_s_interval`, `left`) and `steering` (`shape`, `r2`, `slope_s`, `intercept_s`, each also with `_interval`), of S2 `rows` (`up_to_hz`, `target_speed_m_s`, `rms_error_m`, `mean_error_m`, `inside`, `lag_s`, `gain`), of I1 `rows` (`distance_deg`, `width_deg`, `time_s`, `missed`) and `law` (`pairs`, `r2`, `slope_s_per_bit`, `intercept_s`, `exponent`, `r2_of_exponent`), of I2 `rows` (`distance_m`, `time_s`, `hand_speed_m_s`, `pointer_speed_m_s`, `missed`), of T1
 `peak_force_n`, `contact_time_s`, `impulse_n_s`, `interval_s`, `rate_hz`, of T3 `rows` (`key_m`, `words_per_min`, `letter_s`, `wrong_per_100`, `unfinished`); of M1 `model`, `strength`, `holding`, `moment_arms`, `sign_changes`; of A1 `model`, `rows` (`user`, `height_m`, `mass_kg`, `reach_m`, `reach_of_height`, `people_reach_of_height`,
 `arm_kg`, `arm_of_mass`, `people_arm_of_mass`, `strength_of_man`, `holding_share`), `woman_of_man`; of E1 `rows` (`joint`, `load`, `time_s`, `people_s`,
-`of_people`), of E2 `rows` (`height`, `fatigued`, `of_strength`, `consumed_endurance`, `consumed_nicer`, `upper_arm`, `selections_per_min`), of E3 `rows` (`joint`, `after_work`, `after_rest`,
+`of_people`), of E2 `rows` (`height`, `fatigued`, `of_strength`, `consumed_endurance`, `consumed_nicer`, `upper_arm`, `metabolic_w`, `torque_nm`, `torque_change_nm_s`, `activation`, `selections_per_min`), of E3 `rows` (`joint`, `after_work`, `after_rest`,
 `without_rest_factor`); of all that ask a user `users`. Of `bands`
 `users`, `bands`, a list with `number`, `what`, `verdict` (`passed`, `failed`, `not_measured`, `reported`) and `findings` (`figure`, `lower`, `upper`,
 `value`, `verdict`, `judged`, `confidence`), and the answers under their names.
@@ -128,6 +133,14 @@ struct Results<'a> {
     device: Option<&'a str>,
 }
 
+/// People who stand beside an answer, before anybody practises for it.
+fn people_beside(protocol: Protocol, files: &[PathBuf]) -> Result<Vec<People>> {
+    if !files.is_empty() && ![Protocol::F1, Protocol::K1].contains(&protocol) {
+        return Err(Failure::sentence("--people stands beside the answers of F1 and K1 alone; leave it out"));
+    }
+    People::of(files)
+}
+
 /// Runs `myo eval`.
 pub fn run(args: &Eval) -> Result<()> {
     let folder = open_run(&args.run)?;
@@ -140,6 +153,7 @@ pub fn run(args: &Eval) -> Result<()> {
             users: (args.seeds.unwrap_or(protocol::USERS), folder.config().seed),
             steps: args.steps,
             physics: &args.physics,
+            people: people_beside(protocol, &args.people)?,
         };
         return protocol::run(protocol, &asked, args.json);
     }

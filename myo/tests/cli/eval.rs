@@ -145,3 +145,16 @@ fn a_checkpoint_can_be_chosen() {
     stdout(&myo(folder.path(), &other));
     refused("other/checkpoints/step_000000000064.ckpt", "does not fit");
 }
+
+#[test]
+fn people_stand_beside_answers_about_movements_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--out", "run"])));
+    let ask = |more: &[&str]| myo(folder.path(), &[&["eval", "run", "--people", "ours.csv"][..], more].concat());
+    assert_refused(&ask(&["--protocol", "S1"]), "--people stands beside the answers of F1 and K1 alone; leave it out");
+    // Before anybody practises.
+    assert_refused(&ask(&["--protocol", "F1"]), "ours.csv: cannot be read");
+    std::fs::write(folder.path().join("ours.csv"), "trial,time_s\n1,0\n").unwrap();
+    assert_refused(&ask(&["--protocol", "K1"]), "ours.csv: there is no column `x_m` and `y_m`");
+    assert!(!folder.path().join("run/protocols").exists());
+}

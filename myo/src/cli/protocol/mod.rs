@@ -1,15 +1,18 @@
 //! `myo eval --protocol`: simulated users asked what people were asked.
 
+mod people;
 mod tables;
+
+pub use people::People;
 
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use myo::measure::bands::{Figures, judge};
 use myo::protocol::{
-    ChoiceReaction, EllipseLaps, Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice,
-    ProtocolError, Pursuit, Recording, Recovery, Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing, UserReaches,
-    WorkInTheAir, answer_path, reaches, record,
+    ChoiceReaction, EllipseLaps, Endurance, FarReaches, FittsLaw, KeyPresses, Kinematics, MuscleDrive, Plot, Practice,
+    ProtocolError, Pursuit, RayPointing, Recording, Recovery, Scatter, Sizes, SteeringLaw, Stillness, Strength, Typing,
+    UserReaches, WorkInTheAir, answer_path, reaches, record,
 };
 use myo::train::session::evaluation_seed;
 use myo::train::{Checkpoint, PpoConfig, write_whole};
@@ -61,6 +64,12 @@ pub enum Protocol {
     /// How much longer it takes to react where there are more to choose from
     #[value(name = "C1")]
     C1,
+    /// How long pointing at a wall with a ray takes, by angles
+    #[value(name = "I1")]
+    I1,
+    /// How long reaching far with a hand that grows (Go-Go) takes, and how fast it is
+    #[value(name = "I2")]
+    I2,
     /// Presses of keys: force, contact time, rate
     #[value(name = "T1")]
     T1,
@@ -82,7 +91,7 @@ pub enum Protocol {
     /// How muscles recover from work
     #[value(name = "E3")]
     E3,
-    /// All but A1, C1, E3, K4, S1, S2 and T3, and which figures are like people's
+    /// All but A1, C1, E3, I1, I2, K4, S1, S2 and T3, and which figures are like people's
     #[value(name = "bands")]
     Bands,
 }
@@ -101,6 +110,8 @@ pub struct Asked<'a> {
     pub steps: Option<u64>,
     /// What computes the physics of practice.
     pub physics: &'a Options,
+    /// Whose recordings stand beside the answers of F1 and K1.
+    pub people: Vec<People>,
 }
 
 /// Asks, and prints the answer.
@@ -108,39 +119,54 @@ pub fn run(protocol: Protocol, asked: &Asked<'_>, json: bool) -> Result<()> {
     let mut asking = Asking { asked, interrupt: Interrupt::listen()?, practised: vec![] };
     let figures = &mut Figures::new();
     match protocol {
-        Protocol::M1 => tell(asked, "M1", asking.strength(figures), (tables::strength, None), json).map(drop),
-        Protocol::A1 => tell(asked, "A1", asking.sizes(), (tables::sizes, None), json).map(drop),
+        Protocol::M1 => tell(asked, "M1", asking.strength(figures), (&tables::strength, None), json).map(drop),
+        Protocol::A1 => tell(asked, "A1", asking.sizes(), (&tables::sizes, None), json).map(drop),
         Protocol::F1 => {
-            let found = tell(asked, "F1", asking.fitts(figures), (tables::fitts, Some(FittsLaw::plot)), json)?;
+            let text = |found: &FittsLaw| tables::fitts(found) + &people::laws(&asked.people);
+            let plot = |found: &FittsLaw| {
+                let mut plot = found.plot();
+                asked.people.iter().for_each(|people| people.draw(&mut plot));
+                plot
+            };
+            let found = tell(asked, "F1", asking.fitts(figures), (&text, Some(&plot)), json)?;
             whole("there is no Fitts' law", found.unlearnt)
         }
         Protocol::K1 => {
-            tell(asked, "K1", asking.kinematics(figures), (tables::kinematics, Some(Kinematics::plot)), json).map(drop)
+            let text = |found: &Kinematics| tables::kinematics(found) + &people::movements(&asked.people, &found.rows);
+            tell(asked, "K1", asking.kinematics(figures), (&text, Some(&Kinematics::plot)), json).map(drop)
         }
         Protocol::K2 => {
-            tell(asked, "K2", asking.scatter(figures), (tables::scatter, Some(Scatter::plot)), json).map(drop)
+            tell(asked, "K2", asking.scatter(figures), (&tables::scatter, Some(&Scatter::plot)), json).map(drop)
         }
-        Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (tables::stillness, None), json).map(drop),
-        Protocol::K4 => tell(asked, "K4", asking.ellipse(), (tables::ellipse, None), json).map(drop),
+        Protocol::K3 => tell(asked, "K3", asking.stillness(figures), (&tables::stillness, None), json).map(drop),
+        Protocol::K4 => tell(asked, "K4", asking.ellipse(), (&tables::ellipse, None), json).map(drop),
         Protocol::C1 => {
-            tell(asked, "C1", asking.choosing(), (tables::choosing, Some(ChoiceReaction::plot)), json).map(drop)
+            tell(asked, "C1", asking.choosing(), (&tables::choosing, Some(&ChoiceReaction::plot)), json).map(drop)
         }
-        Protocol::K5 => tell(asked, "K5", asking.drive(figures), (tables::drive, None), json).map(drop),
+        Protocol::K5 => tell(asked, "K5", asking.drive(figures), (&tables::drive, None), json).map(drop),
         Protocol::S1 => {
-            let found = tell(asked, "S1", asking.steering(), (tables::steering, Some(SteeringLaw::plot)), json)?;
+            let found = tell(asked, "S1", asking.steering(), (&tables::steering, Some(&SteeringLaw::plot)), json)?;
             whole("some ways were not learnt", found.unlearnt)
         }
-        Protocol::S2 => tell(asked, "S2", asking.tracking(), (tables::tracking, Some(Pursuit::plot)), json).map(drop),
-        Protocol::T1 => tell(asked, "T1", asking.keys(figures), (tables::keys, None), json).map(drop),
+        Protocol::S2 => tell(asked, "S2", asking.tracking(), (&tables::tracking, Some(&Pursuit::plot)), json).map(drop),
+        Protocol::I1 => {
+            let found = tell(asked, "I1", asking.ray(), (&tables::ray, Some(&RayPointing::plot)), json)?;
+            whole("some pairs of angles were not learnt", found.unlearnt)
+        }
+        Protocol::I2 => {
+            let found = tell(asked, "I2", asking.far(), (&tables::far, Some(&FarReaches::plot)), json)?;
+            whole("some distances were not learnt", found.unlearnt)
+        }
+        Protocol::T1 => tell(asked, "T1", asking.keys(figures), (&tables::keys, None), json).map(drop),
         Protocol::T3 => {
-            let found = tell(asked, "T3", asking.typing(), (tables::typing, Some(Typing::plot)), json)?;
+            let found = tell(asked, "T3", asking.typing(), (&tables::typing, Some(&Typing::plot)), json)?;
             whole("some keys were not learnt", found.unlearnt)
         }
         Protocol::E1 => {
-            tell(asked, "E1", asking.endurance(figures), (tables::endurance, Some(Endurance::plot)), json).map(drop)
+            tell(asked, "E1", asking.endurance(figures), (&tables::endurance, Some(&Endurance::plot)), json).map(drop)
         }
-        Protocol::E2 => tell(asked, "E2", asking.work(figures), (tables::work, None), json).map(drop),
-        Protocol::E3 => tell(asked, "E3", Ok(asking.recovery()), (tables::recovery, None), json).map(drop),
+        Protocol::E2 => tell(asked, "E2", asking.work(figures), (&tables::work, None), json).map(drop),
+        Protocol::E3 => tell(asked, "E3", Ok(asking.recovery()), (&tables::recovery, None), json).map(drop),
         Protocol::Bands => bands(&mut asking, json),
     }
 }
@@ -151,14 +177,14 @@ fn whole(lacks: &str, unlearnt: Option<String>) -> Result<()> {
 }
 
 /// How an answer is told: as text, and as a plot if it has one.
-type Telling<T> = (fn(&T) -> String, Option<fn(&T) -> Plot>);
+type Telling<'a, T> = (&'a dyn Fn(&T) -> String, Option<&'a dyn Fn(&T) -> Plot>);
 
 /// Prints and keeps what was found. Where nothing was, what an earlier user answered is forgotten: it is no answer of this one.
 fn tell<T: Serialize>(
     asked: &Asked<'_>,
     protocol: &str,
     found: Result<T>,
-    (text, plot): Telling<T>,
+    (text, plot): Telling<'_, T>,
     json: bool,
 ) -> Result<T> {
     if let Err(Failure::Sentence(_)) = &found {
@@ -177,6 +203,9 @@ fn tell<T: Serialize>(
     let mut value = serde_json::to_value(&found)?;
     value["protocol"] = protocol.into();
     value["plots"] = serde_json::to_value(&plots)?;
+    if !asked.people.is_empty() {
+        value["people"] = serde_json::to_value(&asked.people)?;
+    }
     print_json(&value)?;
     Ok(found)
 }
@@ -228,7 +257,7 @@ impl Asking<'_> {
         if let Some(at) = self.practised.iter().position(|(other, _)| *other == practice) {
             return Ok(&self.practised[at].1);
         }
-        let Asked { folder, scenario, config, users, steps, physics } = self.asked;
+        let Asked { folder, scenario, config, users, steps, physics, people: _ } = self.asked;
         let layouts = practice.layouts(&scenario.task).map_err(ProtocolError::from)?;
         let first = layouts.first().cloned().ok_or_else(|| Failure::sentence("the protocol has no task"))?;
         let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
@@ -315,6 +344,16 @@ impl Asking<'_> {
 
     fn choosing(&mut self) -> Result<ChoiceReaction> {
         Ok(ChoiceReaction::of(self.recordings(Practice::Choosing)?)?)
+    }
+
+    fn ray(&mut self) -> Result<RayPointing> {
+        Ok(RayPointing::of(self.recordings(Practice::Ray)?)?)
+    }
+
+    fn far(&mut self) -> Result<FarReaches> {
+        let layouts = Practice::Far.layouts(&self.asked.scenario.task).map_err(ProtocolError::from)?;
+        let task = layouts.first().ok_or_else(|| Failure::sentence("the protocol has no task"))?;
+        Ok(FarReaches::of(task, self.recordings(Practice::Far)?)?)
     }
 
     fn endurance(&self, figures: &mut Figures) -> Result<Endurance> {

@@ -3,8 +3,8 @@
 use myo::measure::bands::{Finding, Judgement, Verdict};
 use myo::muscle::MuscleGroup;
 use myo::protocol::{
-    ChoiceReaction, EllipseLaps, Endurance, FittsLaw, KeyPresses, Kinematics, MuscleDrive, OverUsers, Pursuit,
-    Recovery, Scatter, SizeRow, Sizes, SteeringLaw, Stillness, Strength, Typing, WorkInTheAir,
+    ChoiceReaction, EllipseLaps, Endurance, FarReaches, FittsLaw, KeyPresses, Kinematics, MuscleDrive, OverUsers,
+    Pursuit, RayPointing, Recovery, Scatter, SizeRow, Sizes, SteeringLaw, Stillness, Strength, Typing, WorkInTheAir,
 };
 use serde::Serialize;
 use serde_json::Value;
@@ -262,6 +262,74 @@ pub fn tracking(found: &Pursuit) -> String {
     format!("Protocol S2, tracking of a sphere that wanders, by {}\n{}", users(found.users), table(&rows))
 }
 
+pub fn ray(found: &RayPointing) -> String {
+    let mut rows = vec![row(["angle", "width", "movement time", "95 % interval", "missed"])];
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            &format!("{:.0} deg", r.distance_deg),
+            &format!("{:.0} deg", r.width_deg),
+            &r.time_s.map_or("-".into(), |time| format!("{:.3} s", time.median)),
+            &interval(r.time_s.and_then(|time| time.interval)),
+            &format!("{:.1} %", 100.0 * r.missed),
+        ])
+    }));
+    let law = found.law.as_ref().map_or(String::new(), |law| {
+        let mut fits = vec![row([
+            "law",
+            "R2",
+            "95 % interval",
+            "slope, s",
+            "95 % interval",
+            "exponent of the width",
+            "95 % interval",
+        ])];
+        fits.push(row([
+            "a + b log2(alpha/omega + 1)",
+            &short(law.r2.median),
+            &interval(law.r2.interval),
+            &short(law.slope_s_per_bit.median),
+            &interval(law.slope_s_per_bit.interval),
+            "1",
+            "",
+        ]));
+        let [r2, k] = [law.r2_of_exponent, law.exponent];
+        fits.push(row([
+            "a + b log2(alpha/omega^k + 1)^2",
+            &short(r2.median),
+            &interval(r2.interval),
+            "",
+            "",
+            &short(k.median),
+            &interval(k.interval),
+        ]));
+        fits.push(row(["people (Lane 2025; Kopper 2010)", "0.92", "", "", "", "about 3", ""]));
+        format!("\nthrough {} pairs\n{}", law.pairs, table(&fits))
+    });
+    format!("Protocol I1, a ray from the hand at a wall two metres away, {}\n{}{law}", users(found.users), table(&rows))
+}
+
+pub fn far(found: &FarReaches) -> String {
+    let mut rows =
+        vec![row(["distance", "movement time", "95 % interval", "peak speed of the hand", "of the pointer", "missed"])];
+    let number =
+        |value: Option<OverUsers>, unit: &str| value.map_or("-".into(), |one| format!("{:.2} {unit}", one.median));
+    rows.extend(found.rows.iter().map(|r| {
+        row([
+            &format!("{:.1} m", r.distance_m),
+            &number(r.time_s, "s"),
+            &interval(r.time_s.and_then(|time| time.interval)),
+            &number(r.hand_speed_m_s, "m/s"),
+            &number(r.pointer_speed_m_s, "m/s"),
+            &format!("{:.1} %", 100.0 * r.missed),
+        ])
+    }));
+    format!(
+        "Protocol I2, out to spheres of 20 cm with a hand that grows (Go-Go), {}\n{}",
+        users(found.users),
+        table(&rows)
+    )
+}
+
 pub fn steering(found: &SteeringLaw) -> String {
     let mut rows = vec![row(["way", "width", "length over width", "time", "95 % interval", "left"])];
     rows.extend(found.rows.iter().map(|r| {
@@ -310,7 +378,14 @@ pub fn work(found: &WorkInTheAir) -> String {
             percent(r.upper_arm[class])
         }));
     }
-    rows.push(line("selections per minute", &|r| format!("{:.0}", r.selections_per_min)));
+    rows.extend([
+        line("consumed by muscles, more than at rest (Bhargava et al. 2004)", &|r| format!("{:.1} W", r.metabolic_w)),
+        line("consumed for a selection", &|r| format!("{:.1} J", 60.0 * r.metabolic_w / r.selections_per_min)),
+        line("torque of muscles on all joints, root mean square", &|r| format!("{:.1} N m", r.torque_nm)),
+        line("change of that torque, root mean square", &|r| format!("{:.0} N m/s", r.torque_change_nm_s)),
+        line("squared activation of muscles, mean", &|r| format!("{:.4}", r.activation)),
+        line("selections per minute", &|r| format!("{:.0}", r.selections_per_min)),
+    ]);
     format!("Protocol E2, {}\n{}", users(found.users), table(&rows))
 }
 

@@ -1,0 +1,105 @@
+//! A user who has learnt to be anybody, asked to move as a person does.
+
+use myo_model::Model;
+use myo_tasks::Task;
+use myo_train::Checkpoint;
+use myo_train::session::evaluation_seed;
+use rayon::prelude::*;
+
+use super::{Aim, Fitted, FittingError, Nature, aims};
+use crate::recordings::Participant;
+
+/// Episodes of each pair of distance and width in a fit, of thirteen movements each.
+const EPISODES: usize = 4;
+
+/// The user who can be anybody.
+pub struct Anybody {
+    checkpoint: Checkpoint,
+    model: Model,
+    task: Task,
+}
+
+/// Why a fit came to no end.
+enum End {
+    Refused(FittingError),
+    Stopped,
+}
+
+impl From<FittingError> for End {
+    fn from(error: FittingError) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl Anybody {
+    /// Who learnt the layouts of [`practice`](super::practice()) of a task, up to this checkpoint, on this body.
+    pub const fn new(checkpoint: Checkpoint, model: Model, task: Task) -> Self {
+        Self { checkpoint, model, task }
+    }
+
+    /// What it is like before it becomes somebody else.
+    pub fn nature(&self) -> Nature {
+        Nature::of(&self.task)
+    }
+
+    /// Movements of natures at targets of pairs of distance and width (m), in so many episodes of each, with seeds made of this one.
+    ///
+    /// # Errors
+    /// The policy has not learnt to be anybody.
+    pub fn aims(
+        &self,
+        natures: &[Nature],
+        pairs: &[[f64; 2]],
+        asked: (usize, u64),
+    ) -> Result<Vec<Vec<Aim>>, FittingError> {
+        match self.aims_while(natures, pairs, asked, &|| true) {
+            Ok(all) => Ok(all),
+            Err(End::Refused(error)) => Err(error),
+            Err(End::Stopped) => Ok(vec![]),
+        }
+    }
+
+    /// The user who comes nearest to a person, or nobody once `go_on` says no; it is asked before each nature.
+    ///
+    /// # Errors
+    /// As [`Fitted::of`].
+    pub fn fitted(
+        &self,
+        person: &Participant,
+        seed: u64,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Fitted>, FittingError> {
+        let asked = (EPISODES, seed);
+        let fitted = Fitted::of(person, self.nature(), |natures, pairs| self.aims_while(natures, pairs, asked, go_on));
+        match fitted {
+            Ok(fitted) => Ok(Some(fitted)),
+            Err(End::Refused(error)) => Err(error),
+            Err(End::Stopped) => Ok(None),
+        }
+    }
+
+    /// The same by movements of theirs.
+    ///
+    /// # Errors
+    /// As [`Fitted::of_aims`].
+    pub fn nearest(&self, who: &str, movements: &[Aim], seed: u64) -> Result<Fitted, FittingError> {
+        Fitted::of_aims(who, movements, self.nature(), |natures, pairs| self.aims(natures, pairs, (EPISODES, seed)))
+    }
+
+    fn aims_while(
+        &self,
+        natures: &[Nature],
+        pairs: &[[f64; 2]],
+        (episodes, seed): (usize, u64),
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Vec<Aim>>, End> {
+        let of_nature = |(number, nature): (usize, &Nature)| {
+            if !go_on() {
+                return Err(End::Stopped);
+            }
+            let asked = (episodes, evaluation_seed(seed, number as u64));
+            Ok(aims(&mut self.checkpoint.policy(), &self.model, (&self.task, *nature), pairs, asked)?)
+        };
+        natures.par_iter().enumerate().map(of_nature).collect()
+    }
+}
