@@ -20,6 +20,7 @@ mod batch;
 mod env;
 mod error;
 mod files;
+mod fitting;
 mod model;
 mod peek;
 mod picture;
@@ -55,6 +56,10 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
     m.add_function(wrap_pyfunction!(train::misfits, m)?)?;
     m.add_function(wrap_pyfunction!(trajectories::trajectories, m)?)?;
+    m.add_function(wrap_pyfunction!(fitting::fitting_layouts, m)?)?;
+    m.add_function(wrap_pyfunction!(fitting::fitting_settings, m)?)?;
+    m.add_function(wrap_pyfunction!(fitting::check_recordings, m)?)?;
+    m.add_function(wrap_pyfunction!(fitting::fit, m)?)?;
     m.add_function(wrap_pyfunction!(train::compare, m)?)?;
     m.add_function(wrap_pyfunction!(train::trained_users, m)?)?;
     m.add_function(wrap_pyfunction!(train::train_at_once, m)?)?;

@@ -9,6 +9,7 @@
 - `check_vec_env`: does a vector environment, of anybody, keep its promises
 - `train`, `Policy`, `evaluate`: the library's own PPO; `Policy` goes to NumPy, PyTorch and ONNX and back
 - `trajectories`: what a user does, physics step by physics step
+- `fit`: which user moves as the people of recordings do
 - `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
 - `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
 - `build_task`, `myoenv.scene`: tasks built from objects; `task_schema`: the format of task files
@@ -42,6 +43,7 @@ from myoenv._native import (
 from myoenv.check import CheckError, check_vec_env
 from myoenv.comparison import compare
 from myoenv.evaluation import evaluate
+from myoenv.fitting import fit
 from myoenv.peek import Peek
 from myoenv.policy import Policy
 from myoenv.registration import env_id, register_envs
@@ -79,6 +81,7 @@ __all__ = [
     "devices",
     "env_id",
     "evaluate",
+    "fit",
     "load_model",
     "load_task",
     "make",

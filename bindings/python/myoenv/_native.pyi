@@ -23,10 +23,14 @@ __all__ = [
     "TaskError",
     "TrainingError",
     "__version__",
+    "check_recordings",
     "compare",
     "default_settings",
     "devices",
     "evaluation_seed",
+    "fit",
+    "fitting_layouts",
+    "fitting_settings",
     "misfits",
     "model_names",
     "preset_names",
@@ -115,6 +119,27 @@ def trajectories(
     run: str | PathLike[str], policy: Policy, episodes: int, seed: int
 ) -> dict[str, NDArray[np.uint32] | NDArray[np.float64] | list[str]]:
     """Columns of `episodes` episodes of each layout of a run, by their names."""
+
+def fitting_layouts(task: Task) -> list[str]:
+    """The layouts in which the user of a task learns to be anybody, as texts of tasks."""
+
+def fitting_settings(task: Task) -> str:
+    """Settings with which it learns that, as JSON."""
+
+def check_recordings(table: str, together: bool) -> None:
+    """Refuses a table whose people no user can be fitted to."""
+
+def fit(
+    run: str | PathLike[str],
+    task: Task,
+    model: Model,
+    table: str,
+    together: bool,
+    seed: int,
+    threads: int | None = None,
+) -> str:
+    """The user who comes nearest to each of the people of a table, as JSON. `run` is that of who learnt to be anybody
+    in `fitting_layouts` of `task`."""
 
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.

@@ -27,9 +27,11 @@ def trajectories(
     z up. Columns: `episode`, from 1; `layout`, where there are several; `time_s`, since the start of the episode;
     `step` of the script, from 1, 0 once all are done; `object` that it asks for, `object_x_m`, `object_y_m`,
     `object_z_m` and `object_width_m`; `fingertip_x_m` and so on; `pointer_x_m` and so on, where something else points;
-    `force_n` on the fingertip; `event`: `entered`, `done`, `success`, `time_out` or nothing; of each joint
-    `elbow_flexion_rad` and `elbow_flexion_rad_s`; of each muscle `DELT1_activation` and `DELT1_force_n`. What there is
-    not is NaN, 0 or an empty text.
+    `force_n` on the fingertip; `event`: `entered`, `done`, `given_up`, `success`, `time_out` or nothing; of each
+    joint `elbow_flexion_rad` and `elbow_flexion_rad_s`; of each muscle `DELT1_activation` and `DELT1_force_n`; of the
+    muscles together their torque on each joint (`elbow_flexion_torque_nm`), the power with which they pull
+    (`mechanical_w`) and what they consume (`metabolic_w`; Bhargava et al. 2004). What there is not is NaN, 0 or an
+    empty text.
 
     Args:
         run: A run folder.

@@ -64,9 +64,11 @@ commas, with a head line. A cell without a value is empty. Places are in m from 
   object_x_m, _y_m, _z_m       where that is; object_width_m how wide, of a sphere its diameter
   fingertip_x_m, _y_m, _z_m    the fingertip; pointer_x_m, ... what points, where that is something else
   force_n                      sum of all forces on the fingertip
-  event                        entered: the last entry into what was asked for; done: the step was done; success or time_out: the end of the episode
+  event                        entered: the last entry into what was asked for; done: the step was done; given_up: it took too long (step_limit_s); success or time_out: the end of the episode
   JOINT_rad, JOINT_rad_s       position and velocity of each independent joint
   MUSCLE_activation, _force_n  of each muscle, from 0 to 1, and the force with which it pulls
+  JOINT_torque_nm              torque of all muscles on each independent joint (N m; of slides JOINT_force_n)
+  mechanical_w, metabolic_w    power with which all muscles pull, and what they consume (Bhargava et al. 2004; more than at rest)
 
 `myo measure` takes such tables, beside recordings of people. In Python the same is `myoenv.trajectories(run)`, columns that pandas and polars take as they are.";
 

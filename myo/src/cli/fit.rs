@@ -3,13 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::fitting::{Aim, Fitted, Nature, aims, comparable, practice};
+use myo::fitting::{Anybody, Fitted, comparable, practice};
 use myo::protocol::Practice;
-use myo::recordings::{Participant, Recordings};
+use myo::recordings::Participant;
 use myo::tasks::User;
-use myo::train::session::evaluation_seed;
-use myo::train::{Checkpoint, PpoConfig};
-use rayon::prelude::*;
+use myo::train::PpoConfig;
 use serde_json::json;
 
 use super::backend::Options;
@@ -21,8 +19,6 @@ use super::parse;
 use super::scenario::Scenario;
 use super::train::{Practising, practise};
 
-/// Episodes of each pair of distance and width, of thirteen movements each.
-const EPISODES: usize = 4;
 /// The task whose user begins where none is named; its targets are others.
 const TASK: &str = "pointing";
 
@@ -91,18 +87,17 @@ JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distan
 
 /// Runs `myo fit`.
 pub fn run(args: &Fit) -> Result<()> {
-    let people =
-        args.files.iter().map(|file| Ok((file, who(read(file)?, args.together)))).collect::<Result<Vec<_>>>()?;
+    let people = args.files.iter().map(|file| Ok((file, people(file, args.together)?))).collect::<Result<Vec<_>>>()?;
     for (file, people) in &people {
         // Before an hour of training.
         people.iter().try_for_each(comparable).map_err(|error| of_file(file, &error))?;
     }
-    let anybody = Anybody::ready(&args.anybody)?;
+    let anybody = anybody(&args.anybody)?;
     let mut found = vec![];
     for (file, people) in &people {
         for person in people {
             complain(&format!("{}: simulating users like {}", file.display(), person.name));
-            found.push((file, anybody.fitted(person, args.anybody.seed)?));
+            found.extend(anybody.fitted(person, args.anybody.seed, &|| true)?.map(|fitted| (file, fitted)));
         }
     }
     if args.json {
@@ -118,13 +113,9 @@ pub fn run(args: &Fit) -> Result<()> {
 }
 
 /// The people of a file, or all of them as one.
-fn who(recordings: Recordings, together: bool) -> Vec<Participant> {
-    if !together {
-        return recordings.participants;
-    }
-    let name = format!("all {} participants", recordings.participants.len());
-    let trials = recordings.participants.into_iter().flat_map(|person| person.trials).collect();
-    vec![Participant { name, trials }]
+fn people(file: &Path, together: bool) -> Result<Vec<Participant>> {
+    let recordings = read(file)?;
+    Ok(if together { recordings.as_one() } else { recordings }.participants)
 }
 
 /// The user who is to become somebody else, and what it is called.
@@ -144,58 +135,20 @@ fn beginner(user: &str) -> Result<(Scenario, String)> {
     }
 }
 
-/// The user who can be anybody.
-pub struct Anybody {
-    checkpoint: Checkpoint,
-    scenario: Scenario,
-}
-
-impl Anybody {
-    /// It learns to be so where it is not there yet.
-    pub fn ready(args: &AnybodyArgs) -> Result<Self> {
-        let AnybodyArgs { user, practised, steps, seed, physics } = args;
-        let (scenario, name) = beginner(user)?;
-        let folder = practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
-        let layouts = practice(&scenario.task).map_err(|error| Failure::sentence(error.to_string()))?;
-        let task = layouts[0].clone();
-        let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
-        let config = Practice::Pointing.learning(&PpoConfig::for_user(task.user));
-        let practised = Scenario { task, layouts, model, own_model, most_success: 1.0 };
-        let practising = Practising { scenario: &practised, config, users: (1, *seed), steps: *steps, physics };
-        let mut users = practise(&practising, &folder, &Interrupt::listen()?)?;
-        let checkpoint = users.pop().ok_or_else(|| Failure::sentence("nobody has practised"))?;
-        Ok(Self { checkpoint, scenario })
-    }
-
-    /// What it is like before it becomes somebody else.
-    pub fn nature(&self) -> Nature {
-        Nature::of(&self.scenario.task)
-    }
-
-    /// Movements of natures at targets of pairs of distance and width (m), in so many episodes of each, with seeds made of this one.
-    pub fn aims(
-        &self,
-        natures: &[Nature],
-        pairs: &[[f64; 2]],
-        (episodes, seed): (usize, u64),
-    ) -> Result<Vec<Vec<Aim>>> {
-        let Self { checkpoint, scenario } = self;
-        let of_nature = |(number, nature): (usize, &Nature)| {
-            let asked = (episodes, evaluation_seed(seed, number as u64));
-            Ok(aims(&mut checkpoint.policy(), &scenario.model, (&scenario.task, *nature), pairs, asked)?)
-        };
-        natures.par_iter().enumerate().map(of_nature).collect()
-    }
-
-    /// The user who comes nearest to a person.
-    pub fn fitted(&self, person: &Participant, seed: u64) -> Result<Fitted> {
-        Fitted::of(person, self.nature(), |natures, pairs| self.aims(natures, pairs, (EPISODES, seed)))
-    }
-
-    /// The same by movements of theirs.
-    pub fn nearest(&self, who: &str, movements: &[Aim], seed: u64) -> Result<Fitted> {
-        Fitted::of_aims(who, movements, self.nature(), |natures, pairs| self.aims(natures, pairs, (EPISODES, seed)))
-    }
+/// The user who can be anybody; it learns to be so where it is not there yet.
+pub fn anybody(args: &AnybodyArgs) -> Result<Anybody> {
+    let AnybodyArgs { user, practised, steps, seed, physics } = args;
+    let (scenario, name) = beginner(user)?;
+    let folder = practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
+    let layouts = practice(&scenario.task).map_err(|error| Failure::sentence(error.to_string()))?;
+    let task = layouts[0].clone();
+    let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
+    let config = Practice::Pointing.learning(&PpoConfig::for_user(task.user));
+    let practised = Scenario { task, layouts, model, own_model, most_success: 1.0 };
+    let practising = Practising { scenario: &practised, config, users: (1, *seed), steps: *steps, physics };
+    let mut users = practise(&practising, &folder, &Interrupt::listen()?)?;
+    let checkpoint = users.pop().ok_or_else(|| Failure::sentence("nobody has practised"))?;
+    Ok(Anybody::new(checkpoint, scenario.model, scenario.task))
 }
 
 fn text(file: &Path, fitted: &Fitted) -> String {

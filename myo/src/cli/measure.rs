@@ -43,7 +43,7 @@ A table has a head line and a row for each sample, values separated by commas, t
   note_...                                    columns of your own, which are passed over, as is one without a name
 
 Without events a selection ends where the target changes or with the trial. A movement that ended beside its target counts with where it ended, for effective throughput, too; one whose time was up
-(`time_out`) does not. Recordings are brought to 500 Hz and smoothed at 10 Hz; a movement lasts from 5 % of its peak
+(`time_out`, or `given_up` of one among others) does not. Recordings are brought to 500 Hz and smoothed at 10 Hz; a movement lasts from 5 % of its peak
 speed to the last entry into its target. Figures are medians over the medians of participants, with the 95 % confidence interval of the mean over participants. Fitts' law goes
 through the means of conditions: pairs of distance and width (to 1 cm and 1 mm) of which there are four movements.
 

@@ -7,7 +7,7 @@ use myo::protocol::conditions;
 use serde::Serialize;
 
 use crate::cli::failure::{Result, complain};
-use crate::cli::fit::{Anybody, AnybodyArgs};
+use crate::cli::fit::{AnybodyArgs, anybody};
 use crate::cli::output::{print, print_json, row, table};
 use crate::cli::parse;
 
@@ -66,7 +66,7 @@ struct TraitFound {
 
 /// Runs `myo bench fit`.
 pub fn run(args: &FitArgs) -> Result<()> {
-    let anybody = Anybody::ready(&args.anybody)?;
+    let anybody = anybody(&args.anybody)?;
     let natures = others(args.users);
     let pairs: Vec<[f64; 2]> = conditions().into_iter().filter(|pair| pair[1] < WIDTH).collect();
     let seed = args.anybody.seed;

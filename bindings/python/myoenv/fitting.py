@@ -1,0 +1,107 @@
+"""Which simulated user moves as the people of recordings do."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from myoenv import _native
+from myoenv.arguments import as_path, as_seed, as_threads
+from myoenv.tasks import TaskLike, task_and_model
+from myoenv.training import train
+
+if TYPE_CHECKING:
+    import pandas
+
+
+def fit(
+    recordings: str | PathLike[str] | pandas.DataFrame,
+    *,
+    user: TaskLike = "human",
+    practised: str | PathLike[str] | None = None,
+    together: bool = False,
+    seed: int = 1,
+    threads: int | None = None,
+    **training: Any,
+) -> list[dict[str, Any]]:
+    """Looks for the user who moves as each participant does: motor noise, misjudged targets, what effort and changes of
+    control cost, as `myo fit` does.
+
+    One user learns first to be anybody, once: some minutes on a graphics card, an hour and more on two cores. Each fit
+    is simulation alone, a minute or two.
+
+    A dictionary for each participant: `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`,
+    its place in a task; `what`; `before`, `found`, `interval`, its 95 % confidence interval; `is_told`, without which
+    `found` is not to be used), `distance_before`, `distance_after` (root mean square over figures, in standard
+    deviations between repetitions of one user) and `figures` (`what`, `person`, `before`, `after`).
+
+    Args:
+        recordings: A table of recorded movements as `myo measure` takes it: a CSV file, or a DataFrame of its columns.
+        user: Whose body, rhythm and senses the user has: the name of a user, or a task.
+        practised: Run folder of the user who has learnt to be anybody; trained there first where there is none. By
+            default `runs/anybody-USER/seed-SEED`, where `myo fit` has it, too.
+        together: Whether all participants are one person.
+        seed: Seed of that training and of the simulations.
+        threads: Threads of the processor, all by default.
+        training: Arguments of `myoenv.train` for that training, such as `steps`, `backend` or `progress`.
+    """
+    for name in ("task", "layouts", "model", "settings", "out", "resume", "start_from"):
+        if name in training:
+            raise TypeError(f"fit chooses {name} itself; leave it out")
+    table = _table(recordings)
+    # Before an hour of training.
+    _native.check_recordings(table, bool(together))
+    task, model = task_and_model(_done_by(user))
+    place = (
+        Path("runs") / f"anybody-{task.name}" / f"seed-{seed}"
+        if practised is None
+        else Path(as_path("practised", practised))
+    )
+    if not place.exists():
+        layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
+        settings = json.loads(_native.fitting_settings(task))
+        train(
+            layouts=layouts,
+            model=model,
+            settings=settings,
+            seed=as_seed(seed),
+            threads=threads,
+            out=place,
+            **training,
+        )
+    run, count = as_path("practised", place), as_threads(threads)
+    fitted: list[dict[str, Any]] = json.loads(
+        _native.fit(run, task, model, table, bool(together), as_seed(seed), count)
+    )
+    return fitted
+
+
+def _table(recordings: Any) -> str:
+    if hasattr(recordings, "to_csv"):
+        text: str = recordings.to_csv(index=False)
+        return text
+    return Path(as_path("recordings", recordings)).read_text(encoding="utf-8")
+
+
+@cache
+def _users() -> frozenset[str]:
+    """Names of all users that a task may name."""
+    schema = json.loads(_native.task_schema())
+    return frozenset(one["const"] for one in schema["$defs"]["User"]["oneOf"])
+
+
+def _done_by(user: TaskLike) -> TaskLike:
+    """The task whose user begins; what is to do in it does not matter."""
+    if not isinstance(user, str) or user not in _users():
+        return user
+    if user == "fastest":
+        raise ValueError(
+            "user is fastest, who has no noise and no misjudgement that could be like a person's; take human, or "
+            "another of `myo task users`"
+        )
+    scene = {"ball": {"kind": "sphere", "at": [0.4, 0, 0], "radius": 0.05}}
+    script = [{"dwell": {"in": "ball", "for_s": 0.25}}]
+    return {"version": 2, "name": user, "user": user, "scene": scene, "script": script}

@@ -1,0 +1,74 @@
+//! Which user moves as the people of recordings do.
+
+use std::path::PathBuf;
+
+use myo::fitting::{Anybody, Fitted, FittingError, comparable, practice};
+use myo::protocol::Practice;
+use myo::recordings::{Participant, Recordings};
+use myo::train::PpoConfig;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::model::Model;
+use crate::policy::checkpoint;
+use crate::process::{own_pool, pool};
+use crate::signals::interruptible;
+use crate::task::Task;
+
+/// The layouts in which the user of a task learns to be anybody, as texts of tasks.
+#[pyfunction]
+pub fn fitting_layouts(task: &Task) -> PyResult<Vec<String>> {
+    Ok(practice(task.inner()).map_err(|refusal| refused(&refusal))?.iter().map(|layout| layout.to_yaml()).collect())
+}
+
+/// Settings with which it learns that, as JSON.
+#[pyfunction]
+pub fn fitting_settings(task: &Task) -> PyResult<String> {
+    let learning = Practice::Pointing.learning(&PpoConfig::for_user(task.inner().user));
+    serde_json::to_string(&learning).map_err(|refusal| refused(&refusal))
+}
+
+/// The people of a table (CSV), each for oneself or all together, and what is wrong with what they did.
+fn people(table: &str, together: bool) -> PyResult<Vec<Participant>> {
+    let recordings = Recordings::read(table.as_bytes()).map_err(|refusal| refused(&refusal))?;
+    let people = if together { recordings.as_one() } else { recordings }.participants;
+    people.iter().try_for_each(comparable).map_err(|refusal| refused(&refusal))?;
+    Ok(people)
+}
+
+/// Refuses a table whose people no user can be fitted to.
+#[pyfunction]
+pub fn check_recordings(table: &str, together: bool) -> PyResult<()> {
+    people(table, together).map(drop)
+}
+
+/// The user who comes nearest to each of the people of a table, as JSON. `run` is that of who learnt to be anybody in [`fitting_layouts`] of `task`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "what Python's function takes")]
+pub fn fit(
+    py: Python<'_>,
+    run: PathBuf,
+    task: &Task,
+    model: &Model,
+    table: &str,
+    together: bool,
+    seed: u64,
+    threads: Option<usize>,
+) -> PyResult<String> {
+    let people = people(table, together)?;
+    let anybody = Anybody::new(checkpoint(&run)?, model.of(task.inner())?, task.inner().clone());
+    let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
+    let (done, raised) = interruptible(py, &pool, |go_on| {
+        let fitted = people.iter().map(|person| anybody.fitted(person, seed, go_on));
+        fitted.collect::<Result<Option<Vec<Fitted>>, FittingError>>()
+    })?;
+    if let Some(raised) = raised {
+        return Err(raised);
+    }
+    serde_json::to_string(&done.map_err(|refusal| refused(&refusal))?).map_err(error::run)
+}
+
+fn refused(refusal: &dyn std::fmt::Display) -> PyErr {
+    PyValueError::new_err(refusal.to_string())
+}

@@ -1,0 +1,112 @@
+"""Which user moves as the people of recordings do."""
+
+import json
+
+import numpy as np
+import pytest
+
+import myoenv
+from myoenv import _native
+
+PAIRS = [(0.1, 0.05), (0.2, 0.05), (0.3, 0.03)]
+
+
+def table(movements=8, pairs=PAIRS, participant="anna"):
+    """Somebody who goes to and fro by minimum jerk, a little differently each time, as columns."""
+    chance = np.random.default_rng(3)
+    columns = {
+        name: []
+        for name in ("participant", "trial", "time_s", "x_m", "y_m", "target_x_m", "target_y_m", "target_width_m")
+    }
+    for number, (distance, width) in enumerate(pairs):
+        now, at = 0.0, 0.0
+        for movement in range(movements + 1):
+            target = distance if movement % 2 == 0 else 0.0
+            end = target + 0.2 * width * chance.normal()
+            took = 0.3 + 0.1 * np.log2(distance / width + 1) + 0.03 * chance.normal()
+            for time in np.arange(0, took + 0.3, 0.01):
+                s = min(time / took, 1)
+                share = s**3 * (10 - 15 * s + 6 * s * s)
+                row = (
+                    participant,
+                    number,
+                    now + time,
+                    at + share * (end - at),
+                    0.01 * np.sin(np.pi * share),
+                    target,
+                    0.0,
+                    width,
+                )
+                for column, value in zip(columns.values(), row, strict=True):
+                    column.append(value)
+            now, at = now + took + 0.31, end
+    return columns
+
+
+def csv(columns):
+    rows = zip(*columns.values(), strict=True)
+    return "\n".join([",".join(columns), *(",".join(map(str, row)) for row in rows)]) + "\n"
+
+
+@pytest.fixture
+def people(tmp_path):
+    path = tmp_path / "people.csv"
+    path.write_text(csv(table()))
+    return path
+
+
+def test_what_cannot_be_fitted_is_said_before_anybody_practises(people, tmp_path):
+    with pytest.raises(ValueError, match=r"anna: 18 movements in 2 pairs .* a fit needs 3 pairs"):
+        _write_and_fit(tmp_path, table(pairs=PAIRS[:2]))
+    with pytest.raises(ValueError, match="no column `trial`"):
+        _write_and_fit(
+            tmp_path,
+            {"time_s": [0], "x_m": [0], "y_m": [0], "target_x_m": [0], "target_y_m": [0], "target_width_m": [1]},
+        )
+    with pytest.raises(ValueError, match="user is fastest, who has no noise"):
+        myoenv.fit(people, user="fastest")
+    with pytest.raises(TypeError, match="fit chooses layouts itself"):
+        myoenv.fit(people, layouts=["pointing"])
+    with pytest.raises(TypeError, match="recordings is 3; it must be a path"):
+        myoenv.fit(3)
+    assert not list(tmp_path.glob("runs"))
+
+
+def _write_and_fit(folder, columns):
+    path = folder / "other.csv"
+    path.write_text(csv(columns))
+    return myoenv.fit(path, practised=folder / "nobody")
+
+
+def test_layouts_to_become_anybody_in_differ_in_traits_alone():
+    texts = _native.fitting_layouts(myoenv.load_task("pointing"))
+    layouts = [myoenv.to_dict(_native.Task.from_yaml(text)) for text in texts]
+    costs = {(one["reward"]["effort_cost"], one["reward"]["control_change_cost"]) for one in layouts}
+    assert len(layouts) == len(costs) == 64
+    assert all(one["observation"]["traits"] and one["scene"] == layouts[0]["scene"] for one in layouts)
+    settings = json.loads(_native.fitting_settings(myoenv.load_task("pointing")))
+    assert settings["log_std_min"] <= -3.5
+
+
+def test_a_beginner_can_be_nobody(people, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    task = myoenv.load_task(
+        {
+            "version": 2,
+            "name": "human",
+            "user": "human",
+            "model": "mobl-arms",
+            "scene": {"ball": {"kind": "sphere", "at": [0.4, 0, 0], "radius": 0.05}},
+            "script": [{"dwell": {"in": "ball", "for_s": 0.25}}],
+        }
+    )
+    layout = myoenv.to_dict(_native.Task.from_yaml(_native.fitting_layouts(task)[0]))
+    run = tmp_path / "beginner"
+    myoenv.train({**layout, "time_limit_s": 1}, steps=1024, until=None, num_envs=32, backend="cpu", out=run)
+    wanted = r"of 64 natures only 0 could do what anna did, and at least \d+ are needed"
+    with pytest.raises(ValueError, match=wanted):
+        myoenv.fit(people, user=task, practised=run)
+    # A data frame is such a table, too, and all of its people may be one.
+    frame = pandas.concat([pandas.DataFrame(table(participant=name)) for name in ("anna", "bert")])
+    with pytest.raises(ValueError, match=wanted.replace("anna", "all 2 participants")):
+        myoenv.fit(frame, user=task, practised=run, together=True)
