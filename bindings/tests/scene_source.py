@@ -64,6 +64,7 @@ TASK_FIELDS = [
     "stimulus",
     "correction",
     "time_limit_s",
+    "step_limit_s",
     "user",
     "body",
     "reward",
@@ -74,6 +75,7 @@ TASK_FIELDS = [
     "reflex",
     "fatigue",
     "control_dt_s",
+    "control",
     "model",
     "description",
 ]

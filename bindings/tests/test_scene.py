@@ -234,8 +234,11 @@ def test_orders_ways_and_corrections_are_read():
         script=[s.RandomOrder([s.Press("panel.1", "panel.2")]), s.Steer("balls", width=0.2)],
         stimulus="current",
         correction="panel.1",
+        step_limit_s=4,
+        control="relative",
     )
     described = myoenv.to_dict(task)
+    assert (described["step_limit_s"], described["control"]) == (4, "relative")
     assert (described["stimulus"], described["correction"], task.num_targets) == ("current", "panel.1", 4)
 
 

@@ -18,7 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Actions lie in [-1, 1], one per muscle: -1 is no excitation, 1 is full. A reset draws **everything** anew: pose,
+//! Actions lie in [-1, 1], one per muscle: -1 is no excitation, 1 is full (where a task's `control` is relative, what is added to the activation). A reset draws **everything** anew: pose,
 //! velocities, activations, targets (fatigue, too, unless it lasts); phase and counters start at zero. The terminal observation is kept.
 //!
 //! What a task asks for stands in its script, or is code: [`Rules`] of one's own observe, judge and reward in its place.

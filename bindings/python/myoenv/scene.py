@@ -1155,6 +1155,7 @@ def build_task(
     stimulus: Literal["all", "current", "before_movement"] | None = None,
     correction: Name | None = None,
     time_limit_s: float | None = None,
+    step_limit_s: float | None = None,
     user: User | None = None,
     body: Body | None = None,
     reward: Reward | None = None,
@@ -1165,6 +1166,7 @@ def build_task(
     reflex: Reflex | None = None,
     fatigue: Fatigue | None = None,
     control_dt_s: float | None = None,
+    control: Literal["absolute", "relative"] | None = None,
     model: str | None = None,
     description: str | None = None,
 ) -> Task:
@@ -1183,6 +1185,9 @@ def build_task(
             goes on. Without it wrong presses are counted, and cost what `reward.wrong_press` says.
         time_limit_s: When an episode ends without success, in s. Rounded to whole control steps. Default 12. From 0.001
             to 600 s.
+        step_limit_s: How long each step of the script may take, in s, from when it counts. What is not done by then is
+            given up: the script goes on with the next step, and the episode is no success. Rounded to whole control
+            steps. Default: as long as the episode. From 0.001 to 600 s.
         user: Who does it: what the simulated user is like where this task does not say. `human` moves as people do,
             `fastest` as fast as its muscles allow. Default `human`. `human`: Is to move as people do: with motor noise,
             with eyes that are late, and with regard to its effort. In shape and speed its movements are like people's;
@@ -1210,6 +1215,10 @@ def build_task(
         fatigue: Fatigue of muscles, off by default.
         control_dt_s: Time between two decisions of the simulated user, in s; muscle controls are held in between. From
             0.001 to 0.5; default 0.05 (20 Hz).
+        control: What an action asks of a muscle: its excitation, or a change of what it does. Default `absolute`.
+            `absolute`: The excitation `(a + 1) / 2`. `relative`: The excitation `activation + a`, within 0 and 1, with
+            the activation as the control step begins; as in User-in-the-Box (Ikkala et al. 2022, doi
+            10.1145/3526113.3545689).
         model: The body that does it: the name of a built-in model, or a model file, looked for in the working
             directory. Default `myo-arm`.
         description: What the task stands for, for people. Default: empty; at most 10,000 characters.
@@ -1226,6 +1235,7 @@ def build_task(
         "stimulus": stimulus,
         "correction": correction,
         "time_limit_s": time_limit_s,
+        "step_limit_s": step_limit_s,
         "user": user,
         "body": body,
         "reward": reward,
@@ -1236,6 +1246,7 @@ def build_task(
         "reflex": reflex,
         "fatigue": fatigue,
         "control_dt_s": control_dt_s,
+        "control": control,
         "model": model,
         "description": description,
     }
