@@ -60,8 +60,8 @@ pub fn fit(
     let anybody = Anybody::new(checkpoint(&run)?, model.of(task.inner())?, task.inner().clone());
     let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
     let (done, raised) = interruptible(py, &pool, |go_on| {
-        let fitted = people.iter().map(|person| anybody.fitted(person, seed, go_on));
-        fitted.collect::<Result<Option<Vec<Fitted>>, FittingError>>()
+        let fitted = people.iter().map(|person| anybody.fitted(person, seed, go_on).map_err(Box::new));
+        fitted.collect::<Result<Option<Vec<Fitted>>, Box<FittingError>>>()
     })?;
     if let Some(raised) = raised {
         return Err(raised);

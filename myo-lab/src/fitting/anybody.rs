@@ -21,13 +21,13 @@ pub struct Anybody {
 
 /// Why a fit came to no end.
 enum End {
-    Refused(FittingError),
+    Refused(Box<FittingError>),
     Stopped,
 }
 
 impl From<FittingError> for End {
     fn from(error: FittingError) -> Self {
-        Self::Refused(error)
+        Self::Refused(Box::new(error))
     }
 }
 
@@ -54,7 +54,8 @@ impl Anybody {
     ) -> Result<Vec<Vec<Aim>>, FittingError> {
         match self.aims_while(natures, pairs, asked, &|| true) {
             Ok(all) => Ok(all),
-            Err(End::Refused(error)) => Err(error),
+            Err(End::Refused(error)) => Err(*error),
+            // Nobody says no.
             Err(End::Stopped) => Ok(vec![]),
         }
     }
@@ -73,7 +74,7 @@ impl Anybody {
         let fitted = Fitted::of(person, self.nature(), |natures, pairs| self.aims_while(natures, pairs, asked, go_on));
         match fitted {
             Ok(fitted) => Ok(Some(fitted)),
-            Err(End::Refused(error)) => Err(error),
+            Err(End::Refused(error)) => Err(*error),
             Err(End::Stopped) => Ok(None),
         }
     }
