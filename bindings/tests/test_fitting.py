@@ -102,7 +102,9 @@ def test_a_beginner_can_be_nobody(people, tmp_path):
     )
     layout = myoenv.to_dict(_native.Task.from_yaml(_native.fitting_layouts(task)[0]))
     run = tmp_path / "beginner"
-    myoenv.train({**layout, "time_limit_s": 1}, steps=1024, until=None, num_envs=32, backend="cpu", out=run)
+    # Steps so small that nothing runs away.
+    how = {"until": None, "num_envs": 32, "settings": {"learning_rate": 1e-5}, "backend": "cpu"}
+    myoenv.train({**layout, "time_limit_s": 5}, steps=1024, out=run, **how)
     wanted = r"of 64 natures only 0 could do what anna did, and at least \d+ are needed"
     with pytest.raises(ValueError, match=wanted):
         myoenv.fit(people, user=task, practised=run)
