@@ -136,7 +136,7 @@ def fit(
     table: str,
     together: bool,
     seed: int,
-    threads: int | None = None,
+    threads: int | None,
 ) -> str:
     """The user who comes nearest to each of the people of a table, as JSON. `run` is that of who learnt to be anybody
     in `fitting_layouts` of `task`."""
