@@ -358,9 +358,8 @@ impl Going {
     fn end(&mut self, is_done: impl Fn(usize) -> bool, after_entry: impl Fn(usize) -> Option<usize>, is_success: bool) {
         self.is_over = true;
         let (Some(last), length) = (self.samples.last(), self.samples.len()) else { return };
-        if let Some(step) = last.step.filter(|&step| is_done(step)) {
-            self.over.push((step, length));
-        }
+        let done_last = last.step.filter(|&step| is_done(step));
+        self.over.extend(done_last.map(|step| (step, length)));
         for &(step, end) in &self.over {
             if !is_done(step) {
                 self.samples[end - 1].event = "given_up";
@@ -372,7 +371,12 @@ impl Going {
             }
             self.samples[end - 1].event = "done";
         }
-        self.samples[length - 1].event = if is_success { "success" } else { "time_out" };
+        if is_success {
+            self.samples[length - 1].event = "success";
+        } else if done_last.is_none() {
+            // Else the last step is done, and one before it was given up.
+            self.samples[length - 1].event = "time_out";
+        }
     }
 }
 

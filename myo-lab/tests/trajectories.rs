@@ -174,3 +174,16 @@ fn cells_are_as_spreadsheets_read_them() {
     let expected = "step,\"a \"\"b\"\", c\",x_m\n2,plain,0.1234568\n,\"with, comma\",\n";
     assert_eq!(String::from_utf8(out).unwrap(), expected);
 }
+
+#[test]
+fn what_is_given_up_is_told_and_what_is_done_after_it_is_done() {
+    let script = "script: [{dwell: {in: far, for_s: 0.2}}, {dwell: {in: near, for_s: 0.2}}]\nstep_limit_s: 0.3\n";
+    let text =
+        TWO_BALLS.lines().filter(|line| !line.trim_start().starts_with("script:")).collect::<Vec<_>>().join("\n");
+    let table = taken(&[task(&format!("{text}\n{script}"))], 1);
+    let events = texts(&table, "event").iter().enumerate().filter(|(_, event)| !event.is_empty());
+    // The far ball is given up after 0.3 s, and the near one, in which the arm is all the time, is done 0.2 s later.
+    let told: Vec<(usize, &str)> = events.map(|(k, event)| (k, &**event)).collect();
+    assert_eq!((told[0], *told.last().unwrap()), ((149, "given_up"), (249, "done")), "{told:?}");
+    assert_eq!((told.len(), table.rows()), (3, 250), "{told:?}");
+}
