@@ -2,7 +2,7 @@
 
 use crate::ModelDescription;
 use crate::error::ModelError;
-use crate::nearest::Nearest;
+use myo_nearest::Nearest;
 
 const MOBL_ARMS: &str = include_str!("../models/mobl-arms.yaml");
 const MYO_ARM: &str = include_str!("../models/myo-arm.yaml");

@@ -4,7 +4,7 @@ use crate::check::{Bound, Check};
 use crate::description::{self as source, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Over, Site, WORLD, Wrap};
-use crate::nearest::Nearest;
+use myo_nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::nearest::Nearest;
+use myo_nearest::Nearest;
 
 /// Why a model could not be read or compiled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

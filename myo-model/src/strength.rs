@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::description::{ModelDescription, Muscle};
 use crate::error::{Element, ElementKind, ModelError};
-use crate::nearest::Nearest;
+use myo_nearest::Nearest;
 use myo_muscle::MuscleGroup;
 
 impl ModelDescription {

@@ -2,7 +2,7 @@
 
 use crate::ModelDescription;
 use crate::error::ModelError;
-use crate::nearest::Nearest;
+use myo_nearest::Nearest;
 use serde_saphyr::path_map::PathKind;
 use serde_saphyr::{Error, MessageFormatter, UserMessageFormatter, ValidationIssue};
 

@@ -1,4 +1,12 @@
 //! What to write instead of a name that does not exist.
+//!
+//! ```
+//! use myo_nearest::Nearest;
+//!
+//! assert_eq!(Nearest::to("ulma", &["radius", "ulna"]).to_string(), "did you mean `ulna`?");
+//! ```
+//!
+//! This crate knows nothing but names.
 
 use std::fmt;
 

@@ -1,0 +1,1 @@
+//! Reader of MJCF, the model format of MuJoCo.
