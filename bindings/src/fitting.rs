@@ -30,17 +30,17 @@ pub fn fitting_settings(task: &Task) -> PyResult<String> {
 }
 
 /// The people of a table (CSV), each for oneself or all together, and what is wrong with what they did.
-fn people(table: &str, together: bool) -> PyResult<Vec<Participant>> {
+fn people(table: &str, together: bool, model: &myo::model::Model) -> PyResult<Vec<Participant>> {
     let recordings = Recordings::read(table.as_bytes()).map_err(|refusal| refused(&refusal))?;
     let people = if together { recordings.as_one() } else { recordings }.participants;
-    people.iter().try_for_each(comparable).map_err(|refusal| refused(&refusal))?;
+    people.iter().try_for_each(|person| comparable(person, model)).map_err(|refusal| refused(&refusal))?;
     Ok(people)
 }
 
-/// Refuses a table whose people no user can be fitted to.
+/// Refuses a table whose people no user of this task can be fitted to.
 #[pyfunction]
-pub fn check_recordings(table: &str, together: bool) -> PyResult<()> {
-    people(table, together).map(drop)
+pub fn check_recordings(table: &str, together: bool, task: &Task, model: &Model) -> PyResult<()> {
+    people(table, together, &model.of(task.inner())?).map(drop)
 }
 
 /// The user who comes nearest to each of the people of a table, as JSON. `run` is that of who learnt to be anybody in [`fitting_layouts`] of `task`.
@@ -56,8 +56,9 @@ pub fn fit(
     seed: u64,
     threads: Option<usize>,
 ) -> PyResult<String> {
-    let people = people(table, together)?;
-    let anybody = Anybody::new(checkpoint(&run)?, model.of(task.inner())?, task.inner().clone());
+    let model = model.of(task.inner())?;
+    let people = people(table, together, &model)?;
+    let anybody = Anybody::new(checkpoint(&run)?, model, task.inner().clone());
     let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
     let (done, raised) = interruptible(py, &pool, |go_on| {
         let fitted = people.iter().map(|person| anybody.fitted(person, seed, go_on).map_err(Box::new));

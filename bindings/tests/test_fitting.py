@@ -55,6 +55,13 @@ def people(tmp_path):
     return path
 
 
+def test_muscles_that_the_body_has_not_are_refused_before_anybody_practises(tmp_path):
+    columns = table()
+    columns["DELT_activation"] = [0.1] * len(columns["x_m"])
+    with pytest.raises(ValueError, match=r"has no muscle `DELT`; did you mean `DELT1`.*`note_`"):
+        _write_and_fit(tmp_path, columns)
+
+
 def test_what_cannot_be_fitted_is_said_before_anybody_practises(people, tmp_path):
     with pytest.raises(ValueError, match=r"anna: 18 movements in 2 pairs .* a fit needs 3 pairs"):
         _write_and_fit(tmp_path, table(pairs=PAIRS[:2]))

@@ -155,6 +155,62 @@ fn events_say_when_a_target_was_entered_and_done() {
 }
 
 /// Numbers of rows, as pandas writes them in a first column without a name.
+/// A table of one trial, with these further columns, and their values in each row.
+fn with_columns(columns: &str, values: impl Fn(usize) -> String) -> String {
+    let mut text = format!("{},{columns}\n", HEAD.trim_end());
+    for sample in 0..60 {
+        let (at, x) = (0.01 * sample as f64, 0.2 * minimum_jerk(sample as f64 / 50.0));
+        writeln!(text, "Ada,1,{at},{x},0,0,0.2,0,0,0.03,{}", values(sample)).unwrap();
+    }
+    text
+}
+
+#[test]
+fn activations_are_read_muscle_by_muscle() {
+    let text = with_columns("DELT1_activation,note_emg_activation,BIClong_activation", |sample| {
+        format!("{},,{}", 0.01 * sample as f64, 1.2 - 0.01 * sample as f64)
+    });
+    let recordings = read(&text).unwrap();
+    let [ada] = &recordings.participants[..] else { panic!("{recordings:?}") };
+    assert_eq!(ada.muscles, ["DELT1", "BIClong"]);
+    let active = &ada.trials[0].activations;
+    assert!(active.len() == 120 && (active[20] - 0.1).abs() < 1e-12 && (active[21] - 1.1).abs() < 1e-12, "{active:?}");
+    // What was recorded of some tells nothing of all.
+    let mut others = read(&people(100.0, HEAD, 1.0)).unwrap();
+    others.append(recordings.clone());
+    assert_eq!(others.as_one().participants[0].muscles, [""; 0]);
+    assert_eq!(recordings.as_one().participants[0].muscles, ["DELT1", "BIClong"]);
+}
+
+#[test]
+fn activations_that_are_none_are_refused_in_a_sentence() {
+    for (columns, value, message) in [
+        (
+            "DELT1_activation",
+            "-0.1",
+            "line 2: `DELT1_activation` is -0.1; an activation from 0 to 1 is needed; is it in percent, or not rectified?",
+        ),
+        (
+            "DELT1_activation",
+            "45",
+            "line 2: `DELT1_activation` is 45; an activation from 0 to 1 is needed; is it in percent, or not rectified?",
+        ),
+        ("DELT1_activation", "", "line 2: `DELT1_activation` is empty; a number is needed"),
+        (
+            "_activation",
+            "0.1",
+            "column 11 is called `_activation`; the muscle's own name is needed before `_activation`, once",
+        ),
+        (
+            "A_activation,A_activation",
+            "0.1,0.1",
+            "column 12 is called `A_activation`; the muscle's own name is needed before `_activation`, once",
+        ),
+    ] {
+        assert_eq!(read(&with_columns(columns, |_| value.into())).unwrap_err().to_string(), message);
+    }
+}
+
 #[test]
 fn numbered_rows_make_no_difference() {
     let text = people(100.0, HEAD, 1.0);

@@ -126,8 +126,8 @@ def fitting_layouts(task: Task) -> list[str]:
 def fitting_settings(task: Task) -> str:
     """Settings with which it learns that, as JSON."""
 
-def check_recordings(table: str, together: bool) -> None:
-    """Refuses a table whose people no user can be fitted to."""
+def check_recordings(table: str, together: bool, task: Task, model: Model) -> None:
+    """Refuses a table whose people no user of this task can be fitted to."""
 
 def fit(
     run: str | PathLike[str],

@@ -52,9 +52,9 @@ def fit(
         if name in training:
             raise TypeError(f"fit chooses {name} itself; leave it out")
     table = _table(recordings)
-    # Before an hour of training.
-    _native.check_recordings(table, bool(together))
     task, model = task_and_model(_done_by(user))
+    # Before an hour of training.
+    _native.check_recordings(table, bool(together), task, model)
     place = (
         Path("runs") / f"anybody-{task.name}" / f"seed-{seed}"
         if practised is None

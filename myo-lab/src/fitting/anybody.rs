@@ -6,6 +6,8 @@ use myo_train::Checkpoint;
 use myo_train::session::evaluation_seed;
 use rayon::prelude::*;
 
+use super::muscles::Recorded;
+use super::search::compared;
 use super::{Aim, Fitted, FittingError, Nature, aims};
 use crate::recordings::Participant;
 
@@ -42,17 +44,23 @@ impl Anybody {
         Nature::of(&self.task)
     }
 
-    /// Movements of natures at targets of pairs of distance and width (m), in so many episodes of each, with seeds made of this one.
+    /// Muscles of its body.
+    pub fn muscles(&self) -> Vec<String> {
+        self.model.muscles.iter().map(|muscle| muscle.name.clone()).collect()
+    }
+
+    /// Movements of natures at targets of pairs of distance and width (m), in so many episodes of each, with seeds made of this one, and the activations of
+    /// muscles of these numbers.
     ///
     /// # Errors
     /// The policy has not learnt to be anybody.
     pub fn aims(
         &self,
         natures: &[Nature],
-        pairs: &[[f64; 2]],
+        compared: (&[[f64; 2]], &[usize]),
         asked: (usize, u64),
     ) -> Result<Vec<Vec<Aim>>, FittingError> {
-        match self.aims_while(natures, pairs, asked, &|| true) {
+        match self.aims_while(natures, compared, asked, &|| true) {
             Ok(all) => Ok(all),
             Err(End::Refused(error)) => Err(*error),
             // Nobody says no.
@@ -63,7 +71,7 @@ impl Anybody {
     /// The user who comes nearest to a person, or nobody once `go_on` says no; it is asked before each nature.
     ///
     /// # Errors
-    /// As [`Fitted::of`].
+    /// As [`Fitted::of`]; muscles were recorded that the body has not, or what was recorded cannot be measured.
     pub fn fitted(
         &self,
         person: &Participant,
@@ -71,7 +79,10 @@ impl Anybody {
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Fitted>, FittingError> {
         let asked = (EPISODES, seed);
-        let fitted = Fitted::of(person, self.nature(), |natures, pairs| self.aims_while(natures, pairs, asked, go_on));
+        let (Recorded { names, numbers }, movements) = compared(person, &self.model)?;
+        let fitted = Fitted::of((&person.name, &movements), &names, self.nature(), |natures, pairs| {
+            self.aims_while(natures, (pairs, &numbers), asked, go_on)
+        });
         match fitted {
             Ok(fitted) => Ok(Some(fitted)),
             Err(End::Refused(error)) => Err(*error),
@@ -79,18 +90,21 @@ impl Anybody {
         }
     }
 
-    /// The same by movements of theirs.
+    /// The same by movements of theirs, which have the activations of muscles of these numbers.
     ///
     /// # Errors
-    /// As [`Fitted::of_aims`].
-    pub fn nearest(&self, who: &str, movements: &[Aim], seed: u64) -> Result<Fitted, FittingError> {
-        Fitted::of_aims(who, movements, self.nature(), |natures, pairs| self.aims(natures, pairs, (EPISODES, seed)))
+    /// As [`Fitted::of`].
+    pub fn nearest(&self, who: &str, movements: &[Aim], muscles: &[usize], seed: u64) -> Result<Fitted, FittingError> {
+        let names: Vec<String> = muscles.iter().map(|&muscle| self.model.muscles[muscle].name.clone()).collect();
+        Fitted::of((who, movements), &names, self.nature(), |natures, pairs| {
+            self.aims(natures, (pairs, muscles), (EPISODES, seed))
+        })
     }
 
     fn aims_while(
         &self,
         natures: &[Nature],
-        pairs: &[[f64; 2]],
+        compared: (&[[f64; 2]], &[usize]),
         (episodes, seed): (usize, u64),
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<Vec<Aim>>, End> {
@@ -99,7 +113,7 @@ impl Anybody {
                 return Err(End::Stopped);
             }
             let asked = (episodes, evaluation_seed(seed, number as u64));
-            Ok(aims(&mut self.checkpoint.policy(), &self.model, (&self.task, *nature), pairs, asked)?)
+            Ok(aims(&mut self.checkpoint.policy(), &self.model, (&self.task, *nature), compared, asked)?)
         };
         natures.par_iter().enumerate().map(of_nature).collect()
     }

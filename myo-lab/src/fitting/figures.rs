@@ -6,7 +6,6 @@ use myo_measure::{Movement, statistics};
 use super::FittingError;
 use super::practice::{DISTANCES, WIDTHS};
 use crate::protocol::Aimed;
-use crate::recordings::Measured;
 
 /// Fewest movements of a pair of distance and width, fewest pairs, and most.
 const LEAST: usize = 8;
@@ -15,7 +14,7 @@ const MOST_PAIRS: usize = 12;
 /// Distances, and widths, are alike where they differ by less than this factor.
 const ALIKE: f64 = 1.2;
 
-/// What is compared, for people; of each the mean over pairs of distance and width.
+/// What is compared of hands, for people; of each the mean over pairs of distance and width. The activation of each muscle that was recorded comes behind them.
 pub const FIGURES: [&str; 10] = [
     "movement time (s)",
     "growth of its logarithm per bit",
@@ -29,12 +28,14 @@ pub const FIGURES: [&str; 10] = [
     "its scatter across the way, share of the way",
 ];
 /// How many there are.
-pub(super) const COUNT: usize = FIGURES.len();
+const COUNT: usize = FIGURES.len();
+/// Muscles are as good as silent below this activation, so that a ratio to nothing does not count.
+const SILENT: f64 = 1e-3;
 /// Of these, those whose ratios count, not their differences.
 const BY_RATIO: [bool; COUNT] = [true, false, true, true, false, false, false, false, true, true];
 
 /// A movement at a target.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Aim {
     /// From the centre of the target before (m).
     distance: f64,
@@ -43,12 +44,14 @@ pub struct Aim {
     trial: Trial,
     movement: Option<Movement>,
     first_stop: Option<[f64; 3]>,
+    /// Mean activations of the muscles that are compared; nothing where they are not known.
+    pub(super) activations: Vec<f64>,
 }
 
 impl Aim {
-    pub(super) fn new([distance, width]: [f64; 2], aimed: &Aimed) -> Self {
+    pub(super) fn new([distance, width]: [f64; 2], aimed: &Aimed, activations: Vec<f64>) -> Self {
         let &Aimed { trial, movement, first_stop, .. } = aimed;
-        Self { distance, width, trial, movement, first_stop }
+        Self { distance, width, trial, movement, first_stop, activations }
     }
 }
 
@@ -60,7 +63,7 @@ impl Aim {
         movement: Movement,
         first_stop: Option<[f64; 3]>,
     ) -> Self {
-        Self { distance, width, trial, movement: Some(movement), first_stop }
+        Self { distance, width, trial, movement: Some(movement), first_stop, activations: vec![] }
     }
 
     /// Whether times (s) and places (m) of two movements at targets are the same, to a few samples.
@@ -70,25 +73,27 @@ impl Aim {
             let (trial, end) = (one.trial, one.trial.end);
             let times = [trial.movement_time_s, 0.1 * movement.peak_speed, 0.1 * movement.time_of_peak];
             let shapes = [movement.duration_s, 0.1 * movement.sparc, one.width, one.distance];
-            [times.to_vec(), shapes.to_vec(), stop.to_vec(), end.to_vec(), trial.start.to_vec(), trial.target.to_vec()]
-                .concat()
+            [
+                times.to_vec(),
+                shapes.to_vec(),
+                stop.to_vec(),
+                end.to_vec(),
+                trial.start.to_vec(),
+                trial.target.to_vec(),
+                one.activations.clone(),
+            ]
+            .concat()
         };
         numbers(self).iter().zip(numbers(other)).all(|(a, b)| (a - b).abs() <= most)
     }
 }
 
-impl From<&Measured> for Aim {
-    fn from(one: &Measured) -> Self {
-        Self::new([one.distance, one.width], &one.aimed)
-    }
-}
-
 /// All figures of one person or user, as numbers whose differences count.
-pub(super) type Figures = [f64; COUNT];
+pub(super) type Figures = Vec<f64>;
 
 /// A figure as it is told: undoes the logarithm.
 pub(super) fn told(number: usize, value: f64) -> f64 {
-    if BY_RATIO[number] { value.exp() } else { value }
+    if *BY_RATIO.get(number).unwrap_or(&true) { value.exp() } else { value }
 }
 
 /// Pairs of distance and width (m) of which a person made enough movements, the most frequent first.
@@ -143,9 +148,9 @@ pub(super) fn figures(movements: &[Aim], pairs: &[[f64; 2]]) -> Option<(Figures,
         let own = of(movements, *pair);
         (own.len() >= LEAST).then(|| Some((of_pair(&own)?, own.len())))?
     };
-    let all: Vec<([f64; COUNT], usize)> = pairs.iter().map(of_pair).collect::<Option<_>>()?;
-    let mut means: Figures =
-        std::array::from_fn(|figure| all.iter().map(|(own, _)| own[figure]).sum::<f64>() / all.len() as f64);
+    let all: Vec<(Figures, usize)> = pairs.iter().map(of_pair).collect::<Option<_>>()?;
+    let mean = |figure: usize| all.iter().map(|(own, _)| own[figure]).sum::<f64>() / all.len() as f64;
+    let mut means: Figures = (0..all.first()?.0.len()).map(mean).collect();
     let indices: Vec<f64> = pairs.iter().map(|&[distance, width]| index_of_difficulty(distance, width)).collect();
     let times: Vec<f64> = all.iter().map(|(own, _)| own[0]).collect();
     means[1] = statistics::slope(&indices, &times).ok()?;
@@ -162,7 +167,7 @@ fn of_pair(own: &[&Aim]) -> Option<Figures> {
     };
     let stops: Vec<[f64; 2]> = own.iter().filter_map(|one| first_stop(one)).collect();
     let [along, across] = [0, 1].map(|k| stops.iter().map(|stop| stop[k]).collect::<Vec<f64>>());
-    Some([
+    let hand = [
         mean(&times)?,
         0.0,
         deviation(&times)?.ln(),
@@ -174,7 +179,18 @@ fn of_pair(own: &[&Aim]) -> Option<Figures> {
         mean(&along)?,
         deviation(&along)?.ln(),
         mean(&across.iter().map(|x| x * x).collect::<Vec<_>>())?.sqrt().ln(),
-    ])
+    ];
+    Some(hand.into_iter().chain(activations(own)).collect())
+}
+
+/// How active each muscle was, over the movements of which it is known.
+fn activations(own: &[&Aim]) -> Vec<f64> {
+    let muscles = own.iter().map(|one| one.activations.len()).max().unwrap_or_default();
+    let of = |muscle: usize| {
+        let values: Vec<f64> = own.iter().filter_map(|one| one.activations.get(muscle).copied()).collect();
+        mean(&values).unwrap_or_default().max(SILENT).ln()
+    };
+    (0..muscles).map(of).collect()
 }
 
 /// Where the first bell of speed ended: along the way from start to target, and across it, as shares of the way.

@@ -11,11 +11,13 @@
 
 mod anybody;
 mod figures;
+mod muscles;
 mod nature;
 mod practice;
 mod search;
 mod surface;
 
+use myo_model::Nearest;
 use thiserror::Error;
 
 pub use anybody::Anybody;
@@ -38,6 +40,18 @@ pub enum FittingError {
     /// A simulated user cannot be asked.
     #[error(transparent)]
     Asked(#[from] ProtocolError),
+    /// A muscle was recorded that the body has not.
+    #[error(
+        "`{body}` has no muscle `{name}`; {nearest} A column that is not to be compared is passed over where its name begins with `note_`"
+    )]
+    UnknownMuscle {
+        /// The muscle.
+        name: String,
+        /// The body.
+        body: String,
+        /// Muscles that it has.
+        nearest: Nearest,
+    },
     /// A task cannot be made.
     #[error("the user of this task cannot be fitted: {0}")]
     Task(#[from] myo_tasks::LoadError),

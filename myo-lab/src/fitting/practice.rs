@@ -41,7 +41,7 @@ pub fn practice(user: &Task) -> Result<Vec<Task>, LoadError> {
 }
 
 /// Movements of the user of a task with another nature, at targets across a circle (ISO 9241-411) for each pair of distance and width (m), in so many
-/// episodes of each with this seed; those from target to target.
+/// episodes of each with this seed; those from target to target, with the activations of muscles of these numbers.
 ///
 /// # Errors
 /// The policy has not learnt to be anybody, or what the user brings along fits no such task.
@@ -49,7 +49,7 @@ pub fn aims(
     policy: &mut Policy,
     model: &Model,
     (user, nature): (&Task, Nature),
-    pairs: &[[f64; 2]],
+    (pairs, muscles): (&[[f64; 2]], &[usize]),
     asked: (usize, u64),
 ) -> Result<Vec<Aim>, FittingError> {
     let layouts = pairs.iter().map(|&pair| Ok(nature.doing(circle(pair).task(user)?)));
@@ -58,21 +58,26 @@ pub fn aims(
     let mut all = vec![];
     for (&pair, recordings) in pairs.iter().zip(&by_pair) {
         for recording in recordings {
-            all.extend(between(pair, recording)?);
+            all.extend(between((pair, muscles), recording, model.muscles.len())?);
         }
     }
     Ok(all)
 }
 
 /// The movements of an episode from target to target.
-fn between(pair: [f64; 2], recording: &Recording) -> Result<Vec<Aim>, FittingError> {
+fn between((pair, muscles): ([f64; 2], &[usize]), recording: &Recording, all: usize) -> Result<Vec<Aim>, FittingError> {
     let measuring = || ProtocolError::measuring("a movement");
     let smooth = signal::low_pass_points(&recording.fingertip, recording.rate_hz, CUT_OFF_HZ).map_err(measuring())?;
     let track = Track { raw: &recording.fingertip, smooth: &smooth, rate_hz: recording.rate_hz };
     let (targets, done) = (circle_targets(pair[0]), &recording.done);
     let aim = |selection: usize| {
         let aimed = track.aimed(done[selection], targets[selection], done[selection - 1].entry).map_err(measuring())?;
-        Ok(aimed.movement.is_some().then(|| Aim::new(pair, &aimed)))
+        let [first, last] = aimed.samples;
+        let active = |&muscle: &usize| {
+            let own = (first..=last).map(|sample| f64::from(recording.activations[sample * all + muscle]));
+            own.sum::<f64>() / (last + 1 - first) as f64
+        };
+        Ok(aimed.movement.is_some().then(|| Aim::new(pair, &aimed, muscles.iter().map(active).collect())))
     };
     (1..done.len()).filter_map(|selection| aim(selection).transpose()).collect()
 }
@@ -117,14 +122,15 @@ mod tests {
             force: vec![0.0; path.len()],
             qpos: vec![],
             qvel: vec![],
-            activations: vec![],
+            // Two muscles, of which the second becomes more and more active.
+            activations: (0..path.len()).flat_map(|sample| [1.0, 1e-4 * sample as f32]).collect(),
             done: done.clone(),
             exits: 0.0,
             wrong_presses: 0.0,
             targets: None,
             fingertip: path.clone(),
         };
-        let user = between(PAIR, &recording).unwrap();
+        let user = between((PAIR, &[1]), &recording, 2).unwrap();
 
         let targets = circle_targets(PAIR[0]);
         let selection = |(number, done): (usize, &Done)| Selection {
@@ -137,10 +143,11 @@ mod tests {
         let trial = Trial {
             name: "1".into(),
             times: (0..path.len()).map(|sample| sample as f64 / RATE_HZ).collect(),
+            activations: (0..path.len()).map(|sample| 1e-4 * sample as f64).collect(),
             points: path,
             selections: done.iter().enumerate().map(selection).collect(),
         };
-        let person = Participant { name: "Ada".into(), trials: vec![trial] };
+        let person = Participant { name: "Ada".into(), muscles: vec!["DELT1".into()], trials: vec![trial] };
         let (all, missed) = measured(&person).unwrap();
         // The first one began elsewhere.
         let person: Vec<Aim> = all.iter().skip(1).map(Aim::from).collect();

@@ -1,9 +1,11 @@
 //! The nature whose movements are nearest to those of a person.
 
+use myo_model::Model;
 use serde::Serialize;
 
 use super::FittingError;
-use super::figures::{self, Aim, FIGURES, Figures, figures, of_person, told};
+use super::figures::{Aim, FIGURES, Figures, figures, of_person, told};
+use super::muscles::Recorded;
 use super::nature::{COUNT, Nature, TRAITS, places};
 use super::surface::{Nearest, Surface, TERMS};
 use crate::recordings::{Participant, measured};
@@ -51,10 +53,10 @@ pub struct FittedTrait {
 }
 
 /// A figure of the person, and of the user before and then.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FittedFigure {
     /// What it is, with its unit.
-    pub what: &'static str,
+    pub what: String,
     /// The person's.
     pub person: f64,
     /// The user's before.
@@ -69,6 +71,7 @@ struct Search<'a, F> {
     pairs: Vec<[f64; 2]>,
     person: Figures,
     movements: usize,
+    muscles: &'a [String],
     simulate: F,
 }
 
@@ -80,31 +83,19 @@ struct Tried {
 }
 
 impl Fitted {
-    /// Of one person, beginning from a user. `simulate` lets natures do targets of pairs of distance and width, and tells the movements of each.
+    /// Of one person, beginning from a user. `simulate` lets natures do targets of pairs of distance and width, and tells the movements of each, with the
+    /// activations of `muscles`.
     ///
     /// # Errors
-    /// Too few movements, a recording that cannot be measured, natures who cannot do what the person did, or what `simulate` refuses.
+    /// Too few movements, natures who cannot do what the person did, or what `simulate` refuses.
     pub fn of<E: From<FittingError>>(
-        person: &Participant,
-        before: Nature,
-        simulate: impl FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
-    ) -> Result<Self, E> {
-        let (movements, _) = measured(person).map_err(FittingError::from)?;
-        Self::of_aims(&person.name, &movements.iter().map(Aim::from).collect::<Vec<_>>(), before, simulate)
-    }
-
-    /// The same of movements that are measured already.
-    ///
-    /// # Errors
-    /// As [`of`](Self::of).
-    pub fn of_aims<E: From<FittingError>>(
-        who: &str,
-        movements: &[Aim],
+        (who, movements): (&str, &[Aim]),
+        muscles: &[String],
         before: Nature,
         simulate: impl FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
     ) -> Result<Self, E> {
         let (pairs, person, count) = of_person(who, movements)?;
-        let mut search = Search { who, pairs, person, movements: count, simulate };
+        let mut search = Search { who, pairs, person, movements: count, muscles, simulate };
         let (mut about, mut found) = ([0.0; COUNT], None);
         for (natures, within) in ROUNDS {
             let tried = search.tried(places(natures, about, within))?;
@@ -120,13 +111,19 @@ impl Fitted {
     }
 }
 
-/// Refuses recordings that no user can be fitted to.
+/// Refuses recordings that no user with this body can be fitted to.
 ///
 /// # Errors
-/// Too few movements of the distances and widths that can be asked, movements that are all alike, or a recording that cannot be measured.
-pub fn comparable(person: &Participant) -> Result<(), FittingError> {
+/// Too few movements of the distances and widths that can be asked, movements that are all alike, muscles that the body has not, or a recording that cannot be measured.
+pub fn comparable(person: &Participant, model: &Model) -> Result<(), FittingError> {
+    let (_, movements) = compared(person, model)?;
+    of_person(&person.name, &movements).map(drop)
+}
+
+/// What is compared of a person: muscles, and movements.
+pub(super) fn compared(person: &Participant, model: &Model) -> Result<(Recorded, Vec<Aim>), FittingError> {
     let (movements, _) = measured(person)?;
-    of_person(&person.name, &movements.iter().map(Aim::from).collect::<Vec<_>>()).map(drop)
+    Ok((Recorded::of(person, model)?, movements.iter().map(Aim::from).collect()))
 }
 
 impl<F, E: From<FittingError>> Search<'_, F>
@@ -167,23 +164,25 @@ where
         let asked = self.ask(&[before, after])?;
         let able = asked.iter().flatten().count();
         let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 2, able, least: 2 };
-        let [Some((old, _)), Some((new, _))] = asked[..] else { return Err(unlearnt().into()) };
+        let [Some((old, _)), Some((new, _))] = &asked[..] else { return Err(unlearnt().into()) };
         let distance = |own: &Figures| {
             let off = |k: usize| (own[k] - self.person[k]) / surface.deviations[k];
-            ((0..figures::COUNT).map(|k| off(k) * off(k)).sum::<f64>() / figures::COUNT as f64).sqrt()
+            ((0..own.len()).map(|k| off(k) * off(k)).sum::<f64>() / own.len() as f64).sqrt()
         };
-        let figure = |(k, what): (usize, &&'static str)| {
+        let figure = |(k, what): (usize, String)| {
             let [person, before, after] = [self.person[k], old[k], new[k]].map(|value| told(k, value));
             FittedFigure { what, person, before, after }
         };
+        let hand = FIGURES.iter().map(ToString::to_string);
+        let names = hand.chain(self.muscles.iter().map(|muscle| format!("activation of {muscle}")));
         Ok(Fitted {
             participant: self.who.into(),
             movements: self.movements,
             pairs: self.pairs.clone(),
             traits: (0..COUNT).map(|k| FittedTrait::of(k, before, after, nearest)).collect(),
-            distance_before: distance(&old),
-            distance_after: distance(&new),
-            figures: FIGURES.iter().enumerate().map(figure).collect(),
+            distance_before: distance(old),
+            distance_after: distance(new),
+            figures: names.enumerate().map(figure).collect(),
         })
     }
 }
@@ -274,7 +273,7 @@ mod tests {
     fn who_is_known_is_found_within_a_tenth() {
         for (seed, known) in (7..).zip([[0.09, 0.13, 9.0, 22.0], [0.035, 0.28, 2.5, 6.0]]) {
             let person = moves(Nature(known), &PAIRS, 400, seed);
-            let fitted = Fitted::of_aims("somebody", &person, USUAL, simulate).unwrap();
+            let fitted = Fitted::of(("somebody", &person), &[], USUAL, simulate).unwrap();
             for (found, known) in fitted.traits.iter().zip(known) {
                 assert!((found.found / known).ln().abs() < 0.1, "{known}: {found:?}");
                 assert!(
@@ -290,15 +289,46 @@ mod tests {
         }
     }
 
+    /// The same of somebody whose hand knows nothing of effort.
+    fn blind(natures: &[Nature], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
+        let natures: Vec<_> = natures.iter().map(|Nature([a, b, _, d])| Nature([*a, *b, 8.0, *d])).collect();
+        simulate(&natures, pairs)
+    }
+
+    /// What muscles do at it: less where effort is dear, each in its own way.
+    fn active(Nature([noise, _, effort, change]): Nature, mut movements: Vec<Aim>, seed: u64) -> Vec<Aim> {
+        let mut chance = Chance(seed);
+        for one in &mut movements {
+            let mut muscle = |own: f64| own * (0.2 * chance.next()).exp();
+            one.activations = vec![muscle(0.1 * effort.powf(-0.1)), muscle(0.3 * change.powf(0.1)), muscle(noise)];
+        }
+        movements
+    }
+
+    #[test]
+    fn muscles_tell_what_the_hand_does_not() {
+        let known = Nature([0.09, 0.13, 20.0, 22.0]);
+        let simulate = |natures: &[Nature], pairs: &[[f64; 2]]| {
+            let all = (1..).zip(natures).zip(blind(natures, pairs)?);
+            Ok::<_, FittingError>(all.map(|((seed, &nature), aims)| active(nature, aims, 2000 * seed)).collect())
+        };
+        let [hand] = &blind(&[known], &PAIRS).unwrap()[..] else { panic!("one nature, one person") };
+        let person = active(known, hand.clone(), 5);
+        let names = ["DELT1", "BIClong", "ECU"].map(str::to_owned);
+        let fitted = Fitted::of(("somebody", &person), &names, USUAL, simulate).unwrap();
+        let effort = &fitted.traits[2];
+        assert!(effort.is_told && (effort.found / 20.0).ln().abs() < 0.4, "{effort:?}");
+        assert!((effort.interval[0]..=effort.interval[1]).contains(&20.0), "{effort:?}");
+        let [.., delt, biceps, _] = &fitted.figures[..] else { panic!("{:?}", fitted.figures) };
+        assert_eq!((&*delt.what, &*biceps.what), ("activation of DELT1", "activation of BIClong"));
+        assert!((delt.person / (0.1 * 20.0_f64.powf(-0.1)) - 1.02).abs() < 0.02, "{delt:?}");
+        assert_eq!(fitted.figures.len(), FIGURES.len() + 3);
+    }
+
     #[test]
     fn what_the_recordings_do_not_tell_is_unknown() {
-        // Whose movements know nothing of effort.
-        let blind = |natures: &[Nature], pairs: &[[f64; 2]]| {
-            let natures: Vec<_> = natures.iter().map(|Nature([a, b, _, d])| Nature([*a, *b, 8.0, *d])).collect();
-            simulate(&natures, pairs)
-        };
         let person = moves(Nature([0.09, 0.13, 8.0, 22.0]), &PAIRS, 100, 3);
-        let fitted = Fitted::of_aims("somebody", &person, USUAL, blind).unwrap();
+        let fitted = Fitted::of(("somebody", &person), &[], USUAL, blind).unwrap();
         let told: Vec<bool> = fitted.traits.iter().map(|one| one.is_told).collect();
         assert_eq!(told, [true, true, false, true], "{:?}", fitted.traits);
     }
@@ -306,18 +336,18 @@ mod tests {
     #[test]
     fn movements_that_are_all_alike_are_no_lack_of_learning() {
         let one = moves(USUAL, &PAIRS, 1, 1);
-        let same: Vec<Aim> = one.iter().flat_map(|aim| std::iter::repeat_n(*aim, 20)).collect();
-        let refused = Fitted::of_aims("anna", &same, USUAL, simulate).unwrap_err().to_string();
+        let same: Vec<Aim> = one.iter().flat_map(|aim| std::iter::repeat_n(aim.clone(), 20)).collect();
+        let refused = Fitted::of(("anna", &same), &[], USUAL, simulate).unwrap_err().to_string();
         assert!(refused.starts_with("anna: nothing can be compared: movement times"), "{refused}");
     }
 
     #[test]
     fn too_few_movements_and_beginners_are_refused() {
         let few = moves(USUAL, &PAIRS[..2], 40, 1);
-        let refused = Fitted::of_aims("anna", &few, USUAL, simulate).unwrap_err().to_string();
+        let refused = Fitted::of(("anna", &few), &[], USUAL, simulate).unwrap_err().to_string();
         assert!(refused.starts_with("anna: 80 movements in 2 pairs") && refused.contains("needs 3 pairs"), "{refused}");
         let far: Vec<Aim> = moves(USUAL, &[[0.9, 0.05], [0.8, 0.02], [0.7, 0.03]], 40, 1);
-        let refused = Fitted::of_aims("anna", &far, USUAL, simulate).unwrap_err().to_string();
+        let refused = Fitted::of(("anna", &far), &[], USUAL, simulate).unwrap_err().to_string();
         assert!(
             refused.starts_with("anna: 0 movements in 0 pairs") && refused.contains("from 6 to 40 cm"),
             "{refused}"
@@ -325,7 +355,7 @@ mod tests {
         let beginner = |natures: &[Nature], pairs: &[[f64; 2]]| {
             Ok::<_, FittingError>(natures.iter().map(|&nature| moves(nature, pairs, 2, 1)).collect())
         };
-        let refused = Fitted::of_aims("anna", &moves(USUAL, &PAIRS, 40, 1), USUAL, beginner).unwrap_err().to_string();
+        let refused = Fitted::of(("anna", &moves(USUAL, &PAIRS, 40, 1)), &[], USUAL, beginner).unwrap_err().to_string();
         assert!(refused.starts_with("of 64 natures only 0 could do what anna did"), "{refused}");
     }
 }

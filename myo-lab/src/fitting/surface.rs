@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-use super::figures::{self, Figures};
+use super::figures::Figures;
 use super::nature::{COUNT, places};
 
 /// Terms of a polynomial of the second degree: 1, each trait, each product of two.
@@ -34,25 +34,27 @@ impl Surface {
     /// Through at least one nature more than there are terms; none where they lie in a plane.
     pub(super) fn through(places: &[[f64; COUNT]], found: &[Figures]) -> Option<Self> {
         let design = DMatrix::from_fn(places.len(), TERMS, |row, term| terms(&places[row])[term]);
-        let values = DMatrix::from_fn(found.len(), figures::COUNT, |row, figure| found[row][figure]);
+        let count = found.first()?.len();
+        let values = DMatrix::from_fn(found.len(), count, |row, figure| found[row][figure]);
         let normal = (design.transpose() * &design).cholesky()?;
         let (coefficients, covariances) = (normal.solve(&(design.transpose() * &values)), normal.inverse());
         let left = &values - &design * &coefficients;
         let free = places.len().checked_sub(TERMS).filter(|&free| free > 0)? as f64;
-        let deviations = std::array::from_fn(|figure| (left.column(figure).norm_squared() / free).sqrt().max(1e-9));
+        let deviation = |figure| (left.column(figure).norm_squared() / free).sqrt().max(1e-9);
+        let deviations = (0..count).map(deviation).collect();
         Some(Self { coefficients, covariances, deviations })
     }
 
     /// Figures at a place.
     pub(super) fn at(&self, place: &[f64; COUNT]) -> Figures {
         let found = DVector::from_row_slice(&terms(place)).transpose() * &self.coefficients;
-        std::array::from_fn(|figure| found[figure])
+        found.iter().copied().collect()
     }
 
     /// How they change along each trait.
     fn slopes(&self, place: &[f64; COUNT]) -> [Figures; COUNT] {
         let slopes = gradients(place) * &self.coefficients;
-        std::array::from_fn(|number| std::array::from_fn(|figure| slopes[(number, figure)]))
+        std::array::from_fn(|number| slopes.row(number).iter().copied().collect())
     }
 
     /// The place within `reach` of another where the figures are nearest to these, whose own deviations are so many times those of a nature.
@@ -69,7 +71,7 @@ impl Surface {
         let (normal, _) = self.normal(figures, place);
         // Slopes are known by chance, too: what of them is chance alone tells nothing of a place.
         let gradients = gradients(place);
-        let chance = &gradients * &self.covariances * gradients.transpose() * figures::COUNT as f64;
+        let chance = &gradients * &self.covariances * gradients.transpose() * figures.len() as f64;
         let told = SMatrix::<f64, COUNT, COUNT>::from_fn(|row, column| normal[(row, column)] - chance[(row, column)]);
         let mut parts = told.symmetric_eigen();
         parts.eigenvalues.apply(|value| *value = value.max(LEAST_TOLD).recip());
@@ -84,14 +86,15 @@ impl Surface {
 
     fn off(&self, figures: &Figures, place: &[f64; COUNT]) -> Figures {
         let found = self.at(place);
-        std::array::from_fn(|figure| (figures[figure] - found[figure]) / self.deviations[figure])
+        let off = figures.iter().zip(&found).zip(&self.deviations);
+        off.map(|((sought, found), deviation)| (sought - found) / deviation).collect()
     }
 
     /// The normal equations of a step: matrix and right side.
     fn normal(&self, figures: &Figures, place: &[f64; COUNT]) -> (SMatrix<f64, COUNT, COUNT>, SVector<f64, COUNT>) {
         let (off, slopes) = (self.off(figures, place), self.slopes(place));
         let scaled =
-            slopes.map(|own| std::array::from_fn::<f64, { figures::COUNT }, _>(|k| own[k] / self.deviations[k]));
+            slopes.map(|own| own.iter().zip(&self.deviations).map(|(slope, deviation)| slope / deviation).collect());
         let product = |a: &Figures, b: &Figures| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         (
             SMatrix::from_fn(|row, column| product(&scaled[row], &scaled[column])),
@@ -149,13 +152,14 @@ mod tests {
     /// Figures of a nature, of which each knows something of two traits or three.
     fn known(place: &[f64; COUNT]) -> Figures {
         let [a, b, c, d] = *place;
-        std::array::from_fn(|figure| match figure {
+        let figure = |figure| match figure {
             0 => a + 0.5 * b,
             1 => b - 0.3 * c + 0.2 * b * b,
             2 => c + 0.4 * d,
             3 => d - 0.5 * a + 0.3 * a * d,
             _ => figure as f64 + 0.1 * (a + b + c + d),
-        })
+        };
+        (0..10).map(figure).collect()
     }
 
     #[test]
@@ -175,7 +179,7 @@ mod tests {
         // Chance in every figure, and none that knows the last trait.
         let blind = |(index, place): (usize, &[f64; COUNT])| {
             let chance = 0.02 * ((index * 7919) % 101) as f64 / 101.0;
-            known(&[place[0], place[1], place[2], 0.0]).map(|x| x + chance)
+            known(&[place[0], place[1], place[2], 0.0]).iter().map(|x| x + chance).collect()
         };
         let found: Vec<Figures> = tried.iter().enumerate().map(blind).collect();
         let surface = Surface::through(&tried, &found).unwrap();

@@ -28,6 +28,8 @@ pub struct AimedFigures {
     pub missed: usize,
     /// Figures; those that cannot be had are left out.
     pub rows: Vec<AimedRow>,
+    /// Index of difficulty (bit) and mean movement time (s) of each person's pairs of distance and width that Fitts' law goes through.
+    pub times_by_index: Vec<[f64; 2]>,
     /// Fitts' law.
     pub fitts: Option<FittsOfAimed>,
     /// Why there is none.
@@ -73,6 +75,8 @@ pub(crate) struct Measured {
     /// Of the target (m).
     pub width: f64,
     pub aimed: Aimed,
+    /// Of each muscle that was recorded, on average from the onset of the movement to the end of the selection.
+    pub activations: Vec<f64>,
     /// As seen from its start towards the target.
     pub straight_on: Option<StraightOn>,
 }
@@ -112,8 +116,14 @@ impl AimedFigures {
             Err(reason) => (None, Some(reason.to_string())),
         };
         let movements = people.iter().map(Vec::len).sum();
-        Ok(Self { participants: people.len(), movements, missed, rows, fitts, no_fitts })
+        let times_by_index = people.iter().flat_map(|own| conditions(own)).map(|one| index_and_time(&one)).collect();
+        Ok(Self { participants: people.len(), movements, missed, rows, times_by_index, fitts, no_fitts })
     }
+}
+
+fn index_and_time(condition: &Condition) -> [f64; 2] {
+    let times = condition.trials.iter().map(|trial| trial.movement_time_s).sum::<f64>();
+    [index_of_difficulty(condition.distance, condition.width), times / condition.trials.len() as f64]
 }
 
 /// A figure over people; none where no movement has it.
@@ -160,7 +170,8 @@ pub(crate) fn measured(person: &Participant) -> Result<(Vec<Measured>, usize), R
                 let straight_on =
                     track.straight_on(&aimed, selection.target).map_err(error(format!(", movement {number}")))?;
                 let distance = apart(start, selection.target);
-                all.push(Measured { distance, width: selection.width, aimed, straight_on });
+                let activations = active(trial, person.muscles.len(), aimed.samples);
+                all.push(Measured { distance, width: selection.width, aimed, activations, straight_on });
             }
         }
     }
@@ -172,6 +183,18 @@ pub(crate) fn measured(person: &Participant) -> Result<(Vec<Measured>, usize), R
         )));
     }
     Ok((all, missed))
+}
+
+/// Mean activations of a trial from one sample of the even rate to another.
+fn active(trial: &Trial, muscles: usize, [first, last]: [usize; 2]) -> Vec<f64> {
+    let at = |sample: usize| trial.times.partition_point(|time| time * RATE_HZ + 0.5 < sample as f64);
+    // Of samples far apart there may be none in a short movement: then the next one counts.
+    let begin = at(first).min(trial.times.len() - 1);
+    let end = at(last + 1).max(begin + 1);
+    let mean = |muscle: usize| {
+        (begin..end).map(|sample| trial.activations[sample * muscles + muscle]).sum::<f64>() / (end - begin) as f64
+    };
+    (0..muscles).map(mean).collect()
 }
 
 /// A selection in samples of the even rate.

@@ -16,9 +16,13 @@ const HANDS: [&str; 3] = ["pointer_", "fingertip_", ""];
 const TARGETS: [&str; 2] = ["target_", "object_"];
 /// Beginning and endings of columns that are passed over.
 const PASSED_OVER: &str = "note_";
-const PASSED_ENDINGS: [&str; 6] = ["_rad", "_rad_s", "_m_s", "_activation", "force_n", "_torque_nm"];
+const PASSED_ENDINGS: [&str; 5] = ["_rad", "_rad_s", "_m_s", "force_n", "_torque_nm"];
 /// Names of other columns that are passed over; without a name are numbers of rows, as pandas writes them.
 const PASSED_NAMES: [&str; 5] = ["step", "object", "mechanical_w", "metabolic_w", ""];
+/// Ending of the columns of muscles.
+const ACTIVATION: &str = "_activation";
+/// Greatest activation that is believed: an electromyogram may exceed that of a greatest voluntary contraction, not by so much.
+const MOST_ACTIVE: f64 = 3.0;
 /// Narrowest target (m) that is believed: a smaller one is in other units.
 const NARROWEST_M: f64 = 0.0005;
 
@@ -32,6 +36,8 @@ pub(super) struct Sample {
     pub point: Point,
     /// Centre and width of the target, if there is one.
     pub target: Option<(Point, f64)>,
+    /// Of each muscle that was recorded.
+    pub activations: Vec<f64>,
     pub enters: bool,
     pub ends: bool,
     pub gives_up: bool,
@@ -43,7 +49,8 @@ impl Sample {
         let [participant, layout, trial] = whose.map(str::to_owned);
         let (line, enters, gives_up) = (0, event == "entered", matches!(event, "given_up" | "time_out"));
         let ends = gives_up || matches!(event, "done" | "success");
-        Self { line, participant, layout, trial, time_s, point, target, enters, ends, gives_up }
+        let activations = vec![];
+        Self { line, participant, layout, trial, time_s, point, target, activations, enters, ends, gives_up }
     }
 
     /// What rows of one trial share.
@@ -78,6 +85,9 @@ pub(super) struct Columns {
     hand: [Option<Number>; 3],
     target: [Option<Number>; 3],
     width: Number,
+    /// Columns of activations, and the muscles.
+    activations: Vec<Number>,
+    pub muscles: Vec<String>,
 }
 
 impl Columns {
@@ -109,6 +119,7 @@ impl Columns {
         let target = target.ok_or_else(|| missing("`target_x_m` and `target_y_m`"))?;
         let width = TARGETS.iter().find_map(|prefix| number(&format!("{prefix}width"), &LENGTHS));
         let trial = find("trial").or_else(|| find("episode"));
+        let (activations, muscles) = activations(&names)?;
         let columns = Self {
             participant: find("participant"),
             layout: find("layout"),
@@ -118,6 +129,8 @@ impl Columns {
             width: width.ok_or_else(|| missing("`target_width_m`"))?,
             hand,
             target,
+            activations,
+            muscles,
         };
         if columns.hand[2].is_some() != columns.target[2].is_some() {
             return Err(RecordingError::Columns("the hand and the target must both have a `z`, or neither".into()));
@@ -138,6 +151,7 @@ impl Columns {
             used.contains(&index)
                 || PASSED_NAMES.contains(&name)
                 || name.starts_with(PASSED_OVER)
+                || name.ends_with(ACTIVATION)
                 || PASSED_ENDINGS.iter().any(|ending| name.ends_with(ending))
                 || HANDS.iter().any(|hand| !hand.is_empty() && name.starts_with(hand))
         };
@@ -207,8 +221,27 @@ impl Columns {
         }
         let (trial, time_s) = (text(Some(self.trial)), value(&self.time, "a time is needed")?);
         let whose = [&*participant, &*layout, &*trial];
-        Ok(Sample { line, ..Sample::of(whose, time_s, place(&self.hand)?, target, &event) })
+        let active = |number| value(number, "an activation from 0 to 1 is needed; is it in percent, or not rectified?");
+        let activations = self.activations.iter().map(active).collect::<Result<_, _>>()?;
+        Ok(Sample { line, activations, ..Sample::of(whose, time_s, place(&self.hand)?, target, &event) })
     }
+}
+
+/// Columns of activations, and what their muscles are called.
+fn activations(names: &[&str]) -> Result<(Vec<Number>, Vec<String>), RecordingError> {
+    let (mut columns, mut muscles) = (vec![], vec![]);
+    for (index, name) in names.iter().enumerate() {
+        let Some(muscle) = name.strip_suffix(ACTIVATION).filter(|_| !name.starts_with(PASSED_OVER)) else { continue };
+        if muscle.is_empty() || muscles.iter().any(|other| other == muscle) {
+            return Err(RecordingError::Columns(format!(
+                "column {} is called `{name}`; the muscle's own name is needed before `{ACTIVATION}`, once",
+                index + 1
+            )));
+        }
+        columns.push(Number { index, name: (*name).to_owned(), scale: 1.0 });
+        muscles.push(muscle.to_owned());
+    }
+    Ok((columns, muscles))
 }
 
 /// A number in SI units.
@@ -219,6 +252,9 @@ fn value(row: &StringRecord, line: u64, number: &Number, right: &'static str) ->
         * text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| {
             wrong(if text.is_empty() { "empty".into() } else { format!("`{text}`") }, "a number is needed")
         })?;
+    if number.name.ends_with(ACTIVATION) {
+        return if (0.0..=MOST_ACTIVE).contains(&si) { Ok(si) } else { Err(wrong(text.to_owned(), right)) };
+    }
     let is_width = number.name.contains("width");
     let is_time = number.name.starts_with("time");
     // A ray that meets nothing points twenty metres away.

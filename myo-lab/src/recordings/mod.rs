@@ -11,9 +11,10 @@
 //! | `x_m`, `y_m`, `z_m`, or `fingertip_x_m` and so on, or `pointer_x_m` and so on | where the hand, or what it points with, is; `z_m` may be left out; also in `_cm` and `_mm` |
 //! | `target_x_m` and so on, or `object_x_m` and so on | centre of the target that is to be come to |
 //! | `target_width_m` or `object_width_m` | its width: of a sphere the diameter |
+//! | `MUSCLE_activation` | may be left out: how active a muscle of the simulated body is, 0 to 1; of people the envelope of its electromyogram as a share of that of the greatest voluntary contraction |
 //! | `event` | may be left out: `entered` in the row of the last entry into the target, `done` in the last row of a selection |
 //!
-//! What [`trajectories`](crate::trajectories()) writes is such a table; its columns of joints and muscles are passed over, and so are columns whose name begins
+//! What [`trajectories`](crate::trajectories()) writes is such a table; its columns of joints are passed over, and so are columns whose name begins
 //! with `note_` or that have none. Where no row has `done` a selection ends where another target is to be come to, or with its trial, and its target was entered
 //! when the hand came into it for the last time. Who did not end in the target missed it: the movement counts, with where it ended, unless the time was up (`time_out`, or `given_up` of one selection among others).
 
@@ -102,6 +103,8 @@ pub struct Recordings {
 pub struct Participant {
     /// Who.
     pub name: String,
+    /// Muscles whose activations were recorded.
+    pub muscles: Vec<String>,
     /// Their recordings.
     pub trials: Vec<Trial>,
 }
@@ -115,6 +118,8 @@ pub struct Trial {
     pub times: Vec<f64>,
     /// Where the hand was (m).
     pub points: Vec<Point>,
+    /// Activations, (samples, muscles); nothing where none were recorded.
+    pub activations: Vec<f64>,
     /// What was to be come to, selection by selection.
     pub selections: Vec<Selection>,
 }
@@ -153,7 +158,7 @@ impl Recordings {
     pub fn read(text: impl Read) -> Result<Self, RecordingError> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text);
         let columns = Columns::of(reader.headers().map_err(wrong_table)?)?;
-        let mut found = Gathered::default();
+        let mut found = Gathered::of(columns.muscles.clone());
         for record in reader.records() {
             let record = record.map_err(wrong_table)?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -166,8 +171,11 @@ impl Recordings {
     #[must_use]
     pub fn as_one(self) -> Self {
         let name = format!("all {} participants", self.participants.len());
+        // What was not recorded of everybody tells nothing of all together.
+        let first = self.participants.first().map(|person| person.muscles.clone()).unwrap_or_default();
+        let muscles = if self.participants.iter().all(|person| person.muscles == first) { first } else { vec![] };
         let trials = self.participants.into_iter().flat_map(|person| person.trials).collect();
-        Self { participants: vec![Participant { name, trials }] }
+        Self { participants: vec![Participant { name, muscles, trials }] }
     }
 
     /// Puts people of other recordings behind these.
@@ -188,14 +196,18 @@ fn wrong_table(error: csv::Error) -> RecordingError {
 }
 
 /// Samples that were read so far.
-#[derive(Default)]
 struct Gathered {
+    muscles: Vec<String>,
     participants: Vec<Participant>,
     /// Those of the trial that is being read.
     current: Vec<Sample>,
 }
 
 impl Gathered {
+    const fn of(muscles: Vec<String>) -> Self {
+        Self { muscles, participants: vec![], current: vec![] }
+    }
+
     fn add(&mut self, sample: Sample) -> Result<(), RecordingError> {
         if self.current.last().is_some_and(|last| last.whose() != sample.whose()) {
             self.close()?;
@@ -212,7 +224,7 @@ impl Gathered {
         let problem = |problem: String| RecordingError::Trial { trial: format!("{who}, {name}"), problem };
         let known = self.participants.iter().position(|participant| participant.name == who);
         let index = known.unwrap_or_else(|| {
-            self.participants.push(Participant { name: who.clone(), trials: vec![] });
+            self.participants.push(Participant { name: who.clone(), muscles: self.muscles.clone(), trials: vec![] });
             self.participants.len() - 1
         });
         let trials = &mut self.participants[index].trials;
@@ -255,6 +267,7 @@ fn trial(samples: &[Sample], name: String) -> Result<Trial, String> {
         name,
         times: samples.iter().map(|sample| sample.time_s - start).collect(),
         points: samples.iter().map(|sample| sample.point).collect(),
+        activations: samples.iter().flat_map(|sample| sample.activations.iter().copied()).collect(),
         selections: selections(samples),
     })
 }

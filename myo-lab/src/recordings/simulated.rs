@@ -22,7 +22,8 @@ impl Recordings {
         layouts: &[Task],
         asked: (usize, u64),
     ) -> Result<Self, RecordingError> {
-        let mut found = Gathered::default();
+        let muscles: Vec<String> = model.muscles.iter().map(|muscle| muscle.name.clone()).collect();
+        let mut found = Gathered::of(muscles);
         trajectories(policy, model, layouts, asked, |some| add(&mut found, name, &some).map(|()| true))?;
         found.whole()
     }
@@ -33,6 +34,8 @@ fn add(found: &mut Gathered, name: &str, some: &Trajectories) -> Result<(), Reco
     let hand = if some.number("pointer_x_m").is_some() { "pointer" } else { "fingertip" };
     let [hand, object] = [hand, "object"].map(|of| ["x", "y", "z"].map(|axis| some.number(&format!("{of}_{axis}_m"))));
     let [times, widths] = ["time_s", "object_width_m"].map(|column| some.number(column));
+    let activations = found.muscles.iter().map(|muscle| some.number(&format!("{muscle}_activation")));
+    let activations: Vec<Option<&[f64]>> = activations.collect();
     let [layouts, events] = ["layout", "event"].map(|column| some.text(column));
     let place = |axes: [Option<&[f64]>; 3], row: usize| -> Point { axes.map(|axis| axis.map_or(0.0, |x| x[row])) };
     let text = |all: Option<&[String]>, row: usize| all.map_or_else(String::new, |all| all[row].clone());
@@ -41,7 +44,9 @@ fn add(found: &mut Gathered, name: &str, some: &Trajectories) -> Result<(), Reco
         let width = widths.map_or(f64::NAN, |x| x[row]);
         let target = width.is_finite().then(|| (place(object, row), width));
         let (layout, time_s) = (text(layouts, row), times.map_or(0.0, |x| x[row]));
-        found.add(Sample::of([name, &layout, &episode], time_s, place(hand, row), target, &text(events, row)))?;
+        let mut sample = Sample::of([name, &layout, &episode], time_s, place(hand, row), target, &text(events, row));
+        sample.activations = activations.iter().map(|muscle| muscle.map_or(0.0, |all| all[row])).collect();
+        found.add(sample)?;
     }
     Ok(())
 }

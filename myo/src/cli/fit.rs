@@ -77,7 +77,7 @@ more on two processor cores. Then each fit is simulation alone, of 150 users who
 
 Recordings need three pairs of distance (6 to 40 cm) and width (1.2 to 12 cm) with eight movements each; distances and widths that differ by less
 than a tenth are alike. What is compared are means over pairs: movement times, their growth with difficulty and their scatter, peak speed and its time, smoothness, straightness, and where the first
-bell of speed ends. What the recordings do not tell is said to be unknown; its value is not to be used. Body, delays and senses are as told, and targets lie half a metre before the shoulder.
+bell of speed ends, and the activation of each muscle that was recorded (columns such as DELT1_activation, 0 to 1). What the recordings do not tell is said to be unknown; its value is not to be used. Body, delays and senses are as told, and targets lie half a metre before the shoulder.
 
 The answer has lines for the task file of a simulated participant. Distance: root mean square over figures of the difference between user and person, in
 standard deviations of that figure between repetitions of one user; 1 is as near as one user is to itself.
@@ -88,9 +88,11 @@ JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distan
 /// Runs `myo fit`.
 pub fn run(args: &Fit) -> Result<()> {
     let people = args.files.iter().map(|file| Ok((file, people(file, args.together)?))).collect::<Result<Vec<_>>>()?;
+    let (beginner, _) = beginner(&args.anybody.user)?;
     for (file, people) in &people {
         // Before an hour of training.
-        people.iter().try_for_each(comparable).map_err(|error| of_file(file, &error))?;
+        let refused = people.iter().try_for_each(|person| comparable(person, &beginner.model));
+        refused.map_err(|error| of_file(file, &error))?;
     }
     let anybody = anybody(&args.anybody)?;
     let mut found = vec![];
@@ -166,7 +168,7 @@ fn text(file: &Path, fitted: &Fitted) -> String {
     let mut compared = vec![row(["mean over pairs", "person", "user before", "user found"])];
     compared.extend(figures.iter().map(|figure| {
         let [person, before, after] = [figure.person, figure.before, figure.after].map(|value| format!("{value:.3}"));
-        row([figure.what, &person, &before, &after])
+        row([&figure.what, &person, &before, &after])
     }));
     let name = if participant.is_empty() { "the participant" } else { participant };
     format!(

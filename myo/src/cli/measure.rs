@@ -39,6 +39,7 @@ A table has a head line and a row for each sample, values separated by commas, t
   x_m, y_m, z_m (or _cm, _mm)                 where the hand is; `fingertip_x_m` or `pointer_x_m` do as well; z may be left out
   target_x_m, target_y_m, target_z_m          centre of the target that is to be come to (or `object_x_m` and so on)
   target_width_m                              its width, of a sphere the diameter
+  MUSCLE_activation                           may be left out: of a muscle of the simulated body, 0 to 1; `myo fit` compares it
   event                                       may be left out: `entered` at the last entry into the target, `done` at the end of a selection
   note_...                                    columns of your own, which are passed over, as is one without a name
 
@@ -47,7 +48,7 @@ Without events a selection ends where the target changes or with the trial. A mo
 speed to the last entry into its target. Figures are medians over the medians of participants, with the 95 % confidence interval of the mean over participants. Fitts' law goes
 through the means of conditions: pairs of distance and width (to 1 cm and 1 mm) of which there are four movements.
 
-JSON: a list of objects with `file`, `participants`, `movements`, `missed`, `rows` (`figure`, `what`, `unit`, `median`, `interval`), `fitts` (`conditions`; `r2`,
+JSON: a list of objects with `file`, `participants`, `movements`, `missed`, `rows` (`figure`, `what`, `unit`, `median`, `interval`), `times_by_index` (bit and s of each condition of each person), `fitts` (`conditions`; `r2`,
 `slope_s_per_bit`, `intercept_s`, `throughput_bit_s`, each with `median` and `interval`; null where there is no law) and `no_fitts` (why there is none).";
 
 /// Runs `myo measure`.
@@ -126,7 +127,8 @@ fn named(what: &str, unit: &str) -> String {
     if unit.is_empty() { what.to_owned() } else { format!("{what} ({unit})") }
 }
 
-fn cell(value: OverUsers) -> String {
+/// A median with its interval, if there is one.
+pub(super) fn cell(value: OverUsers) -> String {
     let short = |x: f64| format!("{x:.3}");
     match value.interval {
         Some([low, high]) => format!("{} ({} to {})", short(value.median), short(low), short(high)),

@@ -3,10 +3,11 @@
 use clap::Args;
 use myo::fitting::{FittedTrait, Nature, TRAITS, others};
 use myo::measure::statistics;
+use myo::model::Nearest;
 use myo::protocol::conditions;
 use serde::Serialize;
 
-use crate::cli::failure::{Result, complain};
+use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::fit::{AnybodyArgs, anybody};
 use crate::cli::output::{print, print_json, row, table};
 use crate::cli::parse;
@@ -28,6 +29,10 @@ pub struct FitArgs {
     #[arg(long, value_name = "N", default_value = "8", value_parser = parse::positive)]
     episodes: usize,
 
+    /// Record what these muscles do, too, as if there were electromyograms of each: `all`, or names separated by commas
+    #[arg(long, value_name = "MUSCLES", value_delimiter = ',')]
+    muscles: Vec<String>,
+
     #[command(flatten)]
     anybody: AnybodyArgs,
 
@@ -37,8 +42,9 @@ pub struct FitArgs {
 }
 
 const HELP: &str = "\
-Example:
+Examples:
   myo bench fit --users 10
+  myo bench fit --users 10 --muscles all     with what each muscle does
 
 Records simulated users whose traits are known and none of which was practised, and fits each recording. Tells of each trait how far what was found is from what it is.
 
@@ -70,11 +76,12 @@ pub fn run(args: &FitArgs) -> Result<()> {
     let natures = others(args.users);
     let pairs: Vec<[f64; 2]> = conditions().into_iter().filter(|pair| pair[1] < WIDTH).collect();
     let seed = args.anybody.seed;
-    let recorded = anybody.aims(&natures, &pairs, (args.episodes, seed + OTHER_SEED))?;
+    let muscles = muscles(&args.muscles, &anybody.muscles())?;
+    let recorded = anybody.aims(&natures, (&pairs, &muscles), (args.episodes, seed + OTHER_SEED))?;
     let mut users = vec![];
     for (number, (known, movements)) in natures.into_iter().zip(recorded).enumerate() {
         complain(&format!("user {} of {}", number + 1, args.users));
-        let fitted = anybody.nearest(&format!("user {}", number + 1), &movements, seed)?;
+        let fitted = anybody.nearest(&format!("user {}", number + 1), &movements, &muscles, seed)?;
         let (distance_before, distance_after) = (fitted.distance_before, fitted.distance_after);
         users.push(Sought { known, found: fitted.traits, distance_before, distance_after });
     }
@@ -83,6 +90,20 @@ pub fn run(args: &FitArgs) -> Result<()> {
         return print_json(&serde_json::json!({"users": users, "traits": traits}));
     }
     print(&text(&users, &traits))
+}
+
+/// Numbers of muscles of these names.
+fn muscles(named: &[String], all: &[String]) -> Result<Vec<usize>> {
+    if named == ["all"] {
+        return Ok((0..all.len()).collect());
+    }
+    let number = |name: &String| {
+        all.iter().position(|muscle| muscle == name).ok_or_else(|| {
+            let nearest = Nearest::to(name, &all.iter().map(String::as_str).collect::<Vec<_>>());
+            Failure::sentence(format!("--muscles {name}: the body has no such muscle; {nearest}"))
+        })
+    };
+    named.iter().map(number).collect()
 }
 
 impl TraitFound {
