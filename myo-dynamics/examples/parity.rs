@@ -7,16 +7,18 @@
 //! `wraps.xml` and `wraps.json` are a body whose muscles run over spheres and cylinders, in random states and around those where
 //! paths begin to bend. Positions are those of all joints; forces have MuJoCo's sign.
 
-use myo_dynamics::spatial::Wrench;
-use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
+use myo_dynamics::step::{self, force, kinematics::kinematics};
 use myo_dynamics::{Batch, CouplingMode, Obstacles, Plan, State, StaticBox, Surface, Workspace};
 use myo_model::mjcf::{Button, MjcfOptions, to_mjcf};
 use myo_model::{Model, ModelDescription, builtin, description};
-use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
+use myo_scalar::Level;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::PathBuf;
+
+mod common;
+use common::{Draws, bias_force, passive_force};
 
 const STATES: u32 = 1000;
 const ROLLOUTS: u32 = 16;
@@ -156,33 +158,6 @@ fn single_step(plan: &Plan<f64>, mut draws: Draws) -> Value {
     })
 }
 
-/// A sequence of reproducible random numbers.
-struct Draws {
-    stream: u32,
-    case: u32,
-    next: u32,
-}
-
-impl Draws {
-    fn new(stream: u32, case: u32) -> Self {
-        Self { stream, case, next: 0 }
-    }
-    /// Uniform between two bounds.
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        let word = <f64 as Scalar>::Word::splat;
-        let [env, episode, step, stream] = [self.case, self.stream, 0, self.next].map(word);
-        self.next += 1;
-        lo + (hi - lo) * unit::<f64>(philox::<f64>(Counter { seed: seed_words(2026), env, episode, step, stream })[0])
-    }
-    fn vector(&mut self, count: usize, lo: f64, hi: f64) -> Vec<f64> {
-        (0..count).map(|_| self.between(lo, hi)).collect()
-    }
-    fn rotation(&mut self) -> UnitQuaternion<f64> {
-        let axis = Vector3::from_vec(self.vector(3, -3.0, 3.0));
-        UnitQuaternion::from_scaled_axis(axis)
-    }
-}
-
 struct Arm {
     soft: Plan<f64>,
     reduced: Plan<f64>,
@@ -315,23 +290,6 @@ impl Arm {
             "touch_forces": forces, "qacc_soft": ws.qacc,
         })
     }
-}
-
-/// Springs and dampers.
-fn passive_force(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> Vec<f64> {
-    force::passive(plan, state, ws);
-    ws.torque.clone()
-}
-
-/// Gravity, centrifugal and Coriolis forces, with the sign of a resistance.
-fn bias_force(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> Vec<f64> {
-    kinematics(plan, &state.qpos, &state.qvel, ws);
-    ws.torque.fill(0.0);
-    ws.joint_torque.fill(0.0);
-    ws.wrench.fill(Wrench::zero());
-    inertia::resist(plan, ws);
-    force::project(plan, ws);
-    ws.torque.iter().map(|t| -t).collect()
 }
 
 /// Where the fingertip is, in the button's axes: over and in faces, at edges and corners, deep inside, out of touch.

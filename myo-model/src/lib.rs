@@ -21,6 +21,8 @@ mod check;
 mod compile;
 pub mod description;
 mod error;
+#[cfg(feature = "files")]
+pub mod import;
 mod mirror;
 pub mod mjcf;
 pub mod model;

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::description::{ModelDescription, Muscle};
 use crate::error::{Element, ElementKind, ModelError};
-use myo_nearest::Nearest;
 use myo_muscle::MuscleGroup;
+use myo_nearest::Nearest;
 
 impl ModelDescription {
     /// The same body with the active force of its muscles multiplied: all by `all`, then each by what stands under its name and under the name of its

@@ -1,0 +1,64 @@
+//! Writes what this crate computes of an MJCF model in random states, to be compared with MuJoCo:
+//! `cargo run -p myo-dynamics --example states -- FILE SITE BODY COUNT`, with the names of a fingertip and of a shoulder.
+//!
+//! Coordinates are those of all joints, from within their limits to a little beyond; couplings hold more or less.
+
+use myo_dynamics::step::{self, force};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
+use myo_model::Model;
+use myo_model::description::Landmarks;
+use myo_model::import::{ImportOptions, from_mjcf};
+use serde_json::{Value, json};
+use std::error::Error;
+use std::path::Path;
+
+// Not all of it is used here.
+#[allow(dead_code)]
+mod common;
+use common::{Draws, bias_force, passive_force};
+
+/// How far joints may be beyond their limits (rad or m), and coupled ones from where their coupling holds them.
+const BEYOND: f64 = 0.02;
+const SLACK: f64 = 1e-3;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [file, fingertip, shoulder, count] = &arguments[..] else {
+        return Err("usage: states FILE SITE BODY COUNT".into());
+    };
+    let mjcf = myo_mjcf::read(Path::new(file))?;
+    let landmarks = Landmarks { fingertip: fingertip.clone(), shoulder: shoulder.clone(), elbow: None, wrist: None };
+    let options = ImportOptions { landmarks, without_contacts: false };
+    let list = |all: Vec<_>| all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    let model = Model::new(&from_mjcf(&mjcf, &options).map_err(list)?)?;
+    let (soft, reduced) = (Plan::exact(&model, CouplingMode::Soft)?, Plan::exact(&model, CouplingMode::Reduced)?);
+    let states = (0..count.parse()?).map(|case| state(&soft, &reduced, Draws::new(8, case)));
+    println!("{}", Value::from_iter(states));
+    Ok(())
+}
+
+/// Every quantity of one evaluation in one state.
+fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
+    let beyond = if draws.case.is_multiple_of(2) { BEYOND } else { 0.0 };
+    let place = |dof: &myo_dynamics::plan::Dof<f64>, draws: &mut Draws| {
+        let [low, high] = dof.range.unwrap_or([-1.0, 1.0]);
+        draws.between(low - beyond, high + beyond)
+    };
+    let free: Vec<f64> = reduced.dofs.iter().map(|dof| place(dof, &mut draws)).collect();
+    let rates = draws.vector(free.len(), -3.0, 3.0);
+    let mut shaken = |all: Vec<f64>, by: f64| all.iter().map(|x| x + draws.between(-by, by)).collect();
+    let (qpos, qvel) =
+        (shaken(reduced.joint_positions(&free), SLACK), shaken(reduced.joint_rates(&free, &rates), 100.0 * SLACK));
+    let state = State { qpos, qvel, act: draws.vector(plan.nmuscle(), 0.0, 1.0) };
+    let mut ws = Workspace::<f64>::new(plan);
+    step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
+    let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force.clone());
+    let (lengths, velocities) = (ws.tendon_length.clone(), ws.tendon_velocity.clone());
+    let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| force::moment_arms(plan, muscle, &mut ws)).collect();
+    json!({
+        "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
+        "tendon_length": lengths, "tendon_velocity": velocities, "moments": moments, "muscle_force": muscle_force,
+        "qacc_soft": qacc, "qfrc_passive": passive_force(plan, &state, &mut ws),
+        "qfrc_bias": bias_force(plan, &state, &mut ws),
+    })
+}

@@ -1,0 +1,117 @@
+//! Joints, and joints that follow others.
+
+use super::Import;
+use crate::description::{Coupling, Joint, JointKind, Softness};
+use myo_mjcf::{self as source, Constraint, Switch};
+
+impl Import<'_> {
+    pub(super) fn joints(&mut self) -> Vec<Joint> {
+        let mjcf = self.mjcf;
+        mjcf.joints().enumerate().filter_map(|(number, (body, joint))| self.joint(number, body, joint)).collect()
+    }
+
+    /// A joint; none of a kind that is refused.
+    fn joint(&mut self, number: usize, body: usize, joint: &source::Joint) -> Option<Joint> {
+        let flags = &self.mjcf.flags;
+        let on = |switch: Switch| switch == Switch::On && flags.passive() == Switch::On;
+        let (has_springs, has_dampers, has_limits) =
+            (on(flags.spring()), on(flags.damper()), self.keeps(flags.limit()));
+        let autolimits = self.mjcf.compiler.autolimits();
+        let element = ("joint", joint.name.as_ref());
+        let kind = match joint.kind() {
+            source::JointKind::Hinge => JointKind::Hinge,
+            source::JointKind::Slide => JointKind::Slide,
+            source::JointKind::Ball | source::JointKind::Free => {
+                self.refuse(
+                    &joint.place,
+                    element,
+                    "free and ball joints are not simulated; make hinges and slides of it",
+                );
+                return None;
+            }
+        };
+        let is_limited = joint.limited().decide(autolimits, joint.range) && has_limits;
+        let [stiffness, damping] = [joint.stiffness(), joint.damping()];
+        let is_curved = |[_, square, cube]: [f64; 3]| square != 0.0 || cube != 0.0;
+        self.refuse_all(
+            &joint.place,
+            element,
+            &[
+                (
+                    joint.reference() != 0.0,
+                    "a position in the written pose (`ref`) other than 0 is not simulated; count from the written pose",
+                ),
+                (joint.springdamper() != [0.0; 2], "`springdamper` is not computed; give `stiffness` and `damping`"),
+                (
+                    has_springs && (is_curved(stiffness) || joint.springyield() != 0.0),
+                    "springs that are not linear are not simulated; give `stiffness` one number, and no `springyield`",
+                ),
+                (
+                    has_dampers && is_curved(damping),
+                    "dampers that are not linear are not simulated; give `damping` one number",
+                ),
+                (
+                    joint.frictionloss() != 0.0 && self.keeps(flags.frictionloss()),
+                    "dry friction (`frictionloss`) is not simulated",
+                ),
+                (is_limited && joint.margin() != 0.0, "limits begin at the limit; leave `margin` out"),
+                (
+                    joint.actuatorfrclimited().decide(autolimits, joint.actuatorfrcrange),
+                    "the sum of muscle torques is not limited (`actuatorfrclimited`)",
+                ),
+            ],
+        );
+        self.refuse_direct(&joint.place, element, joint.solreflimit());
+        Some(Joint {
+            name: self.names.joints[number].clone(),
+            body: self.names.bodies[body].clone(),
+            kind,
+            axis: joint.axis(),
+            pos: joint.pos(),
+            range: is_limited.then(|| joint.range()),
+            stiffness: if has_springs { stiffness[0] } else { 0.0 },
+            spring_ref: joint.springref(),
+            damping: if has_dampers { damping[0] } else { 0.0 },
+            armature: joint.armature(),
+            softness: Softness { solref: joint.solreflimit(), solimp: joint.solimplimit() },
+        })
+    }
+
+    pub(super) fn couplings(&mut self) -> Vec<Coupling> {
+        let mjcf = self.mjcf;
+        if !self.keeps(mjcf.flags.equality()) {
+            return vec![];
+        }
+        // What is not active is not simulated by MuJoCo either.
+        mjcf.equalities.iter().filter(|one| one.active()).filter_map(|one| self.coupling(one)).collect()
+    }
+
+    fn coupling(&mut self, equality: &source::Equality) -> Option<Coupling> {
+        let tag = match &equality.constraint {
+            Constraint::Joint(coupling) => {
+                self.refuse_direct(&equality.place, ("joint", equality.name.as_ref()), equality.solref());
+                return Some(Coupling {
+                    dependent: coupling.joint1.clone(),
+                    independent: coupling.joint2.clone(),
+                    polycoef: coupling.polycoef(),
+                    softness: Softness { solref: equality.solref(), solimp: equality.solimp() },
+                });
+            }
+            Constraint::Connect(_) => "connect",
+            Constraint::Weld(_) => "weld",
+            Constraint::Tendon(_) => "tendon",
+        };
+        self.refuse(&equality.place, (tag, equality.name.as_ref()), "of equalities only those of joints are simulated");
+        None
+    }
+
+    fn refuse_direct(&mut self, place: &source::Place, element: (&str, Option<&String>), solref: [f64; 2]) {
+        if solref[0] <= 0.0 || solref[1] <= 0.0 {
+            self.refuse(
+                place,
+                element,
+                "softness as stiffness and damping (negative `solref`) is not simulated; give time constant and damping ratio",
+            );
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! MJCF in: what is read of MuJoCo's files becomes a description, or is refused by name.
+//!
+//! What this crate cannot simulate as MuJoCo does is never left out: all of it is listed, with its place. What has no part in
+//! the simulation (cameras, lights, materials, meshes that are only seen, sensors, stored states) is counted, see [`unused`].
+
+mod contacts;
+mod joints;
+mod mass;
+mod muscles;
+mod settings;
+
+use crate::ModelDescription;
+use crate::compile::FORMAT_VERSION;
+use crate::description::{Body, Geom, Landmarks, Shape, Site, Softness};
+use myo_mjcf::{Mjcf, Place};
+use std::fmt;
+
+/// What MJCF does not say, or what is to be left out of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImportOptions {
+    /// Elements that tasks refer to.
+    pub landmarks: Landmarks,
+    /// Whether parts of the body pass through each other, whatever the file says.
+    pub without_contacts: bool,
+}
+
+/// Something in a file that cannot be simulated as MuJoCo does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unsupported {
+    /// Where it stands.
+    pub place: Place,
+    /// The element, as `<joint name="knee">`.
+    pub element: String,
+    /// What is not simulated, and what would be right.
+    pub what: String,
+}
+
+impl fmt::Display for Unsupported {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}: {}", self.place, self.element, self.what)
+    }
+}
+
+/// The description of an MJCF model.
+///
+/// Elements without a name get one: `joint3` is the third joint. Bodies, joints and so on keep the order of MuJoCo's indices.
+///
+/// # Errors
+/// Everything in it that cannot be simulated as MuJoCo does.
+pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescription, Vec<Unsupported>> {
+    let mut import = Import { mjcf, names: Names::of(mjcf), unsupported: vec![] };
+    let refused = |one: &myo_mjcf::Refused| Unsupported {
+        place: one.place.clone(),
+        element: format!("<{}>", one.element),
+        what: one.why.clone(),
+    };
+    import.unsupported.extend(mjcf.refused.iter().map(refused));
+    if !options.without_contacts {
+        import.contacts();
+    }
+    let landmarks = options.landmarks.clone();
+    let description = ModelDescription {
+        version: FORMAT_VERSION,
+        name: mjcf.model.clone().unwrap_or_else(|| "model".into()),
+        source: mjcf.bodies.first().map_or_else(String::new, |world| world.place.file.to_string()),
+        options: import.settings(),
+        anthropometry: None,
+        changes: String::new(),
+        bodies: import.bodies(),
+        joints: import.joints(),
+        couplings: import.couplings(),
+        sites: import.sites(),
+        geoms: import.fingertip(&landmarks).into_iter().collect(),
+        wraps: import.wraps(),
+        muscles: import.muscles(),
+        landmarks,
+    };
+    if import.unsupported.is_empty() { Ok(description) } else { Err(import.unsupported) }
+}
+
+/// Kinds of elements of a file that have no part in the simulation, and how many there are of each.
+pub fn unused(mjcf: &Mjcf) -> Vec<(&'static str, usize)> {
+    let all = [
+        ("cameras", mjcf.cameras().count()),
+        ("lights", mjcf.lights().count()),
+        ("meshes", mjcf.meshes.len()),
+        ("textures", mjcf.textures.len()),
+        ("materials", mjcf.materials.len()),
+        ("sensors", mjcf.sensors.len()),
+        ("stored states", mjcf.keys.len()),
+    ];
+    all.into_iter().filter(|(_, count)| *count > 0).collect()
+}
+
+/// Names of all elements in MuJoCo's order, those of the nameless included.
+struct Names {
+    bodies: Vec<String>,
+    joints: Vec<String>,
+    sites: Vec<String>,
+}
+
+impl Names {
+    fn of(mjcf: &Mjcf) -> Self {
+        let named = |kind: &str, names: Vec<Option<&String>>| {
+            let name = |(number, name): (usize, &Option<&String>)| match name {
+                Some(name) => (*name).clone(),
+                None => free(&format!("{kind}{}", number + 1), &names),
+            };
+            names.iter().enumerate().map(name).collect()
+        };
+        Self {
+            bodies: named("body", mjcf.bodies.iter().map(|body| body.name.as_ref()).collect()),
+            joints: named("joint", mjcf.joints().map(|(_, joint)| joint.name.as_ref()).collect()),
+            sites: named("site", mjcf.sites().map(|(_, site)| site.name.as_ref()).collect()),
+        }
+    }
+}
+
+/// A name that none of these has.
+fn free(name: &str, taken: &[Option<&String>]) -> String {
+    if taken.contains(&Some(&name.to_owned())) { free(&format!("{name}_"), taken) } else { name.to_owned() }
+}
+
+/// A model on its way in.
+struct Import<'a> {
+    mjcf: &'a Mjcf,
+    names: Names,
+    unsupported: Vec<Unsupported>,
+}
+
+impl Import<'_> {
+    fn refuse(&mut self, place: &Place, (tag, name): (&str, Option<&String>), what: impl Into<String>) {
+        let element = name.map_or_else(|| format!("<{tag}>"), |name| format!("<{tag} name=\"{name}\">"));
+        self.unsupported.push(Unsupported { place: place.clone(), element, what: what.into() });
+    }
+
+    /// Refuses those of some things that are not as they must be.
+    fn refuse_all(&mut self, place: &Place, element: (&str, Option<&String>), faults: &[(bool, &str)]) {
+        for (_, what) in faults.iter().filter(|(is_fault, _)| *is_fault) {
+            self.refuse(place, element, *what);
+        }
+    }
+
+    fn bodies(&mut self) -> Vec<Body> {
+        let mjcf = self.mjcf;
+        let moving = self.moving();
+        let mut all = vec![];
+        for (number, body) in mjcf.bodies.iter().enumerate().skip(1) {
+            let element = ("body", body.name.as_ref());
+            self.refuse_all(
+                &body.place,
+                element,
+                &[
+                    (body.mocap(), "a body that a user moves (`mocap`) is not simulated"),
+                    (body.gravcomp() != 0.0, "compensated weight (`gravcomp`) is not simulated; leave it out"),
+                ],
+            );
+            let mass = self.mass(number, moving[number]);
+            all.push(Body {
+                name: self.names.bodies[number].clone(),
+                parent: self.names.bodies[body.parent].clone(),
+                pos: body.pose.pos(),
+                quat: body.pose.quat(),
+                mass: mass.mass,
+                com: mass.com,
+                inertia: mass.inertia,
+                inertia_quat: mass.quat,
+            });
+        }
+        all
+    }
+
+    /// Of each body, whether anything moves it.
+    fn moving(&self) -> Vec<bool> {
+        let mut moving = vec![false; self.mjcf.bodies.len()];
+        for (number, body) in self.mjcf.bodies.iter().enumerate() {
+            moving[number] = !body.joints.is_empty() || moving[body.parent];
+        }
+        moving
+    }
+
+    fn sites(&self) -> Vec<Site> {
+        let site = |((body, site), name): ((usize, &myo_mjcf::Site), &String)| Site {
+            name: name.clone(),
+            body: self.names.bodies[body].clone(),
+            pos: site.pose.pos(),
+        };
+        self.mjcf.sites().zip(&self.names.sites).map(site).collect()
+    }
+
+    /// The ball about the site that points, if there is one: it is what presses.
+    fn fingertip(&self, landmarks: &Landmarks) -> Option<Geom> {
+        let site = self.names.sites.iter().position(|name| *name == landmarks.fingertip)?;
+        let (body, site) = self.mjcf.sites().nth(site)?;
+        let is_it = |geom: &&myo_mjcf::Geom| {
+            geom.kind() == myo_mjcf::Shape::Sphere
+                && geom.pose.pos() == site.pose.pos()
+                && (geom.contype() != 0 || geom.conaffinity() != 0)
+        };
+        let geom = self.mjcf.bodies[body].geoms.iter().find(is_it)?;
+        Some(Geom {
+            name: geom.name.clone().unwrap_or_else(|| "fingertip".into()),
+            body: self.names.bodies[body].clone(),
+            shape: Shape::Sphere { radius: geom.size()[0] },
+            pos: geom.pose.pos(),
+            quat: geom.pose.quat(),
+            margin: geom.margin(),
+            friction: geom.friction(),
+            softness: Softness { solref: geom.solref(), solimp: geom.solimp() },
+        })
+    }
+}
