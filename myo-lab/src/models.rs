@@ -17,6 +17,15 @@ pub enum ModelFileError {
         /// What the system says.
         source: io::Error,
     },
+    /// MJCF does not say what tasks need to know of a body.
+    #[error(
+        "{path} is a model of MuJoCo; `myo model import {path} --fingertip SITE --shoulder BODY --out {stem}.yaml` makes a model file of it",
+        path = path.display(), stem = path.with_extension("").display()
+    )]
+    Mjcf {
+        /// The file.
+        path: PathBuf,
+    },
     /// What it says is no model, or no model comes with the program under this name.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -31,6 +40,9 @@ pub fn describe_model(name_or_file: &str) -> Result<ModelDescription, ModelFileE
     let looks_like_path = path.components().count() > 1 || path.extension().is_some();
     if builtin_names().contains(&name_or_file) || !(looks_like_path || path.exists()) {
         return Ok(builtin(name_or_file)?);
+    }
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xml")) && path.exists() {
+        return Err(ModelFileError::Mjcf { path: path.to_owned() });
     }
     let text =
         std::fs::read_to_string(path).map_err(|source| ModelFileError::Read { path: path.to_owned(), source })?;

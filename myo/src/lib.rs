@@ -6,6 +6,7 @@
 //! - [`scalar`]: the number types that the physics is written over
 //! - [`muscle`]: Hill-type muscles
 //! - [`model`]: descriptions of bodies, the built-in arm, MJCF
+//! - [`mjcf`]: reader of MJCF
 //! - [`dynamics`]: rigid-body physics
 //! - [`tasks`]: what the simulated user has to do
 //! - [`mod@env`]: the vectorised environment
@@ -40,6 +41,7 @@ pub use myo_dynamics as dynamics;
 pub use myo_env as env;
 pub use myo_gpu as gpu;
 pub use myo_measure as measure;
+pub use myo_mjcf as mjcf;
 pub use myo_model as model;
 pub use myo_muscle as muscle;
 pub use myo_scalar as scalar;

@@ -15,6 +15,7 @@ mod html;
 mod interrupt;
 mod measure;
 mod model;
+mod model_import;
 mod output;
 mod parse;
 mod protocol;

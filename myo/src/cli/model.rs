@@ -10,6 +10,7 @@ use myo::train::write_whole;
 use myo::{ModelFileError, describe_model, own_model};
 
 use super::failure::{Failure, Mistake, Result, model_failure};
+use super::model_import::Import;
 use super::output::{print, print_file, print_json, row, table};
 use super::task::as_json;
 
@@ -54,6 +55,8 @@ JSON: `ok`; `errors` with `file`, `line`, `column` and `message`; and, if it is 
   myo model export mobl-arms --format mjcf > arm.xml     for MuJoCo, which simulates the very same model
   myo model export mobl-arms --format yaml --out arm.yaml")]
     Export(Export),
+    /// Make a model file of one of MuJoCo (MJCF)
+    Import(Import),
 }
 
 /// Arguments of `myo model export`.
@@ -84,6 +87,7 @@ pub fn run(command: Command) -> Result<()> {
         Command::Show { model, json } => show(&model, json),
         Command::Check { model, json } => check(&model, json),
         Command::Export(export) => write(&export),
+        Command::Import(import) => import.run(),
     }
 }
 
@@ -100,7 +104,7 @@ pub fn own(name_or_file: &str) -> Result<Option<ModelDescription>> {
 fn file_failure(error: &ModelFileError) -> Failure {
     match error {
         ModelFileError::Model(error) => model_failure(error),
-        other @ ModelFileError::Read { .. } => Failure::sentence(other.to_string()),
+        other => Failure::sentence(other.to_string()),
     }
 }
 

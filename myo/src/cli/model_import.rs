@@ -1,0 +1,101 @@
+//! `myo model import`: a model file of one of MuJoCo.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use myo::dynamics::{CouplingMode, Plan};
+use myo::mjcf::read_below;
+use myo::model::Model;
+use myo::model::description::Landmarks;
+use myo::model::import::{ImportOptions, Unsupported, from_mjcf, unused};
+use myo::tasks::SourceLocation;
+use myo::train::write_whole;
+
+use super::failure::{Failure, Mistake, Result, complain};
+use super::output::print_file;
+
+/// What cannot be simulated is told so often at most.
+const MOST_TOLD: usize = 20;
+
+/// Arguments of `myo model import`.
+#[derive(Args)]
+#[command(after_help = HELP)]
+pub struct Import {
+    /// MJCF file
+    file: PathBuf,
+    /// Site that points and presses
+    #[arg(long, value_name = "SITE")]
+    fingertip: String,
+    /// Body whose origin is the centre of the shoulder, from which places are measured
+    #[arg(long, value_name = "BODY")]
+    shoulder: String,
+    /// Body whose origin is the elbow, for rays from the forearm
+    #[arg(long, value_name = "BODY")]
+    elbow: Option<String>,
+    /// Body whose origin is the wrist, for rays
+    #[arg(long, value_name = "BODY")]
+    wrist: Option<String>,
+    /// Let parts of the body pass through each other
+    #[arg(long)]
+    without_contacts: bool,
+    /// Folder outside of which no file is opened [default: that of the file]
+    #[arg(long, value_name = "FOLDER")]
+    root: Option<PathBuf>,
+    /// File to write [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+const HELP: &str = "\
+Example:
+  myo model import myoarm_r.xml --fingertip IFtip_r --shoulder humerus_r --without-contacts --out myoarm.yaml
+  myo train ours.yaml                           with `model: myoarm.yaml` in the task
+
+Hinges, slides, couplings of joints, tendons over sites, spheres and cylinders, and muscles are simulated as MuJoCo 4.0 does. All else that
+has a part in the simulation (free joints, contacts between parts of the body, limits of tendons, motors and so on) is refused by name, file and line; what is only
+seen or sensed is passed over and counted. Includes, classes, frames, copies and attached models are resolved.";
+
+impl Import {
+    /// Runs `myo model import`.
+    pub fn run(&self) -> Result<()> {
+        let folder = self.file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let root = self.root.as_deref().unwrap_or(folder);
+        let mjcf = read_below(root, &self.file).map_err(|error| Failure::sentence(error.to_string()))?;
+        let landmarks = Landmarks {
+            fingertip: self.fingertip.clone(),
+            shoulder: self.shoulder.clone(),
+            elbow: self.elbow.clone(),
+            wrist: self.wrist.clone(),
+        };
+        let options = ImportOptions { landmarks, without_contacts: self.without_contacts };
+        let description = from_mjcf(&mjcf, &options).map_err(|all| refused(root, &all))?;
+        let in_file = |error: &dyn std::error::Error| Failure::sentence(format!("{}: {error}", self.file.display()));
+        let model = Model::new(&description).map_err(|error| in_file(&error))?;
+        let plan = Plan::exact(&model, CouplingMode::Reduced).map_err(|error| in_file(&error))?;
+        plan.try_out().map_err(|error| in_file(&error))?;
+        let passed_over: Vec<String> = unused(&mjcf).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+        if !passed_over.is_empty() {
+            complain(&format!("passed over, as they have no part in the simulation: {}", passed_over.join(", ")));
+        }
+        let text = description.to_yaml()?;
+        match &self.out {
+            Some(path) => Ok(write_whole(path, text.as_bytes())?),
+            None => print_file(&text),
+        }
+    }
+}
+
+/// All that cannot be simulated, each where it stands.
+fn refused(root: &Path, all: &[Unsupported]) -> Failure {
+    let mistake = |one: &Unsupported| {
+        let file = root.join(&*one.place.file).display().to_string();
+        let place = SourceLocation { file, line: one.place.line.into(), column: one.place.column.into() };
+        Mistake::at(&place, &format!("{}: {}", one.element, one.what))
+    };
+    let mut mistakes: Vec<Mistake> = all.iter().take(MOST_TOLD).map(mistake).collect();
+    if let Some(more) = all.len().checked_sub(MOST_TOLD).filter(|&more| more > 0) {
+        let message = format!("and {more} more like these");
+        mistakes.push(Mistake { message, place: None, text: None, warning: false });
+    }
+    Failure::Mistakes(mistakes)
+}
