@@ -33,7 +33,9 @@ pub fn fitting_settings(task: &Task) -> PyResult<String> {
 fn people(table: &str, together: bool, model: &myo::model::Model) -> PyResult<Vec<Participant>> {
     let recordings = Recordings::read(table.as_bytes()).map_err(|refusal| refused(&refusal))?;
     let people = if together { recordings.as_one() } else { recordings }.participants;
-    people.iter().try_for_each(|person| comparable(person, model)).map_err(|refusal| refused(&refusal))?;
+    for person in &people {
+        comparable(person, model).map_err(|refusal| refused(&refusal))?;
+    }
     Ok(people)
 }
 

@@ -90,9 +90,10 @@ pub fn run(args: &Fit) -> Result<()> {
     let people = args.files.iter().map(|file| Ok((file, people(file, args.together)?))).collect::<Result<Vec<_>>>()?;
     let (beginner, _) = beginner(&args.anybody.user)?;
     for (file, people) in &people {
-        // Before an hour of training.
-        let refused = people.iter().try_for_each(|person| comparable(person, &beginner.model));
-        refused.map_err(|error| of_file(file, &error))?;
+        for person in people {
+            // Before an hour of training.
+            comparable(person, &beginner.model).map_err(|error| of_file(file, &error))?;
+        }
     }
     let anybody = anybody(&args.anybody)?;
     let mut found = vec![];

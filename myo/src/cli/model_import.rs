@@ -58,9 +58,10 @@ seen or sensed is passed over and counted. Includes, classes, frames, copies and
 impl Import {
     /// Runs `myo model import`.
     pub fn run(&self) -> Result<()> {
-        let folder = self.file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = self.file.parent().unwrap_or(Path::new(""));
         let root = self.root.as_deref().unwrap_or(folder);
-        let mjcf = read_below(root, &self.file).map_err(|error| Failure::sentence(error.to_string()))?;
+        let here = if root.as_os_str().is_empty() { Path::new(".") } else { root };
+        let mjcf = read_below(here, &self.file).map_err(|error| Failure::sentence(error.to_string()))?;
         let landmarks = Landmarks {
             fingertip: self.fingertip.clone(),
             shoulder: self.shoulder.clone(),

@@ -42,6 +42,37 @@ fn exported_model_file_is_read_back() {
     assert_refused(&missing, "cannot write no/such/arm.xml");
 }
 
+#[test]
+fn a_model_of_mujoco_becomes_a_model_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = |args: &[&str]| myo(folder.path(), args);
+    here(&["model", "export", "mobl-arms", "--out", "arm.xml"]);
+    let named = ["--fingertip", "fingertip", "--shoulder", "humphant"];
+    let import = |file: &str, more: &[&str]| here(&[&["model", "import", file][..], &named, more].concat());
+    stdout(&import("arm.xml", &["--out", "back.yaml"]));
+    let sizes = |name: &str| stdout(&here(&["model", "check", name, "--json"]));
+    assert_eq!(sizes("back.yaml"), sizes("mobl-arms"));
+    assert_refused(&here(&["model", "check", "arm.xml"]), "`myo model import arm.xml --fingertip SITE --shoulder BODY");
+    assert_refused(
+        &here(&["model", "import", "arm.xml", "--fingertip", "tip", "--shoulder", "humphant"]),
+        "did you mean `fingertip`",
+    );
+    // What is wrong is told with its place.
+    let text = std::fs::read_to_string(folder.path().join("arm.xml")).unwrap();
+    let with = |name: &str, from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(folder.path().join(name), text.replacen(from, to, 1)).unwrap();
+    };
+    with("misspelt.xml", "<joint name", "<joint damp=\"1\" name");
+    assert_refused(&import("misspelt.xml", &[]), "misspelt.xml:");
+    assert_refused(&import("misspelt.xml", &[]), "did you mean `damping`");
+    with("dry.xml", "<joint name", "<joint frictionloss=\"1\" name");
+    assert_refused(&import("dry.xml", &[]), "dry friction (`frictionloss`) is not simulated");
+    assert_refused(&import("absent.xml", &[]), "absent.xml");
+    let said = import("dry.xml", &[]);
+    assert!(!String::from_utf8_lossy(&said.stderr).contains("./dry.xml"), "{said:?}");
+}
+
 /// A folder with the arm's model file.
 fn with_arm() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
