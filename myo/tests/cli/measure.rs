@@ -56,7 +56,10 @@ fn nobody_practises_for_recordings_that_no_user_can_be_fitted_to() {
         &myo(folder.path(), &["fit", "people.csv", "--together"]),
         "people.csv: all 2 participants: 16 movements in 2 pairs of distance and width can be compared",
     );
-    assert_refused(&myo(folder.path(), &["fit", "people.csv", "--user", "nobody"]), "there is no preset and no file called `nobody`");
+    assert_refused(
+        &myo(folder.path(), &["fit", "people.csv", "--user", "nobody"]),
+        "there is no preset and no file called `nobody`",
+    );
     assert_refused(&myo(folder.path(), &["bench", "fit", "--user", "fastest"]), "--user fastest: it has no noise");
     assert!(!folder.path().join("runs").exists(), "nobody was trained");
 }

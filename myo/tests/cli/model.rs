@@ -65,7 +65,7 @@ fn a_model_of_mujoco_becomes_a_model_file() {
     };
     with("misspelt.xml", "<joint name", "<joint damp=\"1\" name");
     assert_refused(&import("misspelt.xml", &[]), "misspelt.xml:");
-    assert_refused(&import("misspelt.xml", &[]), "did you mean `damping`");
+    assert_refused(&import("misspelt.xml", &[]), "no attribute `damp`; did you mean `springdamper` or `damping`?");
     with("dry.xml", "<joint name", "<joint frictionloss=\"1\" name");
     assert_refused(&import("dry.xml", &[]), "dry friction (`frictionloss`) is not simulated");
     assert_refused(&import("absent.xml", &[]), "absent.xml");
