@@ -110,9 +110,10 @@ def test_a_model_file_is_made_of_it(compared, tmp_path):
 
 
 def test_contacts_are_refused_with_their_place(tmp_path):
-    path, _ = saved("myohand_r", tmp_path)
+    path, _ = saved("myotorso", tmp_path)
     path.write_text(re.sub(r'contact="disable"', "", path.read_text()))
-    command = ["model", "import", str(path), "--fingertip", "IFtip_r", "--shoulder", "humerus_r"]
+    fingertip, shoulder = MODELS["myotorso"]
+    command = ["model", "import", str(path), "--fingertip", fingertip, "--shoulder", shoulder]
     with pytest.raises(pytest.fail.Exception, match=r"it may touch .*--without-contacts"):
         myo(*command)
     assert "muscles" in myo(*command, "--without-contacts")
