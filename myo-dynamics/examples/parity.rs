@@ -17,6 +17,8 @@ use serde_json::{Value, json};
 use std::error::Error;
 use std::path::PathBuf;
 
+// Not all of it is used here.
+#[allow(dead_code)]
 mod common;
 use common::{Draws, bias_force, passive_force};
 

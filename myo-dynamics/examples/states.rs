@@ -15,7 +15,7 @@ use std::path::Path;
 // Not all of it is used here.
 #[allow(dead_code)]
 mod common;
-use common::{Draws, bias_force, passive_force};
+use common::{Draws, bias_force, passive_force, smooth_acceleration};
 
 /// How far joints may be beyond their limits (rad or m), and coupled ones from where their coupling holds them.
 const BEYOND: f64 = 0.02;
@@ -53,12 +53,13 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let mut ws = Workspace::<f64>::new(plan);
     step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
     let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force.clone());
+    let smooth = smooth_acceleration(plan, &mut ws);
     let (lengths, velocities) = (ws.tendon_length.clone(), ws.tendon_velocity.clone());
     let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| force::moment_arms(plan, muscle, &mut ws)).collect();
     json!({
         "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
         "tendon_length": lengths, "tendon_velocity": velocities, "moments": moments, "muscle_force": muscle_force,
-        "qacc_soft": qacc, "qfrc_passive": passive_force(plan, &state, &mut ws),
+        "qacc_soft": qacc, "qacc_smooth": smooth, "qfrc_passive": passive_force(plan, &state, &mut ws),
         "qfrc_bias": bias_force(plan, &state, &mut ws),
     })
 }

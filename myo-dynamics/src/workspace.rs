@@ -75,18 +75,18 @@ impl<S: Scalar> Row<S> {
     }
 }
 
-/// Contact of the fingertip with a box.
+/// Contact of the fingertip with a box, or of two parts of the body.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<S: Scalar> {
     /// Where there is one.
     pub exists: S::Mask,
-    /// Index of the box.
+    /// Index of the box; of no meaning for parts of the body.
     pub index: S,
     /// Distance of the surfaces, negative inside (m).
     pub distance: S,
-    /// Out of the box.
+    /// Out of the box, or from the first part to the second.
     pub normal: Vec3<S>,
-    /// Cosine of the angle between it and the third axis of the box: 1 on the face, 0 on a side.
+    /// Cosine of the angle between it and the third axis of the box: 1 on the face, 0 on a side; zero for parts of the body.
     pub facing: S,
     /// The four edges of the friction pyramid.
     pub rows: [Row<S>; 4],
@@ -289,8 +289,10 @@ pub struct Workspace<S: Scalar> {
     pub equality: Vec<Row<S>>,
     /// Jacobian of the equality rows, `(nequality, ndof)`.
     pub equality_jacobian: Vec<S>,
-    /// Contacts: as many as there can be at once.
+    /// Contacts: with boxes, as many as there can be at once, see [`Workspace::box_contacts`]; then one for each pair of the plan.
     pub contacts: Vec<Contact<S>>,
+    /// How many of them are with boxes.
+    pub box_slots: usize,
     /// Where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
     /// [unknown](Clearance::unknown).
     pub clearance: Clearance<S>,
@@ -333,6 +335,7 @@ impl<S: Scalar> Workspace<S> {
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
         let nstretch = plan.tendons.wraps.iter().map(|bundle| bundle.stretches.len()).sum();
         let massless = Inertia::zero();
+        let (box_slots, contacts) = (contacts, contacts + plan.pairs.len());
         Self {
             profiled: vec![profiled; plan.profiled.len()],
             joint: vec![joint; nlink],
@@ -361,9 +364,10 @@ impl<S: Scalar> Workspace<S> {
             equality: vec![Row::none(); plan.equalities.len()],
             equality_jacobian: vec![o; plan.equalities.len() * ndof],
             contacts: vec![Contact::none(); contacts],
+            box_slots,
             clearance: Clearance::unknown(),
             offsets: vec![],
-            nearby: Nearby::unknown(contacts),
+            nearby: Nearby::unknown(box_slots),
             contact_jacobian: vec![o; contacts * PYRAMID * ndof],
             matrix: vec![o; ndof * ndof],
             pivot: vec![o; ndof],
@@ -372,6 +376,11 @@ impl<S: Scalar> Workspace<S> {
             unsettled: S::Mask::splat(false),
             tally: SolverTally::new(),
         }
+    }
+
+    /// Contacts of the fingertip with boxes.
+    pub fn box_contacts(&self) -> &[Contact<S>] {
+        &self.contacts[..self.box_slots]
     }
 
     /// Position of a point fixed to a link (m, from O).

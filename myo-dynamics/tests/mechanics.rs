@@ -6,7 +6,7 @@ use common::{arm, difference, draw, exact, greatest, random_state};
 use myo_dynamics::spatial::{Motion, Vec3, Wrench};
 use myo_dynamics::step::{self, force, inertia, kinematics::kinematics};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, PlanError, State, Workspace};
-use myo_model::description::Shape;
+use myo_model::description::{Shape, Softness};
 use myo_model::{Model, ModelDescription};
 
 /// A skeleton with its springs alone: no muscles, dampers or limits.
@@ -241,7 +241,17 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
     let second = myo_model::model::Geom { name: "thumb".into(), ..model.geoms[0].clone() };
     model.geoms.push(second);
     let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
-    assert!(refused.to_string().starts_with("geom 'thumb': only one colliding sphere"), "{refused}");
+    assert!(refused.to_string().starts_with("geom 'thumb': only one sphere touches the boxes"), "{refused}");
+    // One that touches the first presses nothing, nor does that then.
+    let contact = myo_model::model::Contact { geoms: [0, 1], margin: 0.0, friction: 1.0, softness: Softness::default() };
+    model.contacts.push(contact);
+    let plan = Plan::exact(&model, CouplingMode::Reduced).unwrap();
+    assert!(plan.contact_sphere.is_none() && plan.pairs.len() == 1);
+    for shape in [Shape::Box { half_size: [0.01; 3] }, Shape::Ellipsoid { radii: [0.01; 3] }] {
+        model.geoms.iter_mut().for_each(|geom| geom.shape = shape);
+        let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
+        assert!(refused.to_string().starts_with("contact of geoms 'fingertip' and 'thumb': spheres and"), "{refused}");
+    }
 
     let mut model = arm("mobl-arms");
     let last = model.joints.len() - 1;

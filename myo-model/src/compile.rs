@@ -3,7 +3,7 @@
 use crate::check::{Bound, Check};
 use crate::description::{self as source, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
-use crate::model::{Body, Coupling, Geom, Joint, Model, Muscle, Over, Site, WORLD, Wrap};
+use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -19,6 +19,12 @@ const SMALLEST_MOVING: f64 = 1e-15;
 
 /// Smallest radius (m) of what muscles run over: single precision makes nothing of less.
 const SMALLEST_WRAP: f64 = 1e-5;
+
+/// Smallest semi-axis (m) of an ellipsoid: single precision finds nothing on a thinner one.
+const SMALLEST_RADIUS: f64 = 1e-4;
+
+/// Smallest friction; MuJoCo's.
+const SMALLEST_FRICTION: f64 = 1e-5;
 
 /// How much (relative) a principal moment may exceed the sum of the others: figures are rounded where they are printed.
 const INERTIA_ROUNDING: f64 = 1e-6;
@@ -40,6 +46,7 @@ impl Model {
         let couplings = couplings(description, &joints)?;
         let sites = sites(description, &body_index)?;
         let geoms = geoms(description, &body_index)?;
+        let contacts = contacts(description, &geoms)?;
         let site_index = Index::new(ElementKind::Site, sites.iter().map(|site| site.name.as_str()))?;
         let wraps = wraps(description, &body_index)?;
         let wrap_index = Index::new(ElementKind::Wrap, wraps.iter().map(|wrap| wrap.name.as_str()))?;
@@ -60,6 +67,7 @@ impl Model {
             couplings,
             sites,
             geoms,
+            contacts,
             wraps,
             muscles,
         })
@@ -338,6 +346,18 @@ fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
             check.above("radius", radius, 0.0, " m", "above 0 m")?;
             check.within("radius", &[radius], &Bound::LENGTH)?;
         }
+        Shape::Capsule { radius, half_length } => {
+            for (field, size) in [("radius", radius), ("half_length", half_length)] {
+                check.above(field, size, 0.0, " m", "above 0 m")?;
+                check.within(field, &[size], &Bound::LENGTH)?;
+            }
+        }
+        Shape::Ellipsoid { radii } => {
+            for radius in radii {
+                check.at_least("radii", radius, SMALLEST_RADIUS, " m", "at least 0.0001 m")?;
+                check.within("radii", &[radius], &Bound::LENGTH)?;
+            }
+        }
         Shape::Box { half_size } => {
             for size in half_size {
                 check.above("half_size", size, 0.0, " m", "above 0 m")?;
@@ -355,6 +375,31 @@ fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
         friction: geom.friction,
         softness: geom.softness,
     })
+}
+
+fn contacts(description: &ModelDescription, geoms: &[Geom]) -> Result<Vec<Contact>, ModelError> {
+    let index = Index::new(ElementKind::Geom, geoms.iter().map(|geom| geom.name.as_str()))?;
+    let mut contacts: Vec<Contact> = Vec::with_capacity(description.contacts.len());
+    for contact in &description.contacts {
+        let [one, other] = &contact.geoms;
+        let check = Check::new(ElementKind::Contact, &format!("{one}, {other}"));
+        check.not_negative("margin", contact.margin, " m")?;
+        check.within("margin", &[contact.margin], &Bound::LENGTH)?;
+        check.at_least("friction", contact.friction, SMALLEST_FRICTION, "", "at least 0.00001")?;
+        check.within("friction", &[contact.friction], &Bound::RATIO)?;
+        check.softness(&contact.softness)?;
+        let mut found = [index.find(one, &check.element)?, index.find(other, &check.element)?];
+        found.sort_unstable();
+        if found[0] == found[1] {
+            return Err(ModelError::TouchesItself { geom: one.clone() });
+        }
+        if contacts.iter().any(|other| other.geoms == found) {
+            return Err(ModelError::DuplicateName { element: check.element });
+        }
+        let &source::Contact { margin, friction, softness, .. } = contact;
+        contacts.push(Contact { geoms: found, margin, friction, softness });
+    }
+    Ok(contacts)
 }
 
 fn wraps(description: &ModelDescription, bodies: &Index) -> Result<Vec<Wrap>, ModelError> {

@@ -52,10 +52,13 @@ pub struct ModelDescription {
     /// Points fixed to bodies: via points of muscles and landmarks.
     #[cfg_attr(feature = "files", serde(default))]
     pub sites: Vec<Site>,
-    /// Collision shapes fixed to bodies.
+    /// Collision shapes fixed to bodies. Those that no contact names touch the boxes of a task.
     #[cfg_attr(feature = "files", serde(default))]
     #[cfg_attr(feature = "files", garde(dive))]
     pub geoms: Vec<Geom>,
+    /// Parts of the body that do not pass through each other; all others do.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub contacts: Vec<Contact>,
     /// What muscle paths may run over.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub wraps: Vec<Wrap>,
@@ -233,6 +236,18 @@ pub enum Shape {
         /// Radius (m).
         radius: f64,
     },
+    /// Cylinder about the local z axis with half a ball on each end.
+    Capsule {
+        /// Radius (m).
+        radius: f64,
+        /// Half of the length (m) without the balls.
+        half_length: f64,
+    },
+    /// Ellipsoid of three semi-axes (m).
+    Ellipsoid {
+        /// Semi-axes along the local axes (m).
+        radii: [f64; 3],
+    },
     /// Box of three half sizes (m).
     Box {
         /// Half sizes along the local axes (m).
@@ -265,6 +280,23 @@ pub struct Geom {
     /// Sliding, torsional and rolling friction; the greater of a pair holds.
     pub friction: [f64; 3],
     /// How soft contacts are; a pair takes the mean of both.
+    #[cfg_attr(feature = "files", serde(default))]
+    pub softness: Softness,
+}
+
+/// Two geoms that do not pass through each other. Margin, friction and softness of the geoms themselves do not count.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+pub struct Contact {
+    /// Names of the two geoms.
+    pub geoms: [String; 2],
+    /// Distance (m) at which the contact force begins.
+    #[cfg_attr(feature = "files", serde(default))]
+    pub margin: f64,
+    /// Sliding friction.
+    pub friction: f64,
+    /// How soft the contact is.
     #[cfg_attr(feature = "files", serde(default))]
     pub softness: Softness,
 }

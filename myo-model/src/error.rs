@@ -162,6 +162,12 @@ pub enum ModelError {
         /// The joint it follows.
         leader: String,
     },
+    /// A shape is asked not to pass through itself.
+    #[error("a contact names geom `{geom}` twice; it takes two to touch")]
+    TouchesItself {
+        /// The geom.
+        geom: String,
+    },
     /// What a muscle runs over does not stand between two sites.
     #[error("{element}: its path {place} `{{over: {wrap}}}`; a site must stand before it and after it")]
     LooseWrap {
@@ -244,6 +250,8 @@ pub enum ElementKind {
     Site,
     /// A collision shape.
     Geom,
+    /// A contact, named by its two geoms.
+    Contact,
     /// What muscles run over.
     Wrap,
     /// A muscle.
@@ -262,6 +270,7 @@ impl fmt::Display for ElementKind {
             Self::Coupling => "coupling of joint",
             Self::Site => "site",
             Self::Geom => "geom",
+            Self::Contact => "contact",
             Self::Wrap => "wrap",
             Self::Muscle => "muscle",
         })

@@ -51,8 +51,8 @@ pub struct Button {
 
 /// The model as the text of an MJCF file.
 ///
-/// Bodies, joints, sites, geoms, tendons and actuators get the order that they have in `model`. The geoms of the model
-/// touch buttons, not each other.
+/// Bodies, joints, sites, geoms, tendons and actuators get the order that they have in `model`. Geoms of contacts touch each
+/// other as these say, all others touch buttons alone.
 pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
     let mut xml = Xml::default();
     xml.open("mujoco", &[("model", text(&model.name))]);
@@ -62,6 +62,7 @@ pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
     bodies_below(&mut xml, model, WORLD);
     options.buttons.iter().for_each(|button| button_body(&mut xml, button));
     xml.close("worldbody");
+    contacts(&mut xml, model);
     tendons(&mut xml, model);
     couplings(&mut xml, model);
     actuators(&mut xml, model);
@@ -159,8 +160,9 @@ fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {
     for site in model.sites.iter().filter(|site| site.body == body) {
         xml.leaf("site", &[("name", text(&site.name)), ("pos", numbers(site.pos.as_slice())), ("size", number(0.001))]);
     }
-    for geom in model.geoms.iter().filter(|geom| geom.body == body) {
-        xml.leaf("geom", &geom_attributes(geom));
+    for (index, geom) in model.geoms.iter().enumerate().filter(|(_, geom)| geom.body == body) {
+        let presses = !model.contacts.iter().any(|contact| contact.geoms.contains(&index));
+        xml.leaf("geom", &geom_attributes(geom, presses));
     }
     for wrap in model.wraps.iter().filter(|wrap| wrap.body == body) {
         xml.leaf("geom", &wrap_attributes(wrap));
@@ -184,9 +186,12 @@ fn wrap_attributes(wrap: &Wrap) -> Vec<Attribute> {
     ]
 }
 
-fn geom_attributes(geom: &Geom) -> Vec<Attribute> {
+/// Geoms of contacts touch what those say, the others (which press) buttons.
+fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
     let (kind, size) = match geom.shape {
         Shape::Sphere { radius } => ("sphere", vec![radius]),
+        Shape::Capsule { radius, half_length } => ("capsule", vec![radius, half_length]),
+        Shape::Ellipsoid { radii } => ("ellipsoid", radii.to_vec()),
         Shape::Box { half_size } => ("box", half_size.to_vec()),
     };
     let mut attributes = vec![
@@ -195,7 +200,7 @@ fn geom_attributes(geom: &Geom) -> Vec<Attribute> {
         ("size", numbers(&size)),
         ("pos", numbers(geom.pos.as_slice())),
         ("quat", rotation(&geom.quat)),
-        ("contype", text("1")),
+        ("contype", text(if presses { "1" } else { "0" })),
         ("conaffinity", text("0")),
     ];
     attributes.extend(contact(geom.margin, &geom.friction, &geom.softness));
@@ -230,6 +235,26 @@ fn contact(margin: f64, friction: &[f64; 3], softness: &Softness) -> Vec<Attribu
         ("solref", numbers(&softness.solref)),
         ("solimp", numbers(&softness.solimp)),
     ]
+}
+
+fn contacts(xml: &mut Xml, model: &Model) {
+    xml.section("contact", &model.contacts, |xml, contact| {
+        let [one, other] = contact.geoms.map(|geom| text(&model.geoms[geom].name));
+        let friction = [contact.friction, contact.friction, 0.005, 0.0001, 0.0001];
+        xml.leaf(
+            "pair",
+            &[
+                ("geom1", one),
+                ("geom2", other),
+                ("condim", text("3")),
+                ("margin", number(contact.margin)),
+                ("gap", number(0.0)),
+                ("friction", numbers(&friction)),
+                ("solref", numbers(&contact.softness.solref)),
+                ("solimp", numbers(&contact.softness.solimp)),
+            ],
+        );
+    });
 }
 
 fn tendons(xml: &mut Xml, model: &Model) {

@@ -28,6 +28,8 @@ pub struct Model {
     pub sites: Vec<Site>,
     /// Collision shapes.
     pub geoms: Vec<Geom>,
+    /// Pairs of collision shapes that do not pass through each other.
+    pub contacts: Vec<Contact>,
     /// What muscle paths may run over.
     pub wraps: Vec<Wrap>,
     /// Muscles.
@@ -57,6 +59,12 @@ impl Model {
     /// Where the centre of the shoulder is, from the origin of the world, with all joints at zero (m).
     pub fn shoulder_in_zero_pose(&self) -> Vector3<f64> {
         self.frames_in_zero_pose()[self.shoulder_body].translation.vector
+    }
+
+    /// Collision shapes that touch the boxes of a task: those that no contact names.
+    pub fn pressing_geoms(&self) -> impl Iterator<Item = &Geom> {
+        let is_named = |geom: usize| self.contacts.iter().any(|contact| contact.geoms.contains(&geom));
+        self.geoms.iter().enumerate().filter(move |(index, _)| !is_named(*index)).map(|(_, geom)| geom)
     }
 
     /// Whether the arm is a left one: its shoulder is to the left of the middle.
@@ -157,6 +165,19 @@ pub struct Geom {
     /// Sliding, torsional, rolling friction.
     pub friction: [f64; 3],
     /// Softness of contacts.
+    pub softness: Softness,
+}
+
+/// Two collision shapes that do not pass through each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Indices of the geoms.
+    pub geoms: [usize; 2],
+    /// Distance (m) at which the contact force begins.
+    pub margin: f64,
+    /// Sliding friction.
+    pub friction: f64,
+    /// Softness.
     pub softness: Softness,
 }
 

@@ -190,6 +190,10 @@ impl Scales {
         geom.pos = geom.pos.map(|x| x * length);
         geom.shape = match geom.shape {
             Shape::Sphere { radius } => Shape::Sphere { radius: radius * length },
+            Shape::Capsule { radius, half_length } => {
+                Shape::Capsule { radius: radius * length, half_length: half_length * length }
+            }
+            Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|x| x * length) },
             Shape::Box { half_size } => Shape::Box { half_size: half_size.map(|x| x * length) },
         };
     }

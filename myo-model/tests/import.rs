@@ -207,36 +207,67 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
     assert!(one.to_string().contains("<pulley>: branches of tendons"), "{one}");
 }
 
+/// An arm whose hand has a palm with these bits, beside a table of this height (m), with more in the file.
+fn hand(height: f64, bits: &str, more: &str) -> String {
+    let body = format!(r#"<body name="hand"><joint axis="1 0 0"/><geom name="palm" size="0.02" {bits}/></body>"#);
+    let table = format!(r#"<geom name="table" type="plane" size="1 1 1" pos="0 0 {height}"/>"#);
+    arm(["", "", &body, "", ""]).replace("<worldbody>", &format!("{more}<worldbody>{table}"))
+}
+
+fn contacts(text: &str) -> Result<Vec<[String; 2]>, String> {
+    let all = from_mjcf(&read(text), &options("tip", "humerus")).map_err(|all| all[0].to_string())?;
+    Model::new(&all).map_err(|error| error.to_string())?;
+    Ok(all.contacts.into_iter().map(|contact| contact.geoms).collect())
+}
+
 #[test]
 fn parts_that_may_touch_are_refused_unless_they_need_not() {
-    let hand = |bits: &str, more: &str| {
-        let body = format!(r#"<body name="hand"><joint axis="1 0 0"/><geom name="palm" size="0.02" {bits}/></body>"#);
-        arm(["", "", &body, "", ""])
-            .replace("<worldbody>", &format!("{more}<worldbody><geom name=\"table\" type=\"plane\" size=\"1 1 1\"/>"))
-    };
-    let touching = |text: &str| from_mjcf(&read(text), &options("tip", "humerus")).err().map(|all| all[0].to_string());
-    let refused = touching(&hand("", "")).unwrap();
+    let none = Ok(vec![]);
     assert_eq!(
-        refused,
-        "arm.xml:4:14: <geom name=\"table\">: it may touch `palm`, which is not simulated; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)"
+        contacts(&hand(0.99, "", "")).unwrap_err(),
+        "arm.xml:4:14: <geom name=\"table\">: it may touch `palm`: contact of plane and sphere is not simulated; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)"
     );
-    // By bits, by name, by the whole, and by who asks.
-    assert_eq!(touching(&hand("contype=\"0\" conaffinity=\"2\"", "")), None);
-    assert_eq!(touching(&hand("", "<contact><exclude body1=\"world\" body2=\"hand\"/></contact>")), None);
-    assert_eq!(touching(&hand("", "<option><flag contact=\"disable\"/></option>")), None);
+    // By distance, bits, names, the whole, and by who asks.
+    assert_eq!(contacts(&hand(0.9, "", "")), none);
+    assert_eq!(contacts(&hand(0.99, "contype=\"0\" conaffinity=\"2\"", "")), none);
+    assert_eq!(contacts(&hand(0.99, "", "<contact><exclude body1=\"world\" body2=\"hand\"/></contact>")), none);
+    assert_eq!(contacts(&hand(0.99, "", "<option><flag contact=\"disable\"/></option>")), none);
     let options = ImportOptions { without_contacts: true, ..options("tip", "humerus") };
-    assert!(from_mjcf(&read(&hand("", "")), &options).is_ok());
+    assert!(from_mjcf(&read(&hand(0.99, "", "")), &options).is_ok());
+    // What hangs on a slide may be anywhere.
+    let sliding = hand(0.0, "", "").replace("<joint axis=\"1 0 0\"/>", "<joint type=\"slide\" axis=\"1 0 0\"/>");
+    assert!(contacts(&sliding).unwrap_err().contains("it may touch `palm`"));
+    let lifted = hand(0.99, "gap=\"0.01\"", "").replace("type=\"plane\" size=\"1 1 1\"", "size=\"0.05\"");
+    assert!(contacts(&lifted).unwrap_err().contains("neither `gap` nor"), "{:?}", contacts(&lifted));
+}
+
+#[test]
+fn parts_that_touch_are_a_contact() {
+    let both = vec![["palm", "bone"].map(String::from)];
     // A pair that is asked for touches whatever its bits say; parent and child do not by themselves.
     let none = "contype=\"0\" conaffinity=\"0\"";
     let pair = "<contact><pair geom1=\"palm\" geom2=\"bone\"/></contact>";
-    assert!(touching(&hand(none, pair)).unwrap().contains("`palm`"));
-    let near = hand("contype=\"2\" conaffinity=\"2\"", "").replace(
+    assert_eq!(contacts(&hand(0.0, none, pair)), Ok(both.clone()));
+    let near = hand(0.0, "contype=\"2\" conaffinity=\"2\" friction=\"0.4\" margin=\"0.002\"", "").replace(
         "size=\"0.02 0.1\" contype=\"0\" conaffinity=\"0\"",
-        "size=\"0.02 0.1\" contype=\"2\" conaffinity=\"2\"",
+        "size=\"0.02 0.1\" contype=\"2\" conaffinity=\"2\" margin=\"0.001\" solmix=\"3\" solref=\"0.04 1\"",
     );
-    assert_eq!(touching(&near), None);
+    assert_eq!(contacts(&near), Ok(vec![]));
     let unfiltered = near.replace("<worldbody>", "<option><flag filterparent=\"disable\"/></option><worldbody>");
-    assert!(touching(&unfiltered).unwrap().contains("`palm`"));
+    assert_eq!(contacts(&unfiltered), Ok(vec![["bone", "palm"].map(String::from)]));
+    // Margins add up, the greater friction holds, softness is mixed by its weights.
+    let mixed = from_mjcf(&read(&unfiltered), &options("tip", "humerus")).unwrap();
+    let contact = &mixed.contacts[0];
+    assert_eq!((contact.margin, contact.friction), (0.003, 1.0));
+    assert!((contact.softness.solref[0] - 0.035).abs() < 1e-15, "{:?}", contact.softness);
+    // Who has the higher priority decides alone.
+    let decided = unfiltered.replace("friction=\"0.4\"", "friction=\"0.4\" priority=\"1\"");
+    let contact = &from_mjcf(&read(&decided), &options("tip", "humerus")).unwrap().contacts[0];
+    assert_eq!((contact.margin, contact.friction, contact.softness.solref), (0.003, 0.4, [0.02, 1.0]));
+    // It goes out as it came in.
+    let model = Model::new(&mixed).unwrap();
+    let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "humerus")).unwrap();
+    assert_eq!((Model::new(&back).unwrap().contacts, back.geoms.len()), (model.contacts, 2));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What examples that are compared with MuJoCo share.
 
 use myo_dynamics::spatial::Wrench;
-use myo_dynamics::step::{force, inertia, kinematics::kinematics};
+use myo_dynamics::step::{cholesky, force, inertia, kinematics::kinematics};
 use myo_dynamics::{Plan, State, Workspace};
 use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -37,6 +37,14 @@ impl Draws {
 pub fn passive_force(plan: &Plan<f64>, state: &State<f64>, ws: &mut Workspace<f64>) -> Vec<f64> {
     force::passive(plan, state, ws);
     ws.torque.clone()
+}
+
+/// Acceleration without constraints, after [`myo_dynamics::step::forward`].
+pub fn smooth_acceleration(plan: &Plan<f64>, ws: &mut Workspace<f64>) -> Vec<f64> {
+    let mut acceleration = ws.torque.clone();
+    cholesky::copy(&plan.elimination, &ws.mass, &mut ws.matrix);
+    cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut acceleration);
+    acceleration
 }
 
 /// Gravity, centrifugal and Coriolis forces, with the sign of a resistance.

@@ -1,8 +1,8 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
 use super::{
-    Body, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Equality, FixedFrame, Form, Limit, Link,
-    LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, Tendons,
+    Body, ContactPair, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Elimination, Equality, FixedFrame, Form, Limit, Link,
+    LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, Tendons, pairs,
     reference_pose, sets,
 };
 use crate::impedance::Impedance;
@@ -42,7 +42,8 @@ impl Plan<f64> {
         let tree = Tree::new(model, &drives);
         let tendons = tendons(model, &tree)?;
         let bodies = tree.bodies(model);
-        let sphere = model.geoms.first().map(|geom| contact_sphere(model, &tree, geom));
+        let sphere = model.pressing_geoms().next().map(|geom| contact_sphere(model, &tree, geom));
+        let pairs = pairs::pairs(model, &tree)?;
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
         let h = model.options.timestep;
@@ -57,6 +58,7 @@ impl Plan<f64> {
             bodies,
             sets: vec![],
             mass_terms: vec![],
+            elimination: Elimination::default(),
             projections: vec![],
             curved_joints: curved_joints(model, &drives),
             profiled: vec![],
@@ -69,6 +71,7 @@ impl Plan<f64> {
             fingertip,
             arm: None,
             contact_sphere: sphere,
+            pairs,
             joints: drives,
             elements,
         };
@@ -87,14 +90,16 @@ impl Plan<f64> {
         Ok(plan)
     }
 
-    /// Recomputes which links move together.
+    /// Recomputes which links move together, and which coordinates feel each other.
     pub(super) fn connect(&mut self) {
         let mut used: BTreeSet<usize> = self.bodies.iter().map(|b| b.link).collect();
         used.extend(self.tendons.pairs.iter().flat_map(|pair| [pair.a, pair.b]));
         used.extend(self.contact_sphere.iter().map(|sphere| sphere.centre.link));
+        used.extend(self.pairs.iter().flat_map(ContactPair::links));
         used.extend(self.tendons.stretches().flat_map(Stretch::pulled_links));
         used.remove(&0);
         sets::connect(self, &used);
+        self.elimination = Elimination::of(self);
     }
 
     /// Springs and dampers must be slower than time steps. Both bounds are those of a single joint in the reference pose:
@@ -128,14 +133,17 @@ impl Plan<f64> {
         if let Some(sphere) = &mut self.contact_sphere {
             sphere.diagonal = reference.sphere_inverse_mass;
         }
+        for (pair, &masses) in self.pairs.iter_mut().zip(&reference.pair_inverse_masses) {
+            pair.weigh(masses);
+        }
     }
 }
 
 fn check_geoms(model: &Model) -> Result<(), PlanError> {
-    if let Some(second) = model.geoms.get(1) {
+    if let Some(second) = model.pressing_geoms().nth(1) {
         return Err(PlanError::TooManyGeoms { name: second.name.clone() });
     }
-    match model.geoms.first() {
+    match model.pressing_geoms().next() {
         Some(geom) if !matches!(geom.shape, Shape::Sphere { .. }) => {
             Err(PlanError::NotASphere { name: geom.name.clone() })
         }
@@ -242,7 +250,7 @@ fn equalities(model: &Model) -> Vec<Equality<f64>> {
 }
 
 /// Links, and where every body of the model sits on them at joint position zero.
-struct Tree {
+pub(super) struct Tree {
     links: Vec<Link<f64>>,
     screws: Vec<Screw>,
     placement: Vec<(usize, Isometry3<f64>)>,
@@ -305,7 +313,7 @@ impl Tree {
         (self.links.len() - 1, frame.inverse() * place)
     }
 
-    fn point(&self, body: usize, position: Vector3<f64>) -> Point<f64> {
+    pub(super) fn point(&self, body: usize, position: Vector3<f64>) -> Point<f64> {
         let (link, place) = self.placement[body];
         Point { link, position: (place * nalgebra::Point3::from(position)).coords.into() }
     }
@@ -324,8 +332,13 @@ impl Tree {
     }
 
     fn wrap(&self, wrap: &myo_model::model::Wrap) -> FixedFrame<f64> {
-        let turn = (self.placement[wrap.body].1.rotation * wrap.quat).to_rotation_matrix();
-        FixedFrame { origin: self.point(wrap.body, wrap.pos), axes: turn.into_inner().into() }
+        self.placed(wrap.body, wrap.pos, wrap.quat)
+    }
+
+    /// A frame at a place of a body.
+    pub(super) fn placed(&self, body: usize, pos: Vector3<f64>, quat: UnitQuaternion<f64>) -> FixedFrame<f64> {
+        let turn = (self.placement[body].1.rotation * quat).to_rotation_matrix();
+        FixedFrame { origin: self.point(body, pos), axes: turn.into_inner().into() }
     }
 
     fn site(&self, model: &Model, site: usize) -> Point<f64> {
@@ -397,7 +410,7 @@ fn frame_along(axis: Vector3<f64>) -> Option<Matrix3<f64>> {
 fn contact_sphere(model: &Model, tree: &Tree, geom: &myo_model::model::Geom) -> ContactSphere<f64> {
     let radius = match geom.shape {
         Shape::Sphere { radius } => radius,
-        Shape::Box { .. } => unreachable!("boxes were refused by check_geoms"),
+        _ => unreachable!("other shapes were refused by check_geoms"),
     };
     ContactSphere {
         centre: tree.point(geom.body, geom.pos),

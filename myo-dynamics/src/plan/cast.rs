@@ -1,8 +1,8 @@
 //! The same plan in another precision.
 
 use super::{
-    Body, Bundle, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality,
-    FixedFrame, HingeSegment, Limit, Link, LinkMotion, Placement, Plan, Point, PoseProfile, ProfileSegment,
+    Body, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality,
+    FixedFrame, HingeSegment, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point, PoseProfile, ProfileSegment,
     ProfiledCoordinate, RoundThing, Side, Stretch, Tendons,
 };
 use crate::cast::{Cast, cast};
@@ -18,8 +18,8 @@ impl Plan<f64> {
 cast! {
     Plan {
         timestep, gravity, origin, dofs, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits,
-        equalities, fingertip, arm, contact_sphere, joints, elements;
-        implicit_damping, screws, sets, mass_terms, projections, smooth_activation
+        equalities, fingertip, arm, contact_sphere, pairs, joints, elements;
+        implicit_damping, screws, sets, mass_terms, elimination, projections, smooth_activation
     }
     Elements { bodies, sites, wraps }
     Dof { range, stiffness, spring_torque, damping, armature; name }
@@ -43,6 +43,8 @@ cast! {
     Limit { drive, range, impedance, diagonal }
     Equality { drive, impedance, diagonal; dependent }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
+    ContactPair { parts, far, margin, friction, impedance, diagonal }
+    Part { frame, form, body_com }
 }
 
 impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for LinkMotion<C> {
@@ -53,6 +55,18 @@ impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for LinkMotion<C> {
             Self::Hinge(placement) => LinkMotion::Hinge(placement.cast()),
             Self::Slide(placement) => LinkMotion::Slide(placement.cast()),
             Self::Profile(profile) => LinkMotion::Profile(profile.cast()),
+        }
+    }
+}
+
+impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for PartForm<C> {
+    type Output = PartForm<D>;
+    fn cast(&self) -> PartForm<D> {
+        match self {
+            Self::Capsule { radius, half_length } => {
+                PartForm::Capsule { radius: radius.cast(), half_length: half_length.cast() }
+            }
+            Self::Ellipsoid { radii } => PartForm::Ellipsoid { radii: radii.cast() },
         }
     }
 }

@@ -5,11 +5,16 @@
 
 mod build;
 mod cast;
+mod elimination;
 mod mass;
+mod pairs;
 mod reference_pose;
 mod sets;
 mod specialise;
 mod wraps;
+
+pub use elimination::{Column, Elimination, Felt, Later};
+pub use pairs::{ContactPair, Part, PartForm};
 
 use crate::impedance::Impedance;
 use crate::polynomial::{Domain, Polynomial};
@@ -51,6 +56,8 @@ pub struct Plan<C> {
     pub sets: Vec<LinkSet>,
     /// Terms of the mass matrix.
     pub mass_terms: Vec<MassTerm>,
+    /// Which entries of the mass matrix are not always zero, and in which order coordinates are eliminated.
+    pub elimination: Elimination,
     /// Which wrench does work on which screw.
     pub projections: Vec<Projection>,
     /// Joints whose coupling is not linear: their passive forces do not fold into [`Dof`].
@@ -75,6 +82,8 @@ pub struct Plan<C> {
     pub arm: Option<[Point<C>; 2]>,
     /// The colliding sphere at the fingertip, if the model has one.
     pub contact_sphere: Option<ContactSphere<C>>,
+    /// Parts of the body that do not pass through each other.
+    pub pairs: Vec<ContactPair<C>>,
     /// Where each joint of the model finds its position.
     pub joints: Vec<Drive<C>>,
     /// For drawing: where the model's elements are. Only exact plans have them; specialised ones drop links.
@@ -518,8 +527,8 @@ impl<C: Real> Plan<C> {
 #[derive(Debug, thiserror::Error, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// More than one collision shape.
-    #[error("geom '{name}': only one colliding sphere, at the fingertip, is simulated so far; remove this geom")]
+    /// More than one collision shape that presses.
+    #[error("geom '{name}': only one sphere touches the boxes of a task; remove this geom, or name it in a contact")]
     TooManyGeoms {
         /// The geom.
         name: String,
@@ -537,6 +546,15 @@ pub enum PlanError {
     NoArm {
         /// What is missing.
         missing: &'static str,
+    },
+    /// A contact of shapes that are not compared.
+    #[error(
+        "contact of geoms '{}' and '{}': spheres and capsules touch each other and ellipsoids, and nothing else does; give one of the two another shape",
+        .geoms[0], .geoms[1]
+    )]
+    UnlikeParts {
+        /// The geoms.
+        geoms: [String; 2],
     },
     /// Inertia in the reference pose is singular.
     #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]

@@ -2,7 +2,7 @@
 //!
 //! MuJoCo's `dof_invweight0`, `body_invweight0` and `actuator_acc0`, of the model with all joints.
 
-use super::{Plan, PlanError};
+use super::{ContactPair, Plan, PlanError, Point};
 use crate::spatial::{Vec3, Wrench};
 use crate::step::{cholesky, force, inertia, kinematics, tendon};
 use crate::workspace::{State, Workspace};
@@ -13,6 +13,8 @@ pub(super) struct ReferencePose {
     pub joint_inverse_inertia: Vec<f64>,
     /// Mean inverse mass of the body that carries the contact sphere (1/kg).
     pub sphere_inverse_mass: f64,
+    /// The same of both bodies of each pair of parts that touch.
+    pub pair_inverse_masses: Vec<[f64; 2]>,
     /// Norm of the joint acceleration per newton, per muscle.
     pub acc0: Vec<f64>,
 }
@@ -29,12 +31,12 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
         return Err(PlanError::Singular { joint: plan.dofs[bad].name.clone() });
     }
     ws.matrix.copy_from_slice(&ws.mass);
-    cholesky::factor(n, &mut ws.matrix, &mut ws.pivot);
+    cholesky::factor(&plan.elimination, &mut ws.matrix, &mut ws.pivot);
     if let Some(bad) = ws.pivot.iter().position(|p| !p.is_finite()) {
         return Err(PlanError::Singular { joint: plan.dofs[bad].name.clone() });
     }
     let solve = |ws: &Workspace<f64>, mut b: Vec<f64>| {
-        cholesky::solve(n, &ws.matrix, &ws.pivot, &mut b);
+        cholesky::solve(&plan.elimination, &ws.matrix, &ws.pivot, &mut b);
         b
     };
     let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
@@ -44,7 +46,11 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
             solve(&ws, force::moment_arms(plan, muscle, &mut ws.clone())).iter().map(|a| a * a).sum::<f64>().sqrt()
         })
         .collect();
-    Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass: sphere_inverse_mass(plan, &ws, solve), acc0 })
+    let mass_at = |point: &Point<f64>| inverse_mass(plan, &ws, point, solve);
+    let sphere_inverse_mass = plan.contact_sphere.as_ref().map_or(0.0, |sphere| mass_at(&sphere.body_com));
+    let of_pair = |pair: &ContactPair<f64>| [mass_at(&pair.parts[0].body_com), mass_at(&pair.parts[1].body_com)];
+    let pair_inverse_masses = plan.pairs.iter().map(of_pair).collect();
+    Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass, pair_inverse_masses, acc0 })
 }
 
 /// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).
@@ -52,14 +58,15 @@ pub(super) fn inertias(plan: &Plan<f64>) -> Result<Vec<f64>, PlanError> {
     Ok(measure(plan)?.joint_inverse_inertia.into_iter().map(f64::recip).collect())
 }
 
-fn sphere_inverse_mass(
+/// Mean inverse mass (1/kg) that the body of a point feels there; MuJoCo's `body_invweight0`.
+fn inverse_mass(
     plan: &Plan<f64>,
     ws: &Workspace<f64>,
+    point: &Point<f64>,
     solve: impl Fn(&Workspace<f64>, Vec<f64>) -> Vec<f64>,
 ) -> f64 {
-    let Some(sphere) = &plan.contact_sphere else { return 0.0 };
-    let at = ws.place(&sphere.body_com);
-    let screws = &plan.links[sphere.body_com.link].screw_of_dof;
+    let at = ws.place(point);
+    let screws = &plan.links[point.link].screw_of_dof;
     let along = |direction: Vec3<f64>| {
         let line = Wrench::at(at, direction);
         let row: Vec<f64> = screws.iter().map(|s| s.map_or(0.0, |s| ws.screw[s].dot(line))).collect();

@@ -8,7 +8,7 @@
 
 use super::build::assign_screws;
 use super::{
-    DoubleHingeSegment, Drive, Elements, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Placement, Plan, Point,
+    DoubleHingeSegment, Drive, Elements, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Part, Placement, Plan, Point,
     PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
 };
 use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
@@ -79,6 +79,7 @@ impl Plan<f64> {
         used.extend(self.tendons.stretches().flat_map(Stretch::links));
         used.extend(self.arm.iter().flatten().map(|point| point.link));
         used.extend(self.contact_sphere.iter().flat_map(|s| [s.centre.link, s.body_com.link]));
+        used.extend(self.pairs.iter().flat_map(|pair| &pair.parts).flat_map(Part::links));
         // Parents of links that cannot themselves be dropped.
         let alone = |k: usize| self.links[k].screw_of_dof.iter().flatten().count() == 1;
         used.extend((1..self.links.len()).filter(|&k| !alone(k)).map(|k| self.links[k].parent));
@@ -97,6 +98,7 @@ impl Plan<f64> {
         let points = points.chain(
             self.tendons.wraps.iter_mut().flat_map(|bundle| &mut bundle.stretches).flat_map(Stretch::points_mut),
         );
+        let points = points.chain(self.pairs.iter_mut().flat_map(|pair| &mut pair.parts).flat_map(Part::points_mut));
         for point in points.chain(self.contact_sphere.iter_mut().flat_map(|s| [&mut s.centre, &mut s.body_com])) {
             point.link = new[&point.link];
         }

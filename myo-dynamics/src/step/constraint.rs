@@ -10,7 +10,7 @@
 //! a linear complementarity problem with the positive definite matrix `J M^-1 J^T + D^-1`, and for such matrices the
 //! least-index rule never meets a set twice). Both rules stop at the same set, since there is only one.
 
-use crate::plan::{Form, Plan};
+use crate::plan::{Elimination, Form, Plan};
 use crate::step::{cholesky, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor, Word};
@@ -123,14 +123,14 @@ impl<S: Scalar> Carried<S> for Round<'_, S> {
 #[inline(always)]
 fn accelerate<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     assemble(plan, ws, rows);
-    cholesky::factor_and_solve(plan.ndof(), &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
+    cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.qacc);
 }
 
 /// `matrix = M + J^T D J` and `qacc = tau + J^T D aref` over the rows that push.
 #[inline(always)]
 fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     let n = plan.ndof();
-    ws.matrix.copy_from_slice(&ws.mass);
+    cholesky::copy(&plan.elimination, &ws.mass, &mut ws.matrix);
     ws.qacc.copy_from_slice(&ws.torque);
     if rows.limited {
         for (row, limit) in ws.limit.iter().zip(&plan.limits) {
@@ -141,27 +141,27 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
         }
     }
     if rows.touching {
-        each_contact(Assemble, n, ws);
+        each_contact(Assemble, plan, ws);
     }
     for (row, jacobian) in ws.equality.iter().zip(ws.equality_jacobian.chunks_exact(n)) {
-        add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+        add_row(&plan.elimination, row, jacobian, &mut ws.matrix, &mut ws.qacc);
     }
 }
 
 /// What a round does with a contact.
 trait Part<S: Scalar>: Copy {
-    /// Does it with the contact of this number, of a body with `n` coordinates.
-    fn run(self, n: usize, number: usize, ws: &mut Workspace<S>);
+    /// Does it with the contact of this number.
+    fn run(self, plan: &Plan<S::Const>, number: usize, ws: &mut Workspace<S>);
 }
 
 /// Does a part of a round with every contact. The first one of a step is there so often that a card does not branch for it;
 /// others are stages, since a closure that is not inlined would be compiled without its level's instructions.
 #[inline(always)]
-fn each_contact<S: Scalar>(part: impl Part<S>, n: usize, ws: &mut Workspace<S>) {
-    part.run(n, 0, ws);
+fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    part.run(plan, 0, ws);
     for number in 1..ws.contacts.len() {
-        S::when(ws.contacts[number].exists, &mut Touched(ws, number), |Touched(ws, number)| {
-            S::outline(FurtherContact { part, n, number: *number, ws });
+        S::when(ws.contacts[number].exists, &mut Touched { plan, number, ws }, |Touched { ws, .. }| {
+            S::outline(FurtherContact { part, plan, number, ws });
         });
     }
 }
@@ -169,7 +169,7 @@ fn each_contact<S: Scalar>(part: impl Part<S>, n: usize, ws: &mut Workspace<S>) 
 /// See [`each_contact`].
 struct FurtherContact<'a, S: Scalar, P> {
     part: P,
-    n: usize,
+    plan: &'a Plan<S::Const>,
     number: usize,
     ws: &'a mut Workspace<S>,
 }
@@ -179,17 +179,27 @@ impl<S: Scalar, P: Part<S>> Stage<S> for FurtherContact<'_, S, P> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        self.part.run(self.n, self.number, self.ws);
+        self.part.run(self.plan, self.number, self.ws);
     }
 }
 
 /// What a contact's part of a round changes.
-struct Touched<'a, S: Scalar>(&'a mut Workspace<S>, usize);
+struct Touched<'a, S: Scalar> {
+    plan: &'a Plan<S::Const>,
+    number: usize,
+    ws: &'a mut Workspace<S>,
+}
 
 impl<S: Scalar> Carried<S> for Touched<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Self(ws, number) = self;
-        visitor.numbers(ws.matrix.iter_mut().chain(&mut ws.qacc));
+        let Self { plan, number, ws } = self;
+        for column in &plan.elimination.columns {
+            visitor.number(&mut ws.matrix[column.diagonal]);
+            for felt in &column.before {
+                visitor.number(&mut ws.matrix[felt.entry]);
+            }
+        }
+        visitor.numbers(&mut ws.qacc);
         for row in &mut ws.contacts[*number].rows {
             visitor.mask(&mut row.active);
         }
@@ -203,23 +213,31 @@ struct Assemble;
 
 impl<S: Scalar> Part<S> for Assemble {
     #[inline(always)]
-    fn run(self, n: usize, number: usize, ws: &mut Workspace<S>) {
+    fn run(self, plan: &Plan<S::Const>, number: usize, ws: &mut Workspace<S>) {
+        let n = plan.ndof();
         let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
         for (row, jacobian) in ws.contacts[number].rows.iter().zip(jacobians) {
-            add_row(n, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+            add_row(&plan.elimination, row, jacobian, &mut ws.matrix, &mut ws.qacc);
         }
     }
 }
 
 #[inline(always)]
-fn add_row<S: Scalar>(n: usize, row: &Row<S>, jacobian: &[S], matrix: &mut [S], right: &mut [S]) {
+fn add_row<S: Scalar>(
+    elimination: &Elimination,
+    row: &Row<S>,
+    jacobian: &[S],
+    matrix: &mut [S],
+    right: &mut [S],
+) {
     let weight = row.weight.only(row.active);
-    for i in 0..n {
-        let scaled = weight * jacobian[i];
-        right[i] = scaled.mul_add(row.reference, right[i]);
-        for j in 0..=i {
-            matrix[i * n + j] = scaled.mul_add(jacobian[j], matrix[i * n + j]);
+    for column in &elimination.columns {
+        let scaled = weight * jacobian[column.dof];
+        right[column.dof] = scaled.mul_add(row.reference, right[column.dof]);
+        for felt in &column.before {
+            matrix[felt.entry] = scaled.mul_add(jacobian[felt.dof], matrix[felt.entry]);
         }
+        matrix[column.diagonal] = scaled.mul_add(jacobian[column.dof], matrix[column.diagonal]);
     }
 }
 
@@ -234,7 +252,7 @@ fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: R
     }
     ws.unsettled = changed;
     if rows.touching {
-        each_contact(Judge, plan.ndof(), ws);
+        each_contact(Judge, plan, ws);
     }
     settle(ws, ws.unsettled);
 }
@@ -245,7 +263,8 @@ struct Judge;
 
 impl<S: Scalar> Part<S> for Judge {
     #[inline(always)]
-    fn run(self, n: usize, number: usize, ws: &mut Workspace<S>) {
+    fn run(self, plan: &Plan<S::Const>, number: usize, ws: &mut Workspace<S>) {
+        let n = plan.ndof();
         let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
         for (row, jacobian) in ws.contacts[number].rows.iter_mut().zip(jacobians) {
             ws.unsettled = ws.unsettled | judge(row, product(jacobian, &ws.qacc));

@@ -8,6 +8,7 @@
 
 use super::boxes::{Boxes, Which};
 use super::nearby::{self, List};
+use crate::impedance::Impedance;
 use crate::obstacles::Obstacles;
 use crate::plan::{ContactSphere, Plan};
 use crate::spatial::{Rotation, Vec3, Wrench};
@@ -32,21 +33,34 @@ pub fn contact<S: Scalar>(
     for contact in &mut ws.contacts {
         contact.clear();
     }
-    let Some(sphere) = &plan.contact_sphere else { return };
-    if obstacles.boxes.is_empty() {
-        return;
+    if let Some(sphere) = &plan.contact_sphere
+        && !obstacles.boxes.is_empty()
+    {
+        press(plan, sphere, obstacles, state, ws);
     }
+}
+
+/// What the fingertip touches.
+#[inline(always)]
+fn press<S: Scalar>(
+    plan: &Plan<S::Const>,
+    sphere: &ContactSphere<S::Const>,
+    obstacles: &Obstacles<S::Const, S>,
+    state: &State<S>,
+    ws: &mut Workspace<S>,
+) {
     let centre = ws.place(&sphere.centre);
     let moved = centre - ws.clearance.from;
     let near = !moved.dot(moved).lt(ws.clearance.free.sq());
-    let Workspace { contacts, clearance, nearby, offsets, .. } = &mut *ws;
+    let Workspace { contacts, box_slots, clearance, nearby, offsets, .. } = &mut *ws;
+    let contacts = &mut contacts[..*box_slots];
     let boxes = Boxes { obstacles, offsets };
     let mut around =
         Around { contacts, clearance, nearby, found: S::zero(), lists: nearby::lists::<S>(obstacles.boxes.len()) };
     S::when(near, &mut around, |around| S::outline(LookAround { sphere, boxes, centre, around }));
-    for number in 0..ws.contacts.len() {
+    for number in 0..ws.box_slots {
         S::when(ws.contacts[number].exists, &mut Edges(ws, number), |Edges(ws, number)| {
-            S::outline(Pyramid { plan, sphere, obstacles, state, centre, number: *number, ws });
+            S::outline(Pressed { plan, sphere, obstacles, state, centre, number: *number, ws });
         });
     }
 }
@@ -69,8 +83,8 @@ impl<S: Scalar> Stage<S> for LookAround<'_, '_, S> {
     }
 }
 
-/// See [`pyramid`].
-struct Pyramid<'a, S: Scalar> {
+/// What the fingertip presses, as rows.
+struct Pressed<'a, S: Scalar> {
     plan: &'a Plan<S::Const>,
     sphere: &'a ContactSphere<S::Const>,
     obstacles: &'a Obstacles<S::Const, S>,
@@ -80,19 +94,31 @@ struct Pyramid<'a, S: Scalar> {
     ws: &'a mut Workspace<S>,
 }
 
-impl<S: Scalar> Stage<S> for Pyramid<'_, S> {
+impl<S: Scalar> Stage<S> for Pressed<'_, S> {
     const NAME: &'static str = "friction pyramid";
     type Output = ();
     #[inline(always)]
     fn run(self) {
         let Self { plan, sphere, obstacles, state, centre, number, ws } = self;
-        pyramid(plan, sphere, obstacles, state, centre, number, ws);
+        let Contact { distance, normal, .. } = ws.contacts[number];
+        // Midway between the two surfaces.
+        let depth = distance.mul_add(S::lit(0.5), S::splat(sphere.radius));
+        let meeting = Meeting {
+            at: centre - normal.scale(depth),
+            normal,
+            violation: distance - S::splat(obstacles.margin),
+            friction: obstacles.friction,
+            impedance: &obstacles.impedance,
+            diagonal: obstacles.diagonal,
+            links: [0, sphere.centre.link],
+        };
+        pyramid(plan, &meeting, state, number, ws);
     }
 }
 
 /// What a look around finds.
 struct Around<'a, S: Scalar> {
-    contacts: &'a mut Vec<Contact<S>>,
+    contacts: &'a mut [Contact<S>],
     clearance: &'a mut Clearance<S>,
     nearby: &'a mut Nearby<S>,
     /// Contacts found so far.
@@ -229,7 +255,7 @@ impl<S: Scalar> Around<'_, S> {
 }
 
 /// The rows that [`pyramid`] writes, of the contact of this number.
-struct Edges<'a, S: Scalar>(&'a mut Workspace<S>, usize);
+pub(super) struct Edges<'a, S: Scalar>(pub &'a mut Workspace<S>, pub usize);
 
 impl<S: Scalar> Carried<S> for Edges<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
@@ -275,45 +301,59 @@ pub fn surface<S: Scalar>(axes: [[S; 3]; 3], half_size: [S; 3], point: Vec3<S>) 
     (S::select(outside, square * inverse, -depth), axes.apply(normal))
 }
 
+/// Where two surfaces meet, and how they resist.
+pub(super) struct Meeting<'a, S: Scalar> {
+    /// Midway between the surfaces (m, from O).
+    pub at: Vec3<S>,
+    /// From the first to the second.
+    pub normal: Vec3<S>,
+    /// Distance of the surfaces less their margin (m).
+    pub violation: S,
+    /// Sliding friction.
+    pub friction: S::Const,
+    /// Softness.
+    pub impedance: &'a Impedance<S::Const>,
+    /// Inverse inertia of every row.
+    pub diagonal: S::Const,
+    /// The links of both; the world's where a surface stands still.
+    pub links: [usize; 2],
+}
+
 /// The four edges of a contact's friction pyramid as constraint rows.
 #[inline(always)]
-fn pyramid<S: Scalar>(
+pub(super) fn pyramid<S: Scalar>(
     plan: &Plan<S::Const>,
-    sphere: &ContactSphere<S::Const>,
-    obstacles: &Obstacles<S::Const, S>,
+    meeting: &Meeting<'_, S>,
     state: &State<S>,
-    centre: Vec3<S>,
     number: usize,
     ws: &mut Workspace<S>,
 ) {
-    let Contact { exists, distance, normal, .. } = ws.contacts[number];
-    // Midway between the two surfaces.
-    let depth = distance.mul_add(S::lit(0.5), S::splat(sphere.radius));
-    let at = centre - normal.scale(depth);
-    let [first, second] = tangents(normal);
+    let [first, second] = tangents(meeting.normal);
     let n = plan.ndof();
-    let friction = S::splat(obstacles.friction);
-    let violation = distance - S::splat(obstacles.margin);
-    let screws = &plan.links[sphere.centre.link].screw_of_dof;
+    let friction = S::splat(meeting.friction);
+    let [under, over] = meeting.links.map(|link| &plan.links[link].screw_of_dof);
+    let exists = ws.contacts[number].exists;
     for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
-        let edge = Wrench::at(at, direction.mul_add(friction, normal));
+        let edge = Wrench::at(meeting.at, direction.mul_add(friction, meeting.normal));
         let mut velocity = S::zero();
-        for (dof, screw) in screws.iter().enumerate() {
-            let entry = match *screw {
-                Some(screw) => ws.screw[screw].dot(edge),
-                None => S::zero(),
+        for (dof, screws) in under.iter().zip(over).enumerate() {
+            let entry = match screws {
+                (None, Some(over)) => ws.screw[*over].dot(edge),
+                (Some(under), None) => -ws.screw[*under].dot(edge),
+                (Some(under), Some(over)) if under != over => (ws.screw[*over] - ws.screw[*under]).dot(edge),
+                _ => S::zero(),
             };
             ws.contact_jacobian[(number * PYRAMID + k) * n + dof] = entry;
             velocity = entry.mul_add(state.qvel[dof], velocity);
         }
-        let (weight, reference) = obstacles.impedance.row(violation, velocity, S::splat(obstacles.diagonal));
+        let (weight, reference) = meeting.impedance.row(meeting.violation, velocity, S::splat(meeting.diagonal));
         ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
     }
 }
 
 /// Two directions across a normal, as MuJoCo chooses them: from the world's y axis, or z where the normal is near y.
 #[inline(always)]
-fn tangents<S: Scalar>(normal: Vec3<S>) -> [Vec3<S>; 2] {
+pub(super) fn tangents<S: Scalar>(normal: Vec3<S>) -> [Vec3<S>; 2] {
     let (o, i) = (S::zero(), S::lit(1.0));
     let steep = normal.y.abs().lt(S::lit(0.5));
     let guide = Vec3::select(steep, Vec3::new(o, i, o), Vec3::new(o, o, i));

@@ -55,8 +55,11 @@ pub fn mass_matrix<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
         ws.set_inertia[k] = set_inertia(set, ws);
     }
     let (mass, screws, inertias) = (&mut ws.mass[..], &ws.screw[..], &ws.set_inertia[..]);
-    for entry in mass.iter_mut() {
-        *entry = S::zero();
+    for column in &plan.elimination.columns {
+        mass[column.diagonal] = S::zero();
+        for felt in &column.before {
+            mass[felt.entry] = S::zero();
+        }
     }
     for term in &plan.mass_terms {
         let wrench = inertias[term.set].apply(screws[term.screw]);

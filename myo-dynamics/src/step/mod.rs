@@ -7,10 +7,12 @@ pub mod boxes;
 pub mod cholesky;
 pub mod constraint;
 pub mod contact;
+pub mod ellipsoid;
 pub mod force;
 pub mod inertia;
 pub mod kinematics;
 pub mod nearby;
+pub mod pair;
 pub mod tendon;
 pub mod wrap;
 
@@ -113,6 +115,7 @@ impl StepStage for Constraints {
         constraint::limits(plan, state, ws);
         constraint::equalities(plan, state, ws);
         contact::contact(plan, obstacles, state, ws);
+        pair::pairs(plan, state, ws);
         constraint::solve(plan, ws);
     }
 }
@@ -178,15 +181,9 @@ pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State
 #[inline(always)]
 fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
     let n = plan.ndof();
-    for i in 0..n {
-        let mut force = S::zero();
-        for j in 0..n {
-            force = ws.mass[i.max(j) * n + i.min(j)].mul_add(ws.qacc[j], force);
-        }
-        ws.step_qacc[i] = force;
-    }
+    cholesky::product(&plan.elimination, &ws.mass, &ws.qacc, &mut ws.step_qacc);
     let h = S::splat(plan.timestep);
-    ws.matrix.copy_from_slice(&ws.mass);
+    cholesky::copy(&plan.elimination, &ws.mass, &mut ws.matrix);
     for (k, dof) in plan.dofs.iter().enumerate() {
         ws.matrix[k * n + k] += h * S::splat(dof.damping);
     }
@@ -195,7 +192,7 @@ fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
         let dof = joint.drive.dof.expect("curved joints follow a coordinate");
         ws.matrix[dof * n + dof] += h * S::splat(joint.damping) * slope * slope;
     }
-    cholesky::factor_and_solve(n, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
+    cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
 }
 
 /// Position of the fingertip (m, from the shoulder centre), after [`kinematics::kinematics`].

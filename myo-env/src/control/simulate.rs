@@ -153,7 +153,7 @@ impl<S: Scalar> Stage<S> for Follow<'_, S> {
         let at = goal.centre_after(stay.passed * S::lit(share));
         let body = landmarks(world, physics, stay.cursor);
         let pointer = task.pointer.place(&body, at);
-        let contacts = physics.contacts.iter();
+        let contacts = physics.box_contacts().iter();
         let contacts =
             contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force, facing: c.facing });
         stay.follow(task, goal, pointer, share, contacts);

@@ -1,62 +1,248 @@
 //! Which parts of a body may touch each other.
 
 use super::Import;
-use myo_mjcf::{Geom, Switch};
+use super::apart::Apart;
+use crate::description::{Contact, Geom, Shape, Softness};
+use myo_mjcf::{self as source, Cone, Pair, Place, Switch};
+
+/// A geom, with the number of its body and its own.
+#[derive(Clone, Copy)]
+pub(super) struct Held<'a> {
+    pub body: usize,
+    pub number: usize,
+    pub geom: &'a source::Geom,
+}
+
+/// Two geoms that may touch, and how.
+struct Touch<'a> {
+    geoms: [Held<'a>; 2],
+    place: &'a Place,
+    condim: i32,
+    friction: [f64; 2],
+    margin: f64,
+    gap: f64,
+    adhesion: f64,
+    softness: Softness,
+}
 
 impl<'a> Import<'a> {
-    /// Refuses the first two geoms that may touch each other, and says how many pairs there are.
-    pub(super) fn contacts(&mut self) {
+    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out.
+    pub(super) fn contacts(&mut self) -> (Vec<Geom>, Vec<Contact>) {
         if !self.keeps(self.mjcf.flags.contact()) {
-            return;
+            return (vec![], vec![]);
         }
-        let (count, first) = self.touching();
-        let Some((one, other)) = first else { return };
-        let name = |geom: &Geom| {
-            geom.name.as_ref().map_or_else(|| format!("the geom at {}", geom.place), |name| format!("`{name}`"))
+        let apart = Apart::of(self.mjcf);
+        let mut touches = self.touches();
+        touches.retain(|touch| !apart.always(touch.geoms, touch.margin));
+        if let Some(first) = touches.first() {
+            self.check_cone(first.place);
+        }
+        let (mut geoms, mut contacts): (Vec<Geom>, Vec<Contact>) = (vec![], vec![]);
+        let unlike = touches.iter().filter(|touch| !self.is_simulated(touch)).count();
+        let mut is_first = true;
+        for touch in touches {
+            if !self.is_simulated(&touch) {
+                if std::mem::take(&mut is_first) {
+                    self.refuse_touch(&touch, unlike);
+                }
+                continue;
+            }
+            for held in touch.geoms {
+                let name = self.geom_name(held);
+                if !geoms.iter().any(|geom| geom.name == name) {
+                    geoms.extend(self.geom(held));
+                }
+            }
+            contacts.push(Contact {
+                geoms: touch.geoms.map(|held| self.geom_name(held)),
+                margin: touch.margin,
+                friction: touch.friction[0],
+                softness: touch.softness,
+            });
+        }
+        (geoms, contacts)
+    }
+
+    fn check_cone(&mut self, place: &Place) {
+        let option = &self.mjcf.option;
+        self.refuse_all(
+            place,
+            ("option", None),
+            &[
+                (option.cone() != Cone::Pyramidal, "parts touch with a pyramidal friction cone (`cone`) only"),
+                (option.impratio() != 1.0, "`impratio` other than 1 is not simulated where parts touch"),
+            ],
+        );
+    }
+
+    /// Refuses the first contact of a kind that is not simulated, and says how many there are.
+    fn refuse_touch(&mut self, touch: &Touch<'_>, count: usize) {
+        let [one, other] = touch.geoms;
+        let name = |held: Held<'_>| {
+            held.geom.name.as_ref().map_or_else(|| format!("the geom at {}", held.geom.place), |name| format!("`{name}`"))
+        };
+        let kinds = touch.geoms.map(|held| format!("{:?}", held.geom.kind()).to_lowercase());
+        let why = if shape(one.geom).is_none() || shape(other.geom).is_none() || kinds == ["ellipsoid", "ellipsoid"] {
+            format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
+        } else {
+            "of contacts only those with `condim` 3, one sliding friction, and neither `gap` nor `adhesion` are simulated".into()
         };
         let others = if count > 1 { format!(", nor are {} more pairs like this", count - 1) } else { String::new() };
         let what = format!(
-            "it may touch {}, which is not simulated{others}; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)",
+            "it may touch {}: {why}{others}; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)",
             name(other)
         );
-        self.refuse(&one.place, ("geom", one.name.as_ref()), what);
+        self.refuse(&one.geom.place, ("geom", one.geom.name.as_ref()), what);
     }
 
-    /// How many pairs of geoms may touch, and the first of them.
-    fn touching(&self) -> (usize, Option<(&'a Geom, &'a Geom)>) {
+    fn is_simulated(&self, touch: &Touch<'_>) -> bool {
+        let kinds = touch.geoms.map(|held| held.geom.kind());
+        kinds.iter().all(|kind| matches!(kind, source::Shape::Sphere | source::Shape::Capsule | source::Shape::Ellipsoid))
+            && kinds != [source::Shape::Ellipsoid; 2]
+            && (touch.condim, touch.gap, touch.adhesion) == (3, 0.0, 0.0)
+            && touch.friction[0] == touch.friction[1]
+    }
+
+    /// All pairs that may touch by their bits, and those by name.
+    fn touches(&self) -> Vec<Touch<'a>> {
         let welded = Welded::of(self);
-        let geoms: Vec<(usize, &'a Geom)> = self.mjcf.geoms().collect();
-        let mut found = (0, None);
-        for (number, &(body, one)) in geoms.iter().enumerate() {
-            for &(other_body, other) in &geoms[..number] {
-                if self.may_touch(&welded, (body, one), (other_body, other)) {
-                    found = (found.0 + 1, found.1.or(Some((other, one))));
+        let held = |(number, (body, geom)): (usize, (usize, &'a source::Geom))| Held { body, number, geom };
+        let geoms: Vec<Held<'a>> = self.mjcf.geoms().enumerate().map(held).collect();
+        let find = |name: &str| geoms.iter().find(|held| held.geom.name.as_deref() == Some(name)).copied();
+        let named = |pair: &'a Pair| {
+            let geoms = [find(&pair.geom1)?, find(&pair.geom2)?];
+            (welded.with[geoms[0].body] != welded.with[geoms[1].body]).then(|| Touch::of_pair(pair, geoms))
+        };
+        let mut touches: Vec<Touch<'a>> = self.mjcf.pairs.iter().filter_map(named).collect();
+        let asked: Vec<[usize; 2]> = touches.iter().map(|touch| touch.geoms.map(|held| held.number)).collect();
+        let is_asked = |a: &Held<'_>, b: &Held<'_>| {
+            asked.iter().any(|pair| *pair == [a.number, b.number] || *pair == [b.number, a.number])
+        };
+        // Most geoms are only seen.
+        let mut touching = geoms.iter().filter(|held| held.geom.contype() != 0 || held.geom.conaffinity() != 0);
+        while let Some(one) = touching.next() {
+            for other in touching.clone() {
+                if !is_asked(one, other) && self.may_touch(&welded, one, other) {
+                    touches.push(Touch::of_geoms([*one, *other]));
                 }
             }
         }
-        found
+        touches
     }
 
-    fn may_touch(&self, welded: &Welded, (body, one): (usize, &Geom), (other_body, other): (usize, &Geom)) -> bool {
-        let [a, b] = [welded.with[body], welded.with[other_body]];
-        let is = |name: &str, geom: &Geom| geom.name.as_deref() == Some(name);
-        let asked = self.mjcf.pairs.iter().any(|pair| {
-            is(&pair.geom1, one) && is(&pair.geom2, other) || is(&pair.geom1, other) && is(&pair.geom2, one)
-        });
+    fn may_touch(&self, welded: &Welded, one: &Held<'_>, other: &Held<'_>) -> bool {
+        let [a, b] = [welded.with[one.body], welded.with[other.body]];
         // What stands still does not touch what stands still, nor a body itself.
         if a == b {
             return false;
         }
-        let [first, second] = [body, other_body].map(|body| &self.names.bodies[body]);
-        let ruled_out = self.mjcf.excludes.iter().any(|exclude| {
-            (&exclude.body1, &exclude.body2) == (first, second) || (&exclude.body1, &exclude.body2) == (second, first)
-        });
+        let by_bits = one.geom.contype() & other.geom.conaffinity() != 0
+            || other.geom.contype() & one.geom.conaffinity() != 0;
+        let [first, second] = [one, other].map(|held| &self.names.bodies[held.body]);
+        let ruled_out = || {
+            self.mjcf.excludes.iter().any(|exclude| {
+                (&exclude.body1, &exclude.body2) == (first, second)
+                    || (&exclude.body1, &exclude.body2) == (second, first)
+            })
+        };
         let is_parent = self.mjcf.flags.filterparent() == Switch::On
             && a != 0
             && b != 0
             && (welded.parent(self, a) == b || welded.parent(self, b) == a);
-        let by_bits = one.contype() & other.conaffinity() != 0 || other.contype() & one.conaffinity() != 0;
-        asked || by_bits && !ruled_out && !is_parent
+        by_bits && !is_parent && !ruled_out()
+    }
+
+    fn geom_name(&self, held: Held<'_>) -> String {
+        self.names.geoms[held.number].clone()
+    }
+
+    /// The description of a geom of a shape that is simulated.
+    fn geom(&self, held: Held<'_>) -> Option<Geom> {
+        let geom = held.geom;
+        Some(Geom {
+            name: self.geom_name(held),
+            body: self.names.bodies[held.body].clone(),
+            shape: shape(geom)?,
+            pos: geom.pose.pos(),
+            quat: geom.pose.quat(),
+            margin: geom.margin(),
+            friction: geom.friction(),
+            softness: Softness { solref: geom.solref(), solimp: geom.solimp() },
+        })
+    }
+}
+
+fn shape(geom: &source::Geom) -> Option<Shape> {
+    let [a, b, c] = geom.size();
+    match geom.kind() {
+        source::Shape::Sphere => Some(Shape::Sphere { radius: a }),
+        source::Shape::Capsule => Some(Shape::Capsule { radius: a, half_length: b }),
+        source::Shape::Ellipsoid => Some(Shape::Ellipsoid { radii: [a, b, c] }),
+        _ => None,
+    }
+}
+
+impl<'a> Touch<'a> {
+    fn of_pair(pair: &'a Pair, geoms: [Held<'a>; 2]) -> Self {
+        let [first, second, ..] = pair.friction();
+        Self {
+            geoms,
+            place: &pair.place,
+            condim: pair.condim(),
+            friction: [first, second],
+            margin: pair.margin(),
+            gap: pair.gap(),
+            adhesion: pair.adhesion(),
+            softness: Softness { solref: pair.solref(), solimp: pair.solimp() },
+        }
+    }
+
+    /// Two geoms mix their parameters, unless one has the higher priority.
+    fn of_geoms(geoms: [Held<'a>; 2]) -> Self {
+        let [one, other] = geoms.map(|held| held.geom);
+        let mix = match one.priority().cmp(&other.priority()) {
+            std::cmp::Ordering::Greater => 1.0,
+            std::cmp::Ordering::Less => 0.0,
+            std::cmp::Ordering::Equal => mix(one.solmix(), other.solmix()),
+        };
+        let of_both = |a: f64, b: f64, mixed: f64| if one.priority() == other.priority() { a.max(b) } else { mixed };
+        let mixed = |a: f64, b: f64| mix * a + (1.0 - mix) * b;
+        let friction = of_both(
+            one.friction()[0],
+            other.friction()[0],
+            mixed(one.friction()[0], other.friction()[0]),
+        );
+        let (condim, other_condim) = (f64::from(one.condim()), f64::from(other.condim()));
+        let (solref, other_solref) = (one.solref(), other.solref());
+        let (solimp, other_solimp) = (one.solimp(), other.solimp());
+        // Stiffness and damping, which are negative, are not mixed.
+        let is_direct = one.priority() == other.priority() && (solref[0] <= 0.0 || other_solref[0] <= 0.0);
+        Self {
+            geoms,
+            place: &one.place,
+            condim: of_both(condim, other_condim, mixed(condim, other_condim)) as i32,
+            friction: [friction; 2],
+            margin: one.margin() + other.margin(),
+            gap: one.gap() + other.gap(),
+            adhesion: one.adhesion() + other.adhesion(),
+            softness: Softness {
+                solref: std::array::from_fn(|k| {
+                    if is_direct { solref[k].min(other_solref[k]) } else { mixed(solref[k], other_solref[k]) }
+                }),
+                solimp: std::array::from_fn(|k| mixed(solimp[k], other_solimp[k])),
+            },
+        }
+    }
+}
+
+/// Share of the first of two geoms in what they mix; MuJoCo's rule for weights of nothing.
+fn mix(one: f64, other: f64) -> f64 {
+    const NOTHING: f64 = 1e-15;
+    match (one < NOTHING, other < NOTHING) {
+        (false, false) => one / (one + other),
+        (true, true) => 0.5,
+        (true, false) => 0.0,
+        (false, true) => 1.0,
     }
 }
 

@@ -3,6 +3,7 @@
 //! What this crate cannot simulate as MuJoCo does is never left out: all of it is listed, with its place. What has no part in
 //! the simulation (cameras, lights, materials, meshes that are only seen, sensors, stored states) is counted, see [`unused`].
 
+mod apart;
 mod contacts;
 mod joints;
 mod mass;
@@ -55,10 +56,9 @@ pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescriptio
         what: one.why.clone(),
     };
     import.unsupported.extend(mjcf.refused.iter().map(refused));
-    if !options.without_contacts {
-        import.contacts();
-    }
+    let (mut geoms, contacts) = if options.without_contacts { (vec![], vec![]) } else { import.contacts() };
     let landmarks = options.landmarks.clone();
+    geoms.extend(import.fingertip(&landmarks, &geoms));
     let description = ModelDescription {
         version: FORMAT_VERSION,
         name: mjcf.model.clone().unwrap_or_else(|| "model".into()),
@@ -70,7 +70,8 @@ pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescriptio
         joints: import.joints(),
         couplings: import.couplings(),
         sites: import.sites(),
-        geoms: import.fingertip(&landmarks).into_iter().collect(),
+        geoms,
+        contacts,
         wraps: import.wraps(),
         muscles: import.muscles(),
         landmarks,
@@ -97,6 +98,7 @@ struct Names {
     bodies: Vec<String>,
     joints: Vec<String>,
     sites: Vec<String>,
+    geoms: Vec<String>,
 }
 
 impl Names {
@@ -111,6 +113,7 @@ impl Names {
         Self {
             bodies: named("body", mjcf.bodies.iter().map(|body| body.name.as_ref()).collect()),
             joints: named("joint", mjcf.joints().map(|(_, joint)| joint.name.as_ref()).collect()),
+            geoms: named("geom", mjcf.geoms().map(|(_, geom)| geom.name.as_ref()).collect()),
             sites: named("site", mjcf.sites().map(|(_, site)| site.name.as_ref()).collect()),
         }
     }
@@ -188,8 +191,9 @@ impl Import<'_> {
         self.mjcf.sites().zip(&self.names.sites).map(site).collect()
     }
 
-    /// The ball about the site that points, if there is one: it is what presses.
-    fn fingertip(&self, landmarks: &Landmarks) -> Option<Geom> {
+    /// The ball about the site that points, if there is one: it is what presses. One that touches parts of the body, too, is
+    /// there twice, as a geom of a contact presses nothing.
+    fn fingertip(&self, landmarks: &Landmarks, touching: &[Geom]) -> Option<Geom> {
         let site = self.names.sites.iter().position(|name| *name == landmarks.fingertip)?;
         let (body, site) = self.mjcf.sites().nth(site)?;
         let is_it = |geom: &&myo_mjcf::Geom| {
@@ -198,8 +202,10 @@ impl Import<'_> {
                 && (geom.contype() != 0 || geom.conaffinity() != 0)
         };
         let geom = self.mjcf.bodies[body].geoms.iter().find(is_it)?;
+        let taken: Vec<Option<&String>> = touching.iter().map(|geom| Some(&geom.name)).collect();
+        let name = free(geom.name.as_deref().unwrap_or("fingertip"), &taken);
         Some(Geom {
-            name: geom.name.clone().unwrap_or_else(|| "fingertip".into()),
+            name,
             body: self.names.bodies[body].clone(),
             shape: Shape::Sphere { radius: geom.size()[0] },
             pos: geom.pose.pos(),

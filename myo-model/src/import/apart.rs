@@ -1,0 +1,124 @@
+//! Which geoms can never touch, however their joints stand.
+//!
+//! A point that hangs on hinges stays within a ball around the first of them: its radius is the way from each hinge to the next, and
+//! to the point. So a floor that an arm does not come down to needs no contact.
+
+use super::contacts::Held;
+use myo_mjcf::{JointKind, Mjcf, Shape};
+use nalgebra::{Isometry3, Point3, Translation3};
+
+/// Where everything is in the pose of the file.
+pub(super) struct Apart<'a> {
+    mjcf: &'a Mjcf,
+    frames: Vec<Isometry3<f64>>,
+}
+
+/// Where a geom stays, seen from a body that it hangs on.
+enum Stays {
+    /// Nobody knows.
+    Anywhere,
+    /// It stands still.
+    Still,
+    /// Within a ball.
+    Ball(Point3<f64>, f64),
+}
+
+impl<'a> Apart<'a> {
+    pub(super) fn of(mjcf: &'a Mjcf) -> Self {
+        let mut frames: Vec<Isometry3<f64>> = Vec::with_capacity(mjcf.bodies.len());
+        for body in &mjcf.bodies {
+            let pose = frame(&body.pose);
+            // Parents stand before their children, and the world before all.
+            frames.push(frames.get(body.parent).map_or(pose, |parent| parent * pose));
+        }
+        Self { mjcf, frames }
+    }
+
+    /// Whether two geoms never come within a margin (m) of each other.
+    pub(super) fn always(&self, [one, other]: [Held<'_>; 2], margin: f64) -> bool {
+        let ancestor = self.common_ancestor(one.body, other.body);
+        match (self.stays(one, ancestor), self.stays(other, ancestor)) {
+            (Stays::Ball(a, near), Stays::Ball(b, far)) => (a - b).norm() > near + far + margin,
+            (Stays::Still, Stays::Ball(centre, radius)) => self.distance(one, &centre) > radius + margin,
+            (Stays::Ball(centre, radius), Stays::Still) => self.distance(other, &centre) > radius + margin,
+            _ => false,
+        }
+    }
+
+    fn common_ancestor(&self, mut one: usize, mut other: usize) -> usize {
+        // A child stands after its parent.
+        while one != other {
+            if one > other {
+                one = self.mjcf.bodies[one].parent;
+            } else {
+                other = self.mjcf.bodies[other].parent;
+            }
+        }
+        one
+    }
+
+    fn stays(&self, held: Held<'_>, ancestor: usize) -> Stays {
+        let mut bodies = vec![];
+        let mut body = held.body;
+        while body != ancestor {
+            bodies.push(body);
+            body = self.mjcf.bodies[body].parent;
+        }
+        let joints = bodies.iter().rev().flat_map(|&body| self.mjcf.bodies[body].joints.iter().map(move |joint| (body, joint)));
+        let mut ball: Option<(Point3<f64>, f64)> = None;
+        let mut last = Point3::origin();
+        for (body, joint) in joints {
+            if !matches!(joint.kind(), JointKind::Hinge | JointKind::Ball) {
+                return Stays::Anywhere;
+            }
+            let anchor = self.frames[body] * Point3::from(joint.pos());
+            ball = Some(match ball {
+                None => (anchor, 0.0),
+                Some((centre, radius)) => (centre, radius + (anchor - last).norm()),
+            });
+            last = anchor;
+        }
+        let Some((centre, radius)) = ball else { return Stays::Still };
+        let at = self.frames[held.body] * Point3::from(held.geom.pose.pos());
+        match reach(held.geom) {
+            Some(own) => Stays::Ball(centre, radius + (at - last).norm() + own),
+            None => Stays::Anywhere,
+        }
+    }
+
+    /// Distance of a point from a geom that stands still, or less.
+    fn distance(&self, held: Held<'_>, point: &Point3<f64>) -> f64 {
+        let place = self.frames[held.body] * frame(&held.geom.pose);
+        let local = place.inverse() * point;
+        let [a, b, c] = held.geom.size();
+        let across = local.x.hypot(local.y);
+        match held.geom.kind() {
+            Shape::Plane => local.z,
+            Shape::Sphere => local.coords.norm() - a,
+            Shape::Capsule => across.hypot((local.z.abs() - b).max(0.0)) - a,
+            Shape::Cylinder => (across - a).max(0.0).hypot((local.z.abs() - b).max(0.0)),
+            Shape::Box => {
+                (local.x.abs() - a).max(0.0).hypot((local.y.abs() - b).max(0.0)).hypot((local.z.abs() - c).max(0.0))
+            }
+            Shape::Ellipsoid => local.coords.norm() - a.max(b).max(c),
+            Shape::HeightField | Shape::Mesh | Shape::Sdf => f64::NEG_INFINITY,
+        }
+    }
+}
+
+/// Radius of a ball around the middle of a geom that holds it; none of one without end, or whose size its file does not tell.
+fn reach(geom: &myo_mjcf::Geom) -> Option<f64> {
+    let [a, b, c] = geom.size();
+    match geom.kind() {
+        Shape::Sphere => Some(a),
+        Shape::Capsule => Some(a + b),
+        Shape::Cylinder => Some(a.hypot(b)),
+        Shape::Ellipsoid => Some(a.max(b).max(c)),
+        Shape::Box => Some(a.hypot(b).hypot(c)),
+        Shape::Plane | Shape::HeightField | Shape::Mesh | Shape::Sdf => None,
+    }
+}
+
+fn frame(pose: &myo_mjcf::Pose) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::from(pose.pos()), pose.rotation())
+}
