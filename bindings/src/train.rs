@@ -12,6 +12,7 @@ use myo::train::{
 };
 use myo::{
     Comparison, Envs, Group, ModelReach, ProgressLine, RunDescription, Setting, Start, User, WarmStart, likely_cause,
+    usual_settings,
 };
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
@@ -196,10 +197,11 @@ impl Session {
         let began = |other: &Checkpoint| Some(WarmStart { run: start_from?, env_steps: other.env_steps() });
         let layouts = inner(&layouts);
         let user = layouts.first().map_or_else(TaskUser::default, |task| task.user);
+        let body = model.of_first(&layouts)?;
         let base =
-            other.as_ref().map_or_else(|| PpoConfig::for_user(user), |other| other.config().with_learning_of(user));
+            other.as_ref().map_or_else(|| usual_settings(user, &body), |other| other.config().with_learning_of(user));
         let setup = Setup {
-            model: model.of_first(&layouts)?,
+            model: body,
             own_model: layouts.first().and_then(|task| model.unless_built_in(&task.model)),
             layouts,
             config: settings(config, &base)?,
@@ -443,10 +445,10 @@ pub fn train_at_once(
     let tasks = inner(&tasks);
     let users: Vec<User<'_>> = tasks.iter().zip(&seeds).map(|(task, &seed)| User { task, seed }).collect();
     let user = tasks.first().map_or_else(TaskUser::default, |task| task.user);
-    let config = settings(config, &PpoConfig::for_user(user))?;
+    let body = model.of_first(&tasks)?;
+    let config = settings(config, &usual_settings(user, &body))?;
     let goal = Goal { until: goal_of(until)?, steps };
     let device = BackendChoice::new("gpu", device)?.device(config.num_envs)?;
-    let body = model.of_first(&tasks)?;
     let (outcomes, raised) =
         interruptible(py, &*pool()?, |go_on| myo::train_at_once(&device, &body, &users, &config, goal, go_on))?;
     let describe = |user: &User<'_>| {

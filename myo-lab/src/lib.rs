@@ -3,7 +3,7 @@
 //!
 //! - [`Backend`], [`Device`] and [`Envs`] choose between processor and graphics card and train there; [`train_at_once`] trains several users;
 //! - [`RunDescription`] is what a run folder says about its training, and [`find_runs`] finds all that lie in a folder;
-//! - [`describe_model`] finds a body by its name, [`ModelReach`] lets the checks of a task ask a model;
+//! - [`describe_model`] finds a body by its name, [`Anatomy`] tells what it is, [`ModelReach`] lets the checks of a task ask a model;
 //! - [`Comparison`] tells two layouts apart, [`misfits`] whether a user can act on a layout that it was not trained on;
 //! - [`likely_cause`] and [`most_success`] say why a training leads nowhere or cannot reach its goal;
 //! - [`reward_terms`] says what each term of a reward can be worth, [`reward_slice`] how it lies in space;
@@ -14,6 +14,7 @@
 //!
 //! This crate knows no command line, no browser and no Python.
 mod advice;
+mod anatomy;
 mod backend;
 mod compare;
 mod fit;
@@ -33,6 +34,7 @@ mod settings;
 mod trajectories;
 mod users;
 
+pub use anatomy::{Anatomy, MuscleAnatomy, moment_arm_plots};
 pub use advice::{Body, likely_cause, most_success};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs, default_steps};
 pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
@@ -44,6 +46,6 @@ pub use reach::ModelReach;
 pub use reward::{RewardTerm, Slice, reward_slice, reward_terms};
 pub use run_description::{RunDescription, WarmStart, WarmStartMoved};
 pub use runs::{FoundRun, RunState, RunSummary, find_runs, run_summary};
-pub use settings::{LearnerSetting, SettingsError, changed_settings, learner_settings};
+pub use settings::{LearnerSetting, SettingsError, changed_settings, learner_settings, usual_settings};
 pub use trajectories::{Column, Trajectories, TrajectoryError, Values, trajectories};
 pub use users::{MOST_AT_ONCE, User, UsersError, batches, train_at_once};

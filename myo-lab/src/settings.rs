@@ -1,6 +1,7 @@
 //! Settings of the learner one by one: what there is, and how a few of them are changed.
 
-use myo_model::Nearest;
+use myo_model::{Model, Nearest};
+use myo_tasks::User;
 use myo_train::{ConfigError, PpoConfig};
 use serde_json::{Map, Value};
 use thiserror::Error;
@@ -66,6 +67,11 @@ fn fields(config: &PpoConfig) -> Map<String, Value> {
         Ok(Value::Object(fields)) => fields,
         _ => Map::new(),
     }
+}
+
+/// What users of a kind learn with on a body where nothing else is said.
+pub fn usual_settings(user: User, body: &Model) -> PpoConfig {
+    PpoConfig::for_user(user).on_body(body.joints.len() - body.couplings.len())
 }
 
 /// Settings with some of them changed.

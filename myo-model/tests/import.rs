@@ -264,6 +264,9 @@ fn parts_that_touch_are_a_contact() {
     let decided = unfiltered.replace("friction=\"0.4\"", "friction=\"0.4\" priority=\"1\"");
     let contact = &from_mjcf(&read(&decided), &options("tip", "humerus")).unwrap().contacts[0];
     assert_eq!((contact.margin, contact.friction, contact.softness.solref), (0.003, 0.4, [0.02, 1.0]));
+    // What a muscle runs over may touch, too.
+    let over = unfiltered.replace("<site site=\"origin\"/><", "<site site=\"origin\"/><geom geom=\"palm\"/><");
+    assert_eq!(contacts(&over), Ok(vec![["bone", "palm_surface"].map(String::from)]));
     // It goes out as it came in.
     let model = Model::new(&mixed).unwrap();
     let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "humerus")).unwrap();

@@ -110,7 +110,7 @@ impl ForceCurves<f64> {
     }
 
     /// From tendon length (m) to fibre length in units of the optimal length, scale and offset; these curves are worked out from `gain`.
-    pub(crate) fn fibre_length(&self, gain: &CurveParameters) -> [f64; 2] {
+    pub fn fibre_length(&self, gain: &CurveParameters) -> [f64; 2] {
         let unit = inflection(gain);
         [self.above[0] * unit, self.above[1] * unit + 1.0]
     }

@@ -167,6 +167,10 @@ impl Default for PpoConfig {
     }
 }
 
+/// Coordinates from which on a body is large, and environments of one.
+const LARGE_BODY: usize = 20;
+const MANY_ENVS: usize = 16_384;
+
 /// Logarithms of the standard deviations of one draw of exploration noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogStd {
@@ -258,6 +262,14 @@ impl PpoConfig {
     pub fn envs(&self, seed: u64) -> EnvConfig {
         let exploring = (self.exploring_starts * self.num_envs as f64) as usize;
         EnvConfig { num_envs: self.num_envs, seed, exploring, ..EnvConfig::default() }
+    }
+
+    /// The same for a body of so many coordinates. A large one keeps a card busy with four times as many environments, which learn no
+    /// worse from as many control steps: of `myoarm_r` (27 coordinates) users who reach for balls had 71 % success after 48 million and 98.6 %
+    /// after 164 million in a minute and a half, where a quarter of the environments came to 66 % after 50 and 77 % after 84 million.
+    pub fn on_body(self, coordinates: usize) -> Self {
+        let num_envs = if coordinates < LARGE_BODY { self.num_envs } else { MANY_ENVS };
+        Self { num_envs, ..self }
     }
 
     /// What users of a kind learn with where nothing else is said.

@@ -152,8 +152,10 @@ impl<'a> Import<'a> {
         by_bits && !is_parent && !ruled_out()
     }
 
+    /// The name of a geom that touches. What tendons run over, too, is there twice, under two names.
     fn geom_name(&self, held: Held<'_>) -> String {
-        self.names.geoms[held.number].clone()
+        let name = &self.names.geoms[held.number];
+        if self.is_run_over(name) { format!("{name}_surface") } else { name.clone() }
     }
 
     /// The description of a geom of a shape that is simulated.

@@ -6,18 +6,19 @@ use myo_mjcf::{Actuator, BiasKind, DynKind, GainKind, PathPoint, Shape, Switch, 
 use myo_muscle::{CurveParameters, MuscleParameters};
 
 impl Import<'_> {
+    /// Whether a tendon runs over the geom of this name.
+    pub(super) fn is_run_over(&self, name: &str) -> bool {
+        let is_it = |point: &PathPoint| matches!(point, PathPoint::Geom(over) if over.geom == name);
+        let runs = |tendon: &Tendon| matches!(&tendon.path, TendonPath::Spatial(path) if path.iter().any(is_it));
+        self.mjcf.tendons.iter().any(runs)
+    }
+
     /// Spheres and cylinders that tendons run over.
     pub(super) fn wraps(&mut self) -> Vec<Wrap> {
         let mjcf = self.mjcf;
-        let over = |name: &String| {
-            let is_it = |point: &PathPoint| matches!(point, PathPoint::Geom(over) if over.geom == *name);
-            mjcf.tendons
-                .iter()
-                .any(|tendon| matches!(&tendon.path, TendonPath::Spatial(path) if path.iter().any(is_it)))
-        };
         let mut all = vec![];
         for (body, geom) in mjcf.geoms() {
-            let Some(name) = geom.name.as_ref().filter(|name| over(name)) else { continue };
+            let Some(name) = geom.name.as_ref().filter(|name| self.is_run_over(name)) else { continue };
             let [radius, half_length, _] = geom.size();
             let shape = match geom.kind() {
                 Shape::Sphere => WrapShape::Sphere { radius },

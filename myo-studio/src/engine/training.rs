@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use myo_lab::{Backend, Device, Envs, RunDescription, Start, WarmStart, changed_settings, own_model};
+use myo_lab::{Backend, Device, Envs, RunDescription, Start, WarmStart, changed_settings, own_model, usual_settings};
 use myo_model::Model;
 use myo_tasks::Task;
 use myo_train::session::{Goal, Session};
@@ -69,7 +69,7 @@ impl Training {
         let Beginning { task, model, backend, settings, seed, goal, heir_to } = beginning;
         let heritage = heir_to.as_ref().map(|heritage| &heritage.checkpoint);
         let base = heritage.map_or_else(
-            || PpoConfig::for_user(task.user),
+            || usual_settings(task.user, model),
             |checkpoint| checkpoint.config().with_learning_of(task.user),
         );
         let config = changed_settings(&base, super::jobs::changes(settings))?;

@@ -84,7 +84,7 @@ enum Command {
     /// Tasks: list, show, check
     #[command(subcommand)]
     Task(task::Command),
-    /// Models of the body: list, show, export
+    /// Models of the body: list, show, check, export, import
     #[command(subcommand)]
     Model(model::Command),
     /// Graphics cards that can compute the physics

@@ -1,17 +1,17 @@
 //! `myo model`: models of the body.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
 use myo::dynamics::{CouplingMode, Plan};
 use myo::model::mjcf::{MjcfOptions, to_mjcf};
 use myo::model::{Model, ModelDescription, builtin_names};
 use myo::train::write_whole;
-use myo::{ModelFileError, describe_model, own_model};
+use myo::{Anatomy, ModelFileError, describe_model, moment_arm_plots, own_model};
 
-use super::failure::{Failure, Mistake, Result, model_failure};
+use super::failure::{Failure, Mistake, Result, complain, model_failure};
 use super::model_import::Import;
-use super::output::{print, print_file, print_json, row, table};
+use super::output::{percent, print, print_file, print_json, row, table};
 use super::task::as_json;
 
 /// What to do with models.
@@ -33,19 +33,28 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Whether a model can be simulated, and what is wrong if not
+    /// Whether a model can be simulated, what is wrong if not, and what it is: reach, fibres, moment arms
     #[command(after_help = "\
-Example:
+Examples:
   myo model check arm.yaml
+  myo model check myo-arm --plots arms      moment arms over every joint, as SVG
 
 A model passes that keeps finite for a thousand control steps of random controls, tried here. The exit status is 0 if it
 does and 1 if not.
 
+Reach, lengths of fibres and moment arms are those of 1,000 random poses within the limits of joints.
+
 JSON: `ok`; `errors` with `file`, `line`, `column` and `message`; and, if it is ok, `bodies`, `joints`, `coordinates`,
-`muscles`.")]
+`muscles`, `warnings` (sentences), and `anatomy`: `poses`, `fingertip_m` (from and to, along x, y and z), `distance_m` from
+the shoulder, and `muscles`, a list of objects with `name`, `optimal_length_m`, `tendon_length_m`, `force_n`, `fibre` (from
+and to, in optimal lengths), `pulls` (lengths between which fibres pull), `cannot_pull` (share of poses) and `moves` (the
+coordinate with the greatest moment arm, and that in m).")]
     Check {
         /// Model file, or name of a model
         model: String,
+        /// Write plots of moment arms into a folder
+        #[arg(long, value_name = "DIR")]
+        plots: Option<PathBuf>,
         /// Print the findings as JSON
         #[arg(long)]
         json: bool,
@@ -85,7 +94,7 @@ pub fn run(command: Command) -> Result<()> {
     match command {
         Command::List { json } => list(json),
         Command::Show { model, json } => show(&model, json),
-        Command::Check { model, json } => check(&model, json),
+        Command::Check { model, plots, json } => check(&model, plots.as_deref(), json),
         Command::Export(export) => write(&export),
         Command::Import(import) => import.run(),
     }
@@ -140,9 +149,12 @@ fn show(name_or_file: &str, json: bool) -> Result<()> {
     print(&format!("{}\n\nJoints\n{}\nMuscles\n{}", heading(&model, &description), joints(&model), muscles(&model)))
 }
 
-fn check(name_or_file: &str, json: bool) -> Result<()> {
+fn check(name_or_file: &str, plots: Option<&Path>, json: bool) -> Result<()> {
     let errors = match simulate(name_or_file) {
-        Ok((model, plan)) => return tell_sizes(name_or_file, &model, &plan, json),
+        Ok((model, plan)) => {
+            tell(name_or_file, &model, &plan, json)?;
+            return plots.map_or(Ok(()), |folder| draw(&model, &plan, folder));
+        }
         Err(Failure::Mistakes(errors)) => errors,
         Err(Failure::Sentence(message)) => vec![Mistake { message, place: None, text: None, warning: false }],
         Err(failure) => return Err(failure),
@@ -163,18 +175,65 @@ fn simulate(name_or_file: &str) -> Result<(Model, Plan<f64>)> {
     Ok((model, plan))
 }
 
-fn tell_sizes(name_or_file: &str, model: &Model, plan: &Plan<f64>, json: bool) -> Result<()> {
+fn tell(name_or_file: &str, model: &Model, plan: &Plan<f64>, json: bool) -> Result<()> {
     let (bodies, joints, coordinates) = (model.bodies.len() - 1, model.joints.len(), plan.ndof());
     let muscles = model.muscles.len();
+    let anatomy = Anatomy::of(model, plan);
+    let warnings = anatomy.warnings();
     if json {
         return print_json(&serde_json::json!({
             "ok": true, "errors": [], "bodies": bodies, "joints": joints, "coordinates": coordinates, "muscles": muscles,
+            "warnings": warnings, "anatomy": anatomy,
         }));
     }
+    for warning in warnings {
+        complain(&format!("{name_or_file}: warning: {warning}"));
+    }
+    let [near, far] = anatomy.distance_m;
+    let [x, y, z] = anatomy.fingertip_m.map(|[from, to]| format!("{from:.2} to {to:.2}"));
     print(&format!(
         "{name_or_file} can be simulated: {bodies} bodies, {joints} joints that move with {coordinates} coordinates, \
-         {muscles} muscles\n"
+         {muscles} muscles\n\nThe fingertip comes as near as {near:.2} m to the shoulder and {far:.2} m away, x {x}, y {y}, z {z} m.\n\n{}",
+        lengths(&anatomy)
     ))
+}
+
+/// What each muscle is.
+fn lengths(anatomy: &Anatomy) -> String {
+    let mut rows = vec![row(["muscle", "force", "fibre", "tendon", "in use", "cannot pull", "moves most", "moment arm"])];
+    rows.extend(anatomy.muscles.iter().map(|muscle| {
+        let [from, to] = muscle.fibre;
+        let (joint, arm) = match &muscle.moves {
+            Some((joint, arm)) => (joint.clone(), format!("{:.1} cm", 100.0 * arm)),
+            None => ("nothing".into(), String::new()),
+        };
+        let share = if muscle.cannot_pull > 0.0 { percent(muscle.cannot_pull) } else { String::new() };
+        row([
+            &muscle.name,
+            &format!("{:.0} N", muscle.force_n),
+            &format!("{:.1} cm", 100.0 * muscle.optimal_length_m),
+            &format!("{:.1} cm", 100.0 * muscle.tendon_length_m),
+            &format!("{from:.2} to {to:.2}"),
+            &share,
+            &joint,
+            &arm,
+        ])
+    }));
+    table(&rows)
+}
+
+/// Writes a plot for every coordinate that muscles move.
+fn draw(model: &Model, plan: &Plan<f64>, folder: &Path) -> Result<()> {
+    let plots = moment_arm_plots(model, plan);
+    std::fs::create_dir_all(folder).map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))?;
+    for (coordinate, plot) in &plots {
+        let svg = plot.svg().map_err(|error| Failure::sentence(error.to_string()))?;
+        // A name of a joint may be anything.
+        let safe: String = coordinate.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        write_whole(&folder.join(format!("{safe}.svg")), svg.as_bytes())?;
+    }
+    complain(&format!("{} plots of moment arms are in {}", plots.len(), folder.display()));
+    Ok(())
 }
 
 fn heading(model: &Model, description: &ModelDescription) -> String {

@@ -48,12 +48,12 @@ pub struct Import {
 
 const HELP: &str = "\
 Example:
-  myo model import myoarm_r.xml --fingertip IFtip_r --shoulder humerus_r --without-contacts --out myoarm.yaml
+  myo model import myoarm_r.xml --fingertip IFtip_r --shoulder humerus_r --out myoarm.yaml
   myo train ours.yaml                           with `model: myoarm.yaml` in the task
 
-Hinges, slides, couplings of joints, tendons over sites, spheres and cylinders, and muscles are simulated as MuJoCo 4.0 does. All else that
-has a part in the simulation (free joints, contacts between parts of the body, limits of tendons, motors and so on) is refused by name, file and line; what is only
-seen or sensed is passed over and counted. Includes, classes, frames, copies and attached models are resolved.";
+Hinges, slides, couplings of joints, tendons over sites, spheres and cylinders, muscles, and contacts of spheres, capsules and ellipsoids are
+simulated as MuJoCo 4.0 does. All else that has a part in the simulation (free joints, contacts of other shapes, limits of tendons, motors and so
+on) is refused by name, file and line; what is only seen or sensed, and what can never touch, is passed over. Includes, classes, frames, copies and attached models are resolved.";
 
 impl Import {
     /// Runs `myo model import`.

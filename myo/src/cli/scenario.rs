@@ -8,6 +8,7 @@ use myo::tasks::{Report, Source, Task, User, load};
 use myo::train::PpoConfig;
 use myo::{
     Backend, Envs, LayoutsError, ModelReach, RunDescription, Setting, layout_names, most_success, one_structure,
+    usual_settings,
 };
 
 use super::backend;
@@ -33,6 +34,11 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// What its users learn with where nothing else is said.
+    pub fn usual_settings(&self) -> PpoConfig {
+        usual_settings(self.task.user, &self.model)
+    }
+
     /// Reads a preset or a task file, prints warnings, and refuses a task that cannot be done.
     pub fn open(name_or_file: &str) -> Result<Self> {
         Self::open_for(name_or_file, None)

@@ -87,11 +87,17 @@ fn a_model_that_can_be_simulated_is_told_with_its_size() {
     for name in ["mobl-arms", "arm.yaml"] {
         let said = stdout(&myo(folder.path(), &["model", "check", name]));
         let sizes = "17 bodies, 17 joints that move with 5 coordinates, 26 muscles";
-        assert_eq!(said, format!("{name} can be simulated: {sizes}\n"));
+        assert!(said.starts_with(&format!("{name} can be simulated: {sizes}\n\nThe fingertip comes as near as ")), "{said}");
+        assert!(said.contains("BRA ") && said.contains("elbow_flexion"), "{said}");
         let found: Value =
             serde_json::from_str(&stdout(&myo(folder.path(), &["model", "check", name, "--json"]))).unwrap();
         assert_eq!((&found["ok"], &found["coordinates"]), (&Value::Bool(true), &Value::from(5)));
+        assert_eq!((found["anatomy"]["muscles"].as_array().unwrap().len(), found["anatomy"]["poses"].as_u64()), (26, Some(1000)));
     }
+    // Moment arms, of every coordinate that muscles move.
+    let drawn = myo(folder.path(), &["model", "check", "arm.yaml", "--plots", "arms"]);
+    assert!(String::from_utf8_lossy(&drawn.stderr).contains("4 plots of moment arms are in arms"), "{drawn:?}");
+    assert!(std::fs::read_to_string(folder.path().join("arms/elbow_flexion.svg")).unwrap().contains("moment arm (cm)"));
     let help = stdout(&myo(folder.path(), &["model", "check", "--help"]));
     assert!(help.contains("myo model check arm.yaml"), "{help}");
 }

@@ -84,7 +84,7 @@ pub fn run(args: &CurveArgs) -> Result<()> {
         return Err(Failure::sentence("the control steps of `--at` must not go down"));
     }
     let scenario = Scenario::open(&args.task)?;
-    let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
+    let config = args.learner.settings(&scenario.usual_settings())?;
     let interrupt = Interrupt::listen()?;
     let rows = if args.at_once {
         measure_all(args, &scenario, &config, &interrupt)?

@@ -128,7 +128,7 @@ pub fn run(args: &TrainArgs) -> Result<()> {
 
 /// All seeds at once: the time of each runs from the beginning of all to its own end.
 fn measure_all(args: &TrainArgs, scenario: &Scenario, interrupt: &Interrupt) -> Result<Vec<Row>> {
-    let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
+    let config = args.learner.settings(&scenario.usual_settings())?;
     let start = Instant::now();
     let all = ready_at_once(scenario, &args.physics, &config, args.seeds, goal(args, scenario))?;
     let Some(device) = all.first().map(|ready| ready.device.clone()) else { return Ok(Vec::new()) };
@@ -149,7 +149,7 @@ fn goal(args: &TrainArgs, scenario: &Scenario) -> Goal {
 }
 
 fn measure(args: &TrainArgs, scenario: &Scenario, seed: u64, interrupt: &Interrupt) -> Result<Row> {
-    let config = args.learner.settings(&PpoConfig::for_user(scenario.task.user))?;
+    let config = args.learner.settings(&scenario.usual_settings())?;
     let (backend, goal) = (args.physics.choice(BackendName::Cpu)?, goal(args, scenario));
     let Trained { device, outcome, wall_s } = train_once(scenario, &config, &backend, (seed, goal), interrupt)?;
     ended(args, scenario, &device, seed, wall_s, outcome)
@@ -205,7 +205,7 @@ fn ended(
         device: device.card().map(String::from),
         task: scenario.task.name.clone(),
         seed,
-        envs: args.learner.settings(&PpoConfig::for_user(scenario.task.user))?.num_envs,
+        envs: args.learner.settings(&scenario.usual_settings())?.num_envs,
         threads: rayon::current_num_threads(),
         wall_s,
         env_steps: outcome.env_steps,

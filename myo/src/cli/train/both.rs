@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use myo::train::PpoConfig;
 use myo::train::session::Goal;
 use myo::{Device, MOST_AT_ONCE, User, batches};
 
@@ -25,7 +24,7 @@ pub struct Side {
 /// and nothing is done, where one layout is trained after the other: on the processor, for layouts of other structures, bodies or
 /// time limits, or for more users than a card takes at once.
 pub fn train_both(how: &TrainingOptions, sides: &[Side; 2], count: usize, interrupt: &Interrupt) -> Result<bool> {
-    let config = how.learner.settings(&PpoConfig::for_user(sides[0].scenario.task.user))?;
+    let config = how.learner.settings(&sides[0].scenario.usual_settings())?;
     let seeds = several::seeds(how.seed.unwrap_or(1), count as u64)?;
     let backend = how.physics.choice(BackendName::Auto)?;
     if !fit(sides, count)? || matches!(backend::device(&backend, config.num_envs)?, Device::Cpu) {

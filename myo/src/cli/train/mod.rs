@@ -224,7 +224,7 @@ fn start(args: &Train, tasks: &[String], interrupt: &Interrupt) -> Result<()> {
     let user = scenario.task.user;
     let base = heritage
         .as_ref()
-        .map_or_else(|| PpoConfig::for_user(user), |heritage| heritage.checkpoint.config().with_learning_of(user));
+        .map_or_else(|| scenario.usual_settings(), |heritage| heritage.checkpoint.config().with_learning_of(user));
     let config = args.how.learner.settings(&base)?;
     let steps = args.how.steps.unwrap_or_else(|| myo::default_steps(scenario.task.control_dt_s));
     let goal = Goal { until: args.how.until.unwrap_or_default(), steps };
