@@ -48,7 +48,7 @@
 //! ```
 //!
 //! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
-//! hinges and slides, muscle paths through points and over spheres and cylinders, and one sphere that collides with boxes; what it cannot simulate
+//! hinges and slides, muscle paths through points and over spheres and cylinders, one sphere that presses boxes, and contacts of round parts; what it cannot simulate
 //! faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;

@@ -243,7 +243,8 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
     let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
     assert!(refused.to_string().starts_with("geom 'thumb': only one sphere touches the boxes"), "{refused}");
     // One that touches the first presses nothing, nor does that then.
-    let contact = myo_model::model::Contact { geoms: [0, 1], margin: 0.0, friction: 1.0, softness: Softness::default() };
+    let contact =
+        myo_model::model::Contact { geoms: [0, 1], margin: 0.0, friction: 1.0, softness: Softness::default() };
     model.contacts.push(contact);
     let plan = Plan::exact(&model, CouplingMode::Reduced).unwrap();
     assert!(plan.contact_sphere.is_none() && plan.pairs.len() == 1);

@@ -18,7 +18,16 @@ fn model() -> Model {
     let along_y = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0];
     let mut geom = |name: &str, body: &str, pos: [f64; 3], shape: Shape| {
         let (margin, friction, softness) = (0.0, [1.0, 0.005, 0.0001], Softness::default());
-        arm.geoms.push(Geom { name: name.into(), body: body.into(), shape, pos, quat: along_y, margin, friction, softness });
+        arm.geoms.push(Geom {
+            name: name.into(),
+            body: body.into(),
+            shape,
+            pos,
+            quat: along_y,
+            margin,
+            friction,
+            softness,
+        });
     };
     geom("trunk", "thorax", [0.05, -0.25, 0.0], Shape::Ellipsoid { radii: [0.16, 0.25, 0.2] });
     geom("head", "thorax", [0.1, 0.15, 0.0], Shape::Sphere { radius: 0.18 });
@@ -37,7 +46,12 @@ fn model() -> Model {
     ];
     arm.contacts = pairs
         .into_iter()
-        .map(|pair| Contact { geoms: pair.map(String::from), margin: 0.002, friction: 0.8, softness: Softness::default() })
+        .map(|pair| Contact {
+            geoms: pair.map(String::from),
+            margin: 0.002,
+            friction: 0.8,
+            softness: Softness::default(),
+        })
         .collect();
     Model::new(&arm).unwrap()
 }
@@ -75,10 +89,7 @@ fn in_double_precision(plan: &Plan<f64>) -> Vec<Vec<f64>> {
 fn errors(ndof: usize, wanted: &[f64], found: &[f64]) -> [f64; 2] {
     let (wanted, found) = (wanted.split_at(ndof), found.split_at(ndof));
     let distances = |of: &[f64]| of.iter().copied().step_by(2).collect::<Vec<f64>>();
-    [
-        difference(wanted.0, found.0) / greatest(wanted.0).max(1.0),
-        difference(&distances(wanted.1), &distances(found.1)),
-    ]
+    [difference(wanted.0, found.0) / greatest(wanted.0).max(1.0), difference(&distances(wanted.1), &distances(found.1))]
 }
 
 #[test]
@@ -183,7 +194,8 @@ fn the_recorded_program_touches_as_the_reference_does() {
 #[test]
 fn nothing_passes_through() {
     let plan = exact();
-    let apart = |state: &State<f64>, ws: &mut Workspace<f64>| look(&plan, state, ws)[plan.ndof()..].iter().all(|x| *x == 0.0);
+    let apart =
+        |state: &State<f64>, ws: &mut Workspace<f64>| look(&plan, state, ws)[plan.ndof()..].iter().all(|x| *x == 0.0);
     let (mut tried, mut touched, mut deepest) = (0, 0, 0.0_f64);
     for number in 0..200 {
         let mut ws = Workspace::<f64>::new(&plan);

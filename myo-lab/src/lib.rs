@@ -34,8 +34,8 @@ mod settings;
 mod trajectories;
 mod users;
 
-pub use anatomy::{Anatomy, MuscleAnatomy, moment_arm_plots};
 pub use advice::{Body, likely_cause, most_success};
+pub use anatomy::{Anatomy, MuscleAnatomy, moment_arm_plots};
 pub use backend::{AUTO_ENVS_PER_THREAD, Backend, Device, Envs, Start, auto_envs, default_steps};
 pub use compare::{Comparison, Difference, Group, Quantity, TrainedUser, Verdict};
 pub use fit::{Misfit, Setting, misfits};

@@ -1,9 +1,9 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
 use super::{
-    Body, ContactPair, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Elimination, Equality, FixedFrame, Form, Limit, Link,
-    LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, Tendons, pairs,
-    reference_pose, sets,
+    Body, ContactPair, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Elimination, Equality,
+    FixedFrame, Form, Limit, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
+    SegmentPair, Stretch, Tendons, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;

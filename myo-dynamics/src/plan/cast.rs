@@ -1,9 +1,9 @@
 //! The same plan in another precision.
 
 use super::{
-    Body, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile, Equality,
-    FixedFrame, HingeSegment, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point, PoseProfile, ProfileSegment,
-    ProfiledCoordinate, RoundThing, Side, Stretch, Tendons,
+    Body, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile,
+    Equality, FixedFrame, HingeSegment, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point, PoseProfile,
+    ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, Tendons,
 };
 use crate::cast::{Cast, cast};
 use myo_scalar::Real;

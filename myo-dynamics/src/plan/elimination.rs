@@ -70,7 +70,8 @@ impl Elimination {
 
     /// For coordinates of which these pairs feel each other: first to last, or last to first where that leaves more zeros.
     fn new(ndof: usize, pairs: &BTreeSet<(usize, usize)>) -> Self {
-        let [forward, backward] = [(0..ndof).collect::<Vec<_>>(), (0..ndof).rev().collect()].map(|order| Self::in_order(&order, pairs));
+        let [forward, backward] =
+            [(0..ndof).collect::<Vec<_>>(), (0..ndof).rev().collect()].map(|order| Self::in_order(&order, pairs));
         if backward.entries() < forward.entries() { backward } else { forward }
     }
 

@@ -223,13 +223,7 @@ impl<S: Scalar> Part<S> for Assemble {
 }
 
 #[inline(always)]
-fn add_row<S: Scalar>(
-    elimination: &Elimination,
-    row: &Row<S>,
-    jacobian: &[S],
-    matrix: &mut [S],
-    right: &mut [S],
-) {
+fn add_row<S: Scalar>(elimination: &Elimination, row: &Row<S>, jacobian: &[S], matrix: &mut [S], right: &mut [S]) {
     let weight = row.weight.only(row.active);
     for column in &elimination.columns {
         let scaled = weight * jacobian[column.dof];

@@ -64,7 +64,8 @@ impl<'a> Apart<'a> {
             bodies.push(body);
             body = self.mjcf.bodies[body].parent;
         }
-        let joints = bodies.iter().rev().flat_map(|&body| self.mjcf.bodies[body].joints.iter().map(move |joint| (body, joint)));
+        let joints =
+            bodies.iter().rev().flat_map(|&body| self.mjcf.bodies[body].joints.iter().map(move |joint| (body, joint)));
         let mut ball: Option<(Point3<f64>, f64)> = None;
         let mut last = Point3::origin();
         for (body, joint) in joints {

@@ -37,29 +37,24 @@ impl<'a> Import<'a> {
         if let Some(first) = touches.first() {
             self.check_cone(first.place);
         }
-        let (mut geoms, mut contacts): (Vec<Geom>, Vec<Contact>) = (vec![], vec![]);
-        let unlike = touches.iter().filter(|touch| !self.is_simulated(touch)).count();
-        let mut is_first = true;
-        for touch in touches {
-            if !self.is_simulated(&touch) {
-                if std::mem::take(&mut is_first) {
-                    self.refuse_touch(&touch, unlike);
-                }
-                continue;
-            }
-            for held in touch.geoms {
-                let name = self.geom_name(held);
-                if !geoms.iter().any(|geom| geom.name == name) {
-                    geoms.extend(self.geom(held));
-                }
-            }
-            contacts.push(Contact {
-                geoms: touch.geoms.map(|held| self.geom_name(held)),
-                margin: touch.margin,
-                friction: touch.friction[0],
-                softness: touch.softness,
-            });
+        let (simulated, others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
+        if let Some(first) = others.first() {
+            self.refuse_touch(first, others.len());
         }
+        let mut geoms: Vec<Geom> = vec![];
+        for held in simulated.iter().flat_map(|touch| touch.geoms) {
+            let name = self.geom_name(held);
+            if !geoms.iter().any(|geom| geom.name == name) {
+                geoms.extend(self.geom(held));
+            }
+        }
+        let contact = |touch: &Touch<'_>| Contact {
+            geoms: touch.geoms.map(|held| self.geom_name(held)),
+            margin: touch.margin,
+            friction: touch.friction[0],
+            softness: touch.softness,
+        };
+        let contacts = simulated.iter().map(contact).collect();
         (geoms, contacts)
     }
 
@@ -79,7 +74,10 @@ impl<'a> Import<'a> {
     fn refuse_touch(&mut self, touch: &Touch<'_>, count: usize) {
         let [one, other] = touch.geoms;
         let name = |held: Held<'_>| {
-            held.geom.name.as_ref().map_or_else(|| format!("the geom at {}", held.geom.place), |name| format!("`{name}`"))
+            held.geom
+                .name
+                .as_ref()
+                .map_or_else(|| format!("the geom at {}", held.geom.place), |name| format!("`{name}`"))
         };
         let kinds = touch.geoms.map(|held| format!("{:?}", held.geom.kind()).to_lowercase());
         let why = if shape(one.geom).is_none() || shape(other.geom).is_none() || kinds == ["ellipsoid", "ellipsoid"] {
@@ -93,14 +91,6 @@ impl<'a> Import<'a> {
             name(other)
         );
         self.refuse(&one.geom.place, ("geom", one.geom.name.as_ref()), what);
-    }
-
-    fn is_simulated(&self, touch: &Touch<'_>) -> bool {
-        let kinds = touch.geoms.map(|held| held.geom.kind());
-        kinds.iter().all(|kind| matches!(kind, source::Shape::Sphere | source::Shape::Capsule | source::Shape::Ellipsoid))
-            && kinds != [source::Shape::Ellipsoid; 2]
-            && (touch.condim, touch.gap, touch.adhesion) == (3, 0.0, 0.0)
-            && touch.friction[0] == touch.friction[1]
     }
 
     /// All pairs that may touch by their bits, and those by name.
@@ -136,8 +126,8 @@ impl<'a> Import<'a> {
         if a == b {
             return false;
         }
-        let by_bits = one.geom.contype() & other.geom.conaffinity() != 0
-            || other.geom.contype() & one.geom.conaffinity() != 0;
+        let by_bits =
+            one.geom.contype() & other.geom.conaffinity() != 0 || other.geom.contype() & one.geom.conaffinity() != 0;
         let [first, second] = [one, other].map(|held| &self.names.bodies[held.body]);
         let ruled_out = || {
             self.mjcf.excludes.iter().any(|exclude| {
@@ -185,6 +175,14 @@ fn shape(geom: &source::Geom) -> Option<Shape> {
 }
 
 impl<'a> Touch<'a> {
+    fn is_simulated(&self) -> bool {
+        let kinds = self.geoms.map(|held| held.geom.kind());
+        self.geoms.iter().all(|held| shape(held.geom).is_some())
+            && kinds != [source::Shape::Ellipsoid; 2]
+            && (self.condim, self.gap, self.adhesion) == (3, 0.0, 0.0)
+            && self.friction[0] == self.friction[1]
+    }
+
     fn of_pair(pair: &'a Pair, geoms: [Held<'a>; 2]) -> Self {
         let [first, second, ..] = pair.friction();
         Self {
@@ -209,11 +207,7 @@ impl<'a> Touch<'a> {
         };
         let of_both = |a: f64, b: f64, mixed: f64| if one.priority() == other.priority() { a.max(b) } else { mixed };
         let mixed = |a: f64, b: f64| mix * a + (1.0 - mix) * b;
-        let friction = of_both(
-            one.friction()[0],
-            other.friction()[0],
-            mixed(one.friction()[0], other.friction()[0]),
-        );
+        let friction = of_both(one.friction()[0], other.friction()[0], mixed(one.friction()[0], other.friction()[0]));
         let (condim, other_condim) = (f64::from(one.condim()), f64::from(other.condim()));
         let (solref, other_solref) = (one.solref(), other.solref());
         let (solimp, other_solimp) = (one.solimp(), other.solimp());

@@ -200,7 +200,8 @@ fn tell(name_or_file: &str, model: &Model, plan: &Plan<f64>, json: bool) -> Resu
 
 /// What each muscle is.
 fn lengths(anatomy: &Anatomy) -> String {
-    let mut rows = vec![row(["muscle", "force", "fibre", "tendon", "in use", "cannot pull", "moves most", "moment arm"])];
+    let mut rows =
+        vec![row(["muscle", "force", "fibre", "tendon", "in use", "cannot pull", "moves most", "moment arm"])];
     rows.extend(anatomy.muscles.iter().map(|muscle| {
         let [from, to] = muscle.fibre;
         let (joint, arm) = match &muscle.moves {
@@ -225,11 +226,13 @@ fn lengths(anatomy: &Anatomy) -> String {
 /// Writes a plot for every coordinate that muscles move.
 fn draw(model: &Model, plan: &Plan<f64>, folder: &Path) -> Result<()> {
     let plots = moment_arm_plots(model, plan);
-    std::fs::create_dir_all(folder).map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::sentence(format!("cannot make {}: {error}", folder.display())))?;
     for (coordinate, plot) in &plots {
         let svg = plot.svg().map_err(|error| Failure::sentence(error.to_string()))?;
         // A name of a joint may be anything.
-        let safe: String = coordinate.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+        let safe: String =
+            coordinate.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
         write_whole(&folder.join(format!("{safe}.svg")), svg.as_bytes())?;
     }
     complain(&format!("{} plots of moment arms are in {}", plots.len(), folder.display()));
