@@ -101,3 +101,9 @@ fn reference(solref: [f64; 2], at_width: f64, timestep: f64) -> (f64, f64) {
         (-first / (at_width * at_width), -second / at_width)
     }
 }
+
+/// Inverse inertia of every row of a friction pyramid, from the inverse mass (1/kg) that its two surfaces have together: MuJoCo scales the
+/// regularisation of a pyramid so that its stiffness does not depend on the friction.
+pub(crate) fn pyramid_diagonal(friction: f64, inverse_mass: f64) -> f64 {
+    2.0 * friction * friction * (1.0 + friction * friction) * inverse_mass
+}

@@ -1,7 +1,7 @@
 //! Boxes fixed to the world that the fingertip can press.
 
 use crate::crowd::{MovedBox, most_at_once};
-use crate::impedance::Impedance;
+use crate::impedance::{Impedance, pyramid_diagonal};
 use crate::plan::Plan;
 use myo_model::StaticBox;
 use myo_model::description::Softness;
@@ -109,9 +109,8 @@ impl<C: Real, T> Obstacles<C, T> {
             mixed.solimp.iter_mut().zip(s.softness.solimp).for_each(|(a, b)| *a = mean(*a, b));
             mixed
         });
-        // MuJoCo scales the regularisation of a pyramid so that its stiffness does not depend on the friction.
         let inverse_mass = sphere.map_or(1.0, |s| s.diagonal);
-        let diagonal = 2.0 * friction * friction * (1.0 + friction * friction) * inverse_mass;
+        let diagonal = pyramid_diagonal(friction, inverse_mass);
         Self {
             boxes,
             moved_by: vec![],

@@ -2,7 +2,7 @@
 
 use super::build::Tree;
 use super::{FixedFrame, PlanError, Point};
-use crate::impedance::Impedance;
+use crate::impedance::{Impedance, pyramid_diagonal};
 use myo_model::Model;
 use myo_model::description::Shape;
 use myo_model::model::{Contact, Geom};
@@ -73,11 +73,9 @@ impl<C> Part<C> {
 }
 
 impl ContactPair<f64> {
-    /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg). As with MuJoCo's pyramids, stiffness does not
-    /// depend on friction.
-    pub(super) fn weigh(&mut self, inverse_masses: [f64; 2]) {
-        let square = self.friction * self.friction;
-        self.diagonal = 2.0 * square * (1.0 + square) * (inverse_masses[0] + inverse_masses[1]);
+    /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg).
+    pub(super) fn weigh(&mut self, [one, other]: [f64; 2]) {
+        self.diagonal = pyramid_diagonal(self.friction, one + other);
     }
 }
 

@@ -12,7 +12,7 @@ use myo_scalar::{Carried, Mask, Scalar, Visitor};
 /// Most rounds of the search; it takes six or seven.
 const MAX_ROUNDS: usize = 40;
 /// What nothing is divided by below, in reach of single precision.
-const TINY: f64 = 1e-30;
+pub(super) const TINY: f64 = 1e-30;
 /// What is as good as on the surface, in units of rounding.
 const SETTLED: f64 = 16.0;
 

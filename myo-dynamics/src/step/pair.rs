@@ -1,7 +1,7 @@
 //! Contact of parts of the body with each other: MuJoCo's geometry of capsules, and the least way out of an ellipsoid.
 
 use super::contact::{Edges, Meeting, pyramid};
-use super::ellipsoid::{Deepest, deepest};
+use super::ellipsoid::{Deepest, TINY, deepest};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::Vec3;
 use crate::workspace::{Contact, State, Workspace};
@@ -15,9 +15,8 @@ const PARALLEL: f64 = 8.0;
 /// Fills the contacts of pairs, which stand after those with boxes, and their Jacobians.
 #[inline(always)]
 pub fn pairs<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
-    let first = ws.contacts.len() - plan.pairs.len();
     for (k, pair) in plan.pairs.iter().enumerate() {
-        let number = first + k;
+        let number = ws.box_slots + k;
         let [one, other] = &pair.parts;
         let apart = ws.place(&other.frame.origin) - ws.place(&one.frame.origin);
         let near = apart.dot(apart).lt(S::splat(pair.far));
@@ -125,15 +124,15 @@ fn rod<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> (S, Vec3<S>, Vec3
     (S::splat(radius), ws.place(&part.frame.origin), half)
 }
 
-/// The points of two segments `middle + x half`, `x` from -1 to 1, that are nearest to each other. Where the segments are parallel, and
-/// many are, the one across from the middle of the first, as near as it comes.
+/// The points of two segments `middle + x half`, `x` from -1 to 1, that are nearest to each other. Of parallel
+/// segments, which have many, the one across from the middle of the first, as near as it comes.
 #[inline(always)]
 fn closest<S: Scalar>(middles: [Vec3<S>; 2], halves: [Vec3<S>; 2]) -> (Vec3<S>, Vec3<S>) {
     let between = middles[0] - middles[1];
     let [a, b] = halves;
     let (aa, ab, bb) = (a.dot(a), -a.dot(b), b.dot(b));
     let (u, v) = (-a.dot(between), b.dot(between));
-    let tiny = S::lit(1e-30);
+    let tiny = S::lit(TINY);
     let determinant = aa.mul_add(bb, -(ab * ab));
     let crosses = (aa * bb * S::lit(PARALLEL * S::EPSILON)).lt(determinant);
     let safe = S::select(crosses, determinant, S::lit(1.0));

@@ -4,6 +4,7 @@ use super::Import;
 use super::apart::Apart;
 use crate::description::{Contact, Geom, Shape, Softness};
 use myo_mjcf::{self as source, Cone, Pair, Place, Switch};
+use std::cmp::Ordering;
 
 /// A geom, with the number of its body and its own.
 #[derive(Clone, Copy)]
@@ -200,33 +201,33 @@ impl<'a> Touch<'a> {
     /// Two geoms mix their parameters, unless one has the higher priority.
     fn of_geoms(geoms: [Held<'a>; 2]) -> Self {
         let [one, other] = geoms.map(|held| held.geom);
-        let mix = match one.priority().cmp(&other.priority()) {
-            std::cmp::Ordering::Greater => 1.0,
-            std::cmp::Ordering::Less => 0.0,
-            std::cmp::Ordering::Equal => mix(one.solmix(), other.solmix()),
+        let first = match one.priority().cmp(&other.priority()) {
+            Ordering::Greater => Some(one),
+            Ordering::Less => Some(other),
+            Ordering::Equal => None,
         };
-        let of_both = |a: f64, b: f64, mixed: f64| if one.priority() == other.priority() { a.max(b) } else { mixed };
-        let mixed = |a: f64, b: f64| mix * a + (1.0 - mix) * b;
-        let friction = of_both(one.friction()[0], other.friction()[0], mixed(one.friction()[0], other.friction()[0]));
-        let (condim, other_condim) = (f64::from(one.condim()), f64::from(other.condim()));
-        let (solref, other_solref) = (one.solref(), other.solref());
-        let (solimp, other_solimp) = (one.solimp(), other.solimp());
-        // Stiffness and damping, which are negative, are not mixed.
-        let is_direct = one.priority() == other.priority() && (solref[0] <= 0.0 || other_solref[0] <= 0.0);
+        let mixed = || {
+            let share = mix(one.solmix(), other.solmix());
+            let between = |a: f64, b: f64| share * a + (1.0 - share) * b;
+            let (solref, other_solref) = (one.solref(), other.solref());
+            // Stiffness and damping, which are negative, are not mixed.
+            let is_direct = solref[0] <= 0.0 || other_solref[0] <= 0.0;
+            let of_both = |a: f64, b: f64| if is_direct { a.min(b) } else { between(a, b) };
+            Softness {
+                solref: std::array::from_fn(|k| of_both(solref[k], other_solref[k])),
+                solimp: std::array::from_fn(|k| between(one.solimp()[k], other.solimp()[k])),
+            }
+        };
+        let friction = first.map_or_else(|| one.friction()[0].max(other.friction()[0]), |first| first.friction()[0]);
         Self {
             geoms,
             place: &one.place,
-            condim: of_both(condim, other_condim, mixed(condim, other_condim)) as i32,
+            condim: first.map_or_else(|| one.condim().max(other.condim()), source::Geom::condim),
             friction: [friction; 2],
             margin: one.margin() + other.margin(),
             gap: one.gap() + other.gap(),
             adhesion: one.adhesion() + other.adhesion(),
-            softness: Softness {
-                solref: std::array::from_fn(|k| {
-                    if is_direct { solref[k].min(other_solref[k]) } else { mixed(solref[k], other_solref[k]) }
-                }),
-                solimp: std::array::from_fn(|k| mixed(solimp[k], other_solimp[k])),
-            },
+            softness: first.map_or_else(mixed, |first| Softness { solref: first.solref(), solimp: first.solimp() }),
         }
     }
 }
