@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use myo::fitting::{Anybody, Fitted, FittingError, comparable, practice};
+use myo::fitting::{Anybody, Candidate, FittedAmong, FittingError, comparable, practice};
 use myo::protocol::Practice;
 use myo::recordings::{Participant, Recordings};
 use myo::train::PpoConfig;
@@ -15,6 +15,27 @@ use crate::policy::checkpoint;
 use crate::process::{own_pool, pool};
 use crate::signals::interruptible;
 use crate::task::Task;
+
+/// Among whom is looked: of each delay (ms) with each stature (m), what its folder is called behind that of the user of the task, and its task as a text.
+#[pyfunction]
+pub fn fitting_candidates(
+    task: &Task,
+    vision_delay_ms: Vec<f64>,
+    height_m: Vec<f64>,
+) -> PyResult<Vec<(String, String)>> {
+    let changed = |candidate: Candidate| (candidate.suffix(), changed(task, candidate).to_yaml());
+    Ok(candidates(task, &vision_delay_ms, &height_m)?.into_iter().map(changed).collect())
+}
+
+fn candidates(task: &Task, vision_delay_ms: &[f64], height_m: &[f64]) -> PyResult<Vec<Candidate>> {
+    Candidate::all(vision_delay_ms, height_m, task.inner().control_dt_s).map_err(|refusal| refused(&refusal))
+}
+
+fn changed(task: &Task, candidate: Candidate) -> myo::tasks::Task {
+    let mut own = task.inner().clone();
+    candidate.change(&mut own);
+    own
+}
 
 /// The layouts in which the user of a task learns to be anybody, as texts of tasks.
 #[pyfunction]
@@ -45,26 +66,32 @@ pub fn check_recordings(table: &str, together: bool, task: &Task, model: &Model)
     people(table, together, &model.of(task.inner())?).map(drop)
 }
 
-/// The user who comes nearest to each of the people of a table, as JSON. `run` is that of who learnt to be anybody in [`fitting_layouts`] of `task`.
+/// The user who comes nearest to each of the people of a table, as JSON. `runs` are those of who learnt to be anybody, in the order of [`fitting_candidates`] of `task`, each in
+/// [`fitting_layouts`] of its own.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "what Python's function takes")]
 pub fn fit(
     py: Python<'_>,
-    run: PathBuf,
+    runs: Vec<PathBuf>,
     task: &Task,
     model: &Model,
+    among: (Vec<f64>, Vec<f64>),
     table: &str,
     together: bool,
     seed: u64,
     threads: Option<usize>,
 ) -> PyResult<String> {
-    let model = model.of(task.inner())?;
-    let people = people(table, together, &model)?;
-    let anybody = Anybody::new(checkpoint(&run)?, model, task.inner().clone());
+    let people = people(table, together, &model.of(task.inner())?)?;
+    let candidates = candidates(task, &among.0, &among.1)?;
+    let learnt = |(candidate, run): (Candidate, &PathBuf)| {
+        let own = changed(task, candidate);
+        Ok((candidate, Anybody::new(checkpoint(run)?, model.of(&own)?, own)))
+    };
+    let users = candidates.into_iter().zip(&runs).map(learnt).collect::<PyResult<Vec<_>>>()?;
     let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;
     let (done, raised) = interruptible(py, &pool, |go_on| {
-        let fitted = people.iter().map(|person| anybody.fitted(person, seed, go_on).map_err(Box::new));
-        fitted.collect::<Result<Option<Vec<Fitted>>, Box<FittingError>>>()
+        let fitted = people.iter().map(|person| FittedAmong::of(&users, person, seed, go_on).map_err(Box::new));
+        fitted.collect::<Result<Option<Vec<FittedAmong>>, Box<FittingError>>>()
     })?;
     if let Some(raised) = raised {
         return Err(raised);

@@ -56,6 +56,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(train::run_config, m)?)?;
     m.add_function(wrap_pyfunction!(train::misfits, m)?)?;
     m.add_function(wrap_pyfunction!(trajectories::trajectories, m)?)?;
+    m.add_function(wrap_pyfunction!(fitting::fitting_candidates, m)?)?;
     m.add_function(wrap_pyfunction!(fitting::fitting_layouts, m)?)?;
     m.add_function(wrap_pyfunction!(fitting::fitting_settings, m)?)?;
     m.add_function(wrap_pyfunction!(fitting::check_recordings, m)?)?;

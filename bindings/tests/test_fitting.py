@@ -76,7 +76,13 @@ def test_what_cannot_be_fitted_is_said_before_anybody_practises(people, tmp_path
         myoenv.fit(people, layouts=["pointing"])
     with pytest.raises(TypeError, match="recordings is 3; it must be a path"):
         myoenv.fit(3)
-    assert not list(tmp_path.glob("runs"))
+    with pytest.raises(ValueError, match="40 and 50 ms are the same number of control steps of 40 ms"):
+        myoenv.fit(people, vision_delay_ms=[40, 80, 50], practised=tmp_path / "nobody")
+    with pytest.raises(TypeError, match="height_m is 1.7; it must be a sequence of numbers"):
+        myoenv.fit(people, height_m=1.7)
+    with pytest.raises((ValueError, myoenv.TaskError), match=r"body\.height_m"):
+        myoenv.fit(people, height_m=[1.7, 5], practised=tmp_path / "nobody")
+    assert not list(tmp_path.glob("runs")) and not list(tmp_path.glob("nobody*"))
 
 
 def _write_and_fit(folder, columns):
@@ -93,6 +99,15 @@ def test_layouts_to_become_anybody_in_differ_in_traits_alone():
     assert all(one["observation"]["traits"] and one["scene"] == layouts[0]["scene"] for one in layouts)
     settings = json.loads(_native.fitting_settings(myoenv.load_task("pointing")))
     assert settings["log_std_min"] <= -3.5
+
+
+def test_each_candidate_has_a_task_of_its_own():
+    task = myoenv.load_task("pointing")
+    found = _native.fitting_candidates(task, [40, 120], [1.6])
+    assert [suffix for suffix, _ in found] == ["-40ms-1.6m", "-120ms-1.6m"]
+    tasks = [myoenv.to_dict(_native.Task.from_yaml(text)) for _, text in found]
+    assert [(one["perception"]["vision_delay_ms"], one["body"]["height_m"]) for one in tasks] == [(40, 1.6), (120, 1.6)]
+    assert _native.fitting_candidates(task, [], [])[0][0] == ""
 
 
 def test_a_beginner_can_be_nobody(people, tmp_path):

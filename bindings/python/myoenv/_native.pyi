@@ -120,6 +120,10 @@ def trajectories(
 ) -> dict[str, NDArray[np.uint32] | NDArray[np.float64] | list[str]]:
     """Columns of `episodes` episodes of each layout of a run, by their names."""
 
+def fitting_candidates(task: Task, vision_delay_ms: list[float], height_m: list[float]) -> list[tuple[str, str]]:
+    """Among whom is looked: of each delay (ms) with each stature (m), what its folder is called behind that of the user
+    of the task, and its task as a text."""
+
 def fitting_layouts(task: Task) -> list[str]:
     """The layouts in which the user of a task learns to be anybody, as texts of tasks."""
 
@@ -130,16 +134,17 @@ def check_recordings(table: str, together: bool, task: Task, model: Model) -> No
     """Refuses a table whose people no user of this task can be fitted to."""
 
 def fit(
-    run: str | PathLike[str],
+    runs: list[str],
     task: Task,
     model: Model,
+    among: tuple[list[float], list[float]],
     table: str,
     together: bool,
     seed: int,
     threads: int | None,
 ) -> str:
-    """The user who comes nearest to each of the people of a table, as JSON. `run` is that of who learnt to be anybody
-    in `fitting_layouts` of `task`."""
+    """The user who comes nearest to each of the people of a table, as JSON. `runs` are those of who learnt to be anybody,
+    in the order of `fitting_candidates` of `task`, each in `fitting_layouts` of its own."""
 
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.

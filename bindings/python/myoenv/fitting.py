@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from myoenv import _native
-from myoenv.arguments import as_path, as_seed, as_threads
+from myoenv.arguments import as_number, as_path, as_seed, as_threads
 from myoenv.tasks import TaskLike, task_and_model
 from myoenv.training import train
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas
 
 
@@ -21,6 +23,8 @@ def fit(
     recordings: str | PathLike[str] | pandas.DataFrame,
     *,
     user: TaskLike = "human",
+    vision_delay_ms: Sequence[float] = (),
+    height_m: Sequence[float] = (),
     practised: str | PathLike[str] | None = None,
     together: bool = False,
     seed: int = 1,
@@ -36,13 +40,18 @@ def fit(
     A dictionary for each participant: `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`,
     its place in a task; `what`; `before`, `found`, `interval`, its 95 % confidence interval; `is_told`, without which
     `found` is not to be used), `distance_before`, `distance_after` (root mean square over figures, in standard
-    deviations between repetitions of one user) and `figures` (`what`, `person`, `before`, `after`).
+    deviations between repetitions of one user) and `figures` (`what`, `person`, `before`, `after`) of the nearest
+    user; and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, None as told; `distance`, None
+    of who cannot do what the person did; `is_possible`, whether the recordings do not rule it out).
 
     Args:
         recordings: A table of recorded movements as `myo measure` takes it: a CSV file, or a DataFrame of its columns.
         user: Whose body, rhythm and senses the user has: the name of a user, or a task.
+        vision_delay_ms: Delays of vision among which to look, too; a user learns for each.
+        height_m: Statures (m) among which to look, too; a user learns for each, with each delay.
         practised: Run folder of the user who has learnt to be anybody; trained there first where there is none. By
-            default `runs/anybody-USER/seed-SEED`, where `myo fit` has it, too.
+            default `runs/anybody-USER/seed-SEED`, where `myo fit` has it, too. Where several are looked among, as with
+            `vision_delay_ms`, `-80ms-1.75m` and the like are put behind `runs/anybody-USER` or this.
         together: Whether all participants are one person.
         seed: Seed of that training and of the simulations.
         threads: Threads of the processor, all by default.
@@ -55,28 +64,38 @@ def fit(
     task, model = task_and_model(_done_by(user))
     # Before an hour of training.
     _native.check_recordings(table, bool(together), task, model)
-    place = (
-        Path("runs") / f"anybody-{task.name}" / f"seed-{seed}"
-        if practised is None
-        else Path(as_path("practised", practised))
-    )
-    if not place.exists():
-        layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
-        settings = json.loads(_native.fitting_settings(task))
-        train(
-            layouts=layouts,
-            model=model,
-            settings=settings,
-            seed=as_seed(seed),
-            threads=threads,
-            out=place,
-            **training,
-        )
-    run, count = as_path("practised", place), as_threads(threads)
+    among = (_numbers("vision_delay_ms", vision_delay_ms), _numbers("height_m", height_m))
+    candidates = [
+        (_place(task.name, practised, suffix, seed), _native.Task.from_yaml(text))
+        for suffix, text in _native.fitting_candidates(task, *among)
+    ]
+    for place, own in candidates:
+        if not place.exists():
+            _practise(own, model, place, seed=as_seed(seed), threads=threads, **training)
+    runs, count = [as_path("practised", place) for place, _ in candidates], as_threads(threads)
     fitted: list[dict[str, Any]] = json.loads(
-        _native.fit(run, task, model, table, bool(together), as_seed(seed), count)
+        _native.fit(runs, task, model, among, table, bool(together), as_seed(seed), count)
     )
     return fitted
+
+
+def _numbers(name: str, values: Any) -> list[float]:
+    if isinstance(values, str) or not hasattr(values, "__iter__"):
+        raise TypeError(f"{name} is {values!r}; it must be a sequence of numbers")
+    return [as_number(name, value) for value in values]
+
+
+def _place(name: str, practised: str | PathLike[str] | None, suffix: str, seed: int) -> Path:
+    """Where the user has learnt to be anybody, or is to."""
+    if practised is None:
+        return Path("runs") / f"anybody-{name}{suffix}" / f"seed-{seed}"
+    return Path(as_path("practised", practised) + suffix)
+
+
+def _practise(task: _native.Task, model: _native.Model, place: Path, **training: Any) -> None:
+    layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
+    settings = json.loads(_native.fitting_settings(task))
+    train(layouts=layouts, model=model, settings=settings, out=place, **training)
 
 
 def _table(recordings: Any) -> str:

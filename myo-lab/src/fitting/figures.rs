@@ -66,6 +66,14 @@ impl Aim {
         Self { distance, width, trial, movement: Some(movement), first_stop, activations: vec![] }
     }
 
+    /// Makes it take so much longer (s).
+    pub(super) fn later(&mut self, more_s: f64) {
+        self.trial.movement_time_s += more_s;
+        if let Some(movement) = &mut self.movement {
+            movement.duration_s += more_s;
+        }
+    }
+
     /// Whether times (s) and places (m) of two movements at targets are the same, to a few samples.
     pub(super) fn is_like(&self, other: &Self, most: f64) -> bool {
         let numbers = |one: &Self| {

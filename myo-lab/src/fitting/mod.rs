@@ -3,13 +3,15 @@
 //! One user learns to be anybody: it practises in layouts whose users differ in their [`TRAITS`], and observes which of them it is ([`practice`]). So
 //! another [`Nature`] needs no other training, and a [fit](Fitted) is only simulation: natures do the targets of the recordings, each [figure](FIGURES) of
 //! their movements becomes a smooth function of the traits, and the nature is looked for whose figures are nearest to the person's. That is done again with natures nearer
-//! and nearer to it.
+//! and nearer to it. How late users see and how tall they are is built into their simulation: [`Candidate`]s who differ in it learn each for itself, and
+//! [`FittedAmong`] them is who comes nearest.
 //!
-//! What it does not know: bodies, delays and where a person sat are as told (`body`, `perception.vision_delay_ms` of the task); targets lie on a circle before the
+//! What it does not know: other senses, and where a person sat, are as told; targets lie on a circle before the
 //! shoulder wherever they were for the person; whoever differs from people in a way that no trait changes is not found to do so, and
 //! [what is left](Fitted::distance_after) of the distance tells how much that is.
 
 mod anybody;
+mod candidates;
 mod figures;
 mod muscles;
 mod nature;
@@ -21,6 +23,7 @@ use myo_model::Nearest;
 use thiserror::Error;
 
 pub use anybody::Anybody;
+pub use candidates::{Candidate, FittedAmong, Ranked};
 pub use figures::{Aim, FIGURES};
 pub use nature::{Nature, TRAITS, Trait, natures, others};
 use practice::{DISTANCES, WIDTHS};
@@ -72,6 +75,27 @@ pub enum FittingError {
         least: usize,
         /// Fewest pairs.
         least_pairs: usize,
+    },
+    /// Nobody can become somebody.
+    #[error("there is no user who could be anybody")]
+    NoUser,
+    /// Users who see equally late.
+    #[error(
+        "{a} and {b} ms are the same number of control steps of {step_ms} ms, so that both users would be one; leave one out"
+    )]
+    SameDelay {
+        /// A delay (ms).
+        a: f64,
+        /// Another.
+        b: f64,
+        /// What a decision lasts (ms).
+        step_ms: f64,
+    },
+    /// Users who are equally tall.
+    #[error("{height_m} m stands there twice, so that both users would be one; leave one out")]
+    SameHeight {
+        /// Their stature (m).
+        height_m: f64,
     },
     /// Movements that tell nothing.
     #[error(

@@ -33,6 +33,21 @@ pub struct Fitted {
     pub distance_after: f64,
     /// What was compared.
     pub figures: Vec<FittedFigure>,
+    /// The same as numbers whose differences count.
+    #[serde(skip)]
+    pub(super) compared: Compared,
+}
+
+/// Figures of a person and of who was found, as numbers whose differences count.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Compared {
+    pub person: Figures,
+    /// Those at the place that was found, by what all users about it did.
+    pub nearest: Figures,
+    /// Of each figure, between repetitions of one nature.
+    pub deviations: Figures,
+    /// How many times the squares of these those of the person's are.
+    pub more: f64,
 }
 
 /// A trait of who comes nearest.
@@ -104,10 +119,10 @@ impl Fitted {
             let more = 1.0 + tried.movements / search.movements as f64;
             let nearest = surface.nearest(&search.person, about, within, more);
             about = nearest.place;
-            found = Some((surface, nearest));
+            found = Some((surface, nearest, more));
         }
-        let Some((surface, nearest)) = found else { return Err(FittingError::Alike { who: who.into() }.into()) };
-        search.told(before, &surface, &nearest)
+        let Some((surface, nearest, more)) = found else { return Err(FittingError::Alike { who: who.into() }.into()) };
+        search.told(before, (&surface, more), &nearest)
     }
 }
 
@@ -159,7 +174,7 @@ where
     }
 
     /// What was found, with what the user did before and does then.
-    fn told(&mut self, before: Nature, surface: &Surface, nearest: &Nearest) -> Result<Fitted, E> {
+    fn told(&mut self, before: Nature, (surface, more): (&Surface, f64), nearest: &Nearest) -> Result<Fitted, E> {
         let after = Nature::at(nearest.place);
         let asked = self.ask(&[before, after])?;
         let able = asked.iter().flatten().count();
@@ -183,6 +198,12 @@ where
             distance_before: distance(old),
             distance_after: distance(new),
             figures: names.enumerate().map(figure).collect(),
+            compared: Compared {
+                person: self.person.clone(),
+                nearest: surface.at(&nearest.place),
+                deviations: surface.deviations.clone(),
+                more,
+            },
         })
     }
 }
@@ -209,13 +230,13 @@ impl FittedTrait {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use myo_measure::Movement;
     use myo_measure::fitts::{Trial, index_of_difficulty};
 
     use super::*;
 
-    const PAIRS: [[f64; 2]; 4] = [[0.1, 0.05], [0.2, 0.05], [0.2, 0.02], [0.4, 0.02]];
+    pub const PAIRS: [[f64; 2]; 4] = [[0.1, 0.05], [0.2, 0.05], [0.2, 0.02], [0.4, 0.02]];
 
     /// Normal numbers, more or less: the middle of twelve even ones, by SplitMix64.
     struct Chance(u64);
@@ -233,7 +254,12 @@ mod tests {
     }
 
     /// Somebody whose movements are known: dear changes make them slow, dear effort makes them straight, noise scatters times, eyes where they end.
-    fn moves(Nature([noise, eyes, effort, change]): Nature, pairs: &[[f64; 2]], count: usize, seed: u64) -> Vec<Aim> {
+    pub fn moves(
+        Nature([noise, eyes, effort, change]): Nature,
+        pairs: &[[f64; 2]],
+        count: usize,
+        seed: u64,
+    ) -> Vec<Aim> {
         let mut chance = Chance(seed);
         let mut aim = |&[distance, width]: &[f64; 2]| {
             let index = index_of_difficulty(distance, width);
@@ -263,11 +289,11 @@ mod tests {
         pairs.iter().flat_map(|pair| std::iter::repeat_n(pair, count)).map(&mut aim).collect()
     }
 
-    fn simulate(natures: &[Nature], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
+    pub fn simulate(natures: &[Nature], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
         Ok((1..).zip(natures).map(|(seed, &nature)| moves(nature, pairs, 60, 1000 * seed)).collect())
     }
 
-    const USUAL: Nature = Nature([0.05, 0.2, 4.0, 11.0]);
+    pub const USUAL: Nature = Nature([0.05, 0.2, 4.0, 11.0]);
 
     #[test]
     fn who_is_known_is_found_within_a_tenth() {

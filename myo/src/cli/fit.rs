@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::fitting::{Anybody, Fitted, comparable, practice};
+use myo::fitting::{Anybody, Candidate, Fitted, FittedAmong, comparable, practice};
 use myo::protocol::Practice;
 use myo::recordings::Participant;
-use myo::tasks::User;
+use myo::tasks::{Task, User};
 use myo::train::PpoConfig;
 use serde_json::json;
 
@@ -29,7 +29,16 @@ pub struct AnybodyArgs {
     #[arg(long, value_name = "USER|TASK", default_value = "human")]
     pub user: String,
 
-    /// Folder of the user who has learnt to be anybody; trained there first where there is none [default: runs/anybody-USER]
+    /// Look for how late the user sees, too, among these delays (`perception.vision_delay_ms`), such as 40,80,120; a user learns for each
+    #[arg(long, value_name = "MS", value_delimiter = ',', value_parser = parse::number)]
+    pub vision_delay_ms: Vec<f64>,
+
+    /// Look for how tall the user is, too, among these statures (`body.height_m`), such as 1.55,1.75,1.95; a user learns for each
+    #[arg(long, value_name = "M", value_delimiter = ',', value_parser = parse::number)]
+    pub height_m: Vec<f64>,
+
+    /// Folder of the user who has learnt to be anybody; trained there first where there is none [default: runs/anybody-USER, and where several are looked among
+    /// runs/anybody-USER-80ms-1.75m and so on]
     #[arg(long, value_name = "FOLDER")]
     pub practised: Option<PathBuf>,
 
@@ -70,6 +79,7 @@ Examples:
   myo fit people.csv                                    each participant
   myo fit people.csv --together --user older_woman      all participants as one person, on an old woman's body
   myo fit people.csv --user ours.yaml                   with body, senses and delays of that task
+  myo fit people.csv --vision-delay-ms 40,80,120        and how late each participant sees
 
 Looks for the user who moves as a person does: for motor noise (noise.signal_dependent), how far off targets seem (perception.vision_noise), and
 what effort and changes of control cost (reward.effort_cost, reward.control_change_cost). One user learns first to be anybody, once: a training of some minutes on a graphics card, of an hour and
@@ -79,39 +89,44 @@ Recordings need three pairs of distance (6 to 40 cm) and width (1.2 to 12 cm) wi
 than a tenth are alike. What is compared are means over pairs: movement times, their growth with difficulty and their scatter, peak speed and its time, smoothness, straightness, and where the first
 bell of speed ends, and the activation of each muscle that was recorded (columns such as DELT1_activation, 0 to 1). What the recordings do not tell is said to be unknown; its value is not to be used. Body, delays and senses are as told, and targets lie half a metre before the shoulder.
 
+With --vision-delay-ms and --height-m a user of each delay and each stature learns to be anybody, each becomes as near to the person as it can, and the nearest is told, with those that
+the recordings do not rule out (95 of 100; where nobody comes as near as chance lets, so much more has to lie between two users).
+
 The answer has lines for the task file of a simulated participant. Distance: root mean square over figures of the difference between user and person, in
 standard deviations of that figure between repetitions of one user; 1 is as near as one user is to itself.
 
 JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`, `what`, `before`, `found`, `interval`, `is_told`), `distance_before`,
-`distance_after`, `figures` (`what`, `person`, `before`, `after`).";
+`distance_after`, `figures` (`what`, `person`, `before`, `after`) of the nearest user, and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, null as told; `distance`, null of who cannot do what the person did; `is_possible`).";
 
 /// Runs `myo fit`.
 pub fn run(args: &Fit) -> Result<()> {
     let people = args.files.iter().map(|file| Ok((file, people(file, args.together)?))).collect::<Result<Vec<_>>>()?;
-    let (beginner, _) = beginner(&args.anybody.user)?;
+    let candidates = candidates(&args.anybody)?;
+    let (beginner, _) = beginner(&args.anybody.user, candidates[0])?;
     for (file, people) in &people {
         for person in people {
             // Before an hour of training.
             comparable(person, &beginner.model).map_err(|error| of_file(file, &error))?;
         }
     }
-    let anybody = anybody(&args.anybody)?;
+    let users = anybodies(&args.anybody, args.anybody.seed)?;
     let mut found = vec![];
     for (file, people) in &people {
         for person in people {
             complain(&format!("{}: simulating users like {}", file.display(), person.name));
-            found.extend(anybody.fitted(person, args.anybody.seed, &|| true)?.map(|fitted| (file, fitted)));
+            let fitted = FittedAmong::of(&users, person, args.anybody.seed, &|| true)?;
+            found.extend(fitted.map(|fitted| (file, fitted)));
         }
     }
     if args.json {
-        let object = |(file, fitted): &(&&PathBuf, Fitted)| {
+        let object = |(file, fitted): &(&&PathBuf, FittedAmong)| {
             let mut value = serde_json::to_value(fitted)?;
             value["file"] = json!(file.display().to_string());
             Ok(value)
         };
         return print_json(&found.iter().map(object).collect::<Result<Vec<_>>>()?);
     }
-    let text = |(file, fitted): &(&&PathBuf, Fitted)| text(file, fitted);
+    let text = |(file, fitted): &(&&PathBuf, FittedAmong)| text(file, fitted);
     print(&found.iter().map(text).collect::<Vec<_>>().join("\n"))
 }
 
@@ -121,41 +136,67 @@ fn people(file: &Path, together: bool) -> Result<Vec<Participant>> {
     Ok(if together { recordings.as_one() } else { recordings }.participants)
 }
 
+/// Among whom is looked.
+fn candidates(args: &AnybodyArgs) -> Result<Vec<Candidate>> {
+    let (told, _) = beginner(&args.user, Candidate::default())?;
+    Ok(Candidate::all(&args.vision_delay_ms, &args.height_m, told.task.control_dt_s)?)
+}
+
 /// The user who is to become somebody else, and what it is called.
-fn beginner(user: &str) -> Result<(Scenario, String)> {
+fn beginner(user: &str, candidate: Candidate) -> Result<(Scenario, String)> {
+    let change = |task: &mut Task| candidate.change(task);
     let named = User::ALL.into_iter().find(|known| known.name() == user);
     match named {
         Some(user) if !user.is_human() => Err(Failure::sentence(format!(
             "--user {user}: it has no noise and no misjudgement that could be like a person's; take `human`, or another of `myo task users`",
             user = user.name()
         ))),
-        Some(user) => Ok((Scenario::open_for(TASK, Some(user))?, user.name().into())),
+        Some(user) => Ok((Scenario::open_with(TASK, Some(user), change)?, user.name().into())),
         None => {
-            let scenario = Scenario::open(user)?;
+            let scenario = Scenario::open_with(user, None, change)?;
             let name = scenario.task.name.clone();
             Ok((scenario, name))
         }
     }
 }
 
-/// The user who can be anybody; it learns to be so where it is not there yet.
-pub fn anybody(args: &AnybodyArgs) -> Result<Anybody> {
-    let AnybodyArgs { user, practised, steps, seed, physics } = args;
-    let (scenario, name) = beginner(user)?;
-    let folder = practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
+/// The users who can be anybody, one for each delay and stature that is looked among; with this seed they learn to be so where they are not there yet.
+pub fn anybodies(args: &AnybodyArgs, seed: u64) -> Result<Vec<(Candidate, Anybody)>> {
+    let candidates = candidates(args)?;
+    // All of them are possible before the first one learns.
+    let beginners = candidates.into_iter().map(|candidate| Ok((candidate, beginner(&args.user, candidate)?)));
+    let beginners = beginners.collect::<Result<Vec<_>>>()?;
+    let interrupt = Interrupt::listen()?;
+    let learnt = |(candidate, (scenario, name)): (Candidate, (Scenario, String))| {
+        let folder = args.practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
+        let mut own = folder.into_os_string();
+        own.push(candidate.suffix());
+        Ok((candidate, anybody((args, seed), scenario, Path::new(&own), &interrupt)?))
+    };
+    beginners.into_iter().map(learnt).collect()
+}
+
+/// The user who can be anybody with a body; it learns to be so where it is not there yet.
+fn anybody(
+    (args, seed): (&AnybodyArgs, u64),
+    scenario: Scenario,
+    folder: &Path,
+    interrupt: &Interrupt,
+) -> Result<Anybody> {
+    let AnybodyArgs { steps, physics, .. } = args;
     let layouts = practice(&scenario.task).map_err(|error| Failure::sentence(error.to_string()))?;
     let task = layouts[0].clone();
     let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
     let config = Practice::Pointing.learning(&PpoConfig::for_user(task.user));
     let practised = Scenario { task, layouts, model, own_model, most_success: 1.0 };
-    let practising = Practising { scenario: &practised, config, users: (1, *seed), steps: *steps, physics };
-    let mut users = practise(&practising, &folder, &Interrupt::listen()?)?;
+    let practising = Practising { scenario: &practised, config, users: (1, seed), steps: *steps, physics };
+    let mut users = practise(&practising, folder, interrupt)?;
     let checkpoint = users.pop().ok_or_else(|| Failure::sentence("nobody has practised"))?;
     Ok(Anybody::new(checkpoint, scenario.model, scenario.task))
 }
 
-fn text(file: &Path, fitted: &Fitted) -> String {
-    let Fitted { participant, movements, pairs, traits, distance_before, distance_after, figures } = fitted;
+fn text(file: &Path, found: &FittedAmong) -> String {
+    let Fitted { participant, movements, pairs, traits, distance_before, distance_after, figures, .. } = &found.fitted;
     let mut rows = vec![row(["", "before", "found", "95 % interval"])];
     rows.extend(traits.iter().map(|one| {
         let [low, high] = one.interval;
@@ -173,27 +214,59 @@ fn text(file: &Path, fitted: &Fitted) -> String {
     }));
     let name = if participant.is_empty() { "the participant" } else { participant };
     format!(
-        "{}: {name}, {movements} movements in {} pairs of distance and width\n{}\n{}\ndistance {distance_before:.1} before, {distance_after:.1} with the user found\n\n{}",
+        "{}: {name}, {movements} movements in {} pairs of distance and width\n{}{}\n{}\ndistance {distance_before:.1} before, {distance_after:.1} with the user found\n\n{}",
         file.display(),
         pairs.len(),
+        among(found),
         table(&rows),
         table(&compared),
-        lines(fitted)
+        lines(found)
     )
 }
 
+/// All among whom was looked, where there are several.
+fn among(found: &FittedAmong) -> String {
+    if found.candidates.len() < 2 {
+        return String::new();
+    }
+    let value =
+        |value: Option<f64>, unit: &str| value.map_or_else(|| "as told".into(), |value| format!("{value} {unit}"));
+    let mut rows = vec![row(["sees late by", "stature", "distance", ""])];
+    rows.extend(found.candidates.iter().enumerate().map(|(place, one)| {
+        let words = match (place, one.is_possible) {
+            (0, _) => "nearest",
+            (_, true) => "not ruled out",
+            (_, false) if one.distance.is_none() => "ruled out: it cannot do what the person did",
+            (_, false) => "ruled out",
+        };
+        let distance = one.distance.map_or_else(|| "-".into(), |distance| format!("{distance:.2}"));
+        let Candidate { vision_delay_ms, height_m } = one.candidate;
+        row([&value(vision_delay_ms, "ms"), &value(height_m, "m"), &distance, words])
+    }));
+    format!("{}\n", table(&rows))
+}
+
 /// What a task file says of such a user.
-fn lines(fitted: &Fitted) -> String {
-    let told =
-        fitted.traits.iter().filter(|one| one.is_told).filter_map(|one| Some((one.key.split_once('.')?, one.found)));
-    let line = |((part, key), value): ((&str, &str), f64)| format!("{part}: {{{key}: {value:.4}}}\n");
-    // Two of them are costs.
-    let (costs, others): (Vec<_>, Vec<_>) = told.partition(|((part, _), _)| *part == "reward");
-    let costs: Vec<String> = costs.iter().map(|((_, key), value)| format!("{key}: {value:.4}")).collect();
-    let reward = if costs.is_empty() { String::new() } else { format!("reward: {{{}}}\n", costs.join(", ")) };
-    let others: String = others.into_iter().map(line).collect();
-    if others.is_empty() && reward.is_empty() {
+fn lines(found: &FittedAmong) -> String {
+    let of_body = found.told(|one| one.height_m).map(|height| ("body", "height_m", height));
+    let of_eyes = found.told(|one| one.vision_delay_ms).map(|delay| ("perception", "vision_delay_ms", delay));
+    let traits = found.fitted.traits.iter().filter(|one| one.is_told);
+    let traits = traits.filter_map(|one| one.key.split_once('.').map(|(part, key)| (part, key, one.found)));
+    let all: Vec<(&str, &str, f64)> = of_body.into_iter().chain(of_eyes).chain(traits).collect();
+    let mut parts: Vec<&str> = all.iter().map(|&(part, ..)| part).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    if parts.is_empty() {
         return "nothing of such a user is known\n".into();
     }
-    format!("in a task file:\n{others}{reward}")
+    let line = |part: &str| {
+        let own = all.iter().filter(|one| one.0 == part).map(|(_, key, value)| format!("{key}: {}", rounded(*value)));
+        format!("{part}: {{{}}}\n", own.collect::<Vec<_>>().join(", "))
+    };
+    format!("in a task file:\n{}", parts.into_iter().map(line).collect::<String>())
+}
+
+/// Four digits behind the point, and none that say nothing.
+fn rounded(value: f64) -> f64 {
+    (1e4 * value).round() / 1e4
 }

@@ -12,6 +12,11 @@ pub fn positive(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A number.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "expected a number".into())
+}
+
 /// A number of processor threads.
 pub fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -55,6 +60,12 @@ mod tests {
         for text in ["", "k", "0", "-1", "1.5", "nan", "inf", "1e30", "many", "é"] {
             assert!(count(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!(number(" 1.5"), Ok(1.5));
+        assert!(["", "nan", "inf", "1e999", "1,5"].iter().all(|text| number(text).is_err()));
     }
 
     #[test]

@@ -46,8 +46,16 @@ impl Scenario {
 
     /// The same for a user who is like this where the task does not say.
     pub fn open_for(name_or_file: &str, user: Option<User>) -> Result<Self> {
+        Self::open_with(name_or_file, user, |_| ())
+    }
+
+    /// The same for a user who is changed in something.
+    pub fn open_with(name_or_file: &str, user: Option<User>, change: impl FnOnce(&mut Task)) -> Result<Self> {
         let source = read(name_or_file)?;
-        Self::of_source(user.map_or_else(|| source.clone(), |user| source.clone().done_by(user)))
+        let mut source = user.map_or_else(|| source.clone(), |user| source.clone().done_by(user));
+        change(&mut source.task);
+        source.task.check_values().map_err(|error| Failure::sentence(format!("{name_or_file}: {error}")))?;
+        Self::of_source(source)
     }
 
     /// The same for the user of another task, who brings its body along.

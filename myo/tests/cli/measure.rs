@@ -61,5 +61,11 @@ fn nobody_practises_for_recordings_that_no_user_can_be_fitted_to() {
         "there is no preset and no file called `nobody`",
     );
     assert_refused(&myo(folder.path(), &["bench", "fit", "--user", "fastest"]), "--user fastest: it has no noise");
+    assert_refused(
+        &myo(folder.path(), &["bench", "fit", "--vision-delay-ms", "80,40,50"]),
+        "40 and 50 ms are the same number of control steps of 40 ms",
+    );
+    // The last of the users is impossible, and the first learns nothing before that is said.
+    assert_refused(&myo(folder.path(), &["bench", "fit", "--height-m", "1.7,5"]), "body.height_m");
     assert!(!folder.path().join("runs").exists(), "nobody was trained");
 }
