@@ -109,7 +109,7 @@ pub fn run(args: &Fit) -> Result<()> {
             comparable(person, &beginner.model).map_err(|error| of_file(file, &error))?;
         }
     }
-    let users = anybodies(&args.anybody, args.anybody.seed)?;
+    let users = anybodies(&args.anybody, args.anybody.seed, &Interrupt::listen()?)?;
     let mut found = vec![];
     for (file, people) in &people {
         for person in people {
@@ -161,17 +161,16 @@ fn beginner(user: &str, candidate: Candidate) -> Result<(Scenario, String)> {
 }
 
 /// The users who can be anybody, one for each delay and stature that is looked among; with this seed they learn to be so where they are not there yet.
-pub fn anybodies(args: &AnybodyArgs, seed: u64) -> Result<Vec<(Candidate, Anybody)>> {
+pub fn anybodies(args: &AnybodyArgs, seed: u64, interrupt: &Interrupt) -> Result<Vec<(Candidate, Anybody)>> {
     let candidates = candidates(args)?;
     // All of them are possible before the first one learns.
     let beginners = candidates.into_iter().map(|candidate| Ok((candidate, beginner(&args.user, candidate)?)));
     let beginners = beginners.collect::<Result<Vec<_>>>()?;
-    let interrupt = Interrupt::listen()?;
     let learnt = |(candidate, (scenario, name)): (Candidate, (Scenario, String))| {
         let folder = args.practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
         let mut own = folder.into_os_string();
         own.push(candidate.suffix());
-        Ok((candidate, anybody((args, seed), scenario, Path::new(&own), &interrupt)?))
+        Ok((candidate, anybody((args, seed), scenario, Path::new(&own), interrupt)?))
     };
     beginners.into_iter().map(learnt).collect()
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::fit::{AnybodyArgs, anybodies};
+use crate::cli::interrupt::Interrupt;
 use crate::cli::output::{print, print_json, row, table};
 use crate::cli::parse;
 
@@ -93,8 +94,9 @@ struct CandidatesFound {
 /// Runs `myo bench fit`.
 pub fn run(args: &FitArgs) -> Result<()> {
     let seed = args.anybody.seed;
-    let fitted = anybodies(&args.anybody, seed)?;
-    let apart = args.apart.then(|| anybodies(&args.anybody, seed + 1)).transpose()?;
+    let interrupt = Interrupt::listen()?;
+    let fitted = anybodies(&args.anybody, seed, &interrupt)?;
+    let apart = args.apart.then(|| anybodies(&args.anybody, seed + 1, &interrupt)).transpose()?;
     let mut users = vec![];
     for (candidate, anybody) in apart.as_ref().unwrap_or(&fitted) {
         users.extend(sought(args, &fitted, (*candidate, anybody))?);
