@@ -221,13 +221,13 @@ impl Simulation {
     /// Lengths of the muscles' paths (m), `(nmuscle,)`.
     #[getter]
     fn tendon_length<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.looked().ws.tendon_length)
+        PyArray1::from_slice(py, &self.looked().ws.tendon_length[..self.plan.nmuscle()])
     }
 
     /// Their rates (m/s), `(nmuscle,)`.
     #[getter]
     fn tendon_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.looked().ws.tendon_velocity)
+        PyArray1::from_slice(py, &self.looked().ws.tendon_velocity[..self.plan.nmuscle()])
     }
 
     /// Moment arms (m), `(nmuscle, ndof)`: minus the derivative of length with respect to position, so that force times
@@ -244,7 +244,7 @@ impl Simulation {
             qvel[dof] = 1.0;
             step::kinematics::kinematics(&self.plan, &qpos, &qvel, &mut ws);
             step::tendon::lengths(&self.plan, &mut ws);
-            for (muscle, rate) in ws.tendon_velocity.iter().enumerate() {
+            for (muscle, rate) in ws.tendon_velocity[..nmuscle].iter().enumerate() {
                 arms[(muscle, dof)] = -rate;
             }
         }
@@ -254,7 +254,8 @@ impl Simulation {
     /// Muscle forces (N), `(nmuscle,)`, positive when pulling.
     #[getter]
     fn muscle_force<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let forces: Vec<f64> = self.looked().ws.muscle_force.iter().map(|force| -force).collect();
+        let forces: Vec<f64> =
+            self.looked().ws.muscle_force[..self.plan.nmuscle()].iter().map(|force| -force).collect();
         forces.into_pyarray(py)
     }
 

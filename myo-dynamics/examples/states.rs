@@ -52,9 +52,9 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let state = State { qpos, qvel, act: draws.vector(plan.nmuscle(), 0.0, 1.0) };
     let mut ws = Workspace::<f64>::new(plan);
     step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
-    let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force.clone());
+    let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force[..plan.nmuscle()].to_vec());
     let smooth = smooth_acceleration(plan, &mut ws);
-    let (lengths, velocities) = (ws.tendon_length.clone(), ws.tendon_velocity.clone());
+    let [lengths, velocities] = [&ws.tendon_length, &ws.tendon_velocity].map(|all| all[..plan.nmuscle()].to_vec());
     let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| force::moment_arms(plan, muscle, &mut ws)).collect();
     json!({
         "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],

@@ -49,8 +49,13 @@ impl Exerter {
         tendon::lengths(plan, ws);
         muscle_forces(plan, state, ws);
         // An actuator that pulls has a negative force, and one that shortens a negative velocity.
-        let mechanical =
-            ws.muscle_force.iter().zip(&ws.tendon_velocity).map(|(force, velocity)| force * velocity).sum();
+        let mechanical = ws
+            .muscle_force
+            .iter()
+            .zip(&ws.tendon_velocity)
+            .take(plan.nmuscle())
+            .map(|(force, velocity)| force * velocity)
+            .sum();
         let moments = ws.tendon_length.iter().zip(&ws.tendon_velocity).zip(&state.act);
         let consumed = metabolism.iter().zip(moments);
         let metabolic = consumed.map(|(muscle, ((&l, &v), &act))| muscle.power(l, v, act).total()).sum();

@@ -273,11 +273,11 @@ pub struct Workspace<S: Scalar> {
     pub profile_slope: Vec<S>,
     /// Torque on each link's joint from hinge segments (N m).
     pub joint_torque: Vec<S>,
-    /// Length of each muscle's path (m).
+    /// Length of each muscle's path, and then of each of the plan's branches (m).
     pub tendon_length: Vec<S>,
     /// Its rate (m/s).
     pub tendon_velocity: Vec<S>,
-    /// Actuator forces (N), negative when pulling.
+    /// Actuator forces (N), negative when pulling: of muscles, and then what of them pulls along each branch.
     pub muscle_force: Vec<S>,
     /// Mass matrix with armature, `(ndof, ndof)`, lower triangle.
     pub mass: Vec<S>,
@@ -285,6 +285,10 @@ pub struct Workspace<S: Scalar> {
     pub torque: Vec<S>,
     /// Limit rows.
     pub limit: Vec<Row<S>>,
+    /// Rows of limited tendons.
+    pub tendon_limit: Vec<Row<S>>,
+    /// How far they get from their limit with every coordinate, `(tendon limits, ndof)`, where they are at one.
+    pub tendon_limit_jacobian: Vec<S>,
     /// Equality rows.
     pub equality: Vec<Row<S>>,
     /// Jacobian of the equality rows, `(nequality, ndof)`.
@@ -328,7 +332,7 @@ impl<S: Scalar> Workspace<S> {
     /// [`Obstacles::most_at_once`](crate::Obstacles::most_at_once) says, else contacts are left out.
     pub fn with_contacts(plan: &Plan<S::Const>, contacts: usize) -> Self {
         let o = S::zero();
-        let (nlink, ndof, nmuscle) = (plan.links.len(), plan.ndof(), plan.nmuscle());
+        let (nlink, ndof, npath) = (plan.links.len(), plan.ndof(), plan.tendons.constant.len());
         let joint = JointState { position: o, rate: o, slope: o, drift: o, sin: o, cos: o };
         let profiled = ProfiledState { argument: o, is_free: S::Mask::splat(true), speed: o, passive: o };
         let nscrew = nlink + plan.screws.len();
@@ -355,12 +359,14 @@ impl<S: Scalar> Workspace<S> {
             double_hinge_slope: vec![[o; 2]; plan.tendons.double_hinge.len()],
             profile_slope: vec![o; plan.tendons.profiles.len()],
             joint_torque: vec![o; nlink],
-            tendon_length: vec![o; nmuscle],
-            tendon_velocity: vec![o; nmuscle],
-            muscle_force: vec![o; nmuscle],
+            tendon_length: vec![o; npath],
+            tendon_velocity: vec![o; npath],
+            muscle_force: vec![o; npath],
             mass: vec![o; ndof * ndof],
             torque: vec![o; ndof],
             limit: vec![Row::none(); plan.limits.len()],
+            tendon_limit: vec![Row::none(); plan.tendon_limits.len()],
+            tendon_limit_jacobian: vec![o; plan.tendon_limits.len() * ndof],
             equality: vec![Row::none(); plan.equalities.len()],
             equality_jacobian: vec![o; plan.equalities.len() * ndof],
             contacts: vec![Contact::none(); contacts],

@@ -77,5 +77,5 @@ pub fn record<S: Scalar>(plan: &Plan<S::Const>, physics: &Workspace<S>, body: &S
     trace.extend_from_slice(&body.qvel);
     trace.extend_from_slice(&body.act);
     // Of an actuator that pulls the force is negative.
-    trace.extend(physics.muscle_force.iter().map(|&force| -force));
+    trace.extend(physics.muscle_force[..plan.nmuscle()].iter().map(|&force| -force));
 }

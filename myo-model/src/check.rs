@@ -1,6 +1,6 @@
 //! Checks of numbers.
 
-use crate::description::Softness;
+use crate::description::{Softness, TendonLimit};
 use crate::error::{Element, ElementKind, ModelError};
 use myo_muscle::{CurveParameters, MuscleParameters};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -146,6 +146,17 @@ impl Check {
         self.within("softness.solimp", &[width], &Bound::JOINT_POSITION)?;
         let is_power = (1.0..=MOST_POWER).contains(&power);
         self.require(is_power, "softness.solimp", power, "", "a power between 1 and 8")
+    }
+
+    /// Lengths that a tendon does not leave: only one end of them at a time.
+    pub(crate) fn tendon_limit(&self, limit: &TendonLimit) -> Result<(), ModelError> {
+        self.within("limit.range", &limit.range, &Bound::LENGTH)?;
+        self.ascending("limit.range", limit.range, " m")?;
+        self.not_negative("limit.margin", limit.margin, " m")?;
+        let [shortest, longest] = limit.range;
+        let fits = 2.0 * limit.margin < longest - shortest;
+        self.require(fits, "limit.margin", limit.margin, " m", "less than half of the range")?;
+        self.softness(&limit.softness)
     }
 
     /// Parameters of a muscle that is integrated in steps of `timestep` (s).

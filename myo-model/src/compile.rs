@@ -3,7 +3,7 @@
 use crate::check::{Bound, Check};
 use crate::description::{self as source, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
-use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Site, WORLD, Wrap};
+use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -22,6 +22,9 @@ const SMALLEST_WRAP: f64 = 1e-5;
 
 /// Smallest semi-axis (m) of an ellipsoid: single precision finds nothing on a thinner one.
 const SMALLEST_RADIUS: f64 = 1e-4;
+
+/// What lengths of branches may be divided by.
+const DIVISORS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 
 /// Smallest friction; MuJoCo's.
 const SMALLEST_FRICTION: f64 = 1e-5;
@@ -440,43 +443,102 @@ fn muscles(description: &ModelDescription, sites: &Index, wraps: &Index) -> Resu
         let check = Check::new(ElementKind::Muscle, &muscle.name);
         let path = path(muscle, sites, wraps, &check.element)?;
         check.muscle(&muscle.parameters, description.options.timestep)?;
-        muscles.push(Muscle { parameters: muscle.parameters.clone(), ..path });
+        if let Some(limit) = &muscle.limit {
+            check.tendon_limit(limit)?;
+        }
+        muscles.push(path);
     }
     Ok(muscles)
 }
 
 /// The muscle with its path, whose elements must make sense beside each other.
 fn path(muscle: &source::Muscle, sites: &Index, wraps: &Index, element: &Element) -> Result<Muscle, ModelError> {
-    let count = muscle.path.iter().filter(|step| matches!(step, PathElement::Site(_))).count();
-    if count < 2 {
-        return Err(ModelError::ShortPath { element: element.clone(), sites: count });
-    }
-    let loose = |wrap: &str, place| ModelError::LooseWrap { element: element.clone(), wrap: wrap.to_owned(), place };
-    let (mut path, mut over) = (Vec::with_capacity(count), vec![]);
-    let mut last: Option<&source::Over> = None;
+    let mut path = Path::default();
     for step in &muscle.path {
-        match (step, last) {
-            (PathElement::Site(site), _) => {
-                path.push(sites.find(site, element)?);
-                last = None;
-            }
-            (PathElement::Over(second), Some(first)) => {
-                return Err(ModelError::WrapsInRow {
-                    element: element.clone(),
-                    first: first.over.clone(),
-                    second: second.over.clone(),
-                });
-            }
-            (PathElement::Over(written), None) => {
-                let after = path.len().checked_sub(1).ok_or_else(|| loose(&written.over, "begins with"))?;
+        match step {
+            PathElement::Site(site) => path.through(sites.find(site, element)?),
+            PathElement::Over(written) => {
                 let side = written.side.as_deref().map(|site| sites.find(site, element)).transpose()?;
-                over.push(Over { after, wrap: wraps.find(&written.over, element)?, side });
-                last = Some(written);
+                path.over(written, wraps.find(&written.over, element)?, side, element)?;
+            }
+            PathElement::Pulley(pulley) => {
+                let is_divisor = DIVISORS.contains(&pulley.pulley);
+                let check = Check { element: element.clone() };
+                check.require(is_divisor, "pulley", pulley.pulley, "", "a divisor from 0.1 to 100")?;
+                path.divides(pulley.pulley, element)?;
             }
         }
     }
-    match last {
-        Some(last) => Err(loose(&last.over, "ends with")),
-        None => Ok(Muscle { name: muscle.name.clone(), path, over, parameters: muscle.parameters.clone() }),
+    path.ends(element)?;
+    let Path { sites, over, pulleys, .. } = path;
+    let source::Muscle { name, limit, parameters, .. } = muscle;
+    Ok(Muscle { name: name.clone(), path: sites, over, pulleys, limit: *limit, parameters: parameters.clone() })
+}
+
+/// A path as far as it was read.
+#[derive(Default)]
+struct Path<'a> {
+    sites: Vec<usize>,
+    over: Vec<Over>,
+    pulleys: Vec<Pulley>,
+    /// What it runs over since its last site.
+    last: Option<&'a source::Over>,
+}
+
+impl<'a> Path<'a> {
+    fn through(&mut self, site: usize) {
+        self.sites.push(site);
+        self.last = None;
     }
+
+    fn over(
+        &mut self,
+        written: &'a source::Over,
+        wrap: usize,
+        side: Option<usize>,
+        element: &Element,
+    ) -> Result<(), ModelError> {
+        if let Some(first) = self.last {
+            return Err(ModelError::WrapsInRow {
+                element: element.clone(),
+                first: first.over.clone(),
+                second: written.over.clone(),
+            });
+        }
+        if self.of_branch() == 0 {
+            return Err(loose(element, &written.over, "begins with"));
+        }
+        self.over.push(Over { after: self.sites.len() - 1, wrap, side });
+        self.last = Some(written);
+        Ok(())
+    }
+
+    /// A branch ends, and another begins; a path may begin with one.
+    fn divides(&mut self, divisor: f64, element: &Element) -> Result<(), ModelError> {
+        if !(self.sites.is_empty() && self.pulleys.is_empty()) {
+            self.ends(element)?;
+        }
+        self.pulleys.push(Pulley { before: self.sites.len(), divisor });
+        Ok(())
+    }
+
+    fn ends(&self, element: &Element) -> Result<(), ModelError> {
+        match (self.last, self.of_branch()) {
+            (Some(last), _) => Err(loose(element, &last.over, "ends with")),
+            (None, count) if count < 2 => {
+                let branch = if self.pulleys.is_empty() { "its path" } else { "a branch of its path" };
+                Err(ModelError::ShortPath { element: element.clone(), branch, sites: count })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Sites of the current branch.
+    fn of_branch(&self) -> usize {
+        self.sites.len() - self.pulleys.last().map_or(0, |pulley| pulley.before)
+    }
+}
+
+fn loose(element: &Element, wrap: &str, place: &'static str) -> ModelError {
+    ModelError::LooseWrap { element: element.clone(), wrap: wrap.to_owned(), place }
 }

@@ -15,7 +15,7 @@ use std::borrow::Cow;
 mod flat;
 mod path;
 
-pub use path::{Over, PathElement};
+pub use path::{Over, PathElement, Pulley};
 
 /// A whole model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -349,6 +349,21 @@ pub struct Wrap {
     pub quat: [f64; 4],
 }
 
+/// Lengths that a tendon does not leave, whatever its muscle does: it is a string that comes tight, or a stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+pub struct TendonLimit {
+    /// Shortest and longest length (m).
+    pub range: [f64; 2],
+    /// Distance (m) from either at which the force begins.
+    #[cfg_attr(feature = "files", serde(default))]
+    pub margin: f64,
+    /// How soft the limit is.
+    #[cfg_attr(feature = "files", serde(default))]
+    pub softness: Softness,
+}
+
 /// A muscle-tendon actuator. In a file, its parameters stand beside name and path.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "files", derive(Serialize, Deserialize))]
@@ -356,8 +371,10 @@ pub struct Wrap {
 pub struct Muscle {
     /// Unique name.
     pub name: String,
-    /// Sites that the path runs through, origin first, and what it runs over between two of them.
+    /// Sites that the path runs through, origin first, what it runs over between two of them, and pulleys where it divides.
     pub path: Vec<PathElement>,
+    /// Lengths that the tendon does not leave, if it is limited.
+    pub limit: Option<TendonLimit>,
     /// Activation and force curves.
     pub parameters: MuscleParameters,
 }

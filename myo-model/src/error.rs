@@ -219,10 +219,12 @@ pub enum ModelError {
         muscle: String,
     },
     /// A muscle has nothing to pull between.
-    #[error("{element}: its path has {sites} site(s); at least 2 are needed")]
+    #[error("{element}: {branch} has {sites} site(s); at least 2 are needed")]
     ShortPath {
         /// The muscle.
         element: Element,
+        /// What is short.
+        branch: &'static str,
         /// Number of sites.
         sites: usize,
     },

@@ -259,8 +259,21 @@ fn contacts(xml: &mut Xml, model: &Model) {
 
 fn tendons(xml: &mut Xml, model: &Model) {
     xml.section("tendon", &model.muscles, |xml, muscle| {
-        xml.open("spatial", &[("name", text(&muscle.name))]);
+        let mut attributes = vec![("name", text(&muscle.name))];
+        if let Some(limit) = &muscle.limit {
+            attributes.extend([
+                ("limited", text("true")),
+                ("range", numbers(&limit.range)),
+                ("margin", number(limit.margin)),
+                ("solreflimit", numbers(&limit.softness.solref)),
+                ("solimplimit", numbers(&limit.softness.solimp)),
+            ]);
+        }
+        xml.open("spatial", &attributes);
         for (index, &site) in muscle.path.iter().enumerate() {
+            for pulley in muscle.pulleys.iter().filter(|pulley| pulley.before == index) {
+                xml.leaf("pulley", &[("divisor", number(pulley.divisor))]);
+            }
             xml.leaf("site", &[("site", text(&model.sites[site].name))]);
             for over in muscle.over.iter().filter(|over| over.after == index) {
                 let mut attributes = vec![("geom", text(&model.wraps[over.wrap].name))];

@@ -1,6 +1,6 @@
 //! The checked model: indices instead of names, parents before children, everything in f64.
 
-use crate::description::{JointKind, Options, Shape, Softness, WrapShape};
+use crate::description::{JointKind, Options, Shape, Softness, TendonLimit, WrapShape};
 use myo_muscle::MuscleParameters;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
@@ -207,6 +207,15 @@ pub struct Over {
     pub side: Option<usize>,
 }
 
+/// Where a tendon divides: a branch of its path that begins anew.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulley {
+    /// The element of the path that the branch begins with; it goes as far as the next one, or to the end.
+    pub before: usize,
+    /// What its length is divided by.
+    pub divisor: f64,
+}
+
 /// A muscle-tendon actuator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Muscle {
@@ -216,6 +225,20 @@ pub struct Muscle {
     pub path: Vec<usize>,
     /// Stretches of the path that may bend round something, at most one for each, in the order of the path.
     pub over: Vec<Over>,
+    /// Where the tendon divides, in the order of the path.
+    pub pulleys: Vec<Pulley>,
+    /// Lengths that the tendon does not leave, if it is limited.
+    pub limit: Option<TendonLimit>,
     /// Activation and force curves.
     pub parameters: MuscleParameters,
+}
+
+impl Muscle {
+    /// Stretches of the path: each from the element of this number to the next, and the pulley before its branch, if there is one. Nothing leads from the end of a branch to
+    /// the beginning of the next.
+    pub fn stretches(&self) -> impl Iterator<Item = (usize, Option<&Pulley>)> {
+        let pulley = |element: usize| self.pulleys.iter().rfind(|pulley| pulley.before <= element);
+        let is_one = |&element: &usize| self.pulleys.iter().all(|pulley| pulley.before != element + 1);
+        (0..self.path.len().saturating_sub(1)).filter(is_one).map(move |element| (element, pulley(element)))
+    }
 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::description::{Body, Geom, Joint, ModelDescription, Muscle, Shape, Wrap, WrapShape};
 use crate::error::{Element, ElementKind, ModelError};
-use crate::model::{Model, Site};
+use crate::model::{Model, Pulley, Site};
 
 /// Sex, as far as proportions and strength differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -214,8 +214,12 @@ impl Scales {
 
     /// Fibre and tendon keep their ratio; moment arms are as much longer as the path, so that a torque takes less force.
     fn muscle(&self, muscle: &mut Muscle, longer: f64) -> Result<(), ModelError> {
-        let Muscle { name, parameters, .. } = muscle;
+        let Muscle { name, parameters, limit, .. } = muscle;
         parameters.length_range = parameters.length_range.map(|x| x * longer);
+        if let Some(limit) = limit {
+            limit.range = limit.range.map(|x| x * longer);
+            limit.margin *= longer;
+        }
         for curve in [&mut parameters.gain, &mut parameters.bias] {
             let force = curve
                 .force
@@ -236,7 +240,10 @@ fn lengths(model: &Model) -> Vec<f64> {
     };
     let length = |muscle: &crate::model::Muscle| {
         let points: Vec<Point3<f64>> = muscle.path.iter().map(site).collect();
-        points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+        let stretch = |(from, pulley): (usize, Option<&Pulley>)| {
+            (points[from + 1] - points[from]).norm() / pulley.map_or(1.0, |pulley| pulley.divisor)
+        };
+        muscle.stretches().map(stretch).sum()
     };
     model.muscles.iter().map(length).collect()
 }

@@ -40,6 +40,7 @@ impl ModelDescription {
             let target = self.muscles[recipient].clone();
             let moved = &mut self.muscles[donor];
             moved.path = target.path;
+            moved.limit = target.limit;
             moved.parameters.group = target.parameters.group;
             // Both curves go over the lengths of the new path.
             moved.parameters.length_range = target.parameters.length_range;

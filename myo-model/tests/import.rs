@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use myo_mjcf::{Limits, Mjcf, read_from};
-use myo_model::description::{Joint, Landmarks, PathElement, WrapShape};
+use myo_model::description::{Joint, Landmarks, PathElement, Pulley, Softness, TendonLimit, WrapShape};
 use myo_model::import::{ImportOptions, Unsupported, from_mjcf, unused};
 use myo_model::mjcf::{MjcfOptions, to_mjcf};
 use myo_model::{Model, ModelDescription, builtin, builtin_names};
@@ -180,7 +180,20 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
             ],
             "arm.xml:11:7: <geom>: mass of meshes and of shells",
         ),
-        (["", "", "", "range=\"0 1\"", ""], "arm.xml:14:11: <tendon name=\"BIC\">: limits of tendons"),
+        (
+            ["", "", "", "range=\"0 1\" solreflimit=\"-100 -1\"", ""],
+            "arm.xml:14:11: <tendon name=\"BIC\">: softness as stiffness",
+        ),
+        (
+            [
+                "<tendon><spatial name=\"rope\" range=\"0 1\"><site site=\"origin\"/><site site=\"tip\"/></spatial></tendon>",
+                "",
+                "",
+                "",
+                "",
+            ],
+            "arm.xml:3:11: <tendon name=\"rope\">: limits (`limited`, `range`) of tendons that no muscle pulls",
+        ),
         (["", "", "", "stiffness=\"10\"", ""], "arm.xml:14:11: <tendon name=\"BIC\">: springs of tendons"),
         (["", "", "", "", "forcerange=\"-1 0\""], "arm.xml:15:13: <actuator name=\"BIC\">: limits of muscle force"),
         (["", "", "", "", "gear=\"2\""], "arm.xml:15:13: <actuator name=\"BIC\">: a muscle pulls its tendon as it is"),
@@ -199,12 +212,38 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
     let text = arm([""; 5]).replace("lengthrange=\"0.7 1.1\" ", "");
     let [one] = &from_mjcf(&read(&text), &options("tip", "humerus")).unwrap_err()[..] else { panic!("one is missing") };
     assert!(one.to_string().contains("its `lengthrange` is not computed; let MuJoCo load"), "{one}");
-    let text = arm([""; 5]).replace(
-        "<site site=\"insertion\"/></spatial>",
-        "<pulley divisor=\"2\"/><site site=\"origin\"/><site site=\"insertion\"/></spatial>",
-    );
-    let [one] = &from_mjcf(&read(&text), &options("tip", "humerus")).unwrap_err()[..] else { panic!("one branch") };
-    assert!(one.to_string().contains("<pulley>: branches of tendons"), "{one}");
+}
+
+#[test]
+fn tendons_divide_and_are_limited() {
+    let text = arm(["", "", "", "range=\"0.1 0.4\" margin=\"0.01\" solimplimit=\"0.8\"", ""])
+        .replace(
+            "<site site=\"insertion\"/></spatial>",
+            "<site site=\"insertion\"/><pulley divisor=\"2\"/><site site=\"origin\"/><site site=\"tip\"/></spatial>",
+        )
+        .replace(
+            "</actuator>",
+            "<muscle name=\"BRA\" tendon=\"BIC\" lengthrange=\"0.7 1.1\" force=\"300\"/></actuator>",
+        );
+    let all = from_mjcf(&read(&text), &options("tip", "humerus")).unwrap();
+    let [first, second] = &all.muscles[..] else { panic!("two muscles") };
+    let site = |name: &str| PathElement::from(name);
+    let pulley = PathElement::Pulley(Pulley { pulley: 2.0 });
+    assert_eq!(first.path, [site("origin"), site("insertion"), pulley, site("origin"), site("tip")]);
+    let softness = Softness { solref: [0.02, 1.0], solimp: [0.8, 0.95, 0.001, 0.5, 2.0] };
+    assert_eq!(first.limit, Some(TendonLimit { range: [0.1, 0.4], margin: 0.01, softness }));
+    // The same tendon is not limited twice.
+    assert_eq!((&second.path, second.limit), (&first.path, None));
+    let model = Model::new(&all).unwrap();
+    let stretches: Vec<_> =
+        model.muscles[0].stretches().map(|(from, pulley)| (from, pulley.map(|pulley| pulley.divisor))).collect();
+    assert_eq!(stretches, [(0, None), (2, Some(2.0))]);
+    // They go out as they came in, to a file of either kind.
+    let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "humerus")).unwrap();
+    assert_eq!(back.muscles[0], *first);
+    assert_eq!(ModelDescription::from_yaml(&all.to_yaml().unwrap(), "arm.yaml").unwrap().muscles, all.muscles);
+    let unlimited = text.replace("<compiler", "<option><flag limit=\"disable\"/></option><compiler");
+    assert_eq!(from_mjcf(&read(&unlimited), &options("tip", "humerus")).unwrap().muscles[0].limit, None);
 }
 
 /// An arm whose hand has a palm with these bits, beside a table of this height (m), with more in the file.
@@ -234,6 +273,14 @@ fn parts_that_may_touch_are_refused_unless_they_need_not() {
     assert_eq!(contacts(&hand(0.99, "", "<option><flag contact=\"disable\"/></option>")), none);
     let options = ImportOptions { without_contacts: true, ..options("tip", "humerus") };
     assert!(from_mjcf(&read(&hand(0.99, "", "")), &options).is_ok());
+    // By limits, and 0.35 rad beyond: at 130 and 20 degrees the palm is 0.83 m above the ground; by one limit more it is not known.
+    let held = |height: f64, limits: &str| {
+        let text = hand(height, "", "").replace("<body name=\"hand\">", "<body name=\"hand\" pos=\"0 0 0.2\">");
+        contacts(&text.replace("<joint axis=\"1 0 0\"/>", &format!("<joint axis=\"1 0 0\" {limits}/>")))
+    };
+    assert_eq!(held(0.8, "range=\"-5 5\""), none);
+    assert!(held(0.82, "range=\"-5 5\"").unwrap_err().contains("it may touch `palm`"));
+    assert!(held(0.8, "").unwrap_err().contains("it may touch `palm`"));
     // What hangs on a slide may be anywhere.
     let sliding = hand(0.0, "", "").replace("<joint axis=\"1 0 0\"/>", "<joint type=\"slide\" axis=\"1 0 0\"/>");
     assert!(contacts(&sliding).unwrap_err().contains("it may touch `palm`"));

@@ -1,6 +1,6 @@
 //! What a person is told when a model is wrong.
 
-use myo_model::description::{Over, PathElement, Wrap, WrapShape};
+use myo_model::description::{Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
 use myo_model::{Model, ModelDescription, builtin};
 
 const ARM: &str = include_str!("../models/mobl-arms.yaml");
@@ -237,12 +237,50 @@ fn wraps_must_stand_between_two_sites() {
         vec![site(), elbow(), elbow(), site()],
         "muscle `DELT1`: `{over: elbow}` and `{over: elbow}` follow each other; put a site between them",
     );
-    check_path(vec![elbow(), site()], "muscle `DELT1`: its path has 1 site(s); at least 2 are needed");
+    check_path(vec![site()], "muscle `DELT1`: its path has 1 site(s); at least 2 are needed");
     check_path(vec![site(), over("elbo", None), site()], "muscle `DELT1`: unknown wrap `elbo`; did you mean `elbow`?");
     check_path(
         vec![site(), over("elbow", Some("DELT1-P22")), site()],
         "muscle `DELT1`: unknown site `DELT1-P22`; did you mean `DELT1-P2`, `DELT1-P4` or `DELT2-P2`?",
     );
+}
+
+#[test]
+fn branches_must_lead_somewhere_and_limits_leave_room() {
+    let site = || PathElement::from("DELT1-P2");
+    let pulley = |divisor| PathElement::Pulley(Pulley { pulley: divisor });
+    let short = "muscle `DELT1`: a branch of its path has 1 site(s); at least 2 are needed";
+    check_path(vec![site(), site(), pulley(2.0), site()], short);
+    check_path(vec![pulley(2.0), site(), pulley(2.0), site(), site()], short);
+    check_path(
+        vec![site(), pulley(2.0), site(), site()],
+        "muscle `DELT1`: its path has 1 site(s); at least 2 are needed",
+    );
+    check_path(
+        vec![site(), site(), pulley(2.0), over("elbow", None), site(), site()],
+        "muscle `DELT1`: its path begins with `{over: elbow}`; a site must stand before it and after it",
+    );
+    check_path(
+        vec![site(), site(), over("elbow", None), pulley(2.0), site(), site()],
+        "muscle `DELT1`: its path ends with `{over: elbow}`; a site must stand before it and after it",
+    );
+    check_path(
+        vec![pulley(0.0), site(), site()],
+        "muscle `DELT1`: `pulley` is 0; it must be a divisor from 0.1 to 100",
+    );
+    check_path(vec![pulley(f64::NAN), site(), site()], "muscle `DELT1`: `pulley` is NaN; a finite number is needed");
+    let check_limit = |range: [f64; 2], margin: f64, message: &str| {
+        let limit = TendonLimit { range, margin, softness: Softness::default() };
+        check(|arm| arm.muscles[0].limit = Some(limit), message);
+    };
+    check_limit(
+        [0.2, 0.1],
+        0.0,
+        "muscle `DELT1`: `limit.range` runs from 0.2 to 0.1 m; the first must be below the second",
+    );
+    check_limit([0.1, 0.2], 0.05, "muscle `DELT1`: `limit.margin` is 0.05 m; it must be less than half of the range");
+    check_limit([0.1, 0.2], -0.1, "muscle `DELT1`: `limit.margin` is -0.1 m; it must be 0 or more");
+    check_limit([0.1, f64::INFINITY], 0.0, "muscle `DELT1`: `limit.range` is inf; a finite number is needed");
 }
 
 #[test]
@@ -292,8 +330,9 @@ fn what_a_path_runs_over_is_read_with_its_place() {
     assert_eq!(again, description);
     for (element, message) in [
         ("{ovr: elbow}", "unknown key `ovr`; did you mean `over`?"),
-        ("{side: elbow}", "missing field `over`"),
-        ("[elbow]", "invalid type: sequence, expected the name of a site, or `{over: NAME}`"),
+        ("{side: elbow}", "expected `over`, which may have a `side`, or `pulley`"),
+        ("{over: elbow, pulley: 2}", "expected `over`, which may have a `side`, or `pulley`"),
+        ("[elbow]", "invalid type: sequence, expected the name of a site, `{over: NAME}` or `{pulley: DIVISOR}`"),
     ] {
         let error = read(element).unwrap_err().to_string();
         assert!(error.starts_with("arm.yaml:") && error.ends_with(message), "{element}: {error}");

@@ -1,9 +1,9 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
 use super::{
-    Body, ContactPair, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Elimination, Equality,
+    Body, Branch, ContactPair, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Elimination, Equality,
     FixedFrame, Form, Limit, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
-    SegmentPair, Stretch, Tendons, pairs, reference_pose, sets,
+    SegmentPair, Stretch, TendonLimit, Tendons, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -41,6 +41,7 @@ impl Plan<f64> {
         }
         let tree = Tree::new(model, &drives);
         let tendons = tendons(model, &tree)?;
+        let tendon_limits = tendon_limits(model, &tree);
         let bodies = tree.bodies(model);
         let sphere = model.pressing_geoms().next().map(|geom| contact_sphere(model, &tree, geom));
         let pairs = pairs::pairs(model, &tree)?;
@@ -67,6 +68,7 @@ impl Plan<f64> {
             muscles: vec![],
             smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
             limits: limits(model, &drives),
+            tendon_limits,
             equalities: if coupling == CouplingMode::Soft { equalities(model) } else { vec![] },
             fingertip,
             arm: None,
@@ -132,6 +134,9 @@ impl Plan<f64> {
         }
         if let Some(sphere) = &mut self.contact_sphere {
             sphere.diagonal = reference.sphere_inverse_mass;
+        }
+        for (limit, &mass) in self.tendon_limits.iter_mut().zip(&reference.tendon_inverse_masses) {
+            limit.diagonal = mass;
         }
         for (pair, &masses) in self.pairs.iter_mut().zip(&reference.pair_inverse_masses) {
             pair.weigh(masses);
@@ -239,6 +244,21 @@ fn limits(model: &Model, drives: &[Drive<f64>]) -> Vec<Limit<f64>> {
         .collect()
 }
 
+fn tendon_limits(model: &Model, tree: &Tree) -> Vec<TendonLimit<f64>> {
+    let row = |(muscle, m): (usize, &myo_model::model::Muscle)| {
+        let limit = m.limit?;
+        Some(TendonLimit {
+            muscle,
+            dofs: tree.dofs_along(model, m),
+            range: limit.range,
+            margin: limit.margin,
+            impedance: Impedance::new(&limit.softness, model.options.timestep),
+            diagonal: 0.0,
+        })
+    };
+    model.muscles.iter().enumerate().filter_map(row).collect()
+}
+
 fn equalities(model: &Model) -> Vec<Equality<f64>> {
     let row = |c: &myo_model::model::Coupling| Equality {
         dependent: c.dependent,
@@ -341,6 +361,15 @@ impl Tree {
         FixedFrame { origin: self.point(body, pos), axes: turn.into_inner().into() }
     }
 
+    /// Coordinates that move anything on the path of a muscle.
+    fn dofs_along(&self, model: &Model, muscle: &myo_model::model::Muscle) -> Vec<usize> {
+        let sites = muscle.path.iter().map(|&site| model.sites[site].body);
+        let bodies = sites.chain(muscle.over.iter().map(|over| model.wraps[over.wrap].body));
+        let links: BTreeSet<usize> = bodies.map(|body| self.placement[body].0).collect();
+        let ndof = self.links[0].screw_of_dof.len();
+        (0..ndof).filter(|&dof| links.iter().any(|&link| self.links[link].screw_of_dof[dof].is_some())).collect()
+    }
+
     fn site(&self, model: &Model, site: usize) -> Point<f64> {
         self.point(model.sites[site].body, model.sites[site].pos)
     }
@@ -427,6 +456,7 @@ fn contact_sphere(model: &Model, tree: &Tree, geom: &myo_model::model::Geom) -> 
 fn tendons(model: &Model, tree: &Tree) -> Result<Tendons<f64>, PlanError> {
     let mut out = Tendons {
         constant: vec![0.0; model.muscles.len()],
+        branches: vec![],
         points: vec![],
         pairs: vec![],
         hinge: vec![],
@@ -435,8 +465,17 @@ fn tendons(model: &Model, tree: &Tree) -> Result<Tendons<f64>, PlanError> {
         wraps: vec![],
     };
     for (muscle, m) in model.muscles.iter().enumerate() {
-        for (after, ends) in m.path.windows(2).enumerate() {
-            let [a, b] = [tree.site(model, ends[0]), tree.site(model, ends[1])];
+        let mut pulleys = vec![];
+        for (after, pulley) in m.stretches() {
+            let muscle = pulley.map_or(muscle, |pulley| {
+                if pulleys.last() != Some(&pulley.before) {
+                    pulleys.push(pulley.before);
+                    out.branches.push(Branch { muscle, share: pulley.divisor.recip() });
+                    out.constant.push(0.0);
+                }
+                out.constant.len() - 1
+            });
+            let [a, b] = [after, after + 1].map(|element| tree.site(model, m.path[element]));
             if let Some(over) = m.over.iter().find(|over| over.after == after) {
                 let (wrap, side) = (&model.wraps[over.wrap], over.side.map(|site| tree.site(model, site)));
                 out.add_stretch(muscle, [a, b], RoundThing::new(wrap, tree.wrap(wrap)), side);

@@ -1,9 +1,9 @@
 //! The same plan in another precision.
 
 use super::{
-    Body, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements, EnergyProfile,
-    Equality, FixedFrame, HingeSegment, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point, PoseProfile,
-    ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, Tendons,
+    Body, Branch, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements,
+    EnergyProfile, Equality, FixedFrame, HingeSegment, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point,
+    PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, TendonLimit, Tendons,
 };
 use crate::cast::{Cast, cast};
 use myo_scalar::Real;
@@ -17,7 +17,7 @@ impl Plan<f64> {
 
 cast! {
     Plan {
-        timestep, gravity, origin, dofs, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits,
+        timestep, gravity, origin, dofs, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
         equalities, fingertip, arm, contact_sphere, pairs, joints, elements;
         implicit_damping, screws, sets, mass_terms, elimination, projections, smooth_activation
     }
@@ -33,7 +33,8 @@ cast! {
     EnergyProfile { inertia, centrifugal, weight; coordinate }
     Point { position; link }
     FixedFrame { origin, axes }
-    Tendons { constant, points, hinge, double_hinge, profiles, wraps; pairs }
+    Tendons { constant, branches, points, hinge, double_hinge, profiles, wraps; pairs }
+    Branch { share; muscle }
     HingeSegment { square, half; muscle, link }
     DoubleHingeSegment { square; muscle, links }
     ProfileSegment { square, half_slope; muscle, coordinate }
@@ -41,6 +42,7 @@ cast! {
     Bundle { stretches; shape, way, is_moored }
     Stretch { round, ends, local, side; muscle }
     Limit { drive, range, impedance, diagonal }
+    TendonLimit { range, margin, impedance, diagonal; muscle, dofs }
     Equality { drive, impedance, diagonal; dependent }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
     ContactPair { parts, far, margin, friction, impedance, diagonal }

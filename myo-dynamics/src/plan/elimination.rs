@@ -51,7 +51,7 @@ pub struct Later {
 }
 
 impl Elimination {
-    /// Of a plan whose mass matrix, couplings and contact are known.
+    /// Of a plan whose mass matrix, couplings, contact and limited tendons are known.
     pub(super) fn of(plan: &Plan<f64>) -> Self {
         let ndof = plan.ndof();
         let mut pairs: BTreeSet<(usize, usize)> = BTreeSet::new();
@@ -60,9 +60,12 @@ impl Elimination {
         }
         pairs.extend(plan.equalities.iter().filter_map(|row| Some((row.dependent, row.drive.dof?))));
         let sphere = plan.contact_sphere.iter().map(|sphere| [0, sphere.centre.link]);
-        for links in sphere.chain(plan.pairs.iter().map(ContactPair::links)) {
+        let of_links = |links: [usize; 2]| {
             let moves = |dof: &usize| links.iter().any(|&link| plan.links[link].screw_of_dof[*dof].is_some());
-            let moving: Vec<usize> = (0..ndof).filter(moves).collect();
+            (0..ndof).filter(moves).collect::<Vec<_>>()
+        };
+        let parts = sphere.chain(plan.pairs.iter().map(ContactPair::links)).map(of_links);
+        for moving in parts.chain(plan.tendon_limits.iter().map(|limit| limit.dofs.clone())) {
             pairs.extend(moving.iter().flat_map(|&a| moving.iter().map(move |&b| (a, b))));
         }
         Self::new(ndof, &pairs)

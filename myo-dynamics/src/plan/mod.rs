@@ -74,6 +74,8 @@ pub struct Plan<C> {
     pub smooth_activation: bool,
     /// Joint limits.
     pub limits: Vec<Limit<C>>,
+    /// Limits of tendons.
+    pub tendon_limits: Vec<TendonLimit<C>>,
     /// Couplings kept as constraints.
     pub equalities: Vec<Equality<C>>,
     /// The point that points and presses.
@@ -305,11 +307,14 @@ pub struct FixedFrame<C> {
     pub axes: [[C; 3]; 3],
 }
 
-/// Paths of all muscles, sorted by how a segment's length is computed.
+/// Paths of all muscles, sorted by how a segment's length is computed. What is said to be of a muscle may be of a [branch](Branch): their numbers follow those
+/// of muscles.
 #[derive(Clone, Debug)]
 pub struct Tendons<C> {
-    /// Length that never changes, per muscle (m).
+    /// Length that never changes, per muscle and then per branch (m).
     pub constant: Vec<C>,
+    /// Branches behind pulleys.
+    pub branches: Vec<Branch<C>>,
     /// Points that segments run through.
     pub points: Vec<Point<C>>,
     /// Straight segments, grouped by the links they join.
@@ -322,6 +327,32 @@ pub struct Tendons<C> {
     pub profiles: Vec<ProfileSegment<C>>,
     /// Stretches that may bend round something, grouped by the code that finds their ways.
     pub wraps: Vec<Bundle<C>>,
+}
+
+/// Part of a muscle's path that counts another time: what is behind a pulley.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch<C> {
+    /// The muscle.
+    pub muscle: usize,
+    /// How much of its length counts, and how much of the muscle's force pulls along it.
+    pub share: C,
+}
+
+/// A tendon whose length is limited.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TendonLimit<C> {
+    /// Its muscle.
+    pub muscle: usize,
+    /// Coordinates that may change its length.
+    pub dofs: Vec<usize>,
+    /// Shortest and longest length (m).
+    pub range: [C; 2],
+    /// Distance (m) from either at which the force begins.
+    pub margin: C,
+    /// Softness.
+    pub impedance: Impedance<C>,
+    /// Inverse inertia that the tendon feels in the reference pose (1/kg).
+    pub diagonal: C,
 }
 
 /// What a path may bend round.

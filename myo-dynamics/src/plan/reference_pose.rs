@@ -1,8 +1,8 @@
 //! Inverse inertias in the reference pose (all joints at zero), which scale soft constraints and automatic muscle forces.
 //!
-//! MuJoCo's `dof_invweight0`, `body_invweight0` and `actuator_acc0`, of the model with all joints.
+//! MuJoCo's `dof_invweight0`, `body_invweight0`, `tendon_invweight0` and `actuator_acc0`, of the model with all joints.
 
-use super::{ContactPair, Plan, PlanError, Point};
+use super::{ContactPair, Plan, PlanError, Point, TendonLimit};
 use crate::spatial::{Vec3, Wrench};
 use crate::step::{cholesky, force, inertia, kinematics, tendon};
 use crate::workspace::{State, Workspace};
@@ -15,6 +15,8 @@ pub(super) struct ReferencePose {
     pub sphere_inverse_mass: f64,
     /// The same of both bodies of each pair of parts that touch.
     pub pair_inverse_masses: Vec<[f64; 2]>,
+    /// Inverse inertia that each limited tendon feels (1/kg).
+    pub tendon_inverse_masses: Vec<f64>,
     /// Norm of the joint acceleration per newton, per muscle.
     pub acc0: Vec<f64>,
 }
@@ -41,16 +43,19 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     };
     let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
     let joint_inverse_inertia = (0..n).map(|k| solve(&ws, unit(k))[k]).collect();
-    let acc0 = (0..plan.nmuscle())
-        .map(|muscle| {
-            solve(&ws, force::moment_arms(plan, muscle, &mut ws.clone())).iter().map(|a| a * a).sum::<f64>().sqrt()
-        })
-        .collect();
+    let arms = |muscle: usize| force::moment_arms(plan, muscle, &mut ws.clone());
+    let acc0 =
+        (0..plan.nmuscle()).map(|muscle| solve(&ws, arms(muscle)).iter().map(|a| a * a).sum::<f64>().sqrt()).collect();
+    let felt = |limit: &TendonLimit<f64>| {
+        let arms = arms(limit.muscle);
+        solve(&ws, arms.clone()).iter().zip(&arms).map(|(a, b)| a * b).sum()
+    };
+    let tendon_inverse_masses = plan.tendon_limits.iter().map(felt).collect();
     let mass_at = |point: &Point<f64>| inverse_mass(plan, &ws, point, solve);
     let sphere_inverse_mass = plan.contact_sphere.as_ref().map_or(0.0, |sphere| mass_at(&sphere.body_com));
     let of_pair = |pair: &ContactPair<f64>| [mass_at(&pair.parts[0].body_com), mass_at(&pair.parts[1].body_com)];
     let pair_inverse_masses = plan.pairs.iter().map(of_pair).collect();
-    Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass, pair_inverse_masses, acc0 })
+    Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass, pair_inverse_masses, tendon_inverse_masses, acc0 })
 }
 
 /// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).

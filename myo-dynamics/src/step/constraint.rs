@@ -1,4 +1,4 @@
-//! Soft constraints: limits, contact and couplings, solved together.
+//! Soft constraints: limits of joints and tendons, contact and couplings, solved together.
 //!
 //! MuJoCo's convex problem `min 1/2 |a - a_0|_M^2 + sum_i D_i/2 min(0, J_i a - aref_i)^2` (equality rows without the
 //! minimum) is quadratic for a given set of pushing rows, so a primal active-set method solves it: assume the rows, solve
@@ -72,12 +72,13 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         violated = violated | row.exists;
     }
     let touching = ws.contacts.iter().any(|contact| contact.exists.any());
-    let rows = Rows { limited: violated.any(), touching };
+    let tethered = ws.tendon_limit.iter().any(|row| row.exists.any());
+    let rows = Rows { limited: violated.any(), tethered, touching };
     ws.tally.rounds = ws.tally.rounds + S::Word::splat(1);
     ws.unsettled = S::Mask::splat(false);
     S::repeat_while(BLOCK_ROUNDS, &mut Round(ws), |Round(ws)| {
         accelerate(plan, ws, rows);
-        if rows.limited || rows.touching {
+        if rows.limited || rows.tethered || rows.touching {
             exchange_all(plan, ws, rows);
         }
         ws.unsettled
@@ -100,6 +101,8 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
 #[derive(Clone, Copy)]
 struct Rows {
     limited: bool,
+    /// Tendons at their limits.
+    tethered: bool,
     touching: bool,
 }
 
@@ -110,7 +113,7 @@ impl<S: Scalar> Carried<S> for Round<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let Round(ws) = self;
         let touched = ws.contacts.iter_mut().flat_map(|contact| &mut contact.rows);
-        for row in ws.limit.iter_mut().chain(touched) {
+        for row in ws.limit.iter_mut().chain(&mut ws.tendon_limit).chain(touched) {
             visitor.mask(&mut row.active);
         }
         visitor.numbers(&mut ws.qacc);
@@ -138,6 +141,11 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
             let pull = (row.weight * row.slope).only(row.active);
             ws.matrix[dof * n + dof] += pull * row.slope;
             ws.qacc[dof] += pull * row.reference;
+        }
+    }
+    if rows.tethered {
+        for (row, jacobian) in ws.tendon_limit.iter().zip(ws.tendon_limit_jacobian.chunks_exact(n)) {
+            add_row(&plan.elimination, row, jacobian, &mut ws.matrix, &mut ws.qacc);
         }
     }
     if rows.touching {
@@ -244,6 +252,12 @@ fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: R
             changed = changed | judge(row, ws.qacc[dof] * row.slope);
         }
     }
+    if rows.tethered {
+        let jacobians = ws.tendon_limit_jacobian.chunks_exact(plan.ndof());
+        for (row, jacobian) in ws.tendon_limit.iter_mut().zip(jacobians) {
+            changed = changed | judge(row, product(jacobian, &ws.qacc));
+        }
+    }
     ws.unsettled = changed;
     if rows.touching {
         each_contact(Judge, plan, ws);
@@ -285,17 +299,32 @@ fn exchange_first<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows:
             change_unless(&mut changed, row, acceleration, acceleration.abs());
         }
     }
+    let Workspace { tendon_limit, tendon_limit_jacobian, contacts, contact_jacobian, qacc, .. } = &mut *ws;
+    if rows.tethered {
+        exchange_first_of(tendon_limit.iter_mut(), tendon_limit_jacobian, qacc, &mut changed);
+    }
     if rows.touching {
-        let jacobians = ws.contact_jacobian.chunks_exact(plan.ndof());
-        for (row, jacobian) in ws.contacts.iter_mut().flat_map(|contact| &mut contact.rows).zip(jacobians) {
-            let mut size = S::zero();
-            for (&x, &y) in jacobian.iter().zip(&ws.qacc) {
-                size += (x * y).abs();
-            }
-            change_unless(&mut changed, row, product(jacobian, &ws.qacc), size);
-        }
+        let touched = contacts.iter_mut().flat_map(|contact| &mut contact.rows);
+        exchange_first_of(touched, contact_jacobian, qacc, &mut changed);
     }
     settle(ws, changed);
+}
+
+/// The same of rows with Jacobians.
+#[inline(always)]
+fn exchange_first_of<'a, S: Scalar>(
+    rows: impl Iterator<Item = &'a mut Row<S>>,
+    jacobians: &[S],
+    qacc: &[S],
+    changed: &mut S::Mask,
+) {
+    for (row, jacobian) in rows.zip(jacobians.chunks_exact(qacc.len())) {
+        let mut size = S::zero();
+        for (&x, &y) in jacobian.iter().zip(qacc) {
+            size += (x * y).abs();
+        }
+        change_unless(changed, row, product(jacobian, qacc), size);
+    }
 }
 
 /// Changes a row that is clearly wrong where none was `changed` before it. `size` is what rounding of the acceleration is

@@ -37,13 +37,19 @@ pub fn profiles<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         let bias = profile.centrifugal.value(argument).mul_add(speed * speed, profile.weight.value(argument));
         ws.torque[dof(profile.coordinate)] -= bias;
     }
-    for (profile, &slope) in plan.tendons.profiles.iter().zip(&ws.profile_slope) {
-        let torque = &mut ws.torque[dof(profile.coordinate)];
-        *torque = slope.mul_add(ws.muscle_force[profile.muscle], *torque);
-    }
+    along_profiles(plan, ws);
     for (coordinate, at) in ws.profiled.iter().enumerate() {
         let torque = &mut ws.torque[dof(coordinate)];
         *torque = S::select(at.is_free, *torque, at.passive);
+    }
+}
+
+/// Adds muscle forces along profiles to `torque`.
+#[inline(always)]
+fn along_profiles<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    for (profile, &slope) in plan.tendons.profiles.iter().zip(&ws.profile_slope) {
+        let torque = &mut ws.torque[plan.profiled[profile.coordinate].dof];
+        *torque = slope.mul_add(ws.muscle_force[profile.muscle], *torque);
     }
 }
 
@@ -76,21 +82,37 @@ fn set_wrench<S: Scalar>(set: &LinkSet, ws: &Workspace<S>) -> Wrench<S> {
     sum
 }
 
-/// Moment arms (m or 1) of a muscle on every coordinate of an exact plan, whose paths [`tendon::lengths`] has worked out: the generalised
-/// force of one newton along it, as which MuJoCo has the slope of its length, by virtual work: positive where moving up lengthens it. Muscle forces, torques and wrenches of `ws` are of no use afterwards.
-pub fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) -> Vec<S> {
+/// Fills `torque` with what a newton along one muscle does to every coordinate, whose paths [`tendon::lengths`] has worked out. Muscle forces and
+/// wrenches of `ws` are of no use afterwards.
+#[inline(always)]
+pub fn pull_alone<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) {
     ws.muscle_force.fill(S::zero());
     ws.muscle_force[muscle] = S::lit(1.0);
-    muscle_torques(plan, ws)
+    tendon::divide(plan, ws);
+    pull(plan, ws);
 }
 
-/// What muscles with the forces of `ws` do to every coordinate of an exact plan (N m or N), whose paths [`tendon::lengths`] has worked out. Torques and
+/// Moment arms (m or 1) of a muscle on every coordinate, whose paths [`tendon::lengths`] has worked out: the generalised
+/// force of one newton along it, as which MuJoCo has the slope of its length, by virtual work: positive where moving up lengthens it. Muscle forces, torques and wrenches of `ws` are of no use afterwards.
+pub fn moment_arms<S: Scalar>(plan: &Plan<S::Const>, muscle: usize, ws: &mut Workspace<S>) -> Vec<S> {
+    pull_alone(plan, muscle, ws);
+    ws.torque.clone()
+}
+
+/// What muscles with the forces of `ws` do to every coordinate (N m or N), whose paths [`tendon::lengths`] has worked out. Torques and
 /// wrenches of `ws` are of no use afterwards.
 pub fn muscle_torques<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) -> Vec<S> {
+    pull(plan, ws);
+    ws.torque.clone()
+}
+
+/// Fills `torque` with what muscles do.
+#[inline(always)]
+fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     ws.torque.fill(S::zero());
     ws.wrench.fill(Wrench::zero());
     ws.joint_torque.fill(S::zero());
+    along_profiles(plan, ws);
     tendon::pull(plan, ws);
     project(plan, ws);
-    ws.torque.clone()
 }

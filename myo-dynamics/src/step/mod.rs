@@ -14,6 +14,7 @@ pub mod kinematics;
 pub mod nearby;
 pub mod pair;
 pub mod tendon;
+pub mod tendon_limit;
 pub mod wrap;
 
 use crate::obstacles::Obstacles;
@@ -80,6 +81,7 @@ impl StepStage for Paths {
     #[inline(always)]
     fn apply<S: Scalar>(plan: &Plan<S::Const>, _: &Obstacles<S::Const, S>, state: &State<S>, ws: &mut Workspace<S>) {
         tendon::lengths(plan, ws);
+        tendon_limit::tendon_limits(plan, ws);
         muscle_forces(plan, state, ws);
     }
 }
@@ -149,11 +151,13 @@ fn outlined<S: Scalar, P: StepStage>(
 /// Fills `muscle_force`.
 #[inline(always)]
 pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
+    let nmuscle = plan.nmuscle();
     let inputs = [&ws.tendon_length[..], &ws.tendon_velocity[..], &state.act[..]];
     let curves = |muscle: usize| plan.muscles[muscle].curves.row();
-    S::for_rows(curves, inputs, &mut ws.muscle_force, |curves, [length, velocity, act], _| {
+    S::for_rows(curves, inputs, &mut ws.muscle_force[..nmuscle], |curves, [length, velocity, act], _| {
         ForceCurves::from_row(curves).force(length, velocity, act)
     });
+    tendon::divide(plan, ws);
 }
 
 /// Semi-implicit Euler: new velocities first, then positions with them; activations beside.

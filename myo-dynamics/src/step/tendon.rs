@@ -64,9 +64,25 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         }
     }
     wrap::lengths(plan, ws);
+    let nmuscle = plan.nmuscle();
+    for (k, branch) in tendons.branches.iter().enumerate() {
+        let share = S::splat(branch.share);
+        let [length, rate] = [ws.tendon_length[nmuscle + k], ws.tendon_velocity[nmuscle + k]];
+        add_product(&mut ws.tendon_length[branch.muscle], share, length);
+        add_product(&mut ws.tendon_velocity[branch.muscle], share, rate);
+    }
 }
 
-/// Adds the muscle forces to `wrench` and `joint_torque`; those along profiles are [`force::profiles`](super::force)'s.
+/// Gives every branch its share of the force of its muscle.
+#[inline(always)]
+pub fn divide<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+    let (forces, branches) = ws.muscle_force.split_at_mut(plan.nmuscle());
+    for (force, branch) in branches.iter_mut().zip(&plan.tendons.branches) {
+        *force = S::splat(branch.share) * forces[branch.muscle];
+    }
+}
+
+/// Adds the muscle forces, [divided](divide) among branches, to `wrench` and `joint_torque`; those along profiles are [`force::profiles`](super::force)'s.
 #[inline(always)]
 pub fn pull<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let tendons = &plan.tendons;

@@ -2,7 +2,7 @@
 //!
 //! `#[serde(flatten)]` would do the same but reads through a buffer that forgets line and column.
 
-use super::PathElement;
+use super::{PathElement, TendonLimit};
 use myo_muscle::{CurveParameters, MuscleGroup, MuscleParameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,8 +13,11 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Muscle {
     /// Unique name.
     name: String,
-    /// Sites that the path runs through, origin first, and what it runs over between two of them.
+    /// Sites that the path runs through, origin first, what it runs over between two of them, and pulleys where it divides.
     path: Vec<PathElement>,
+    /// Lengths that the tendon does not leave, if it is limited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limit: Option<TendonLimit>,
     /// Shortest and longest tendon length (m) that the normalised operating `range` of the curves is stretched over.
     length_range: [f64; 2],
     /// Active force: force-length and force-velocity curve.
@@ -38,19 +41,20 @@ pub(super) struct Muscle {
 
 impl From<Muscle> for super::Muscle {
     fn from(flat: Muscle) -> Self {
-        let Muscle { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group } = flat;
+        let Muscle { name, path, limit, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group } =
+            flat;
         let parameters =
             MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group };
-        Self { name, path, parameters }
+        Self { name, path, limit, parameters }
     }
 }
 
 impl From<super::Muscle> for Muscle {
     fn from(muscle: super::Muscle) -> Self {
-        let super::Muscle { name, path, parameters } = muscle;
+        let super::Muscle { name, path, limit, parameters } = muscle;
         let MuscleParameters { length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group } =
             parameters;
-        Self { name, path, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group }
+        Self { name, path, limit, length_range, gain, bias, tau_act, tau_deact, tau_smooth, ctrl_range, group }
     }
 }
 

@@ -4,13 +4,13 @@
 //! to the point. So a floor that an arm does not come down to needs no contact.
 
 use super::contacts::Held;
-use myo_mjcf::{JointKind, Mjcf, Shape};
+use myo_mjcf::{Joint, JointKind, Mjcf, Shape};
 use nalgebra::{Isometry3, Point3, Translation3};
 
 /// Where everything is in the pose of the file.
 pub(super) struct Apart<'a> {
-    mjcf: &'a Mjcf,
-    frames: Vec<Isometry3<f64>>,
+    pub(super) mjcf: &'a Mjcf,
+    pub(super) frames: Vec<Isometry3<f64>>,
 }
 
 /// Where a geom stays, seen from a body that it hangs on.
@@ -45,7 +45,7 @@ impl<'a> Apart<'a> {
         }
     }
 
-    fn common_ancestor(&self, mut one: usize, mut other: usize) -> usize {
+    pub(super) fn common_ancestor(&self, mut one: usize, mut other: usize) -> usize {
         // A child stands after its parent.
         while one != other {
             if one > other {
@@ -58,17 +58,9 @@ impl<'a> Apart<'a> {
     }
 
     fn stays(&self, held: Held<'_>, ancestor: usize) -> Stays {
-        let mut bodies = vec![];
-        let mut body = held.body;
-        while body != ancestor {
-            bodies.push(body);
-            body = self.mjcf.bodies[body].parent;
-        }
-        let joints =
-            bodies.iter().rev().flat_map(|&body| self.mjcf.bodies[body].joints.iter().map(move |joint| (body, joint)));
         let mut ball: Option<(Point3<f64>, f64)> = None;
         let mut last = Point3::origin();
-        for (body, joint) in joints {
+        for (body, joint) in self.joints_below(ancestor, held.body) {
             if !matches!(joint.kind(), JointKind::Hinge | JointKind::Ball) {
                 return Stays::Anywhere;
             }
@@ -87,13 +79,35 @@ impl<'a> Apart<'a> {
         }
     }
 
+    /// Bodies from below an ancestor down to one, in this order.
+    pub(super) fn bodies_below(&self, ancestor: usize, mut body: usize) -> Vec<usize> {
+        let mut bodies = vec![];
+        while body != ancestor {
+            bodies.push(body);
+            body = self.mjcf.bodies[body].parent;
+        }
+        bodies.reverse();
+        bodies
+    }
+
+    /// Their joints, each with its body.
+    pub(super) fn joints_below(&self, ancestor: usize, body: usize) -> Vec<(usize, &'a Joint)> {
+        let mjcf = self.mjcf;
+        let of = |body: usize| mjcf.bodies[body].joints.iter().map(move |joint| (body, joint));
+        self.bodies_below(ancestor, body).into_iter().flat_map(of).collect()
+    }
+
     /// Distance of a point from a geom that stands still, or less.
     fn distance(&self, held: Held<'_>, point: &Point3<f64>) -> f64 {
-        let place = self.frames[held.body] * frame(&held.geom.pose);
+        self.surface(held.geom, &(self.frames[held.body] * frame(&held.geom.pose)), point)
+    }
+
+    /// Distance of a point from a geom at a place, or less.
+    pub(super) fn surface(&self, geom: &myo_mjcf::Geom, place: &Isometry3<f64>, point: &Point3<f64>) -> f64 {
         let local = place.inverse() * point;
-        let [a, b, c] = held.geom.size();
+        let [a, b, c] = geom.size();
         let across = local.x.hypot(local.y);
-        match held.geom.kind() {
+        match geom.kind() {
             Shape::Plane => local.z,
             Shape::Sphere => local.coords.norm() - a,
             Shape::Capsule => across.hypot((local.z.abs() - b).max(0.0)) - a,
@@ -108,7 +122,7 @@ impl<'a> Apart<'a> {
 }
 
 /// Radius of a ball around the middle of a geom that holds it; none of one without end, or whose size its file does not tell.
-fn reach(geom: &myo_mjcf::Geom) -> Option<f64> {
+pub(super) fn reach(geom: &myo_mjcf::Geom) -> Option<f64> {
     let [a, b, c] = geom.size();
     match geom.kind() {
         Shape::Sphere => Some(a),
@@ -120,6 +134,6 @@ fn reach(geom: &myo_mjcf::Geom) -> Option<f64> {
     }
 }
 
-fn frame(pose: &myo_mjcf::Pose) -> Isometry3<f64> {
+pub(super) fn frame(pose: &myo_mjcf::Pose) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(pose.pos()), pose.rotation())
 }

@@ -27,7 +27,8 @@ struct Touch<'a> {
 }
 
 impl<'a> Import<'a> {
-    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out.
+    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out; so is what could not be simulated and does not touch unless joints stand far
+    /// beyond their limits.
     pub(super) fn contacts(&mut self) -> (Vec<Geom>, Vec<Contact>) {
         if !self.keeps(self.mjcf.flags.contact()) {
             return (vec![], vec![]);
@@ -38,7 +39,8 @@ impl<'a> Import<'a> {
         if let Some(first) = touches.first() {
             self.check_cone(first.place);
         }
-        let (simulated, others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
+        let (simulated, mut others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
+        others.retain(|touch| !apart.within_limits(touch.geoms, touch.margin, |joint| self.range_of(joint)));
         if let Some(first) = others.first() {
             self.refuse_touch(first, others.len());
         }

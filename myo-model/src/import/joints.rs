@@ -10,12 +10,17 @@ impl Import<'_> {
         mjcf.joints().enumerate().filter_map(|(number, (body, joint))| self.joint(number, body, joint)).collect()
     }
 
+    /// The limits of a joint that has some.
+    pub(super) fn range_of(&self, joint: &source::Joint) -> Option<[f64; 2]> {
+        let is_limited = joint.limited().decide(self.mjcf.compiler.autolimits(), joint.range);
+        (is_limited && self.keeps(self.mjcf.flags.limit())).then(|| joint.range())
+    }
+
     /// A joint; none of a kind that is refused.
     fn joint(&mut self, number: usize, body: usize, joint: &source::Joint) -> Option<Joint> {
         let flags = &self.mjcf.flags;
         let on = |switch: Switch| switch == Switch::On && flags.passive() == Switch::On;
-        let (has_springs, has_dampers, has_limits) =
-            (on(flags.spring()), on(flags.damper()), self.keeps(flags.limit()));
+        let (has_springs, has_dampers) = (on(flags.spring()), on(flags.damper()));
         let autolimits = self.mjcf.compiler.autolimits();
         let element = ("joint", joint.name.as_ref());
         let kind = match joint.kind() {
@@ -30,7 +35,8 @@ impl Import<'_> {
                 return None;
             }
         };
-        let is_limited = joint.limited().decide(autolimits, joint.range) && has_limits;
+        let range = self.range_of(joint);
+        let is_limited = range.is_some();
         let [stiffness, damping] = [joint.stiffness(), joint.damping()];
         let is_curved = |[_, square, cube]: [f64; 3]| square != 0.0 || cube != 0.0;
         self.refuse_all(
@@ -68,7 +74,7 @@ impl Import<'_> {
             kind,
             axis: joint.axis(),
             pos: joint.pos(),
-            range: is_limited.then(|| joint.range()),
+            range,
             stiffness: if has_springs { stiffness[0] } else { 0.0 },
             spring_ref: joint.springref(),
             damping: if has_dampers { damping[0] } else { 0.0 },
@@ -105,7 +111,7 @@ impl Import<'_> {
         None
     }
 
-    fn refuse_direct(&mut self, place: &source::Place, element: (&str, Option<&String>), solref: [f64; 2]) {
+    pub(super) fn refuse_direct(&mut self, place: &source::Place, element: (&str, Option<&String>), solref: [f64; 2]) {
         if solref[0] <= 0.0 || solref[1] <= 0.0 {
             self.refuse(
                 place,

@@ -8,6 +8,7 @@ mod contacts;
 mod joints;
 mod mass;
 mod muscles;
+mod ranges;
 mod settings;
 
 use crate::ModelDescription;

@@ -1,7 +1,7 @@
 //! Muscles, the ways they take, and what these run over.
 
 use super::Import;
-use crate::description::{Muscle, Over, PathElement, Wrap, WrapShape};
+use crate::description::{Muscle, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
 use myo_mjcf::{Actuator, BiasKind, DynKind, GainKind, PathPoint, Shape, Switch, Tendon, TendonPath};
 use myo_muscle::{CurveParameters, MuscleParameters};
 
@@ -37,7 +37,27 @@ impl Import<'_> {
     pub(super) fn muscles(&mut self) -> Vec<Muscle> {
         let mjcf = self.mjcf;
         mjcf.tendons.iter().for_each(|tendon| self.check_tendon(tendon));
-        mjcf.actuators.iter().enumerate().filter_map(|(number, actuator)| self.muscle(number, actuator)).collect()
+        let mut muscles = vec![];
+        for (number, actuator) in mjcf.actuators.iter().enumerate() {
+            // A tendon that several muscles pull is limited once.
+            let is_first = mjcf.actuators[..number].iter().all(|other| other.tendon != actuator.tendon);
+            muscles.extend(
+                self.muscle(number, actuator)
+                    .map(|muscle| if is_first { muscle } else { Muscle { limit: None, ..muscle } }),
+            );
+        }
+        muscles
+    }
+
+    /// Lengths that a tendon does not leave; none without limit.
+    fn limit(&mut self, tendon: &Tendon) -> Option<TendonLimit> {
+        let is_limited = tendon.limited().decide(self.mjcf.compiler.autolimits(), tendon.range);
+        if !is_limited || !self.keeps(self.mjcf.flags.limit()) {
+            return None;
+        }
+        self.refuse_direct(&tendon.place, ("tendon", tendon.name.as_ref()), tendon.solreflimit());
+        let softness = Softness { solref: tendon.solreflimit(), solimp: tendon.solimplimit() };
+        Some(TendonLimit { range: tendon.range(), margin: tendon.margin(), softness })
     }
 
     /// Refuses forces that a tendon has of itself.
@@ -46,11 +66,16 @@ impl Import<'_> {
         let autolimits = self.mjcf.compiler.autolimits();
         let on = |switch: Switch| switch == Switch::On && flags.passive() == Switch::On;
         let is_limited = tendon.limited().decide(autolimits, tendon.range) && self.keeps(flags.limit());
+        let is_pulled =
+            self.mjcf.actuators.iter().any(|actuator| actuator.tendon.is_some() && actuator.tendon == tendon.name);
         self.refuse_all(
             &tendon.place,
             ("tendon", tendon.name.as_ref()),
             &[
-                (is_limited, "limits of tendons (`limited`, `range`) are not simulated"),
+                (
+                    is_limited && !is_pulled,
+                    "limits (`limited`, `range`) of tendons that no muscle pulls are not simulated",
+                ),
                 (
                     on(flags.spring()) && tendon.stiffness() != [0.0; 3],
                     "springs of tendons (`stiffness`) are not simulated",
@@ -91,6 +116,7 @@ impl Import<'_> {
         Some(Muscle {
             name: actuator.name.clone().unwrap_or_else(|| format!("muscle{}", number + 1)),
             path: self.path(tendon)?,
+            limit: self.limit(tendon),
             parameters: MuscleParameters {
                 length_range: actuator.lengthrange(),
                 gain: curve(actuator.gainprm()),
@@ -144,20 +170,12 @@ impl Import<'_> {
             self.refuse(&tendon.place, element, "muscles must pull tendons that run through space (`spatial`)");
             return None;
         };
-        let mut path = vec![];
-        for point in points {
-            path.push(match point {
-                PathPoint::Site(site) => PathElement::Site(site.site.clone()),
-                PathPoint::Geom(geom) => {
-                    PathElement::Over(Over { over: geom.geom.clone(), side: geom.sidesite.clone() })
-                }
-                PathPoint::Pulley(pulley) => {
-                    self.refuse(&pulley.place, ("pulley", None), "branches of tendons are not simulated");
-                    return None;
-                }
-            });
-        }
-        Some(path)
+        let element = |point: &PathPoint| match point {
+            PathPoint::Site(site) => PathElement::Site(site.site.clone()),
+            PathPoint::Geom(geom) => PathElement::Over(Over { over: geom.geom.clone(), side: geom.sidesite.clone() }),
+            PathPoint::Pulley(pulley) => PathElement::Pulley(Pulley { pulley: pulley.divisor }),
+        };
+        Some(points.iter().map(element).collect())
     }
 }
 

@@ -52,7 +52,7 @@ Example:
   myo train ours.yaml                           with `model: myoarm.yaml` in the task
 
 Hinges, slides, couplings of joints, tendons over sites, spheres and cylinders, muscles, and contacts of spheres, capsules and ellipsoids are
-simulated as MuJoCo 4.0 does. All else that has a part in the simulation (free joints, contacts of other shapes, limits of tendons, motors and so
+simulated as MuJoCo 4.0 does. All else that has a part in the simulation (free joints, contacts of other shapes, springs of tendons, motors and so
 on) is refused by name, file and line; what is only seen or sensed, and what can never touch, is passed over. Includes, classes, frames, copies and attached models are resolved.";
 
 impl Import {
