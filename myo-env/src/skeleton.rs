@@ -7,7 +7,7 @@ use myo_dynamics::spatial::{Frame, Rotation, Vec3};
 use myo_dynamics::step::wrap::{Round, points};
 use myo_dynamics::{CouplingMode, Plan, Workspace, step};
 use myo_model::Model;
-use myo_model::model::{Muscle, WORLD};
+use myo_model::model::{Muscle, Over, WORLD};
 use myo_tasks::logic::{self, CompiledTask, Goal, Landmarks, Point, TaskState};
 use myo_tasks::{Block, Direction, FlatTask, Object, Pointer, RayFrom, Shape, Slider, Stick, Task};
 
@@ -164,15 +164,8 @@ impl Skeleton {
     /// # Panics
     /// There is no such muscle.
     pub fn path_bodies(&self, muscle: usize) -> Vec<usize> {
-        let muscle = &self.model.muscles[muscle];
-        let mut bodies = vec![];
-        for (index, &site) in muscle.path.iter().enumerate() {
-            bodies.push(self.model.sites[site].body);
-            for over in muscle.over.iter().filter(|over| over.after == index) {
-                bodies.extend([self.model.wraps[over.wrap].body; BEND_POINTS]);
-            }
-        }
-        bodies
+        let bend = |over: &Over, _: [usize; 2]| vec![self.model.wraps[over.wrap].body; BEND_POINTS];
+        along(&self.model.muscles[muscle], |site| self.model.sites[site].body, bend)
     }
 
     /// Where everything is at a moment of an environment with this model and task.
@@ -272,18 +265,14 @@ impl Skeleton {
 
     fn path(&self, ws: &Workspace<f64>, muscle: &Muscle) -> Vec<[f64; 3]> {
         let site = |site: usize| ws.place(&self.plan.elements.sites[site]);
-        let mut path = vec![];
-        for (index, &here) in muscle.path.iter().enumerate() {
-            path.push(site(here).array());
-            for over in muscle.over.iter().filter(|over| over.after == index) {
-                let shape = &self.model.wraps[over.wrap].shape;
-                let frame = ws.fixed(&self.plan.elements.wraps[over.wrap]);
-                let round = Round { shape: shape.into(), radius: shape.radius(), frame };
-                let ends = [site(here), site(muscle.path[index + 1])];
-                path.extend(points(&round, over.side.map(site), ends, BEND_POINTS).into_iter().map(Vec3::array));
-            }
-        }
-        path
+        let bend = |over: &Over, ends: [usize; 2]| {
+            let shape = &self.model.wraps[over.wrap].shape;
+            let frame = ws.fixed(&self.plan.elements.wraps[over.wrap]);
+            let round = Round { shape: shape.into(), radius: shape.radius(), frame };
+            let bent = points(&round, over.side.map(site), ends.map(site), BEND_POINTS);
+            bent.into_iter().map(Vec3::array).collect()
+        };
+        along(muscle, |here| site(here).array(), bend)
     }
 
     fn landmarks(&self, ws: &Workspace<f64>, task: &TaskState<f64>) -> Landmarks<f64> {
@@ -405,4 +394,49 @@ fn frame([x, y, z]: Point<f64>, rotation: Rotation<f64>) -> Frame<f64> {
 fn axes(block: &Block) -> Rotation<f64> {
     let column = |k: usize| Vec3::new(block.rotation[(0, k)], block.rotation[(1, k)], block.rotation[(2, k)]);
     Rotation { x: column(0), y: column(1), z: column(2) }
+}
+
+/// The line that a muscle is drawn as: what `site` makes of each site of its path, and `bend` of what runs over something between two of them. Behind a pulley it goes back along
+/// itself to where the branch begins.
+fn along<T: Clone>(muscle: &Muscle, site: impl Fn(usize) -> T, bend: impl Fn(&Over, [usize; 2]) -> Vec<T>) -> Vec<T> {
+    let (mut line, mut places) = (vec![], vec![]);
+    for (element, &here) in muscle.path.iter().enumerate() {
+        let begins = muscle.pulleys.iter().any(|pulley| pulley.before == element);
+        let before = muscle.path[..element].iter().rposition(|&site| begins && site == here);
+        if let Some(before) = before {
+            let back: Vec<T> = line[places[before] + 1..].iter().rev().skip(1).cloned().collect();
+            line.extend(back);
+        }
+        places.push(line.len());
+        line.push(site(here));
+        for over in muscle.over.iter().filter(|over| over.after == element) {
+            line.extend(bend(over, [here, muscle.path[element + 1]]));
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use myo_model::model::Pulley;
+    use myo_model::{Model, builtin};
+
+    use super::*;
+
+    #[test]
+    fn a_line_goes_back_along_itself_to_where_a_branch_begins() {
+        let model = Model::new(&builtin("mobl-arms").unwrap()).unwrap();
+        let pulley = |before| Pulley { before, divisor: 2.0 };
+        let muscle = Muscle {
+            path: vec![1, 2, 3, 4, 2, 5, 9, 8],
+            over: vec![Over { after: 2, wrap: 0, side: None }],
+            // One branch begins on the way of the first, one elsewhere.
+            pulleys: vec![pulley(4), pulley(6)],
+            ..model.muscles[0].clone()
+        };
+        let bend = |_: &Over, [from, to]: [usize; 2]| vec![10 * from + to; 2];
+        assert_eq!(along(&muscle, |site| site, bend), [1, 2, 3, 34, 34, 4, 34, 34, 3, 2, 5, 9, 8]);
+        let whole = Muscle { pulleys: vec![], ..muscle };
+        assert_eq!(along(&whole, |site| site, bend), [1, 2, 3, 34, 34, 4, 2, 5, 9, 8]);
+    }
 }
