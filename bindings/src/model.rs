@@ -1,12 +1,17 @@
 //! Models and their tables.
 
+use std::path::PathBuf;
+
+use myo::import_model;
+use myo::model::description::Landmarks;
+use myo::model::import::ImportOptions;
 use myo::model::{ModelDescription, builtin, builtin_names};
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error;
+use crate::error::{self, compute};
 
 /// A body: bodies, joints, sites, muscles.
 #[pyclass(module = "myoenv", frozen)]
@@ -57,6 +62,22 @@ impl Model {
     #[pyo3(signature = (text, name = "model"))]
     fn from_yaml(text: &str, name: &str) -> PyResult<Self> {
         Self::checked(ModelDescription::from_yaml(text, name).map_err(error::task)?)
+    }
+
+    /// A model of MuJoCo's file, and what of it has no part in the simulation. `landmarks` are the names of the site that points, and of the bodies whose origins are the shoulder and, where they are
+    /// told, elbow and wrist.
+    #[staticmethod]
+    fn from_mjcf(
+        py: Python<'_>,
+        file: PathBuf,
+        landmarks: (String, String, Option<String>, Option<String>),
+        without_contacts: bool,
+        root: Option<PathBuf>,
+    ) -> PyResult<(Self, Vec<String>)> {
+        let (fingertip, shoulder, elbow, wrist) = landmarks;
+        let options = ImportOptions { landmarks: Landmarks { fingertip, shoulder, elbow, wrist }, without_contacts };
+        let imported = compute(py, || import_model(&file, root.as_deref(), &options))?.map_err(error::task)?;
+        Ok((Self::checked(imported.description)?, imported.passed_over))
     }
 
     /// The model as a YAML file.
@@ -176,6 +197,13 @@ impl<'py> Tables<'_, 'py> {
         self.names("muscle_name", muscles.iter().map(|m| &m.name))?;
         let paths: Vec<_> = muscles.iter().map(|m| column(self.py(), m.path.iter().map(|&site| site as i64))).collect();
         self.out.set_item("muscle_path", paths)?;
+        let pulleys = muscles.iter().map(|m| m.pulleys.iter());
+        let begins: Vec<_> = pulleys.clone().map(|all| column(self.py(), all.map(|one| one.before as i64))).collect();
+        self.out.set_item("muscle_branch", begins)?;
+        let divisors: Vec<_> = pulleys.map(|all| column(self.py(), all.map(|one| one.divisor))).collect();
+        self.out.set_item("muscle_divisor", divisors)?;
+        let boundless = [f64::NEG_INFINITY, f64::INFINITY];
+        self.rows("muscle_limit", muscles.iter().map(|m| m.limit.map_or(boundless, |limit| limit.range)))?;
         let of = || muscles.iter().map(|m| &m.parameters);
         self.rows("muscle_length_range", of().map(|p| p.length_range))?;
         self.rows("muscle_range", of().map(|p| p.gain.range))?;

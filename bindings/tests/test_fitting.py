@@ -78,7 +78,7 @@ def test_what_cannot_be_fitted_is_said_before_anybody_practises(people, tmp_path
         myoenv.fit(3)
     with pytest.raises(ValueError, match="40 and 50 ms are the same number of control steps of 40 ms"):
         myoenv.fit(people, vision_delay_ms=[40, 80, 50], practised=tmp_path / "nobody")
-    with pytest.raises(TypeError, match="height_m is 1.7; it must be a sequence of numbers"):
+    with pytest.raises(TypeError, match=r"height_m is 1\.7; it must be a sequence of numbers"):
         myoenv.fit(people, height_m=1.7)
     with pytest.raises((ValueError, myoenv.TaskError), match=r"body\.height_m"):
         myoenv.fit(people, height_m=[1.7, 5], practised=tmp_path / "nobody")

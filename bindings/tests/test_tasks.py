@@ -45,7 +45,53 @@ def test_tables_have_one_row_per_entity():
     assert tables["joint_range"].shape == (17, 2) and len(tables["muscle_name"]) == 26
     assert tables["body_mass"].sum() == pytest.approx(sum(b["mass"] for b in json.loads(model.to_json())["bodies"]))
     assert all(path.max() < len(tables["site_name"]) for path in tables["muscle_path"])
+    assert not any(map(len, tables["muscle_branch"])) and not np.isfinite(tables["muscle_limit"]).any()
+    divided = json.loads(model.to_json())
+    biceps = divided["muscles"][-1]
+    biceps["path"] += [{"pulley": 2}, *biceps["path"]]
+    biceps["limit"] = {"range": [0.1, 0.5]}
+    tables = myoenv.load_model(divided).tables()
+    assert tables["muscle_branch"][-1].tolist() == [len(biceps["path"]) // 2] and tables["muscle_divisor"][-1] == [2]
+    assert tables["muscle_limit"][-1].tolist() == [0.1, 0.5]
+    body, whole = myoenv.Simulation(myoenv.load_model(divided)), myoenv.Simulation(model)
+    assert body.tendon_length.shape == (26,)
+    np.testing.assert_allclose(body.tendon_length[-1], 1.5 * whole.tendon_length[-1])
+    np.testing.assert_allclose(body.moment_arms[-1], 1.5 * whole.moment_arms[-1])
     assert "<mujoco" in model.to_mjcf()
+
+
+def test_a_model_of_mujoco_is_imported(tmp_path):
+    path, names = tmp_path / "arm.xml", {"fingertip": "fingertip", "shoulder": "humphant"}
+    text = myoenv.Model().to_mjcf()
+    path.write_text(text)
+    model = myoenv.import_model(path, **names)
+    assert repr(model) == repr(myoenv.Model())
+    wanted, found = myoenv.Model().tables(), model.tables()
+    for name, value in wanted.items():
+        if name not in ("muscle_path",) and isinstance(value, np.ndarray):
+            np.testing.assert_allclose(found[name], value, rtol=1e-9, atol=1e-12, err_msg=name)
+    # It does tasks, and it tells what of its file was of no use.
+    assert myoenv.Simulation(model).qpos.shape == (5,)
+    path.write_text(text.replace("<worldbody>", '<worldbody><camera name="aside"/>', 1))
+    with pytest.warns(UserWarning, match="passed over, as they have no part in the simulation: 1 cameras"):
+        myoenv.import_model(str(path), **names)
+
+
+def test_what_is_no_model_of_mujoco_is_refused(tmp_path):
+    path, names = tmp_path / "arm.xml", {"fingertip": "fingertip", "shoulder": "humphant"}
+    text = myoenv.Model().to_mjcf()
+    path.write_text(text.replace("<joint name", '<joint frictionloss="1" name', 1))
+    with pytest.raises(myoenv.TaskError, match=r"arm\.xml:\d+:\d+: <joint name=.*dry friction \(`frictionloss`\)"):
+        myoenv.import_model(path, **names)
+    path.write_text(text)
+    with pytest.raises(myoenv.TaskError, match="did you mean `fingertip`"):
+        myoenv.import_model(path, fingertip="fingertp", shoulder="humphant")
+    with pytest.raises(myoenv.TaskError, match=r"absent\.xml"):
+        myoenv.import_model(tmp_path / "absent.xml", **names)
+    with pytest.raises(TypeError, match=r"shoulder is None; it must be a name"):
+        myoenv.import_model(path, fingertip="fingertip", shoulder=None)
+    with pytest.raises(TypeError, match="file is 3; it must be a path"):
+        myoenv.import_model(3, **names)
 
 
 def test_the_body_falls_and_follows_its_muscles():

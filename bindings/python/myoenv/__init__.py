@@ -13,7 +13,7 @@
 - `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
 - `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
 - `build_task`, `myoenv.scene`: tasks built from objects; `task_schema`: the format of task files
-- `Task`, `Model`, `Simulation`: what to do, who does it, and the body alone
+- `Task`, `Model`, `Simulation`: what to do, who does it, and the body alone; `import_model`: bodies of MuJoCo's files
 """
 
 import os as _os
@@ -50,7 +50,7 @@ from myoenv.registration import env_id, register_envs
 from myoenv.scene import build_task
 from myoenv.session import Callback, TrainResult
 from myoenv.single import MyoEnv, make
-from myoenv.tasks import load_model, load_task, task_schema, to_dict
+from myoenv.tasks import import_model, load_model, load_task, task_schema, to_dict
 from myoenv.training import train
 from myoenv.trajectories import trajectories
 from myoenv.vector import MyoVectorEnv, make_vec
@@ -82,6 +82,7 @@ __all__ = [
     "env_id",
     "evaluate",
     "fit",
+    "import_model",
     "load_model",
     "load_task",
     "make",

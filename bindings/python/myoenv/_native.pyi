@@ -143,8 +143,8 @@ def fit(
     seed: int,
     threads: int | None,
 ) -> str:
-    """The user who comes nearest to each of the people of a table, as JSON. `runs` are those of who learnt to be anybody,
-    in the order of `fitting_candidates` of `task`, each in `fitting_layouts` of its own."""
+    """The user who comes nearest to each of the people of a table, as JSON. `runs` are those of who learnt to be
+    anybody, in the order of `fitting_candidates` of `task`, each in `fitting_layouts` of its own."""
 
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
@@ -202,6 +202,14 @@ class Model:
     @staticmethod
     def from_yaml(text: str, name: str = "model") -> Model:
         """A YAML text; `name` stands in messages. JSON is YAML, too."""
+    @staticmethod
+    def from_mjcf(
+        file: str | PathLike[str],
+        landmarks: tuple[str, str, str | None, str | None],
+        without_contacts: bool,
+        root: str | PathLike[str] | None,
+    ) -> tuple[Model, list[str]]:
+        """A model of MuJoCo's file, and what of it has no part in the simulation; see `myoenv.import_model`."""
     def to_yaml(self) -> str:
         """The model as a YAML file."""
     def to_json(self) -> str:
@@ -221,7 +229,9 @@ class Model:
         Couplings: `coupling_dependent`, `coupling_independent` (joint, -1 for a joint that is held),
         `coupling_polycoef` (5, constant first).
         Sites: `site_name` (list), `site_body`, `site_pos` (3, m, in the body's frame).
-        Muscles: `muscle_name` (list), `muscle_path` (list of arrays of sites), `muscle_length_range` (2, m),
+        Muscles: `muscle_name` (list), `muscle_path` (list of arrays of sites), `muscle_branch` (list of arrays: elements
+        of the path with which branches behind pulleys begin), `muscle_divisor` (list of arrays: what their lengths are
+        divided by), `muscle_limit` (2, m, infinite without limits), `muscle_length_range` (2, m),
         `muscle_range` (2, optimal lengths), `muscle_force` (N, NaN where it follows from `muscle_scale`),
         `muscle_scale`, `muscle_lmin`, `muscle_lmax`, `muscle_vmax`, `muscle_fvmax`, `muscle_fpmax`,
         `muscle_tau_act` (s), `muscle_tau_deact` (s), `muscle_ctrl_range` (2).

@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from myoenv import _native
 from myoenv._native import Model, Task, TaskError
+from myoenv.arguments import as_path
 from myoenv.described import plain
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Task",
     "TaskError",
     "TaskLike",
+    "import_model",
     "layouts_and_model",
     "load_model",
     "load_task",
@@ -70,6 +72,46 @@ def load_model(model: ModelLike) -> Model:
     if Path(text).suffix in (".yaml", ".yml"):
         return Model.from_yaml(_read(text), text)
     return Model(text)
+
+
+def import_model(
+    file: str | PathLike[str],
+    *,
+    fingertip: str,
+    shoulder: str,
+    elbow: str | None = None,
+    wrist: str | None = None,
+    without_contacts: bool = False,
+    root: str | PathLike[str] | None = None,
+) -> Model:
+    """A model of a file of MuJoCo's (MJCF), as `myo model import` makes it.
+
+    What cannot be simulated is refused with its name and place; a warning tells what is passed over, as it is only seen
+    or sensed.
+
+    >>> arm = import_model("myoarm_r.xml", fingertip="IFtip_r", shoulder="humerus_r")  # doctest: +SKIP
+    >>> env = myoenv.make_vec("pointing", 64, model=arm)  # doctest: +SKIP
+
+    Args:
+        file: The file. Others that it includes are found from it.
+        fingertip: Site that points and presses.
+        shoulder: Body whose origin is the centre of the shoulder, from which places are measured.
+        elbow: Body whose origin is the elbow, for rays from the forearm.
+        wrist: Body whose origin is the wrist, for rays.
+        without_contacts: Whether parts of the body pass through each other.
+        root: Folder outside of which no file is opened; by default that of the file.
+    """
+    names = {"fingertip": fingertip, "shoulder": shoulder, "elbow": elbow, "wrist": wrist}
+    for name, value in names.items():
+        if not (isinstance(value, str) or (value is None and name in ("elbow", "wrist"))):
+            raise TypeError(f"{name} is {value!r}; it must be a name")
+    below = None if root is None else as_path("root", root)
+    landmarks = (fingertip, shoulder, elbow, wrist)
+    model, passed_over = Model.from_mjcf(as_path("file", file), landmarks, bool(without_contacts), below)
+    if passed_over:
+        what = ", ".join(passed_over)
+        warnings.warn(f"passed over, as they have no part in the simulation: {what}", UserWarning, stacklevel=2)
+    return model
 
 
 def task_and_model(task: TaskLike, model: ModelLike | None = None) -> tuple[Task, Model]:

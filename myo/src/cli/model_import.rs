@@ -3,19 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::dynamics::{CouplingMode, Plan};
-use myo::mjcf::read_below;
-use myo::model::Model;
 use myo::model::description::Landmarks;
-use myo::model::import::{ImportOptions, Unsupported, from_mjcf, unused};
+use myo::model::import::{ImportOptions, Unsupported};
 use myo::tasks::SourceLocation;
 use myo::train::write_whole;
+use myo::{ImportError, Imported, import_model};
 
 use super::failure::{Failure, Mistake, Result, complain};
 use super::output::print_file;
-
-/// What cannot be simulated is told so often at most.
-const MOST_TOLD: usize = 20;
 
 /// Arguments of `myo model import`.
 #[derive(Args)]
@@ -58,10 +53,6 @@ on) is refused by name, file and line; what is only seen or sensed, and what can
 impl Import {
     /// Runs `myo model import`.
     pub fn run(&self) -> Result<()> {
-        let folder = self.file.parent().unwrap_or(Path::new(""));
-        let root = self.root.as_deref().unwrap_or(folder);
-        let here = if root.as_os_str().is_empty() { Path::new(".") } else { root };
-        let mjcf = read_below(here, &self.file).map_err(|error| Failure::sentence(error.to_string()))?;
         let landmarks = Landmarks {
             fingertip: self.fingertip.clone(),
             shoulder: self.shoulder.clone(),
@@ -69,12 +60,14 @@ impl Import {
             wrist: self.wrist.clone(),
         };
         let options = ImportOptions { landmarks, without_contacts: self.without_contacts };
-        let description = from_mjcf(&mjcf, &options).map_err(|all| refused(root, &all))?;
-        let in_file = |error: &dyn std::error::Error| Failure::sentence(format!("{}: {error}", self.file.display()));
-        let model = Model::new(&description).map_err(|error| in_file(&error))?;
-        let plan = Plan::exact(&model, CouplingMode::Reduced).map_err(|error| in_file(&error))?;
-        plan.try_out().map_err(|error| in_file(&error))?;
-        let passed_over: Vec<String> = unused(&mjcf).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+        let root = self.root.as_deref();
+        let Imported { description, passed_over } =
+            import_model(&self.file, root, &options).map_err(|error| match error {
+                ImportError::Unsupported { all } => {
+                    refused(root.or_else(|| self.file.parent()).unwrap_or(Path::new("")), &all)
+                }
+                other => Failure::sentence(other.to_string()),
+            })?;
         if !passed_over.is_empty() {
             complain(&format!("passed over, as they have no part in the simulation: {}", passed_over.join(", ")));
         }
@@ -93,10 +86,8 @@ fn refused(root: &Path, all: &[Unsupported]) -> Failure {
         let place = SourceLocation { file, line: one.place.line.into(), column: one.place.column.into() };
         Mistake::at(&place, &format!("{}: {}", one.element, one.what))
     };
-    let mut mistakes: Vec<Mistake> = all.iter().take(MOST_TOLD).map(mistake).collect();
-    if let Some(more) = all.len().checked_sub(MOST_TOLD).filter(|&more| more > 0) {
-        let message = format!("and {more} more like these");
-        mistakes.push(Mistake { message, place: None, text: None, warning: false });
-    }
+    let (told, more) = ImportError::told(all);
+    let mut mistakes: Vec<Mistake> = told.iter().map(mistake).collect();
+    mistakes.extend(more.map(|message| Mistake { message, place: None, text: None, warning: false }));
     Failure::Mistakes(mistakes)
 }
