@@ -229,9 +229,9 @@ class Model:
         Couplings: `coupling_dependent`, `coupling_independent` (joint, -1 for a joint that is held),
         `coupling_polycoef` (5, constant first).
         Sites: `site_name` (list), `site_body`, `site_pos` (3, m, in the body's frame).
-        Muscles: `muscle_name` (list), `muscle_path` (list of arrays of sites), `muscle_branch` (list of arrays: elements
-        of the path with which branches behind pulleys begin), `muscle_divisor` (list of arrays: what their lengths are
-        divided by), `muscle_limit` (2, m, infinite without limits), `muscle_length_range` (2, m),
+        Muscles: `muscle_name` (list), `muscle_path` (list of arrays of sites), `muscle_branch` (list of arrays: the
+        elements of the path with which branches behind pulleys begin), `muscle_divisor` (list of arrays: what their
+        lengths are divided by), `muscle_limit` (2, m, infinite without limits), `muscle_length_range` (2, m),
         `muscle_range` (2, optimal lengths), `muscle_force` (N, NaN where it follows from `muscle_scale`),
         `muscle_scale`, `muscle_lmin`, `muscle_lmax`, `muscle_vmax`, `muscle_fvmax`, `muscle_fpmax`,
         `muscle_tau_act` (s), `muscle_tau_deact` (s), `muscle_ctrl_range` (2).
