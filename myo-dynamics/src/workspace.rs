@@ -69,7 +69,7 @@ pub struct Row<S: Scalar> {
 }
 
 impl<S: Scalar> Row<S> {
-    fn none() -> Self {
+    pub(crate) fn none() -> Self {
         let no = S::Mask::splat(false);
         Self { exists: no, active: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
     }

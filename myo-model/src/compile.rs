@@ -388,7 +388,8 @@ fn contacts(description: &ModelDescription, geoms: &[Geom]) -> Result<Vec<Contac
         let check = Check::new(ElementKind::Contact, &format!("{one}, {other}"));
         check.not_negative("margin", contact.margin, " m")?;
         check.within("margin", &[contact.margin], &Bound::LENGTH)?;
-        check.at_least("friction", contact.friction, SMALLEST_FRICTION, "", "at least 0.00001")?;
+        let is_rough_or_not = contact.friction == 0.0 || contact.friction >= SMALLEST_FRICTION;
+        check.require(is_rough_or_not, "friction", contact.friction, "", "at least 0.00001, or 0 for none")?;
         check.within("friction", &[contact.friction], &Bound::RATIO)?;
         check.softness(&contact.softness)?;
         let mut found = [index.find(one, &check.element)?, index.find(other, &check.element)?];

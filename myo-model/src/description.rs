@@ -294,7 +294,7 @@ pub struct Contact {
     /// Distance (m) at which the contact force begins.
     #[cfg_attr(feature = "files", serde(default))]
     pub margin: f64,
-    /// Sliding friction.
+    /// Sliding friction; 0 is none, as of contacts with MuJoCo's `condim` 1.
     pub friction: f64,
     /// How soft the contact is.
     #[cfg_attr(feature = "files", serde(default))]

@@ -240,13 +240,14 @@ fn contact(margin: f64, friction: &[f64; 3], softness: &Softness) -> Vec<Attribu
 fn contacts(xml: &mut Xml, model: &Model) {
     xml.section("contact", &model.contacts, |xml, contact| {
         let [one, other] = contact.geoms.map(|geom| text(&model.geoms[geom].name));
-        let friction = [contact.friction, contact.friction, 0.005, 0.0001, 0.0001];
+        let (condim, friction) = if contact.friction == 0.0 { ("1", 1.0) } else { ("3", contact.friction) };
+        let friction = [friction, friction, 0.005, 0.0001, 0.0001];
         xml.leaf(
             "pair",
             &[
                 ("geom1", one),
                 ("geom2", other),
-                ("condim", text("3")),
+                ("condim", text(condim)),
                 ("margin", number(contact.margin)),
                 ("gap", number(0.0)),
                 ("friction", numbers(&friction)),

@@ -175,7 +175,7 @@ pub struct Contact {
     pub geoms: [usize; 2],
     /// Distance (m) at which the contact force begins.
     pub margin: f64,
-    /// Sliding friction.
+    /// Sliding friction; 0 is none.
     pub friction: f64,
     /// Softness.
     pub softness: Softness,

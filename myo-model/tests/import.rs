@@ -311,6 +311,14 @@ fn parts_that_touch_are_a_contact() {
     let decided = unfiltered.replace("friction=\"0.4\"", "friction=\"0.4\" priority=\"1\"");
     let contact = &from_mjcf(&read(&decided), &options("tip", "humerus")).unwrap().contacts[0];
     assert_eq!((contact.margin, contact.friction, contact.softness.solref), (0.003, 0.4, [0.02, 1.0]));
+    // Without friction.
+    let slippery = unfiltered.replace("friction=\"0.4\"", "condim=\"1\"").replace("margin=\"0.001\"", "condim=\"1\"");
+    let sliding = from_mjcf(&read(&slippery), &options("tip", "humerus")).unwrap();
+    assert_eq!(sliding.contacts[0].friction, 0.0);
+    let back = to_mjcf(&Model::new(&sliding).unwrap(), &MjcfOptions::default());
+    assert_eq!(from_mjcf(&read(&back), &options("tip", "humerus")).unwrap().contacts, sliding.contacts);
+    let rolling = slippery.replace("condim=\"1\"", "condim=\"4\"");
+    assert!(contacts(&rolling).unwrap_err().contains("only those with `condim` 1, or 3"), "{rolling}");
     // What a muscle runs over may touch, too.
     let over = unfiltered.replace("<site site=\"origin\"/><", "<site site=\"origin\"/><geom geom=\"palm\"/><");
     assert_eq!(contacts(&over), Ok(vec![["bone", "palm_surface"].map(String::from)]));

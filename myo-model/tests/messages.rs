@@ -1,6 +1,6 @@
 //! What a person is told when a model is wrong.
 
-use myo_model::description::{Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
+use myo_model::description::{Contact, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
 use myo_model::{Model, ModelDescription, builtin};
 
 const ARM: &str = include_str!("../models/mobl-arms.yaml");
@@ -243,6 +243,17 @@ fn wraps_must_stand_between_two_sites() {
         vec![site(), over("elbow", Some("DELT1-P22")), site()],
         "muscle `DELT1`: unknown site `DELT1-P22`; did you mean `DELT1-P2`, `DELT1-P4` or `DELT2-P2`?",
     );
+}
+
+#[test]
+fn friction_is_some_or_none() {
+    let check_friction = |friction: f64, value: &str| {
+        let message = format!("contact `a, b`: `friction` is {value}; it must be at least 0.00001, or 0 for none");
+        let contact = Contact { geoms: ["a", "b"].map(String::from), margin: 0.0, friction, softness: Softness::default() };
+        check(|arm| arm.contacts.push(contact), &message);
+    };
+    check_friction(-0.1, "-0.1");
+    check_friction(1e-6, "0.000001");
 }
 
 #[test]

@@ -45,7 +45,7 @@ cast! {
     TendonLimit { range, margin, impedance, diagonal; muscle, dofs }
     Equality { drive, impedance, diagonal; dependent }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
-    ContactPair { parts, far, margin, friction, impedance, diagonal }
+    ContactPair { parts, far, margin, friction, impedance, diagonal; is_slippery }
     Part { frame, form, body_com }
 }
 

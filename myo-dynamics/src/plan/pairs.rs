@@ -19,9 +19,11 @@ pub struct ContactPair<C> {
     pub margin: C,
     /// Sliding friction.
     pub friction: C,
+    /// Whether there is none: then there is one row, along the normal.
+    pub is_slippery: bool,
     /// Softness.
     pub impedance: Impedance<C>,
-    /// Inverse inertia of every pyramid row.
+    /// Inverse inertia of every row.
     pub diagonal: C,
 }
 
@@ -75,7 +77,7 @@ impl<C> Part<C> {
 impl ContactPair<f64> {
     /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg).
     pub(super) fn weigh(&mut self, [one, other]: [f64; 2]) {
-        self.diagonal = pyramid_diagonal(self.friction, one + other);
+        self.diagonal = if self.is_slippery { one + other } else { pyramid_diagonal(self.friction, one + other) };
     }
 }
 
@@ -106,6 +108,7 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64
         far: (reach + contact.margin).powi(2),
         margin: contact.margin,
         friction: contact.friction,
+        is_slippery: contact.friction == 0.0,
         impedance: Impedance::new(&contact.softness, model.options.timestep),
         diagonal: 0.0,
     })

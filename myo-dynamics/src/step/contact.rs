@@ -329,26 +329,54 @@ pub(super) fn pyramid<S: Scalar>(
     ws: &mut Workspace<S>,
 ) {
     let [first, second] = tangents(meeting.normal);
-    let n = plan.ndof();
     let friction = S::splat(meeting.friction);
+    for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
+        row(plan, meeting, direction.mul_add(friction, meeting.normal), state, (number, k), ws);
+    }
+}
+
+/// A contact without friction as one row, along the normal; the others of the pyramid are not there.
+#[inline(always)]
+pub(super) fn slide<S: Scalar>(
+    plan: &Plan<S::Const>,
+    meeting: &Meeting<'_, S>,
+    state: &State<S>,
+    number: usize,
+    ws: &mut Workspace<S>,
+) {
+    row(plan, meeting, meeting.normal, state, (number, 0), ws);
+    for k in 1..PYRAMID {
+        ws.contacts[number].rows[k] = workspace::Row::none();
+    }
+}
+
+/// A row of a contact: what resists along a direction.
+#[inline(always)]
+fn row<S: Scalar>(
+    plan: &Plan<S::Const>,
+    meeting: &Meeting<'_, S>,
+    direction: Vec3<S>,
+    state: &State<S>,
+    (number, k): (usize, usize),
+    ws: &mut Workspace<S>,
+) {
+    let n = plan.ndof();
     let [under, over] = meeting.links.map(|link| &plan.links[link].screw_of_dof);
     let exists = ws.contacts[number].exists;
-    for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
-        let edge = Wrench::at(meeting.at, direction.mul_add(friction, meeting.normal));
-        let mut velocity = S::zero();
-        for (dof, screws) in under.iter().zip(over).enumerate() {
-            let entry = match screws {
-                (None, Some(over)) => ws.screw[*over].dot(edge),
-                (Some(under), None) => -ws.screw[*under].dot(edge),
-                (Some(under), Some(over)) if under != over => (ws.screw[*over] - ws.screw[*under]).dot(edge),
-                _ => S::zero(),
-            };
-            ws.contact_jacobian[(number * PYRAMID + k) * n + dof] = entry;
-            velocity = entry.mul_add(state.qvel[dof], velocity);
-        }
-        let (weight, reference) = meeting.impedance.row(meeting.violation, velocity, S::splat(meeting.diagonal));
-        ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
+    let edge = Wrench::at(meeting.at, direction);
+    let mut velocity = S::zero();
+    for (dof, screws) in under.iter().zip(over).enumerate() {
+        let entry = match screws {
+            (None, Some(over)) => ws.screw[*over].dot(edge),
+            (Some(under), None) => -ws.screw[*under].dot(edge),
+            (Some(under), Some(over)) if under != over => (ws.screw[*over] - ws.screw[*under]).dot(edge),
+            _ => S::zero(),
+        };
+        ws.contact_jacobian[(number * PYRAMID + k) * n + dof] = entry;
+        velocity = entry.mul_add(state.qvel[dof], velocity);
     }
+    let (weight, reference) = meeting.impedance.row(meeting.violation, velocity, S::splat(meeting.diagonal));
+    ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
 }
 
 /// Two directions across a normal, as MuJoCo chooses them: from the world's y axis, or z where the normal is near y.

@@ -1,6 +1,6 @@
 //! Contact of parts of the body with each other: MuJoCo's geometry of capsules, and the least way out of an ellipsoid.
 
-use super::contact::{Edges, Meeting, pyramid};
+use super::contact::{Edges, Meeting, pyramid, slide};
 use super::ellipsoid::{Deepest, TINY, deepest};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::Vec3;
@@ -68,7 +68,11 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
             diagonal: pair.diagonal,
             links: pair.links(),
         };
-        pyramid(plan, &meeting, state, number, ws);
+        if pair.is_slippery {
+            slide(plan, &meeting, state, number, ws);
+        } else {
+            pyramid(plan, &meeting, state, number, ws);
+        }
     }
 }
 

@@ -54,7 +54,7 @@ impl<'a> Import<'a> {
         let contact = |touch: &Touch<'_>| Contact {
             geoms: touch.geoms.map(|held| self.geom_name(held)),
             margin: touch.margin,
-            friction: touch.friction[0],
+            friction: touch.sliding(),
             softness: touch.softness,
         };
         let contacts = simulated.iter().map(contact).collect();
@@ -86,7 +86,7 @@ impl<'a> Import<'a> {
         let why = if shape(one.geom).is_none() || shape(other.geom).is_none() || kinds == ["ellipsoid", "ellipsoid"] {
             format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
         } else {
-            "of contacts only those with `condim` 3, one sliding friction, and neither `gap` nor `adhesion` are simulated".into()
+            "of contacts only those with `condim` 1, or 3 and one sliding friction, and neither `gap` nor `adhesion` are simulated".into()
         };
         let others = if count > 1 { format!(", nor are {} more pairs like this", count - 1) } else { String::new() };
         let what = format!(
@@ -182,8 +182,13 @@ impl<'a> Touch<'a> {
         let kinds = self.geoms.map(|held| held.geom.kind());
         self.geoms.iter().all(|held| shape(held.geom).is_some())
             && kinds != [source::Shape::Ellipsoid; 2]
-            && (self.condim, self.gap, self.adhesion) == (3, 0.0, 0.0)
-            && self.friction[0] == self.friction[1]
+            && (self.gap, self.adhesion) == (0.0, 0.0)
+            && (self.condim == 1 || self.condim == 3 && self.friction[0] == self.friction[1])
+    }
+
+    /// Its sliding friction; none where it has no dimension but the normal.
+    fn sliding(&self) -> f64 {
+        if self.condim == 1 { 0.0 } else { self.friction[0] }
     }
 
     fn of_pair(pair: &'a Pair, geoms: [Held<'a>; 2]) -> Self {
