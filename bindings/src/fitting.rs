@@ -1,11 +1,12 @@
 //! Which user moves as the people of recordings do.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use myo::RunDescription;
 use myo::fitting::{Anybody, Candidate, FittedAmong, FittingError, comparable, practice};
 use myo::protocol::Practice;
 use myo::recordings::{Participant, Recordings};
-use myo::train::PpoConfig;
+use myo::train::{PpoConfig, RunFolder};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -85,6 +86,7 @@ pub fn fit(
     let candidates = candidates(task, &among.0, &among.1)?;
     let learnt = |(candidate, run): (Candidate, &PathBuf)| {
         let own = changed(task, candidate);
+        same_layouts(run, &own)?;
         Ok((candidate, Anybody::new(checkpoint(run)?, model.of(&own)?, own)))
     };
     let users = candidates.into_iter().zip(&runs).map(learnt).collect::<PyResult<Vec<_>>>()?;
@@ -97,6 +99,18 @@ pub fn fit(
         return Err(raised);
     }
     serde_json::to_string(&done.map_err(|refusal| refused(&refusal))?).map_err(error::run)
+}
+
+/// Refuses who practised something else.
+fn same_layouts(run: &Path, user: &myo::tasks::Task) -> PyResult<()> {
+    let description = RunDescription::of(&RunFolder::open(run).map_err(error::run)?).map_err(error::run)?;
+    if description.layouts() == practice(user).map_err(|refusal| refused(&refusal))? {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!(
+        "the user in {} practised other tasks than are asked for now; remove that folder, or name another",
+        run.display()
+    )))
 }
 
 fn refused(refusal: &dyn std::fmt::Display) -> PyErr {

@@ -122,11 +122,11 @@ def test_a_beginner_can_be_nobody(people, tmp_path):
             "script": [{"dwell": {"in": "ball", "for_s": 0.25}}],
         }
     )
-    layout = myoenv.to_dict(_native.Task.from_yaml(_native.fitting_layouts(task)[0]))
+    layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
     run = tmp_path / "beginner"
     # Steps so small that nothing runs away.
-    how = {"until": None, "num_envs": 32, "settings": {"learning_rate": 1e-5}, "backend": "cpu"}
-    myoenv.train({**layout, "time_limit_s": 5}, steps=1024, out=run, **how)
+    how = {"until": None, "num_envs": 64, "settings": {"learning_rate": 1e-5}, "backend": "cpu"}
+    myoenv.train(layouts=layouts, steps=2048, out=run, **how)
     wanted = r"of 64 natures only 0 could do what anna did, and at least \d+ are needed"
     with pytest.raises(ValueError, match=wanted):
         myoenv.fit(people, user=task, practised=run)
@@ -134,3 +134,7 @@ def test_a_beginner_can_be_nobody(people, tmp_path):
     frame = pandas.concat([pandas.DataFrame(table(participant=name)) for name in ("anna", "bert")])
     with pytest.raises(ValueError, match=wanted.replace("anna", "all 2 participants")):
         myoenv.fit(frame, user=task, practised=run, together=True)
+    # Who practised as somebody else is not taken for this user.
+    other = {**myoenv.to_dict(task), "control_dt_s": 0.02}
+    with pytest.raises(ValueError, match="practised other tasks than are asked for now"):
+        myoenv.fit(people, user=other, practised=run)

@@ -5,7 +5,8 @@ mod common;
 use common::{difference, draw, greatest, random_state};
 use myo_dynamics::step::force::moment_arms;
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
-use myo_model::description::{PathElement, Pulley, Softness, TendonLimit};
+use myo_model::description::{Landmarks, PathElement, Pulley, Softness, TendonLimit};
+use myo_model::import::{ImportOptions, from_mjcf};
 use myo_model::{Model, ModelDescription, builtin};
 use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
 use myo_scalar::{LaneTask, Level, Scalar, dispatch};
@@ -115,6 +116,27 @@ fn a_divided_tendon_is_the_sum_of_its_branches() {
             assert!((arm - long / 1.5 - short / 3.0).abs() < 1e-14);
         }
     }
+}
+
+#[test]
+fn a_limit_that_nothing_comes_to_in_the_zero_pose_is_refused() {
+    // Through the axis of its only joint.
+    let text = r#"<mujoco model="arm"><worldbody><site name="above" pos="0 0 1.2"/><body name="arm" pos="0 0 1">
+        <joint name="elbow" axis="0 1 0"/><inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>
+        <site name="below" pos="0 0 -0.05"/></body></worldbody>
+        <tendon><spatial name="BIC" range="0.1 0.2"><site site="above"/><site site="below"/></spatial></tendon>
+        <actuator><muscle name="BIC" tendon="BIC" lengthrange="0.1 0.3" force="300"/></actuator></mujoco>"#;
+    let plan = |text: &str| {
+        let files = std::collections::BTreeMap::from([("arm.xml".to_owned(), text.to_owned())]);
+        let mjcf = myo_mjcf::read_from(&files, "arm.xml", myo_mjcf::Limits::default()).unwrap();
+        let landmarks = Landmarks { fingertip: "below".into(), shoulder: "arm".into(), elbow: None, wrist: None };
+        let options = ImportOptions { landmarks, without_contacts: false };
+        Plan::exact(&Model::new(&from_mjcf(&mjcf, &options).unwrap()).unwrap(), CouplingMode::Reduced)
+    };
+    let refused = plan(text).unwrap_err().to_string();
+    assert!(refused.starts_with("muscle 'BIC': no joint changes the length of its tendon"), "{refused}");
+    assert!(plan(&text.replace("pos=\"0 0 -0.05\"", "pos=\"0.02 0 -0.05\"")).is_ok());
+    assert!(plan(&text.replace(" range=\"0.1 0.2\"", "")).is_ok());
 }
 
 /// From within its limits, whatever muscles do.

@@ -70,8 +70,8 @@ pub struct SkeletonPose {
 /// A muscle at one moment.
 #[derive(Clone, Debug)]
 pub struct MusclePose {
-    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics, short of arcs. Where it
-    /// may bend over something, seven points lie on the arc, or on the straight line while it does not bend.
+    /// Its path from origin to insertion: straight lines from point to point (m), whose length is the one in the physics, short of arcs; behind a pulley it goes back the way it came to
+    /// where the branch begins. Where it may bend over something, seven points lie on the arc, or on the straight line while it does not bend.
     pub points: Vec<[f64; 3]>,
     /// Its activation in [0, 1].
     pub activation: f64,
@@ -396,24 +396,48 @@ fn axes(block: &Block) -> Rotation<f64> {
     Rotation { x: column(0), y: column(1), z: column(2) }
 }
 
-/// The line that a muscle is drawn as: what `site` makes of each site of its path, and `bend` of what runs over something between two of them. Behind a pulley it goes back along
-/// itself to where the branch begins.
+/// The line that a muscle is drawn as: what `site` makes of each site of its path, and `bend` of what runs over something between two of them. Behind a pulley it goes back the way it
+/// came to where the branch begins; straight there if that is no place on its way.
 fn along<T: Clone>(muscle: &Muscle, site: impl Fn(usize) -> T, bend: impl Fn(&Over, [usize; 2]) -> Vec<T>) -> Vec<T> {
-    let (mut line, mut places) = (vec![], vec![]);
+    let (mut line, mut ways): (Vec<T>, Vec<Way<T>>) = (vec![], vec![]);
     for (element, &here) in muscle.path.iter().enumerate() {
         let begins = muscle.pulleys.iter().any(|pulley| pulley.before == element);
+        let from = element.checked_sub(1).filter(|_| !begins);
+        let bends = |from: usize| {
+            let over = muscle.over.iter().find(|over| over.after == from);
+            over.map_or_else(Vec::new, |over| bend(over, [muscle.path[from], here]))
+        };
+        let mut way = Way { from, over: from.map_or_else(Vec::new, bends) };
         let before = muscle.path[..element].iter().rposition(|&site| begins && site == here);
+        let mut is_there = false;
         if let Some(before) = before {
-            let back: Vec<T> = line[places[before] + 1..].iter().rev().skip(1).cloned().collect();
-            line.extend(back);
+            let mut at = element - 1;
+            while let Some(next) = ways[at].from.filter(|_| muscle.path[at] != here) {
+                line.extend(ways[at].over.iter().rev().cloned());
+                line.push(site(muscle.path[next]));
+                at = next;
+            }
+            is_there = muscle.path[at] == here;
+            // On from here it is the same place.
+            way = ways[before].clone();
+        } else {
+            line.extend(way.over.iter().cloned());
         }
-        places.push(line.len());
-        line.push(site(here));
-        for over in muscle.over.iter().filter(|over| over.after == element) {
-            line.extend(bend(over, [here, muscle.path[element + 1]]));
+        if !is_there {
+            line.push(site(here));
         }
+        ways.push(way);
     }
     line
+}
+
+/// How a path comes to an element.
+#[derive(Clone)]
+struct Way<T> {
+    /// From which one; from none to the first.
+    from: Option<usize>,
+    /// What it runs over on the way.
+    over: Vec<T>,
 }
 
 #[cfg(test)]
@@ -436,6 +460,14 @@ mod tests {
         };
         let bend = |_: &Over, [from, to]: [usize; 2]| vec![10 * from + to; 2];
         assert_eq!(along(&muscle, |site| site, bend), [1, 2, 3, 34, 34, 4, 34, 34, 3, 2, 5, 9, 8]);
+        // However many branches begin, each farther back, none goes back along what others went back.
+        let many = Muscle {
+            path: vec![1, 2, 3, 4, 3, 5, 2, 6, 1, 7],
+            pulleys: vec![pulley(4), pulley(6), pulley(8)],
+            over: vec![],
+            ..muscle.clone()
+        };
+        assert_eq!(along(&many, |site| site, bend), [1, 2, 3, 4, 3, 5, 3, 2, 6, 2, 1, 7]);
         let whole = Muscle { pulleys: vec![], ..muscle };
         assert_eq!(along(&whole, |site| site, bend), [1, 2, 3, 34, 34, 4, 2, 5, 9, 8]);
     }

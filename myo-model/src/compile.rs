@@ -27,7 +27,7 @@ const SMALLEST_RADIUS: f64 = 1e-4;
 const DIVISORS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
 
 /// Smallest friction; MuJoCo's.
-const SMALLEST_FRICTION: f64 = 1e-5;
+pub(crate) const SMALLEST_FRICTION: f64 = 1e-5;
 
 /// How much (relative) a principal moment may exceed the sum of the others: figures are rounded where they are printed.
 const INERTIA_ROUNDING: f64 = 1e-6;

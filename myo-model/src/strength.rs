@@ -38,6 +38,7 @@ impl ModelDescription {
             }
             let (donor, recipient) = (self.muscle(donor)?, self.muscle(recipient)?);
             let target = self.muscles[recipient].clone();
+            self.leave_limit(donor);
             let moved = &mut self.muscles[donor];
             moved.path = target.path;
             moved.limit = target.limit;
@@ -47,6 +48,16 @@ impl ModelDescription {
             self.muscles.remove(recipient);
         }
         Ok(self)
+    }
+
+    /// Hands the limit of a muscle's tendon to another one that pulls the same.
+    fn leave_limit(&mut self, muscle: usize) {
+        let Some(limit) = self.muscles[muscle].limit.take() else { return };
+        let path = self.muscles[muscle].path.clone();
+        let others = self.muscles.iter_mut().enumerate().filter(|(other, _)| *other != muscle);
+        if let Some((_, heir)) = others.into_iter().find(|(_, other)| other.path == path && other.limit.is_none()) {
+            heir.limit = Some(limit);
+        }
     }
 
     fn know_muscles_or_groups<'a>(&self, mut names: impl Iterator<Item = &'a String>) -> Result<(), ModelError> {

@@ -279,8 +279,14 @@ fn parts_that_may_touch_are_refused_unless_they_need_not() {
         contacts(&text.replace("<joint axis=\"1 0 0\"/>", &format!("<joint axis=\"1 0 0\" {limits}/>")))
     };
     assert_eq!(held(0.8, "range=\"-5 5\""), none);
+    assert!(held(0.8, "range=\"-5 5\" solreflimit=\"0.5 1\"").unwrap_err().contains("it may touch `palm`"));
     assert!(held(0.82, "range=\"-5 5\"").unwrap_err().contains("it may touch `palm`"));
     assert!(held(0.8, "").unwrap_err().contains("it may touch `palm`"));
+    // What is fitted to a mesh has its size from there.
+    let asset = r#"<asset><mesh name="hull" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>"#;
+    let fitted = hand(0.5, "", asset).replace("size=\"0.02\"", "type=\"capsule\" mesh=\"hull\" mass=\"0\"");
+    let all = from_mjcf(&read(&fitted), &self::options("tip", "humerus")).unwrap_err();
+    assert!(all.iter().any(|one| one.to_string().contains("it may touch `palm`")), "{all:?}");
     // What hangs on a slide may be anywhere.
     let sliding = hand(0.0, "", "").replace("<joint axis=\"1 0 0\"/>", "<joint type=\"slide\" axis=\"1 0 0\"/>");
     assert!(contacts(&sliding).unwrap_err().contains("it may touch `palm`"));

@@ -249,7 +249,8 @@ fn wraps_must_stand_between_two_sites() {
 fn friction_is_some_or_none() {
     let check_friction = |friction: f64, value: &str| {
         let message = format!("contact `a, b`: `friction` is {value}; it must be at least 0.00001, or 0 for none");
-        let contact = Contact { geoms: ["a", "b"].map(String::from), margin: 0.0, friction, softness: Softness::default() };
+        let contact =
+            Contact { geoms: ["a", "b"].map(String::from), margin: 0.0, friction, softness: Softness::default() };
         check(|arm| arm.contacts.push(contact), &message);
     };
     check_friction(-0.1, "-0.1");

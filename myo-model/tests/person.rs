@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use myo_model::description::{PathElement, WrapShape};
+use myo_model::description::{PathElement, Softness, TendonLimit, WrapShape};
 use myo_model::{Model, ModelDescription, ModelError, Sex, Size, builtin};
 
 fn arm() -> ModelDescription {
@@ -97,6 +97,23 @@ fn muscles_are_weaker_by_name_and_by_group() {
         weak / strong
     };
     assert!(close(share("DELT1"), 0.5) && share("SUPSP") == 0.0 && close(share("BRA"), 0.4));
+}
+
+#[test]
+fn a_limit_stays_with_its_tendon() {
+    let mut arm = arm();
+    let limit = Some(TendonLimit { range: [0.1, 0.5], margin: 0.0, softness: Softness::default() });
+    let [first, second, third] = [0, 1, 2].map(|muscle| arm.muscles[muscle].name.clone());
+    // Two muscles pull one tendon.
+    arm.muscles[1].path = arm.muscles[0].path.clone();
+    arm.muscles[0].limit = limit;
+    let moved = arm.clone().with_transfers(&transfers(&[(&first, &third)])).unwrap();
+    let of = |name: &str| moved.muscles.iter().find(|muscle| muscle.name == name).unwrap().limit;
+    assert_eq!((of(&first), of(&second)), (None, limit));
+    // Of a tendon that another muscle is put on, the limit is its own now.
+    arm.muscles.swap(0, 2);
+    let moved = arm.with_transfers(&transfers(&[(&third, &first)])).unwrap();
+    assert_eq!(moved.muscles.iter().find(|muscle| muscle.name == third).unwrap().limit, limit);
 }
 
 #[test]

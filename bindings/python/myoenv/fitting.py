@@ -39,7 +39,8 @@ def fit(
 
     A dictionary for each participant: `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`,
     its place in a task; `what`; `before`, `found`, `interval`, its 95 % confidence interval; `is_told`, without which
-    `found` is not to be used), `distance_before`, `distance_after` (root mean square over figures, in standard
+    `found` is not to be used), `distance_before` (None where
+    the user could not do before what the person did), `distance_after` (root mean square over figures, in standard
     deviations between repetitions of one user) and `figures` (`what`, `person`, `before`, `after`) of the nearest
     user; and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, None as told; `distance`, None
     of who cannot do what the person did; `is_possible`, whether the recordings do not rule it out).
@@ -89,7 +90,8 @@ def _place(name: str, practised: str | PathLike[str] | None, suffix: str, seed: 
     """Where the user has learnt to be anybody, or is to."""
     if practised is None:
         return Path("runs") / f"anybody-{name}{suffix}" / f"seed-{seed}"
-    return Path(as_path("practised", practised) + suffix)
+    place = Path(as_path("practised", practised))
+    return place.with_name(place.name + suffix)
 
 
 def _practise(task: _native.Task, model: _native.Model, place: Path, **training: Any) -> None:

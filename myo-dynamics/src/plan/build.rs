@@ -15,6 +15,9 @@ use std::collections::BTreeSet;
 /// A rotation closer to none than this is none: products of unit quaternions leave rounding behind.
 const PARALLEL: f64 = 1e-14;
 
+/// Inverse inertia (1/kg) of a limited tendon below which its limit is harder than single precision can bear.
+const LEAST_FELT: f64 = 1e-7;
+
 impl Plan<f64> {
     /// The same, and it keeps where elbow and wrist are. To be asked of an exact plan, before it is specialised.
     ///
@@ -85,7 +88,7 @@ impl Plan<f64> {
         };
         plan.muscles =
             model.muscles.iter().zip(&reference.acc0).map(|(m, &acc0)| Muscle::new(&m.parameters, acc0)).collect();
-        plan.weigh_constraints(model, &reference);
+        plan.weigh_constraints(model, &reference)?;
         if coupling == CouplingMode::Reduced {
             plan.check_stability()?;
         }
@@ -123,7 +126,7 @@ impl Plan<f64> {
         Ok(())
     }
 
-    fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) {
+    fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) -> Result<(), PlanError> {
         let joints = (0..model.joints.len()).filter(|&joint| is_limited(&model.joints[joint], &self.joints[joint]));
         for (limit, joint) in self.limits.iter_mut().zip(joints) {
             limit.diagonal = reference.joint_inverse_inertia[joint];
@@ -136,11 +139,15 @@ impl Plan<f64> {
             sphere.diagonal = reference.sphere_inverse_mass;
         }
         for (limit, &mass) in self.tendon_limits.iter_mut().zip(&reference.tendon_inverse_masses) {
+            if !limit.dofs.is_empty() && mass < LEAST_FELT {
+                return Err(PlanError::StuckTendon { muscle: model.muscles[limit.muscle].name.clone() });
+            }
             limit.diagonal = mass;
         }
         for (pair, &masses) in self.pairs.iter_mut().zip(&reference.pair_inverse_masses) {
             pair.weigh(masses);
         }
+        Ok(())
     }
 }
 

@@ -587,6 +587,14 @@ pub enum PlanError {
         /// The geoms.
         geoms: [String; 2],
     },
+    /// A limit of a tendon that moves nothing in the reference pose.
+    #[error(
+        "muscle '{muscle}': no joint changes the length of its tendon in the zero pose, so that its limit would be as hard as nothing is; leave out `limit`, or let its path run beside a joint"
+    )]
+    StuckTendon {
+        /// The muscle.
+        muscle: String,
+    },
     /// Inertia in the reference pose is singular.
     #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]
     Singular {

@@ -56,10 +56,14 @@ impl<S: Scalar> Stage<S> for Slopes<'_, S> {
     fn run(mut self) {
         let muscle = self.plan.tendon_limits[self.number].muscle;
         force::pull_alone(self.plan, muscle, self.ws);
-        let n = self.plan.ndof();
-        for dof in 0..n {
+        for dof in 0..self.plan.ndof() {
             let slope = self.sign * self.ws.torque[dof];
             self.jacobian()[dof] = slope;
+        }
+        // Far beyond its limits what a coordinate drives by profiles stands still.
+        for (coordinate, profiled) in self.plan.profiled.iter().enumerate() {
+            let slope = self.jacobian()[profiled.dof].only(self.ws.profiled[coordinate].is_free);
+            self.jacobian()[profiled.dof] = slope;
         }
     }
 }

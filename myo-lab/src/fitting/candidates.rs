@@ -108,7 +108,7 @@ impl FittedAmong {
         Self::nearest(fitted).map(Some)
     }
 
-    /// The nearest of users who were fitted to one person. Who [cannot do](FittingError::Unlearnt) what the person did is ruled out.
+    /// The nearest of users who were fitted to one person. Who [cannot do](FittingError::Unlearnt) what the person did comes last.
     ///
     /// # Errors
     /// There is no user, none can do it, or one was not fitted for another reason.
@@ -147,11 +147,15 @@ impl FittedAmong {
         Ok(Self { fitted: measured.swap_remove(0).2, candidates })
     }
 
-    /// What the recordings tell of a trait in which candidates differ: its value, if they rule out all who have another.
+    /// What the recordings tell of a trait in which candidates differ: its value, if they rule out all who have another. Who cannot do what the person did is none of these: it may not
+    /// have learnt it.
     pub fn told(&self, of: impl Fn(&Candidate) -> Option<f64>) -> Option<f64> {
         let value = of(&self.candidates.first()?.candidate)?;
         let differ = self.candidates.iter().any(|one| of(&one.candidate) != Some(value));
-        let ruled_out = self.candidates.iter().all(|one| of(&one.candidate) == Some(value) || !one.is_possible);
+        let ruled_out = self
+            .candidates
+            .iter()
+            .all(|one| of(&one.candidate) == Some(value) || one.distance.is_some() && !one.is_possible);
         (differ && ruled_out).then_some(value)
     }
 }
@@ -252,13 +256,13 @@ mod tests {
     }
 
     #[test]
-    fn who_cannot_do_it_is_ruled_out() {
+    fn who_cannot_do_it_is_not_possible_and_tells_nothing() {
         let unable = || Err(FittingError::Unlearnt { who: "somebody".into(), natures: 2, able: 1, least: 2 });
         let [tall, small] = [1.9, 1.5].map(|height| Candidate { vision_delay_ms: None, height_m: Some(height) });
         let person = moves(USUAL, &PAIRS, 60, 5);
         let own = Fitted::of(("somebody", &person), &[], USUAL, super::super::search::tests::simulate);
         let found = FittedAmong::nearest(vec![(small, unable()), (tall, own)]).unwrap();
-        assert_eq!(found.told(|one| one.height_m), Some(1.9));
+        assert_eq!((found.candidates[0].candidate, found.told(|one| one.height_m)), (tall, None));
         assert_eq!(found.candidates[1], Ranked { candidate: small, distance: None, is_possible: false });
         assert!(matches!(FittedAmong::nearest(vec![(small, unable())]), Err(FittingError::Unlearnt { .. })));
     }

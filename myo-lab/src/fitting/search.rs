@@ -27,8 +27,8 @@ pub struct Fitted {
     /// What the user is like who comes nearest.
     pub traits: Vec<FittedTrait>,
     /// How far the user was from the person before, and is then: root of the mean squared difference of figures, each in standard deviations of that figure between repetitions
-    /// of one nature.
-    pub distance_before: f64,
+    /// of one nature. Nothing where the user could not do before what the person did.
+    pub distance_before: Option<f64>,
     /// The same of the user who was found.
     pub distance_after: f64,
     /// What was compared.
@@ -74,8 +74,8 @@ pub struct FittedFigure {
     pub what: String,
     /// The person's.
     pub person: f64,
-    /// The user's before.
-    pub before: f64,
+    /// The user's before; nothing where it could not do what the person did.
+    pub before: Option<f64>,
     /// The user's who was found.
     pub after: f64,
 }
@@ -177,16 +177,16 @@ where
     fn told(&mut self, before: Nature, (surface, more): (&Surface, f64), nearest: &Nearest) -> Result<Fitted, E> {
         let after = Nature::at(nearest.place);
         let asked = self.ask(&[before, after])?;
-        let able = asked.iter().flatten().count();
-        let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 2, able, least: 2 };
-        let [Some((old, _)), Some((new, _))] = &asked[..] else { return Err(unlearnt().into()) };
+        let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 1, able: 0, least: 1 };
+        let [old, Some((new, _))] = &asked[..] else { return Err(unlearnt().into()) };
+        let old = old.as_ref().map(|(old, _)| old);
         let distance = |own: &Figures| {
             let off = |k: usize| (own[k] - self.person[k]) / surface.deviations[k];
             ((0..own.len()).map(|k| off(k) * off(k)).sum::<f64>() / own.len() as f64).sqrt()
         };
         let figure = |(k, what): (usize, String)| {
-            let [person, before, after] = [self.person[k], old[k], new[k]].map(|value| told(k, value));
-            FittedFigure { what, person, before, after }
+            let [person, after] = [self.person[k], new[k]].map(|value| told(k, value));
+            FittedFigure { what, person, before: old.map(|old| told(k, old[k])), after }
         };
         let hand = FIGURES.iter().map(ToString::to_string);
         let names = hand.chain(self.muscles.iter().map(|muscle| format!("activation of {muscle}")));
@@ -195,7 +195,7 @@ where
             movements: self.movements,
             pairs: self.pairs.clone(),
             traits: (0..COUNT).map(|k| FittedTrait::of(k, before, after, nearest)).collect(),
-            distance_before: distance(old),
+            distance_before: old.map(&distance),
             distance_after: distance(new),
             figures: names.enumerate().map(figure).collect(),
             compared: Compared {
@@ -307,7 +307,10 @@ pub(super) mod tests {
                     "{known}: {found:?}"
                 );
             }
-            assert!(fitted.distance_after < 2.0 && fitted.distance_before > 3.0 * fitted.distance_after, "{fitted:?}");
+            assert!(
+                fitted.distance_after < 2.0 && fitted.distance_before.unwrap() > 3.0 * fitted.distance_after,
+                "{fitted:?}"
+            );
             assert_eq!((fitted.movements, fitted.pairs.len()), (1600, PAIRS.len()));
             for figure in &fitted.figures {
                 assert!((figure.after - figure.person).abs() <= 0.05 + 0.1 * figure.person.abs(), "{figure:?}");

@@ -104,6 +104,9 @@ impl<'a> Apart<'a> {
 
     /// Distance of a point from a geom at a place, or less.
     pub(super) fn surface(&self, geom: &myo_mjcf::Geom, place: &Isometry3<f64>, point: &Point3<f64>) -> f64 {
+        if geom.mesh.is_some() {
+            return f64::NEG_INFINITY;
+        }
         let local = place.inverse() * point;
         let [a, b, c] = geom.size();
         let across = local.x.hypot(local.y);
@@ -123,6 +126,9 @@ impl<'a> Apart<'a> {
 
 /// Radius of a ball around the middle of a geom that holds it; none of one without end, or whose size its file does not tell.
 pub(super) fn reach(geom: &myo_mjcf::Geom) -> Option<f64> {
+    if geom.mesh.is_some() {
+        return None;
+    }
     let [a, b, c] = geom.size();
     match geom.kind() {
         Shape::Sphere => Some(a),

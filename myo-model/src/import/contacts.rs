@@ -2,6 +2,7 @@
 
 use super::Import;
 use super::apart::Apart;
+use crate::compile::SMALLEST_FRICTION;
 use crate::description::{Contact, Geom, Shape, Softness};
 use myo_mjcf::{self as source, Cone, Pair, Place, Switch};
 use std::cmp::Ordering;
@@ -35,14 +36,14 @@ impl<'a> Import<'a> {
         }
         let apart = Apart::of(self.mjcf);
         let mut touches = self.touches();
-        touches.retain(|touch| !apart.always(touch.geoms, touch.margin));
-        if let Some(first) = touches.first() {
-            self.check_cone(first.place);
-        }
+        touches.retain(|touch| !apart.always(touch.geoms, touch.reach()));
         let (simulated, mut others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
-        others.retain(|touch| !apart.within_limits(touch.geoms, touch.margin, |joint| self.range_of(joint)));
+        others.retain(|touch| !apart.within_limits(touch.geoms, touch.reach(), |joint| self.hard_range(joint)));
         if let Some(first) = others.first() {
             self.refuse_touch(first, others.len());
+        }
+        if let Some(rough) = simulated.iter().find(|touch| touch.condim == 3) {
+            self.check_cone(rough.place);
         }
         let mut geoms: Vec<Geom> = vec![];
         for held in simulated.iter().flat_map(|touch| touch.geoms) {
@@ -168,6 +169,10 @@ impl<'a> Import<'a> {
 }
 
 fn shape(geom: &source::Geom) -> Option<Shape> {
+    // What is fitted to a mesh has its size from there.
+    if geom.mesh.is_some() {
+        return None;
+    }
     let [a, b, c] = geom.size();
     match geom.kind() {
         source::Shape::Sphere => Some(Shape::Sphere { radius: a }),
@@ -186,9 +191,14 @@ impl<'a> Touch<'a> {
             && (self.condim == 1 || self.condim == 3 && self.friction[0] == self.friction[1])
     }
 
-    /// Its sliding friction; none where it has no dimension but the normal.
+    /// Its sliding friction; none where it has no dimension but the normal, else no less than MuJoCo takes.
     fn sliding(&self) -> f64 {
-        if self.condim == 1 { 0.0 } else { self.friction[0] }
+        if self.condim == 1 { 0.0 } else { self.friction[0].max(SMALLEST_FRICTION) }
+    }
+
+    /// How near (m) the geoms have to come for any force: what sticks is drawn from farther away.
+    fn reach(&self) -> f64 {
+        if self.adhesion == 0.0 { self.margin } else { self.margin + self.gap }
     }
 
     fn of_pair(pair: &'a Pair, geoms: [Held<'a>; 2]) -> Self {

@@ -16,6 +16,13 @@ impl Import<'_> {
         (is_limited && self.keeps(self.mjcf.flags.limit())).then(|| joint.range())
     }
 
+    /// The same of one whose limits are as hard as MuJoCo's own, or harder.
+    pub(super) fn hard_range(&self, joint: &source::Joint) -> Option<[f64; 2]> {
+        let ([time_constant, damping_ratio], [at_zero, ..]) = (joint.solreflimit(), joint.solimplimit());
+        let is_hard = (0.0..=0.02).contains(&time_constant) && damping_ratio >= 1.0 && at_zero >= 0.9;
+        self.range_of(joint).filter(|_| is_hard)
+    }
+
     /// A joint; none of a kind that is refused.
     fn joint(&mut self, number: usize, body: usize, joint: &source::Joint) -> Option<Joint> {
         let flags = &self.mjcf.flags;

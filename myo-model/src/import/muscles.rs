@@ -37,16 +37,7 @@ impl Import<'_> {
     pub(super) fn muscles(&mut self) -> Vec<Muscle> {
         let mjcf = self.mjcf;
         mjcf.tendons.iter().for_each(|tendon| self.check_tendon(tendon));
-        let mut muscles = vec![];
-        for (number, actuator) in mjcf.actuators.iter().enumerate() {
-            // A tendon that several muscles pull is limited once.
-            let is_first = mjcf.actuators[..number].iter().all(|other| other.tendon != actuator.tendon);
-            muscles.extend(
-                self.muscle(number, actuator)
-                    .map(|muscle| if is_first { muscle } else { Muscle { limit: None, ..muscle } }),
-            );
-        }
-        muscles
+        mjcf.actuators.iter().enumerate().filter_map(|(number, actuator)| self.muscle(number, actuator)).collect()
     }
 
     /// Lengths that a tendon does not leave; none without limit.
@@ -111,12 +102,14 @@ impl Import<'_> {
         self.check_muscle(actuator);
         // The reader knows that there is one.
         let tendon = self.mjcf.tendons.iter().find(|other| other.name.as_ref() == Some(tendon))?;
+        let is_first = self.mjcf.actuators[..number].iter().all(|other| other.tendon != actuator.tendon);
         let [tau_act, tau_deact, tau_smooth, ..] = actuator.dynprm();
         let is_limited = actuator.ctrllimited().decide(self.mjcf.compiler.autolimits(), actuator.ctrlrange);
         Some(Muscle {
             name: actuator.name.clone().unwrap_or_else(|| format!("muscle{}", number + 1)),
             path: self.path(tendon)?,
-            limit: self.limit(tendon),
+            // A tendon that several muscles pull is limited once.
+            limit: if is_first { self.limit(tendon) } else { None },
             parameters: MuscleParameters {
                 length_range: actuator.lengthrange(),
                 gain: curve(actuator.gainprm()),

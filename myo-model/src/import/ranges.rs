@@ -1,6 +1,6 @@
 //! Which geoms never touch as long as no joint is far beyond its limits.
 //!
-//! Limits are soft, so joints may stand [`BEYOND`] beyond them here. Of a box of joint positions the middle is looked at: nothing moves farther from where it is there than the joints turn,
+//! Limits are soft, so hinges may stand [`BEYOND`] beyond them here; limits softer than MuJoCo's own are none. Of a box of joint positions the middle is looked at: nothing moves farther from where it is there than the joints turn,
 //! each by at most half of the box, times the longest lever. Where that does not do, the box is halved along the joint that moves most.
 
 use super::apart::{Apart, frame, reach};
@@ -8,8 +8,8 @@ use super::contacts::Held;
 use myo_mjcf::{Joint, JointKind};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
-/// How far joints may be beyond their limits: hinges (rad), slides (m).
-const BEYOND: [f64; 2] = [0.35, 0.02];
+/// How far hinges may be beyond their limits (rad).
+const BEYOND: f64 = 0.35;
 /// Boxes that are looked at, for a pair of geoms.
 const MOST_BOXES: usize = 4096;
 
@@ -18,12 +18,12 @@ struct Stop<'a> {
     body: usize,
     joint: &'a Joint,
     range: [f64; 2],
-    /// How far (m) the geom moves at most while the joint moves by one.
+    /// How far (m) the geom moves at most while the hinge turns by one.
     lever: f64,
 }
 
 impl Apart<'_> {
-    /// Whether two geoms never come within a margin (m) of each other while every joint between them is within its limits, or a little beyond. `range` tells the limits of joints.
+    /// Whether two geoms never come within a margin (m) of each other while every hinge between them is within its limits, or a little beyond. `range` tells limits that hold.
     pub(super) fn within_limits(
         &self,
         geoms: [Held<'_>; 2],
@@ -79,21 +79,13 @@ impl Apart<'_> {
             let anchor = self.frames[body] * Point3::from(joint.pos());
             lever += (last - anchor).norm();
             last = anchor;
+            if joint.kind() != JointKind::Hinge {
+                return None;
+            }
             let [low, high] = range(joint)?;
-            let (beyond, lever) = match joint.kind() {
-                JointKind::Hinge => (BEYOND[0], lever),
-                JointKind::Slide => (BEYOND[1], 1.0),
-                JointKind::Ball | JointKind::Free => return None,
-            };
-            stops.push(Stop { body, joint, range: [low - beyond, high + beyond], lever });
+            stops.push(Stop { body, joint, range: [low - BEYOND, high + BEYOND], lever });
         }
         stops.reverse();
-        // What slides away has longer levers from then on.
-        let slides = stops.iter().filter(|stop| stop.joint.kind() == JointKind::Slide);
-        let away: f64 = slides.map(|stop| stop.range[0].abs().max(stop.range[1].abs())).sum();
-        for stop in stops.iter_mut().filter(|stop| stop.joint.kind() == JointKind::Hinge) {
-            stop.lever += away;
-        }
         Some(stops)
     }
 
@@ -103,7 +95,7 @@ impl Apart<'_> {
         for body in self.bodies_below(ancestor, held.body) {
             place *= frame(&self.mjcf.bodies[body].pose);
             for (stop, &position) in stops.iter().zip(positions).filter(|(stop, _)| stop.body == body) {
-                place *= moved(stop.joint, position);
+                place *= turned(stop.joint, position);
             }
         }
         place * frame(&held.geom.pose)
@@ -119,12 +111,9 @@ impl Apart<'_> {
     }
 }
 
-/// What a joint at a position does to its body.
-fn moved(joint: &Joint, position: f64) -> Isometry3<f64> {
+/// What a hinge at an angle does to its body.
+fn turned(joint: &Joint, angle: f64) -> Isometry3<f64> {
     let (anchor, axis) = (Vector3::from(joint.pos()), Unit::new_normalize(Vector3::from(joint.axis())));
-    if joint.kind() == JointKind::Slide {
-        return Isometry3::from_parts(Translation3::from(axis.into_inner() * position), UnitQuaternion::identity());
-    }
-    let turn = UnitQuaternion::from_axis_angle(&axis, position);
+    let turn = UnitQuaternion::from_axis_angle(&axis, angle);
     Isometry3::from_parts(Translation3::from(anchor - turn * anchor), turn)
 }

@@ -95,7 +95,7 @@ the recordings do not rule out (95 of 100; where nobody comes as near as chance 
 The answer has lines for the task file of a simulated participant. Distance: root mean square over figures of the difference between user and person, in
 standard deviations of that figure between repetitions of one user; 1 is as near as one user is to itself.
 
-JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`, `what`, `before`, `found`, `interval`, `is_told`), `distance_before`,
+JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`, `what`, `before`, `found`, `interval`, `is_told`), `distance_before` (null where the user before could not do what the person did),
 `distance_after`, `figures` (`what`, `person`, `before`, `after`) of the nearest user, and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, null as told; `distance`, null of who cannot do what the person did; `is_possible`).";
 
 /// Runs `myo fit`.
@@ -168,9 +168,15 @@ pub fn anybodies(args: &AnybodyArgs, seed: u64, interrupt: &Interrupt) -> Result
     let beginners = beginners.collect::<Result<Vec<_>>>()?;
     let learnt = |(candidate, (scenario, name)): (Candidate, (Scenario, String))| {
         let folder = args.practised.clone().unwrap_or_else(|| Path::new("runs").join(format!("anybody-{name}")));
-        let mut own = folder.into_os_string();
-        own.push(candidate.suffix());
-        Ok((candidate, anybody((args, seed), scenario, Path::new(&own), interrupt)?))
+        let own = match folder.file_name() {
+            Some(name) => {
+                let mut name = name.to_os_string();
+                name.push(candidate.suffix());
+                folder.with_file_name(name)
+            }
+            None => folder,
+        };
+        Ok((candidate, anybody((args, seed), scenario, &own, interrupt)?))
     };
     beginners.into_iter().map(learnt).collect()
 }
@@ -208,17 +214,22 @@ fn text(file: &Path, found: &FittedAmong) -> String {
     }));
     let mut compared = vec![row(["mean over pairs", "person", "user before", "user found"])];
     compared.extend(figures.iter().map(|figure| {
-        let [person, before, after] = [figure.person, figure.before, figure.after].map(|value| format!("{value:.3}"));
+        let [person, after] = [figure.person, figure.after].map(|value| format!("{value:.3}"));
+        let before = figure.before.map_or_else(|| "-".into(), |value| format!("{value:.3}"));
         row([&figure.what, &person, &before, &after])
     }));
     let name = if participant.is_empty() { "the participant" } else { participant };
     format!(
-        "{}: {name}, {movements} movements in {} pairs of distance and width\n{}{}\n{}\ndistance {distance_before:.1} before, {distance_after:.1} with the user found\n\n{}",
+        "{}: {name}, {movements} movements in {} pairs of distance and width\n{}{}\n{}\ndistance {} before, {distance_after:.1} with the user found\n\n{}",
         file.display(),
         pairs.len(),
         among(found),
         table(&rows),
         table(&compared),
+        distance_before.map_or_else(
+            || "unknown (it could not do what the person did)".into(),
+            |distance| format!("{distance:.1}")
+        ),
         lines(found)
     )
 }
@@ -235,7 +246,7 @@ fn among(found: &FittedAmong) -> String {
         let words = match (place, one.is_possible) {
             (0, _) => "nearest",
             (_, true) => "not ruled out",
-            (_, false) if one.distance.is_none() => "ruled out: it cannot do what the person did",
+            (_, false) if one.distance.is_none() => "cannot do what the person did",
             (_, false) => "ruled out",
         };
         let distance = one.distance.map_or_else(|| "-".into(), |distance| format!("{distance:.2}"));
@@ -247,8 +258,11 @@ fn among(found: &FittedAmong) -> String {
 
 /// What a task file says of such a user.
 fn lines(found: &FittedAmong) -> String {
-    let of_body = found.told(|one| one.height_m).map(|height| ("body", "height_m", height));
-    let of_eyes = found.told(|one| one.vision_delay_ms).map(|delay| ("perception", "vision_delay_ms", delay));
+    // Of whom the traits are.
+    let Candidate { vision_delay_ms, height_m } =
+        found.candidates.first().map_or_else(Candidate::default, |nearest| nearest.candidate);
+    let of_body = height_m.map(|height| ("body", "height_m", height));
+    let of_eyes = vision_delay_ms.map(|delay| ("perception", "vision_delay_ms", delay));
     let traits = found.fitted.traits.iter().filter(|one| one.is_told);
     let traits = traits.filter_map(|one| one.key.split_once('.').map(|(part, key)| (part, key, one.found)));
     let all: Vec<(&str, &str, f64)> = of_body.into_iter().chain(of_eyes).chain(traits).collect();
@@ -262,7 +276,18 @@ fn lines(found: &FittedAmong) -> String {
         let own = all.iter().filter(|one| one.0 == part).map(|(_, key, value)| format!("{key}: {}", rounded(*value)));
         format!("{part}: {{{}}}\n", own.collect::<Vec<_>>().join(", "))
     };
-    format!("in a task file:\n{}", parts.into_iter().map(line).collect::<String>())
+    let mut all: String = parts.into_iter().map(line).collect();
+    for (key, value, told) in [
+        ("vision_delay_ms", vision_delay_ms, found.told(|one| one.vision_delay_ms)),
+        ("height_m", height_m, found.told(|one| one.height_m)),
+    ] {
+        if value.is_some() && told.is_none() {
+            all += &format!(
+                "of `{key}` the recordings do not tell: it is that of the user to whom the other traits belong\n"
+            );
+        }
+    }
+    format!("in a task file:\n{all}")
 }
 
 /// Four digits behind the point, and none that say nothing.

@@ -68,7 +68,7 @@ struct Sought {
     candidate: Candidate,
     found: Vec<FittedTrait>,
     candidates: Vec<Ranked>,
-    distance_before: f64,
+    distance_before: Option<f64>,
     distance_after: f64,
 }
 
@@ -191,7 +191,8 @@ fn text(users: &[Sought], among: Option<CandidatesFound>, traits: &[TraitFound])
             let mark = if one.is_told { "" } else { "?" };
             format!("{known:.3} found {:.3}{mark}", one.found)
         }));
-        cells.push(format!("{:.1}, {:.1}", user.distance_before, user.distance_after));
+        let before = user.distance_before.map_or_else(|| "-".into(), |distance| format!("{distance:.1}"));
+        cells.push(format!("{before}, {:.1}", user.distance_after));
         if among.is_some() {
             let found = user.candidates.iter().filter(|one| one.is_possible);
             cells.push(found.map(|one| one.candidate.suffix()).collect::<Vec<_>>().join(" or "));
