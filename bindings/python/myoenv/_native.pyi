@@ -29,6 +29,7 @@ __all__ = [
     "devices",
     "evaluation_seed",
     "fit",
+    "fitting_candidates",
     "fitting_layouts",
     "fitting_settings",
     "misfits",
