@@ -2,14 +2,13 @@
 
 mod common;
 
-use common::{difference, draw, greatest, random_state};
+use common::{Look, difference, draw, greatest, in_lanes, narrow_state, random_state, recorded};
 use myo_dynamics::step::force::moment_arms;
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
 use myo_model::description::{Landmarks, PathElement, Pulley, Softness, TendonLimit};
 use myo_model::import::{ImportOptions, from_mjcf};
 use myo_model::{Model, ModelDescription, builtin};
-use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
-use myo_scalar::{LaneTask, Level, Scalar, dispatch};
+use myo_scalar::{Level, Scalar};
 
 /// A multiple of any number of lanes.
 const STATES: u32 = 1024;
@@ -50,26 +49,22 @@ fn exact() -> Plan<f64> {
     Plan::exact(&Model::new(&description()).unwrap(), CouplingMode::Reduced).unwrap()
 }
 
-/// A random state whose numbers lanes can hold.
-fn state(plan: &Plan<f64>, number: u32) -> State<f64> {
-    let mut state = random_state(plan, number);
-    for x in [&mut state.qpos, &mut state.qvel, &mut state.act].into_iter().flatten() {
-        *x = f64::from(*x as f32);
-    }
-    state
-}
-
 /// Accelerations, then lengths and rates of tendons.
-#[inline(always)]
-fn look<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) -> Vec<S> {
-    step::forward(plan, &Obstacles::none(plan), state, ws);
-    let nmuscle = plan.nmuscle();
-    [&ws.qacc[..], &ws.tendon_length[..nmuscle], &ws.tendon_velocity[..nmuscle]].concat()
+#[derive(Clone, Copy)]
+struct Forward;
+
+impl Look for Forward {
+    #[inline(always)]
+    fn look<S: Scalar>(self, plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) -> Vec<S> {
+        step::forward(plan, &Obstacles::none(plan), state, ws);
+        let nmuscle = plan.nmuscle();
+        [&ws.qacc[..], &ws.tendon_length[..nmuscle], &ws.tendon_velocity[..nmuscle]].concat()
+    }
 }
 
 fn in_double_precision(plan: &Plan<f64>) -> Vec<Vec<f64>> {
     let (exact, mut ws) = (exact(), Workspace::new(plan));
-    (0..STATES).map(|number| look(plan, &state(&exact, number), &mut ws)).collect()
+    (0..STATES).map(|number| Forward.look(plan, &narrow_state(&exact, number), &mut ws)).collect()
 }
 
 /// Greatest error of accelerations relative to the greatest of them, and of lengths and rates.
@@ -84,7 +79,7 @@ fn every_limit_is_come_to_at_both_ends() {
     let mut ws = Workspace::new(&plan);
     let mut ends = vec![[0, 0]; plan.tendon_limits.len()];
     for number in 0..STATES {
-        step::forward(&plan, &Obstacles::none(&plan), &state(&plan, number), &mut ws);
+        step::forward(&plan, &Obstacles::none(&plan), &narrow_state(&plan, number), &mut ws);
         for ((count, row), limit) in ends.iter_mut().zip(&ws.tendon_limit).zip(&plan.tendon_limits) {
             let middle = 0.5 * (limit.range[0] + limit.range[1]);
             count[usize::from(ws.tendon_length[limit.muscle] > middle)] += u32::from(row.exists);
@@ -104,9 +99,9 @@ fn a_divided_tendon_is_the_sum_of_its_branches() {
     let [long, short] = ["BIClong", "BRA"].map(number);
     for case in 0..20 {
         let [mut own, mut other] = [Workspace::new(&divided), Workspace::new(&undivided)];
-        let state = state(&divided, case);
-        look(&divided, &state, &mut own);
-        look(&undivided, &state, &mut other);
+        let state = narrow_state(&divided, case);
+        Forward.look(&divided, &state, &mut own);
+        Forward.look(&undivided, &state, &mut other);
         let sum = |of: &[f64]| of[long] / 1.5 + of[short] / 3.0;
         assert!((own.tendon_length[long] - sum(&other.tendon_length)).abs() < 1e-14);
         assert!((own.tendon_velocity[long] - sum(&other.tendon_velocity)).abs() < 1e-13);
@@ -154,7 +149,7 @@ fn a_limited_tendon_gives_way_a_little() {
     for number in 0..400 {
         let mut ws = Workspace::<f64>::new(&plan);
         let mut state = State { qvel: vec![0.0; plan.ndof()], ..random_state(&plan, number) };
-        look(&plan, &state, &mut ws);
+        Forward.look(&plan, &state, &mut ws);
         if beyond(&ws) > 0.0 {
             continue;
         }
@@ -183,40 +178,13 @@ fn the_specialised_plan_is_held_as_the_exact_one_is() {
     }
 }
 
-struct Lanes<'a>(&'a Plan<f32>, &'a [State<f64>]);
-
-impl LaneTask for Lanes<'_> {
-    type Output = Vec<Vec<f64>>;
-
-    #[inline(always)]
-    fn run<S: Scalar<Const = f32>>(self) -> Self::Output {
-        let (mut state, mut ws) = (State::<S>::new(self.0), Workspace::<S>::new(self.0));
-        let mut all = vec![];
-        for states in self.1.chunks_exact(S::LANES) {
-            let load = |into: &mut [S], of: fn(&State<f64>) -> &[f64]| {
-                for (entry, x) in into.iter_mut().enumerate() {
-                    *x = S::load(&states.iter().map(|state| of(state)[entry] as f32).collect::<Vec<_>>());
-                }
-            };
-            load(&mut state.qpos, |state| &state.qpos);
-            load(&mut state.qvel, |state| &state.qvel);
-            load(&mut state.act, |state| &state.act);
-            let found = look(self.0, &state, &mut ws);
-            let mut lanes = vec![vec![0.0; S::LANES]; found.len()];
-            found.iter().zip(&mut lanes).for_each(|(x, to)| x.store(to));
-            all.extend((0..S::LANES).map(|lane| lanes.iter().map(|row| f64::from(row[lane])).collect::<Vec<f64>>()));
-        }
-        all
-    }
-}
-
 #[test]
 fn lanes_are_held_as_the_reference_is() {
     let plan = exact();
     let wanted = in_double_precision(&plan);
-    let states: Vec<State<f64>> = (0..STATES).map(|number| state(&plan, number)).collect();
+    let states: Vec<State<f64>> = (0..STATES).map(|number| narrow_state(&plan, number)).collect();
     for level in Level::available() {
-        let found = dispatch(level, Lanes(&plan.specialised().cast(), &states));
+        let found = in_lanes(Forward, level, &plan.specialised().cast(), &states);
         let mut all: Vec<[f64; 2]> =
             wanted.iter().zip(&found).map(|(wanted, found)| errors(plan.ndof(), wanted, found)).collect();
         assert!(all.iter().all(|error| error[1] < 1e-5), "{}: {all:?}", level.name());
@@ -229,24 +197,9 @@ fn lanes_are_held_as_the_reference_is() {
 #[test]
 fn the_recorded_program_is_held_as_the_reference_is() {
     let plan = exact().specialised();
-    let rows = [plan.ndof(), plan.ndof(), plan.nmuscle()];
-    let [input, output] = [0, 1].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
-    let program = trace(|| {
-        let mut row = 0;
-        let mut next = |count: usize| {
-            row += count;
-            (row - count..row).map(|row| input.number(row)).collect::<Vec<Sym>>()
-        };
-        let [qpos, qvel, act] = rows.map(&mut next);
-        let found = look(&plan, &State { qpos, qvel, act }, &mut Workspace::<Sym>::new(&plan));
-        found.into_iter().enumerate().for_each(|(row, x)| output.set_number(row, x));
-    });
-    for (number, wanted) in in_double_precision(&plan).iter().enumerate().take(300) {
-        let State { qpos, qvel, act } = state(&plan, number as u32);
-        let numbers = [qpos, qvel, act].concat();
-        let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; wanted.len()])];
-        program.interpret(&mut buffers);
-        let Contents::Numbers(found) = &buffers[1] else { unreachable!("made so") };
+    let states: Vec<State<f64>> = (0..300).map(|number| narrow_state(&plan, number)).collect();
+    let found = recorded(Forward, &plan, &states);
+    for (number, (wanted, found)) in in_double_precision(&plan).iter().zip(&found).enumerate() {
         // Its constants and its limits are those of single precision.
         let [acceleration, length] = errors(plan.ndof(), wanted, found);
         assert!(acceleration < 1e-5 && length < 1e-6, "state {number}: {acceleration:e}, {length:e}");

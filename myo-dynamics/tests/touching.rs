@@ -2,12 +2,11 @@
 
 mod common;
 
-use common::{difference, draw, greatest, random_state};
+use common::{Look, difference, draw, greatest, in_lanes, narrow_state, random_state, recorded};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
 use myo_model::description::{Contact, Geom, Shape, Softness};
 use myo_model::{Model, builtin};
-use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
-use myo_scalar::{LaneTask, Level, Scalar, dispatch};
+use myo_scalar::{Level, Scalar};
 
 /// A multiple of any number of lanes.
 const STATES: u32 = 1024;
@@ -61,29 +60,25 @@ fn exact() -> Plan<f64> {
     Plan::exact(&model(), CouplingMode::Reduced).unwrap()
 }
 
-/// A random state whose numbers lanes can hold.
-fn state(plan: &Plan<f64>, number: u32) -> State<f64> {
-    let mut state = random_state(plan, number);
-    for x in [&mut state.qpos, &mut state.qvel, &mut state.act].into_iter().flatten() {
-        *x = f64::from(*x as f32);
-    }
-    state
-}
-
 /// What a step finds: accelerations, then of each pair its distance and its force, zero apart.
-#[inline(always)]
-fn look<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) -> Vec<S> {
-    step::forward(plan, &Obstacles::none(plan), state, ws);
-    let mut all = ws.qacc.clone();
-    for contact in &ws.contacts[ws.box_slots..] {
-        all.extend([contact.distance.only(contact.exists), contact.force.only(contact.exists)]);
+#[derive(Clone, Copy)]
+struct Forward;
+
+impl Look for Forward {
+    #[inline(always)]
+    fn look<S: Scalar>(self, plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) -> Vec<S> {
+        step::forward(plan, &Obstacles::none(plan), state, ws);
+        let mut all = ws.qacc.clone();
+        for contact in &ws.contacts[ws.box_slots..] {
+            all.extend([contact.distance.only(contact.exists), contact.force.only(contact.exists)]);
+        }
+        all
     }
-    all
 }
 
 fn in_double_precision(plan: &Plan<f64>) -> Vec<Vec<f64>> {
     let (exact, mut ws) = (exact(), Workspace::new(plan));
-    (0..STATES).map(|number| look(plan, &state(&exact, number), &mut ws)).collect()
+    (0..STATES).map(|number| Forward.look(plan, &narrow_state(&exact, number), &mut ws)).collect()
 }
 
 /// Greatest error of accelerations relative to the greatest of them, and of distances (m).
@@ -118,40 +113,13 @@ fn the_specialised_plan_touches_as_the_exact_one_does() {
     }
 }
 
-struct Lanes<'a>(&'a Plan<f32>, &'a [State<f64>]);
-
-impl LaneTask for Lanes<'_> {
-    type Output = Vec<Vec<f64>>;
-
-    #[inline(always)]
-    fn run<S: Scalar<Const = f32>>(self) -> Self::Output {
-        let (mut state, mut ws) = (State::<S>::new(self.0), Workspace::<S>::new(self.0));
-        let mut all = vec![];
-        for states in self.1.chunks_exact(S::LANES) {
-            let load = |into: &mut [S], of: fn(&State<f64>) -> &[f64]| {
-                for (entry, x) in into.iter_mut().enumerate() {
-                    *x = S::load(&states.iter().map(|state| of(state)[entry] as f32).collect::<Vec<_>>());
-                }
-            };
-            load(&mut state.qpos, |state| &state.qpos);
-            load(&mut state.qvel, |state| &state.qvel);
-            load(&mut state.act, |state| &state.act);
-            let found = look(self.0, &state, &mut ws);
-            let mut lanes = vec![vec![0.0; S::LANES]; found.len()];
-            found.iter().zip(&mut lanes).for_each(|(x, to)| x.store(to));
-            all.extend((0..S::LANES).map(|lane| lanes.iter().map(|row| f64::from(row[lane])).collect::<Vec<f64>>()));
-        }
-        all
-    }
-}
-
 #[test]
 fn lanes_touch_as_the_reference_does() {
     let plan = exact();
     let wanted = in_double_precision(&plan);
-    let states: Vec<State<f64>> = (0..STATES).map(|number| state(&plan, number)).collect();
+    let states: Vec<State<f64>> = (0..STATES).map(|number| narrow_state(&plan, number)).collect();
     for level in Level::available() {
-        let found = dispatch(level, Lanes(&plan.specialised().cast(), &states));
+        let found = in_lanes(Forward, level, &plan.specialised().cast(), &states);
         let mut all: Vec<[f64; 2]> =
             wanted.iter().zip(&found).map(|(wanted, found)| errors(plan.ndof(), wanted, found)).collect();
         // Where surfaces meet within rounding, contact is there or not; its force is next to nothing.
@@ -167,24 +135,9 @@ fn lanes_touch_as_the_reference_does() {
 #[test]
 fn the_recorded_program_touches_as_the_reference_does() {
     let plan = exact();
-    let rows = [plan.ndof(), plan.ndof(), plan.nmuscle()];
-    let [input, output] = [0, 1].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
-    let program = trace(|| {
-        let mut row = 0;
-        let mut next = |count: usize| {
-            row += count;
-            (row - count..row).map(|row| input.number(row)).collect::<Vec<Sym>>()
-        };
-        let [qpos, qvel, act] = rows.map(&mut next);
-        let found = look(&plan, &State { qpos, qvel, act }, &mut Workspace::<Sym>::new(&plan));
-        found.into_iter().enumerate().for_each(|(row, x)| output.set_number(row, x));
-    });
-    for (number, wanted) in in_double_precision(&plan).iter().enumerate().take(300) {
-        let State { qpos, qvel, act } = state(&plan, number as u32);
-        let numbers = [qpos, qvel, act].concat();
-        let mut buffers = [Contents::Numbers(numbers), Contents::Numbers(vec![f64::NAN; wanted.len()])];
-        program.interpret(&mut buffers);
-        let Contents::Numbers(found) = &buffers[1] else { unreachable!("made so") };
+    let states: Vec<State<f64>> = (0..300).map(|number| narrow_state(&plan, number)).collect();
+    let found = recorded(Forward, &plan, &states);
+    for (number, (wanted, found)) in in_double_precision(&plan).iter().zip(&found).enumerate() {
         // Its constants and its limits are those of single precision.
         let [acceleration, distance] = errors(plan.ndof(), wanted, found);
         assert!(acceleration < 1e-5 && distance < 1e-6, "state {number}: {acceleration:e}, {distance:e} m");
@@ -195,8 +148,9 @@ fn the_recorded_program_touches_as_the_reference_does() {
 #[test]
 fn nothing_passes_through() {
     let plan = exact();
-    let apart =
-        |state: &State<f64>, ws: &mut Workspace<f64>| look(&plan, state, ws)[plan.ndof()..].iter().all(|x| *x == 0.0);
+    let apart = |state: &State<f64>, ws: &mut Workspace<f64>| {
+        Forward.look(&plan, state, ws)[plan.ndof()..].iter().all(|x| *x == 0.0)
+    };
     let (mut tried, mut touched, mut deepest) = (0, 0, 0.0_f64);
     for number in 0..200 {
         let mut ws = Workspace::<f64>::new(&plan);
