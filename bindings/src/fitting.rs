@@ -67,13 +67,13 @@ pub fn check_recordings(table: &str, together: bool, task: &Task, model: &Model)
     people(table, together, &model.of(task.inner())?).map(drop)
 }
 
-/// The user who comes nearest to each of the people of a table, as JSON. `runs` are those of who learnt to be anybody, in the order of [`fitting_candidates`] of `task`, each in
+/// The user who comes nearest to each of the people of a table, as JSON. `runs` are the trainings of who learnt to be anybody, in the order of [`fitting_candidates`] of `task`, each in
 /// [`fitting_layouts`] of its own.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "what Python's function takes")]
 pub fn fit(
     py: Python<'_>,
-    runs: Vec<PathBuf>,
+    runs: Vec<Vec<PathBuf>>,
     task: &Task,
     model: &Model,
     among: (Vec<f64>, Vec<f64>),
@@ -84,10 +84,12 @@ pub fn fit(
 ) -> PyResult<String> {
     let people = people(table, together, &model.of(task.inner())?)?;
     let candidates = candidates(task, &among.0, &among.1)?;
-    let learnt = |(candidate, run): (Candidate, &PathBuf)| {
+    let learnt = |(candidate, runs): (Candidate, &Vec<PathBuf>)| {
         let own = changed(task, candidate);
-        same_layouts(run, &own)?;
-        Ok((candidate, Anybody::new(checkpoint(run)?, model.of(&own)?, own)))
+        let training = |run: &PathBuf| same_layouts(run, &own).and_then(|()| checkpoint(run));
+        let trainings = runs.iter().map(training).collect::<PyResult<Vec<_>>>()?;
+        let anybody = Anybody::new(trainings, model.of(&own)?, own).map_err(|refusal| refused(&refusal))?;
+        Ok((candidate, anybody))
     };
     let users = candidates.into_iter().zip(&runs).map(learnt).collect::<PyResult<Vec<_>>>()?;
     let pool = threads.map_or_else(pool, |threads| own_pool(Some(threads)))?;

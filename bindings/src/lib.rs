@@ -4,7 +4,7 @@
 //! - [`train`]: PPO and run folders; [`policy`]: what they leave
 //! - [`task`], [`model`]: tasks and the bodies that do them; [`space`]: what an observation can be
 //! - [`backend`]: processor or graphics card; [`process`]: threads and forks; [`signals`]: Ctrl-C
-//! - [`simulation`]: the body alone
+//! - [`simulation`]: the body alone; [`bodies`]: many of them
 //! - [`trajectories`]: what a user does, physics step by physics step
 //! - [`files`]: files that are whole or not there
 //! - [`xla`]: steps without Python, in programs of JAX
@@ -17,6 +17,7 @@
 mod arrays;
 mod backend;
 mod batch;
+mod bodies;
 mod env;
 mod error;
 mod files;
@@ -48,6 +49,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<policy::Policy>()?;
     m.add_class::<train::Session>()?;
     m.add_class::<simulation::Simulation>()?;
+    m.add_class::<bodies::Bodies>()?;
     m.add_function(wrap_pyfunction!(task::preset_names, m)?)?;
     m.add_function(wrap_pyfunction!(task::task_schema, m)?)?;
     m.add_function(wrap_pyfunction!(model::model_names, m)?)?;

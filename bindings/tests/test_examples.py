@@ -16,7 +16,7 @@ CASES = [
     ("sweep.py", ["ray"], ["--columns", "2", "--rows", "1", "--seeds", "1", "--steps", "16384"]),
     ("speed.py", ["jax"], ["--jax", "--envs", "1", "64", "--seconds", "1", "--rounds", "1"]),
     # The others' environments are left out: they are no part of the tests.
-    ("compare.py", [], ["--only", "myoenv", "--seconds", "0.1", "--rounds", "1"]),
+    ("compare.py", [], ["--only", "myoenv", "myoenv.myosuite", "--seconds", "0.1", "--rounds", "1"]),
 ]
 
 

@@ -78,11 +78,21 @@ def test_what_cannot_be_fitted_is_said_before_anybody_practises(people, tmp_path
         myoenv.fit(3)
     with pytest.raises(ValueError, match="40 and 50 ms are the same number of control steps of 40 ms"):
         myoenv.fit(people, vision_delay_ms=[40, 80, 50], practised=tmp_path / "nobody")
+    with pytest.raises(ValueError, match="trainings is 0; it must be at least 1"):
+        myoenv.fit(people, trainings=0, practised=tmp_path / "nobody")
     with pytest.raises(TypeError, match=r"height_m is 1\.7; it must be a sequence of numbers"):
         myoenv.fit(people, height_m=1.7)
     with pytest.raises((ValueError, myoenv.TaskError), match=r"body\.height_m"):
         myoenv.fit(people, height_m=[1.7, 5], practised=tmp_path / "nobody")
     assert not list(tmp_path.glob("runs")) and not list(tmp_path.glob("nobody*"))
+
+
+def test_a_data_frame_is_such_a_table_and_all_its_people_may_be_one(tmp_path):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.concat([pandas.DataFrame(table(participant=name, pairs=PAIRS[:2])) for name in ("anna", "bert")])
+    for together, who in ((False, "anna: 18"), (True, "all 2 participants: 36")):
+        with pytest.raises(ValueError, match=f"{who} movements in 2 pairs"):
+            myoenv.fit(frame, together=together, practised=tmp_path / "nobody")
 
 
 def _write_and_fit(folder, columns):
@@ -111,7 +121,6 @@ def test_each_candidate_has_a_task_of_its_own():
 
 
 def test_a_beginner_can_be_nobody(people, tmp_path):
-    pandas = pytest.importorskip("pandas")
     task = myoenv.load_task(
         {
             "version": 2,
@@ -123,18 +132,15 @@ def test_a_beginner_can_be_nobody(people, tmp_path):
         }
     )
     layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
-    run = tmp_path / "beginner"
+    practised = tmp_path / "beginner"
     # Steps so small that nothing runs away.
     how = {"until": None, "num_envs": 64, "settings": {"learning_rate": 1e-5}, "backend": "cpu"}
-    myoenv.train(layouts=layouts, steps=2048, out=run, **how)
-    wanted = r"of 64 natures only 0 could do what anna did, and at least \d+ are needed"
+    for seed in (1, 2):
+        myoenv.train(layouts=layouts, steps=2048, out=practised / f"seed-{seed}", seed=seed, **how)
+    wanted = "of 64 natures only 0 could do what anna did, and at least 17 are needed"
     with pytest.raises(ValueError, match=wanted):
-        myoenv.fit(people, user=task, practised=run)
-    # A data frame is such a table, too, and all of its people may be one.
-    frame = pandas.concat([pandas.DataFrame(table(participant=name)) for name in ("anna", "bert")])
-    with pytest.raises(ValueError, match=wanted.replace("anna", "all 2 participants")):
-        myoenv.fit(frame, user=task, practised=run, together=True)
+        myoenv.fit(people, user=task, practised=practised, trainings=2)
     # Who practised as somebody else is not taken for this user.
     other = {**myoenv.to_dict(task), "control_dt_s": 0.02}
     with pytest.raises(ValueError, match="practised other tasks than are asked for now"):
-        myoenv.fit(people, user=other, practised=run)
+        myoenv.fit(people, user=other, practised=practised, trainings=2)

@@ -14,7 +14,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
 from stable_baselines3.common.vec_env import VecNormalize
 
-from myoenv.sb3 import MyoVecEnv
+from myoenv.sb3 import MyoSuiteVecEnv, MyoVecEnv
 
 
 def test_its_checker_has_nothing_to_say():
@@ -85,3 +85,21 @@ def test_ppo_updates_its_policy(short_task):
     assert len(model.ep_info_buffer) >= 32 and all(0 < info["l"] <= 8 for info in model.ep_info_buffer)
     action, _ = model.predict(env.reset(), deterministic=True)
     assert action.shape == (32, 26) and (abs(action) <= 1).all()
+
+
+def test_myosuite_is_learnt_as_others_are():
+    env = MyoSuiteVecEnv("myoHandReachRandom-v0", 6, seed=1)
+    env.reset()
+    ended = []
+    for _ in range(110):
+        observation, _, done, infos = env.step(np.full((6, 39), 1, np.float32))
+        assert [bool(info) for info in infos] == list(done)
+        ended += [info for info in infos if info]
+        assert observation.shape == (6, 115)
+    assert len(ended) >= 6 and all(one["episode"]["l"] == one["summary"]["length"] <= 100 for one in ended)
+    assert all(one["TimeLimit.truncated"] == (one["episode"]["l"] == 100) for one in ended)
+    agent = PPO(
+        "MlpPolicy", MyoSuiteVecEnv("myoElbowPose1D6MRandom-v0", 16, seed=1), n_steps=120, batch_size=240, seed=1
+    )
+    agent.learn(4000)
+    assert agent.ep_info_buffer and all(one["l"] == 100 for one in agent.ep_info_buffer)

@@ -5,6 +5,7 @@
 >>> observations, infos = envs.reset()
 
 - `make_vec`, `make`: environments for Gymnasium; importing this package registers `myo/Pointing-v0` and the like
+- `myoenv.myosuite`: MyoSuite's environments of elbow, finger, hand and arm, side by side
 - `myoenv.sb3.MyoVecEnv`: environments for Stable-Baselines3
 - `check_vec_env`: does a vector environment, of anybody, keep its promises
 - `train`, `Policy`, `evaluate`: the library's own PPO; `Policy` goes to NumPy, PyTorch and ONNX and back
@@ -13,7 +14,7 @@
 - `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
 - `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
 - `build_task`, `myoenv.scene`: tasks built from objects; `task_schema`: the format of task files
-- `Task`, `Model`, `Simulation`: what to do, who does it, and the body alone; `import_model`: bodies of MuJoCo's files
+- `Task`, `Model`, `Simulation`, `Bodies`: what to do, who does it, and the body alone, one or many; `import_model`: bodies of MuJoCo's files
 """
 
 import os as _os
@@ -23,8 +24,10 @@ if _os.name == "posix" and "XDG_RUNTIME_DIR" not in _os.environ:
     # only chooses where windows are drawn, so it is left out.
     _os.environ.setdefault("NODEVICE_SELECT", "1")
 
+from myoenv import myosuite
 from myoenv._native import (
     ActionError,
+    Bodies,
     BusyError,
     ClosedError,
     DeviceError,
@@ -57,6 +60,7 @@ from myoenv.vector import MyoVectorEnv, make_vec
 
 __all__ = [
     "ActionError",
+    "Bodies",
     "BusyError",
     "Callback",
     "CheckError",
@@ -88,6 +92,7 @@ __all__ = [
     "make",
     "make_vec",
     "model_names",
+    "myosuite",
     "preset_names",
     "register_envs",
     "task_schema",
@@ -97,3 +102,4 @@ __all__ = [
 ]
 
 register_envs()
+myosuite.register_envs()

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "ActionError",
+    "Bodies",
     "BusyError",
     "ClosedError",
     "DeviceError",
@@ -135,7 +136,7 @@ def check_recordings(table: str, together: bool, task: Task, model: Model) -> No
     """Refuses a table whose people no user of this task can be fitted to."""
 
 def fit(
-    runs: list[str],
+    runs: list[list[str]],
     task: Task,
     model: Model,
     among: tuple[list[float], list[float]],
@@ -144,8 +145,8 @@ def fit(
     seed: int,
     threads: int | None,
 ) -> str:
-    """The user who comes nearest to each of the people of a table, as JSON. `runs` are those of who learnt to be
-    anybody, in the order of `fitting_candidates` of `task`, each in `fitting_layouts` of its own."""
+    """The user who comes nearest to each of the people of a table, as JSON. `runs` are the trainings of who learnt
+    to be anybody, in the order of `fitting_candidates` of `task`, each in `fitting_layouts` of its own."""
 
 def write_whole(path: str | PathLike[str], contents: bytes) -> None:
     """Writes a file so that whoever looks, whenever, finds the old contents or all of the new ones.
@@ -313,6 +314,53 @@ class Simulation:
     @property
     def body_names(self) -> list[str]:
         """Names of the bodies."""
+
+@final
+class Bodies:
+    """Bodies of one kind without a task, stepped side by side on all threads, in single precision.
+
+    Arrays are copies. Positions of sites are in axes of the model's world.
+    """
+
+    def __new__(
+        cls, model: Model, num_bodies: int, *, soft_couplings: bool = False, threads: int | None = None
+    ) -> Self:
+        """So many bodies at rest in the zero pose. With `soft_couplings` coupled joints have positions of their own,
+        held together by soft constraints as MuJoCo's are; else they follow the independent ones."""
+    def step(self, ctrl: NDArray[np.float32], steps: int = 1) -> None:
+        """Advances all by `steps` physics steps under excitations `(num_bodies, nmuscle)`, clipped to [0, 1]."""
+    def set(
+        self,
+        bodies: NDArray[np.int64],
+        qpos: NDArray[np.float64],
+        qvel: NDArray[np.float64],
+        activation: NDArray[np.float64],
+    ) -> None:
+        """Gives these bodies positions and their rates `(n, ndof)` and activations `(n, nmuscle)`."""
+    def site_positions(self, sites: Sequence[str], qpos: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+        """Positions of sites in these poses `(n, ndof)`, in axes of the model's world (m), `(n, nsite, 3)`; poses of
+        the bodies if none are told."""
+    @property
+    def qpos(self) -> NDArray[np.float32]:
+        """Positions of the joints (rad or m), `(num_bodies, ndof)`."""
+    @property
+    def qvel(self) -> NDArray[np.float32]:
+        """Their rates (1/s), `(num_bodies, ndof)`."""
+    @property
+    def activation(self) -> NDArray[np.float32]:
+        """Muscle activations in [0, 1], `(num_bodies, nmuscle)`."""
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints that have positions, in their order."""
+    @property
+    def joint_ranges(self) -> NDArray[np.float64]:
+        """Limits of these joints (rad or m), `(ndof, 2)`; infinite where there are none."""
+    @property
+    def muscle_names(self) -> list[str]:
+        """Names of the muscles."""
+    @property
+    def timestep(self) -> float:
+        """Seconds per physics step."""
 
 @final
 class Policy:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from myoenv import _native
-from myoenv.arguments import as_number, as_path, as_seed, as_threads
+from myoenv.arguments import as_count, as_number, as_path, as_seed, as_threads
 from myoenv.tasks import TaskLike, task_and_model
 from myoenv.training import train
 
@@ -25,6 +25,7 @@ def fit(
     user: TaskLike = "human",
     vision_delay_ms: Sequence[float] = (),
     height_m: Sequence[float] = (),
+    trainings: int = 3,
     practised: str | PathLike[str] | None = None,
     together: bool = False,
     seed: int = 1,
@@ -34,14 +35,16 @@ def fit(
     """Looks for the user who moves as each participant does: motor noise, misjudged targets, what effort and changes of
     control cost, as `myo fit` does.
 
-    One user learns first to be anybody, once: some minutes on a graphics card, an hour and more on two cores. Each fit
-    is simulation alone, a minute or two.
+    One user learns first to be anybody, once, in three trainings apart: each takes some minutes on a graphics card, an
+    hour and more on two cores. Each fit is simulation alone, a minute or two. Trainings differ in habits that no trait
+    makes: figures in which they differ count for less, and intervals are as wide as a person's habits, taken for those
+    of one more training, make them.
 
     A dictionary for each participant: `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`,
     its place in a task; `what`; `before`, `found`, `interval`, its 95 % confidence interval; `is_told`, without which
     `found` is not to be used), `distance_before` (None where
     the user could not do before what the person did), `distance_after` (root mean square over figures, in standard
-    deviations between repetitions of one user) and `figures` (`what`, `person`, `before`, `after`) of the nearest
+    deviations between users of the same traits, of all trainings), `trainings` and `figures` (`what`, `person`, `before`, `after`) of the nearest
     user; and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, None as told; `distance`, None
     of who cannot do what the person did; `is_possible`, whether the recordings do not rule it out).
 
@@ -50,13 +53,15 @@ def fit(
         user: Whose body, rhythm and senses the user has: the name of a user, or a task.
         vision_delay_ms: Delays of vision among which to look, too; a user learns for each.
         height_m: Statures (m) among which to look, too; a user learns for each, with each delay.
-        practised: Run folder of the user who has learnt to be anybody; trained there first where there is none. By
-            default `runs/anybody-USER/seed-SEED`, where `myo fit` has it, too. Where several are looked among, as with
-            `vision_delay_ms`, `-80ms-1.75m` and the like are put behind `runs/anybody-USER` or this.
+        trainings: Trainings of each, with this seed and the next ones. With 1 what another would have done differently
+            is in no interval.
+        practised: Folder of the trainings (`seed-1`, `seed-2` and so on) in which the user has learnt to be anybody;
+            trained there first where there are none. By default `runs/anybody-USER`, where `myo fit` has it, too. Where
+            several are looked among, as with `vision_delay_ms`, `-80ms-1.75m` and the like are put behind.
         together: Whether all participants are one person.
-        seed: Seed of that training and of the simulations.
+        seed: Seed of the first training and of the simulations.
         threads: Threads of the processor, all by default.
-        training: Arguments of `myoenv.train` for that training, such as `steps`, `backend` or `progress`.
+        training: Arguments of `myoenv.train` for those trainings, such as `steps`, `backend` or `progress`.
     """
     for name in ("task", "layouts", "model", "settings", "out", "resume", "start_from"):
         if name in training:
@@ -66,16 +71,18 @@ def fit(
     # Before an hour of training.
     _native.check_recordings(table, bool(together), task, model)
     among = (_numbers("vision_delay_ms", vision_delay_ms), _numbers("height_m", height_m))
+    seeds = range(as_seed(seed), as_seed(seed) + as_count("trainings", trainings))
     candidates = [
-        (_place(task.name, practised, suffix, seed), _native.Task.from_yaml(text))
+        (_folder(task.name, practised, suffix), _native.Task.from_yaml(text))
         for suffix, text in _native.fitting_candidates(task, *among)
     ]
-    for place, own in candidates:
-        if not place.exists():
-            _practise(own, model, place, seed=as_seed(seed), threads=threads, **training)
-    runs, count = [as_path("practised", place) for place, _ in candidates], as_threads(threads)
+    for folder, own in candidates:
+        for number in seeds:
+            if not (place := _training(folder, number)).exists():
+                _practise(own, model, place, seed=number, threads=threads, **training)
+    runs = [[str(_training(folder, number)) for number in seeds] for folder, _ in candidates]
     fitted: list[dict[str, Any]] = json.loads(
-        _native.fit(runs, task, model, among, table, bool(together), as_seed(seed), count)
+        _native.fit(runs, task, model, among, table, bool(together), seeds.start, as_threads(threads))
     )
     return fitted
 
@@ -86,12 +93,14 @@ def _numbers(name: str, values: Any) -> list[float]:
     return [as_number(name, value) for value in values]
 
 
-def _place(name: str, practised: str | PathLike[str] | None, suffix: str, seed: int) -> Path:
+def _folder(name: str, practised: str | PathLike[str] | None, suffix: str) -> Path:
     """Where the user has learnt to be anybody, or is to."""
-    if practised is None:
-        return Path("runs") / f"anybody-{name}{suffix}" / f"seed-{seed}"
-    place = Path(as_path("practised", practised))
+    place = Path(as_path("practised", practised if practised is not None else Path("runs") / f"anybody-{name}"))
     return place.with_name(place.name + suffix)
+
+
+def _training(folder: Path, seed: int) -> Path:
+    return folder / f"seed-{seed}"
 
 
 def _practise(task: _native.Task, model: _native.Model, place: Path, **training: Any) -> None:

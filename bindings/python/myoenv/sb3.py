@@ -10,48 +10,21 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from myoenv.arguments import as_seed
+from myoenv.myosuite import MyoSuiteVectorEnv
 from myoenv.tasks import ModelLike, TaskLike
-from myoenv.vector import RENDER_SIZE, Backend, make_vec
+from myoenv.vector import RENDER_SIZE, Backend, MyoVectorEnv, make_vec
 
 Indices = None | int | Sequence[int]
 
 
-class MyoVecEnv(VecEnv):
-    """Copies of one task for Stable-Baselines3: `PPO("MlpPolicy", MyoVecEnv("pointing-single", 256))`.
+class _VecEnv(VecEnv):
+    """What Stable-Baselines3 asks of environments of ours, which begin anew in the step that ends them."""
 
-    A finished environment is reset in the same step; its info has `terminal_observation`, `TimeLimit.truncated`,
-    `episode` with `r` and `l` (no `Monitor` needed), `is_success`, and `summary`. The infos of all others are empty and
-    used again in the next step, so nothing must be written into them.
-    """
-
-    def __init__(
-        self,
-        task: TaskLike,
-        num_envs: int,
-        backend: Backend = "auto",
-        *,
-        seed: int | None = None,
-        device: str | int | None = None,
-        threads: int | None = None,
-        model: ModelLike | None = None,
-        render_mode: Literal["rgb_array"] | None = None,
-        render_size: tuple[int, int] = RENDER_SIZE,
-    ) -> None:
-        self.envs = make_vec(
-            task,
-            num_envs,
-            backend,
-            seed=seed,
-            autoreset="same_step",
-            device=device,
-            threads=threads,
-            model=model,
-            render_mode=render_mode,
-            render_size=render_size,
-        )
+    def __init__(self, envs: MyoVectorEnv | MyoSuiteVectorEnv) -> None:
+        self.envs = envs
         self._actions: Any = None
-        self._empty: list[dict[str, Any]] = [{} for _ in range(num_envs)]
-        super().__init__(num_envs, self.envs.single_observation_space, self.envs.single_action_space)
+        self._empty: list[dict[str, Any]] = [{} for _ in range(envs.num_envs)]
+        super().__init__(envs.num_envs, envs.single_observation_space, envs.single_action_space)
 
     def reset(self) -> NDArray[np.float32]:
         """Starts new episodes everywhere and returns the observations, `(num_envs, observation_size)`."""
@@ -76,9 +49,10 @@ class MyoVecEnv(VecEnv):
     def step_wait(self) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
         """One control step: observations, rewards, dones, infos."""
         observation, reward, terminated, truncated, infos = self.envs.step(self._actions)
-        if not infos:
-            return observation, reward, terminated | truncated, self._empty.copy()
-        return observation, reward, terminated | truncated, self._infos(terminated, truncated, infos)
+        if "final_obs" not in infos:
+            return observation, reward.astype(np.float32, copy=False), terminated | truncated, self._empty.copy()
+        told = self._infos(terminated, truncated, infos)
+        return observation, reward.astype(np.float32, copy=False), terminated | truncated, told
 
     def _infos(
         self, terminated: NDArray[np.bool_], truncated: NDArray[np.bool_], infos: dict[str, Any]
@@ -103,7 +77,7 @@ class MyoVecEnv(VecEnv):
 
     def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
         """A picture of every environment."""
-        frames = self.envs.render()
+        frames: Any = self.envs.render() if self.envs.render_mode else None
         return [None] * self.num_envs if frames is None else frames
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
@@ -129,3 +103,50 @@ class MyoVecEnv(VecEnv):
         from stable_baselines3.common.monitor import Monitor
 
         return [wrapper_class is Monitor for _ in self._get_indices(indices)]
+
+
+class MyoVecEnv(_VecEnv):
+    """Copies of one task for Stable-Baselines3: `PPO("MlpPolicy", MyoVecEnv("pointing-single", 256))`.
+
+    A finished environment is reset in the same step; its info has `terminal_observation`, `TimeLimit.truncated`,
+    `episode` with `r` and `l` (no `Monitor` needed), `is_success`, and `summary`. The infos of all others are empty and
+    used again in the next step, so nothing must be written into them.
+    """
+
+    def __init__(
+        self,
+        task: TaskLike,
+        num_envs: int,
+        backend: Backend = "auto",
+        *,
+        seed: int | None = None,
+        device: str | int | None = None,
+        threads: int | None = None,
+        model: ModelLike | None = None,
+        render_mode: Literal["rgb_array"] | None = None,
+        render_size: tuple[int, int] = RENDER_SIZE,
+    ) -> None:
+        super().__init__(
+            make_vec(
+                task,
+                num_envs,
+                backend,
+                seed=seed,
+                autoreset="same_step",
+                device=device,
+                threads=threads,
+                model=model,
+                render_mode=render_mode,
+                render_size=render_size,
+            )
+        )
+
+
+class MyoSuiteVecEnv(_VecEnv):
+    """Copies of one of MyoSuite's environments: `PPO("MlpPolicy", MyoSuiteVecEnv("myoHandPoseRandom-v0", 64))`.
+
+    Infos are as those of `MyoVecEnv`; `summary` has `return`, `length` and `success`.
+    """
+
+    def __init__(self, env_id: str, num_envs: int, *, seed: int | None = None, threads: int | None = None) -> None:
+        super().__init__(MyoSuiteVectorEnv(env_id, num_envs, seed=seed, autoreset="same_step", threads=threads))

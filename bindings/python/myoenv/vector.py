@@ -126,7 +126,7 @@ class MyoVectorEnv(gymnasium.vector.VectorEnv):
         render_size: tuple[int, int] = RENDER_SIZE,
     ) -> None:
         self.closed = True  # until it is open: a constructor that fails leaves nothing to close
-        mode = _mode(autoreset)
+        mode = as_mode(autoreset)
         self.layouts, self.model = layouts_and_model(task, layouts, model)
         self.task = self.layouts[0]
         self.render_mode = check_render_mode(render_mode)
@@ -323,7 +323,8 @@ def check_render_mode(render_mode: str | None) -> Literal["rgb_array"] | None:
     raise ValueError(f'render_mode is {render_mode!r}; it must be "rgb_array" or None')
 
 
-def _mode(autoreset: Autoreset | AutoresetMode) -> AutoresetMode:
+def as_mode(autoreset: Autoreset | AutoresetMode) -> AutoresetMode:
+    """What happens when an episode ends, by its name."""
     if isinstance(autoreset, AutoresetMode):
         return autoreset
     if isinstance(autoreset, str) and autoreset in _MODES:
