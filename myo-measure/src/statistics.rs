@@ -67,7 +67,7 @@ impl Spread {
         let (low, median, high) = (quantile(x, 0.05)?, median(x)?, quantile(x, 0.95)?);
         let mean = mean(x);
         let interval = (x.len() > 1).then(|| {
-            let half = student_quantile(x.len() - 1) * sd(x) / (x.len() as f64).sqrt();
+            let half = student_quantile((x.len() - 1) as f64) * sd(x) / (x.len() as f64).sqrt();
             [mean - half, mean + half]
         });
         Ok(Self { count: x.len(), median, low, high, mean, interval })
@@ -75,8 +75,8 @@ impl Spread {
 }
 
 /// How many standard errors the 95 % confidence interval of a mean reaches to either side; NaN without a degree of freedom.
-fn student_quantile(freedom: usize) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom as f64).map_or(f64::NAN, |student| student.inverse_cdf(1.0 - TAIL))
+pub fn student_quantile(freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |student| student.inverse_cdf(1.0 - TAIL))
 }
 
 /// Rise of `y` per unit of `x` by least squares, of at least two points; what is level has a slope of 0.
@@ -166,7 +166,7 @@ mod tests {
             (30, 2.0423),
             (120, 1.9799),
         ] {
-            assert!((student_quantile(freedom) - t).abs() < 5e-5, "{freedom}");
+            assert!((student_quantile(f64::from(freedom)) - t).abs() < 5e-5, "{freedom}");
         }
     }
 

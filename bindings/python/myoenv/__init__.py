@@ -14,7 +14,8 @@
 - `Callback`, `myoenv.callbacks`: what follows a training, among them Weights & Biases and MLflow
 - `myoenv.sweep`, `myoenv.tune`: many trainings, with Ray and Ray Tune
 - `build_task`, `myoenv.scene`: tasks built from objects; `task_schema`: the format of task files
-- `Task`, `Model`, `Simulation`, `Bodies`: what to do, who does it, and the body alone, one or many; `import_model`: bodies of MuJoCo's files
+- `Task`, `Model`, `Simulation`, `Bodies`: what to do, who does it, and the body alone, one or many; `import_model`:
+  bodies of MuJoCo's files
 """
 
 import os as _os

@@ -42,11 +42,11 @@ def fit(
 
     A dictionary for each participant: `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`,
     its place in a task; `what`; `before`, `found`, `interval`, its 95 % confidence interval; `is_told`, without which
-    `found` is not to be used), `distance_before` (None where
-    the user could not do before what the person did), `distance_after` (root mean square over figures, in standard
-    deviations between users of the same traits, of all trainings), `trainings` and `figures` (`what`, `person`, `before`, `after`) of the nearest
-    user; and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, None as told; `distance`, None
-    of who cannot do what the person did; `is_possible`, whether the recordings do not rule it out).
+    `found` is not to be used), `distance_before` (None where the user could not do before what the person did),
+    `distance_after` (root mean square over figures, in standard deviations between users of the same traits, of all
+    trainings), `trainings` and `figures` (`what`, `person`, `before`, `after`) of the nearest user; and `candidates`,
+    the nearest first (`vision_delay_ms` and `height_m`, None as told; `distance`, None of who cannot do what the person
+    did; `is_possible`, whether the recordings do not rule it out).
 
     Args:
         recordings: A table of recorded movements as `myo measure` takes it: a CSV file, or a DataFrame of its columns.

@@ -14,9 +14,9 @@ use crate::recordings::Participant;
 /// Episodes of each pair of distance and width in a fit, of thirteen movements each.
 const EPISODES: usize = 4;
 
-/// The user who can be anybody.
+/// The user who can be anybody, in one training or in several.
 pub struct Anybody {
-    checkpoint: Checkpoint,
+    checkpoints: Vec<Checkpoint>,
     model: Model,
     task: Task,
 }
@@ -34,9 +34,12 @@ impl From<FittingError> for End {
 }
 
 impl Anybody {
-    /// Who learnt the layouts of [`practice`](super::practice()) of a task, up to this checkpoint, on this body.
-    pub const fn new(checkpoint: Checkpoint, model: Model, task: Task) -> Self {
-        Self { checkpoint, model, task }
+    /// Who learnt the layouts of [`practice`](super::practice()) of a task, up to these checkpoints of trainings that differ in their seeds alone, on this body.
+    ///
+    /// # Errors
+    /// There is no checkpoint.
+    pub fn new(checkpoints: Vec<Checkpoint>, model: Model, task: Task) -> Result<Self, FittingError> {
+        if checkpoints.is_empty() { Err(FittingError::NoUser) } else { Ok(Self { checkpoints, model, task }) }
     }
 
     /// What it is like before it becomes somebody else.
@@ -49,7 +52,7 @@ impl Anybody {
         self.model.muscles.iter().map(|muscle| muscle.name.clone()).collect()
     }
 
-    /// Movements of natures at targets of pairs of distance and width (m), in so many episodes of each, with seeds made of this one, and the activations of
+    /// Movements of natures of the first training at targets of pairs of distance and width (m), in so many episodes of each, with seeds made of this one, and the activations of
     /// muscles of these numbers.
     ///
     /// # Errors
@@ -57,6 +60,17 @@ impl Anybody {
     pub fn aims(
         &self,
         natures: &[Nature],
+        compared: (&[[f64; 2]], &[usize]),
+        asked: (usize, u64),
+    ) -> Result<Vec<Vec<Aim>>, FittingError> {
+        let natures: Vec<_> = natures.iter().map(|&nature| (nature, 0)).collect();
+        self.always(&natures, compared, asked)
+    }
+
+    /// What natures of these trainings do, whatever comes.
+    fn always(
+        &self,
+        natures: &[(Nature, usize)],
         compared: (&[[f64; 2]], &[usize]),
         asked: (usize, u64),
     ) -> Result<Vec<Vec<Aim>>, FittingError> {
@@ -80,7 +94,7 @@ impl Anybody {
     ) -> Result<Option<Fitted>, FittingError> {
         let asked = (EPISODES, seed);
         let (Recorded { names, numbers }, movements) = compared(person, &self.model)?;
-        let fitted = Fitted::of((&person.name, &movements), &names, self.nature(), |natures, pairs| {
+        let fitted = Fitted::of((&person.name, &movements), &names, self.beginning(), |natures, pairs| {
             self.aims_while(natures, (pairs, &numbers), asked, go_on)
         });
         match fitted {
@@ -96,24 +110,29 @@ impl Anybody {
     /// As [`Fitted::of`].
     pub fn nearest(&self, who: &str, movements: &[Aim], muscles: &[usize], seed: u64) -> Result<Fitted, FittingError> {
         let names: Vec<String> = muscles.iter().map(|&muscle| self.model.muscles[muscle].name.clone()).collect();
-        Fitted::of((who, movements), &names, self.nature(), |natures, pairs| {
-            self.aims(natures, (pairs, muscles), (EPISODES, seed))
+        Fitted::of((who, movements), &names, self.beginning(), |natures, pairs| {
+            self.always(natures, (pairs, muscles), (EPISODES, seed))
         })
+    }
+
+    /// Who it is before, in how many trainings.
+    fn beginning(&self) -> (Nature, usize) {
+        (self.nature(), self.checkpoints.len())
     }
 
     fn aims_while(
         &self,
-        natures: &[Nature],
+        natures: &[(Nature, usize)],
         compared: (&[[f64; 2]], &[usize]),
         (episodes, seed): (usize, u64),
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<Vec<Aim>>, End> {
-        let of_nature = |(number, nature): (usize, &Nature)| {
+        let of_nature = |(number, (nature, training)): (usize, &(Nature, usize))| {
             if !go_on() {
                 return Err(End::Stopped);
             }
             let asked = (episodes, evaluation_seed(seed, number as u64));
-            Ok(aims(&mut self.checkpoint.policy(), &self.model, (&self.task, *nature), compared, asked)?)
+            Ok(aims(&mut self.checkpoints[*training].policy(), &self.model, (&self.task, *nature), compared, asked)?)
         };
         natures.par_iter().enumerate().map(of_nature).collect()
     }

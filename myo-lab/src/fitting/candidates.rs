@@ -177,7 +177,7 @@ fn squared(fitted: &Fitted, scale: &[f64]) -> f64 {
         .zip(&compared.nearest)
         .zip(scale)
         .map(|((person, nearest), one)| (person - nearest) / one);
-    off.map(|off| off * off).sum::<f64>() / compared.more
+    off.map(|off| off * off).sum()
 }
 
 #[cfg(test)]
@@ -219,13 +219,13 @@ mod tests {
     fn among(delays: &[f64], known_ms: f64, count: usize) -> FittedAmong {
         let person = seeing_late(known_ms, Nature([0.09, 0.13, 9.0, 22.0]), count, 5);
         let fit = |&delay_ms: &f64| {
-            let simulate = |natures: &[Nature], _: &[[f64; 2]]| {
+            let simulate = |natures: &[(Nature, usize)], _: &[[f64; 2]]| {
                 let all = (1..).zip(natures);
                 Ok::<_, FittingError>(
-                    all.map(|(seed, &nature)| seeing_late(delay_ms, nature, 60, 1000 * seed)).collect(),
+                    all.map(|(seed, &(nature, _))| seeing_late(delay_ms, nature, 60, 1000 * seed)).collect(),
                 )
             };
-            let fitted = Fitted::of(("somebody", &person), &[], USUAL, simulate);
+            let fitted = Fitted::of(("somebody", &person), &[], (USUAL, 1), simulate);
             (Candidate { vision_delay_ms: Some(delay_ms), height_m: None }, fitted)
         };
         FittedAmong::nearest(delays.iter().map(fit).collect()).unwrap()
@@ -260,7 +260,7 @@ mod tests {
         let unable = || Err(FittingError::Unlearnt { who: "somebody".into(), natures: 2, able: 1, least: 2 });
         let [tall, small] = [1.9, 1.5].map(|height| Candidate { vision_delay_ms: None, height_m: Some(height) });
         let person = moves(USUAL, &PAIRS, 60, 5);
-        let own = Fitted::of(("somebody", &person), &[], USUAL, super::super::search::tests::simulate);
+        let own = Fitted::of(("somebody", &person), &[], (USUAL, 1), super::super::search::tests::simulate);
         let found = FittedAmong::nearest(vec![(small, unable()), (tall, own)]).unwrap();
         assert_eq!((found.candidates[0].candidate, found.told(|one| one.height_m)), (tall, None));
         assert_eq!(found.candidates[1], Ranked { candidate: small, distance: None, is_possible: false });

@@ -29,8 +29,11 @@ pub const FIGURES: [&str; 10] = [
 ];
 /// How many there are.
 const COUNT: usize = FIGURES.len();
-/// Muscles are as good as silent below this activation, so that a ratio to nothing does not count.
-const SILENT: f64 = 1e-3;
+/// Muscles are as good as silent below this activation, which no electromyogram tells from noise, so that a ratio to nothing does not count.
+const SILENT: f64 = 0.01;
+/// Least standard deviations of figures: of hands no more than rounding; of muscles, which may be silent in all users, a fiftieth of an activation.
+const LEAST_OF_HANDS: f64 = 1e-9;
+const LEAST_OF_MUSCLES: f64 = 0.02;
 /// Of these, those whose ratios count, not their differences.
 const BY_RATIO: [bool; COUNT] = [true, false, true, true, false, false, false, false, true, true];
 
@@ -98,6 +101,11 @@ impl Aim {
 
 /// All figures of one person or user, as numbers whose differences count.
 pub(super) type Figures = Vec<f64>;
+
+/// Least standard deviation that a figure can have.
+pub(super) const fn least(number: usize) -> f64 {
+    if number < COUNT { LEAST_OF_HANDS } else { LEAST_OF_MUSCLES }
+}
 
 /// A figure as it is told: undoes the logarithm.
 pub(super) fn told(number: usize, value: f64) -> f64 {

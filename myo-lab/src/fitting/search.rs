@@ -7,13 +7,11 @@ use super::FittingError;
 use super::figures::{Aim, FIGURES, Figures, figures, of_person, told};
 use super::muscles::Recorded;
 use super::nature::{COUNT, Nature, TRAITS, places};
-use super::surface::{Nearest, Surface, TERMS};
+use super::surface::{Nearest, Samples, Surface, TERMS};
 use crate::recordings::{Participant, measured};
 
 /// Natures of each round, and how far (of 1, half of all) they lie from the nearest of the round before.
 const ROUNDS: [(usize, f64); 3] = [(64, 1.0), (40, 0.5), (40, 0.25)];
-/// Standard errors on either side of a trait that is found, 95 of 100.
-const SURE: f64 = 1.96;
 
 /// Who comes nearest to a person.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -26,11 +24,13 @@ pub struct Fitted {
     pub pairs: Vec<[f64; 2]>,
     /// What the user is like who comes nearest.
     pub traits: Vec<FittedTrait>,
-    /// How far the user was from the person before, and is then: root of the mean squared difference of figures, each in standard deviations of that figure between repetitions
-    /// of one nature. Nothing where the user could not do before what the person did.
+    /// How far the user was from the person before, and is then: root of the mean squared difference of figures, each in standard deviations of that figure between
+    /// users of one nature, who learnt apart where there are several trainings. Nothing where the user could not do before what the person did.
     pub distance_before: Option<f64>,
     /// The same of the user who was found.
     pub distance_after: f64,
+    /// Trainings that were compared; of one, what another would have done differently is in no interval.
+    pub trainings: usize,
     /// What was compared.
     pub figures: Vec<FittedFigure>,
     /// The same as numbers whose differences count.
@@ -44,10 +44,8 @@ pub(super) struct Compared {
     pub person: Figures,
     /// Those at the place that was found, by what all users about it did.
     pub nearest: Figures,
-    /// Of each figure, between repetitions of one nature.
+    /// Standard deviations of the person's from these, as far as chance and trainings go.
     pub deviations: Figures,
-    /// How many times the squares of these those of the person's are.
-    pub more: f64,
 }
 
 /// A trait of who comes nearest.
@@ -87,42 +85,34 @@ struct Search<'a, F> {
     person: Figures,
     movements: usize,
     muscles: &'a [String],
+    trainings: usize,
     simulate: F,
 }
 
-/// What natures did: where they are, their figures, and movements that each made on average.
-struct Tried {
-    places: Vec<[f64; COUNT]>,
-    figures: Vec<Figures>,
-    movements: f64,
-}
-
 impl Fitted {
-    /// Of one person, beginning from a user. `simulate` lets natures do targets of pairs of distance and width, and tells the movements of each, with the
-    /// activations of `muscles`.
+    /// Of one person, beginning from a user who has learnt in so many trainings apart. `simulate` lets natures, each with the number of its training, do targets of pairs of distance and width, and
+    /// tells the movements of each, with the activations of `muscles`.
     ///
     /// # Errors
     /// Too few movements, natures who cannot do what the person did, or what `simulate` refuses.
     pub fn of<E: From<FittingError>>(
         (who, movements): (&str, &[Aim]),
         muscles: &[String],
-        before: Nature,
-        simulate: impl FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
+        (before, trainings): (Nature, usize),
+        simulate: impl FnMut(&[(Nature, usize)], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
     ) -> Result<Self, E> {
         let (pairs, person, count) = of_person(who, movements)?;
-        let mut search = Search { who, pairs, person, movements: count, muscles, simulate };
+        let mut search =
+            Search { who, pairs, person, movements: count, muscles, trainings: trainings.max(1), simulate };
         let (mut about, mut found) = ([0.0; COUNT], None);
         for (natures, within) in ROUNDS {
-            let tried = search.tried(places(natures, about, within))?;
-            let surface =
-                Surface::through(&tried.places, &tried.figures).ok_or_else(|| search.unlearnt(natures, &tried))?;
-            let more = 1.0 + tried.movements / search.movements as f64;
-            let nearest = surface.nearest(&search.person, about, within, more);
+            let surface = search.surface(places(natures, about, within))?;
+            let nearest = surface.nearest(&search.person, about, within);
             about = nearest.place;
-            found = Some((surface, nearest, more));
+            found = Some((surface, nearest));
         }
-        let Some((surface, nearest, more)) = found else { return Err(FittingError::Alike { who: who.into() }.into()) };
-        search.told(before, (&surface, more), &nearest)
+        let Some((surface, nearest)) = found else { return Err(FittingError::Alike { who: who.into() }.into()) };
+        search.told(before, &surface, &nearest)
     }
 }
 
@@ -143,50 +133,59 @@ pub(super) fn compared(person: &Participant, model: &Model) -> Result<(Recorded,
 
 impl<F, E: From<FittingError>> Search<'_, F>
 where
-    F: FnMut(&[Nature], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
+    F: FnMut(&[(Nature, usize)], &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, E>,
 {
-    /// Natures at these places, asked.
-    fn tried(&mut self, places: Vec<[f64; COUNT]>) -> Result<Tried, E> {
-        let natures: Vec<Nature> = places.iter().map(|&place| Nature::at(place)).collect();
-        let all = self.ask(&natures)?;
-        let (mut tried, mut movements) = (Tried { places: vec![], figures: vec![], movements: 0.0 }, 0);
-        for (place, found) in places.into_iter().zip(all) {
-            let Some((figures, count)) = found else { continue };
-            tried.places.push(place);
-            tried.figures.push(figures);
-            movements += count;
+    /// Figures over natures at these places. Of a sequence that is even, each training does a part that is as even.
+    fn surface(&mut self, places: Vec<[f64; COUNT]>) -> Result<Surface, E> {
+        let count = places.len();
+        let training = |number: usize| number * self.trainings / count;
+        let natures: Vec<_> = (0..).map(training).zip(&places).map(|(own, &place)| (Nature::at(place), own)).collect();
+        let (mut samples, mut movements) = (Samples::default(), 0);
+        for ((place, (_, training)), found) in places.into_iter().zip(&natures).zip(self.ask(&natures)?) {
+            let Some((figures, own)) = found else { continue };
+            samples.places.push(place);
+            samples.trainings.push(*training);
+            samples.figures.push(figures);
+            movements += own;
         }
-        if tried.places.len() <= TERMS {
-            return Err(self.unlearnt(natures.len(), &tried).into());
-        }
-        tried.movements = movements as f64 / tried.places.len() as f64;
-        Ok(tried)
+        let able = samples.places.len();
+        // A person's figures are known as well as a nature's, of as many movements.
+        let more = 1.0 + movements as f64 / (able.max(1) * self.movements) as f64;
+        let surface = Surface::through(&samples, self.trainings, more);
+        surface.ok_or_else(|| self.unlearnt(count, able).into())
     }
 
     /// Figures of natures, and how many movements these are; none of who cannot do it.
-    fn ask(&mut self, natures: &[Nature]) -> Result<Vec<Option<(Figures, usize)>>, E> {
+    fn ask(&mut self, natures: &[(Nature, usize)]) -> Result<Vec<Option<(Figures, usize)>>, E> {
         let recorded = (self.simulate)(natures, &self.pairs)?;
         Ok(recorded.iter().map(|movements| figures(movements, &self.pairs)).collect())
     }
 
-    fn unlearnt(&self, natures: usize, tried: &Tried) -> FittingError {
-        FittingError::Unlearnt { who: self.who.into(), natures, able: tried.places.len(), least: TERMS + 1 }
+    /// Figures of a nature, the mean over trainings; nothing where it can do it in none.
+    fn of_all(&mut self, nature: Nature) -> Result<Option<Figures>, E> {
+        let each: Vec<_> = (0..self.trainings).map(|training| (nature, training)).collect();
+        let able: Vec<Figures> = self.ask(&each)?.into_iter().flatten().map(|(figures, _)| figures).collect();
+        let mean = |k: usize| able.iter().map(|own| own[k]).sum::<f64>() / able.len() as f64;
+        Ok((!able.is_empty()).then(|| (0..self.person.len()).map(mean).collect()))
+    }
+
+    fn unlearnt(&self, natures: usize, able: usize) -> FittingError {
+        FittingError::Unlearnt { who: self.who.into(), natures, able, least: TERMS + self.trainings }
     }
 
     /// What was found, with what the user did before and does then.
-    fn told(&mut self, before: Nature, (surface, more): (&Surface, f64), nearest: &Nearest) -> Result<Fitted, E> {
+    fn told(&mut self, before: Nature, surface: &Surface, nearest: &Nearest) -> Result<Fitted, E> {
         let after = Nature::at(nearest.place);
-        let asked = self.ask(&[before, after])?;
-        let unlearnt = || FittingError::Unlearnt { who: self.who.into(), natures: 1, able: 0, least: 1 };
-        let [old, Some((new, _))] = &asked[..] else { return Err(unlearnt().into()) };
-        let old = old.as_ref().map(|(old, _)| old);
+        let old = self.of_all(before)?;
+        let unlearnt = FittingError::Unlearnt { who: self.who.into(), natures: 1, able: 0, least: 1 };
+        let new = self.of_all(after)?.ok_or(unlearnt)?;
         let distance = |own: &Figures| {
-            let off = |k: usize| (own[k] - self.person[k]) / surface.deviations[k];
-            ((0..own.len()).map(|k| off(k) * off(k)).sum::<f64>() / own.len() as f64).sqrt()
+            let squared = |k: usize| (own[k] - self.person[k]).powi(2) / (surface.within[k] + surface.between[k]);
+            ((0..own.len()).map(squared).sum::<f64>() / own.len() as f64).sqrt()
         };
         let figure = |(k, what): (usize, String)| {
             let [person, after] = [self.person[k], new[k]].map(|value| told(k, value));
-            FittedFigure { what, person, before: old.map(|old| told(k, old[k])), after }
+            FittedFigure { what, person, before: old.as_ref().map(|old| told(k, old[k])), after }
         };
         let hand = FIGURES.iter().map(ToString::to_string);
         let names = hand.chain(self.muscles.iter().map(|muscle| format!("activation of {muscle}")));
@@ -195,14 +194,14 @@ where
             movements: self.movements,
             pairs: self.pairs.clone(),
             traits: (0..COUNT).map(|k| FittedTrait::of(k, before, after, nearest)).collect(),
-            distance_before: old.map(&distance),
-            distance_after: distance(new),
+            distance_before: old.as_ref().map(&distance),
+            distance_after: distance(&new),
+            trainings: self.trainings,
             figures: names.enumerate().map(figure).collect(),
             compared: Compared {
                 person: self.person.clone(),
                 nearest: surface.at(&nearest.place),
                 deviations: surface.deviations.clone(),
-                more,
             },
         })
     }
@@ -210,8 +209,8 @@ where
 
 impl FittedTrait {
     fn of(number: usize, before: Nature, after: Nature, nearest: &Nearest) -> Self {
-        let Nearest { place, errors } = nearest;
-        let far = SURE * errors[number];
+        let Nearest { place, reaches } = nearest;
+        let far = reaches[number];
         let ends = [-far, far].map(|off| {
             let mut there = *place;
             there[number] = (place[number] + off).clamp(-1.0, 1.0);
@@ -289,8 +288,8 @@ pub(super) mod tests {
         pairs.iter().flat_map(|pair| std::iter::repeat_n(pair, count)).map(&mut aim).collect()
     }
 
-    pub fn simulate(natures: &[Nature], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
-        Ok((1..).zip(natures).map(|(seed, &nature)| moves(nature, pairs, 60, 1000 * seed)).collect())
+    pub fn simulate(natures: &[(Nature, usize)], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
+        Ok((1..).zip(natures).map(|(seed, &(nature, _))| moves(nature, pairs, 60, 1000 * seed)).collect())
     }
 
     pub const USUAL: Nature = Nature([0.05, 0.2, 4.0, 11.0]);
@@ -299,7 +298,7 @@ pub(super) mod tests {
     fn who_is_known_is_found_within_a_tenth() {
         for (seed, known) in (7..).zip([[0.09, 0.13, 9.0, 22.0], [0.035, 0.28, 2.5, 6.0]]) {
             let person = moves(Nature(known), &PAIRS, 400, seed);
-            let fitted = Fitted::of(("somebody", &person), &[], USUAL, simulate).unwrap();
+            let fitted = Fitted::of(("somebody", &person), &[], (USUAL, 1), simulate).unwrap();
             for (found, known) in fitted.traits.iter().zip(known) {
                 assert!((found.found / known).ln().abs() < 0.1, "{known}: {found:?}");
                 assert!(
@@ -319,8 +318,9 @@ pub(super) mod tests {
     }
 
     /// The same of somebody whose hand knows nothing of effort.
-    fn blind(natures: &[Nature], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
-        let natures: Vec<_> = natures.iter().map(|Nature([a, b, _, d])| Nature([*a, *b, 8.0, *d])).collect();
+    fn blind(natures: &[(Nature, usize)], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
+        let natures: Vec<_> =
+            natures.iter().map(|(Nature([a, b, _, d]), of)| (Nature([*a, *b, 8.0, *d]), *of)).collect();
         simulate(&natures, pairs)
     }
 
@@ -337,14 +337,14 @@ pub(super) mod tests {
     #[test]
     fn muscles_tell_what_the_hand_does_not() {
         let known = Nature([0.09, 0.13, 20.0, 22.0]);
-        let simulate = |natures: &[Nature], pairs: &[[f64; 2]]| {
+        let simulate = |natures: &[(Nature, usize)], pairs: &[[f64; 2]]| {
             let all = (1..).zip(natures).zip(blind(natures, pairs)?);
-            Ok::<_, FittingError>(all.map(|((seed, &nature), aims)| active(nature, aims, 2000 * seed)).collect())
+            Ok::<_, FittingError>(all.map(|((seed, &(nature, _)), aims)| active(nature, aims, 2000 * seed)).collect())
         };
-        let [hand] = &blind(&[known], &PAIRS).unwrap()[..] else { panic!("one nature, one person") };
+        let [hand] = &blind(&[(known, 0)], &PAIRS).unwrap()[..] else { panic!("one nature, one person") };
         let person = active(known, hand.clone(), 5);
         let names = ["DELT1", "BIClong", "ECU"].map(str::to_owned);
-        let fitted = Fitted::of(("somebody", &person), &names, USUAL, simulate).unwrap();
+        let fitted = Fitted::of(("somebody", &person), &names, (USUAL, 1), simulate).unwrap();
         let effort = &fitted.traits[2];
         assert!(effort.is_told && (effort.found / 20.0).ln().abs() < 0.4, "{effort:?}");
         assert!((effort.interval[0]..=effort.interval[1]).contains(&20.0), "{effort:?}");
@@ -355,9 +355,56 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_muscle_that_no_user_needs_hides_nothing() {
+        let known = Nature([0.09, 0.13, 9.0, 22.0]);
+        let with = |activation: f64, mut aims: Vec<Aim>| {
+            aims.iter_mut().for_each(|aim| aim.activations = vec![activation]);
+            aims
+        };
+        let silent = |natures: &[(Nature, usize)], pairs: &[[f64; 2]]| {
+            Ok::<_, FittingError>(simulate(natures, pairs)?.into_iter().map(|aims| with(0.0, aims)).collect())
+        };
+        let person = with(0.02, moves(known, &PAIRS, 400, 7));
+        let fitted = Fitted::of(("somebody", &person), &["ECU".into()], (USUAL, 1), silent).unwrap();
+        for (found, known) in fitted.traits.iter().zip(known.0) {
+            assert!(found.is_told && (found.found / known).ln().abs() < 0.1, "{known}: {found:?}");
+        }
+        assert!(fitted.distance_after < 20.0, "{}", fitted.distance_after);
+    }
+
+    /// Trainings that make their users quicker or slower, each in its own way, whatever they are like.
+    fn of_habits(natures: &[(Nature, usize)], pairs: &[[f64; 2]]) -> Result<Vec<Vec<Aim>>, FittingError> {
+        let mut all = simulate(natures, pairs)?;
+        for (&(_, training), aims) in natures.iter().zip(&mut all) {
+            let later_s = [-0.05, 0.02, 0.06, -0.01][training];
+            aims.iter_mut().for_each(|aim| aim.later(later_s));
+        }
+        Ok(all)
+    }
+
+    #[test]
+    fn what_one_training_does_and_another_does_not_widens_intervals() {
+        let known = Nature([0.09, 0.13, 9.0, 22.0]);
+        let mut person = moves(known, &PAIRS, 400, 7);
+        person.iter_mut().for_each(|aim| aim.later(0.08));
+        let fit = |trainings| Fitted::of(("somebody", &person), &[], (USUAL, trainings), of_habits).unwrap();
+        let (one, four) = (fit(1), fit(4));
+        let [alone, change] = [&one, &four].map(|fitted| fitted.traits[3]);
+        assert!(!(alone.interval[0]..=alone.interval[1]).contains(&22.0), "{alone:?}");
+        assert!((change.interval[0]..=change.interval[1]).contains(&22.0), "{change:?}");
+        for (found, known) in four.traits.iter().zip(known.0) {
+            assert!((found.interval[0]..=found.interval[1]).contains(&known), "{found:?}");
+        }
+        // Where targets seem to be is seen where the first bell of speed ends, whatever habits there are.
+        assert!(four.traits[1].is_told, "{:?}", four.traits[1]);
+        assert!(four.distance_after < one.distance_after, "{} and {}", four.distance_after, one.distance_after);
+        assert_eq!((one.trainings, four.trainings), (1, 4));
+    }
+
+    #[test]
     fn what_the_recordings_do_not_tell_is_unknown() {
         let person = moves(Nature([0.09, 0.13, 8.0, 22.0]), &PAIRS, 100, 3);
-        let fitted = Fitted::of(("somebody", &person), &[], USUAL, blind).unwrap();
+        let fitted = Fitted::of(("somebody", &person), &[], (USUAL, 1), blind).unwrap();
         let told: Vec<bool> = fitted.traits.iter().map(|one| one.is_told).collect();
         assert_eq!(told, [true, true, false, true], "{:?}", fitted.traits);
     }
@@ -366,25 +413,26 @@ pub(super) mod tests {
     fn movements_that_are_all_alike_are_no_lack_of_learning() {
         let one = moves(USUAL, &PAIRS, 1, 1);
         let same: Vec<Aim> = one.iter().flat_map(|aim| std::iter::repeat_n(aim.clone(), 20)).collect();
-        let refused = Fitted::of(("anna", &same), &[], USUAL, simulate).unwrap_err().to_string();
+        let refused = Fitted::of(("anna", &same), &[], (USUAL, 1), simulate).unwrap_err().to_string();
         assert!(refused.starts_with("anna: nothing can be compared: movement times"), "{refused}");
     }
 
     #[test]
     fn too_few_movements_and_beginners_are_refused() {
         let few = moves(USUAL, &PAIRS[..2], 40, 1);
-        let refused = Fitted::of(("anna", &few), &[], USUAL, simulate).unwrap_err().to_string();
+        let refused = Fitted::of(("anna", &few), &[], (USUAL, 1), simulate).unwrap_err().to_string();
         assert!(refused.starts_with("anna: 80 movements in 2 pairs") && refused.contains("needs 3 pairs"), "{refused}");
         let far: Vec<Aim> = moves(USUAL, &[[0.9, 0.05], [0.8, 0.02], [0.7, 0.03]], 40, 1);
-        let refused = Fitted::of(("anna", &far), &[], USUAL, simulate).unwrap_err().to_string();
+        let refused = Fitted::of(("anna", &far), &[], (USUAL, 1), simulate).unwrap_err().to_string();
         assert!(
             refused.starts_with("anna: 0 movements in 0 pairs") && refused.contains("from 6 to 40 cm"),
             "{refused}"
         );
-        let beginner = |natures: &[Nature], pairs: &[[f64; 2]]| {
-            Ok::<_, FittingError>(natures.iter().map(|&nature| moves(nature, pairs, 2, 1)).collect())
+        let beginner = |natures: &[(Nature, usize)], pairs: &[[f64; 2]]| {
+            Ok::<_, FittingError>(natures.iter().map(|&(nature, _)| moves(nature, pairs, 2, 1)).collect())
         };
-        let refused = Fitted::of(("anna", &moves(USUAL, &PAIRS, 40, 1)), &[], USUAL, beginner).unwrap_err().to_string();
+        let refused =
+            Fitted::of(("anna", &moves(USUAL, &PAIRS, 40, 1)), &[], (USUAL, 1), beginner).unwrap_err().to_string();
         assert!(refused.starts_with("of 64 natures only 0 could do what anna did"), "{refused}");
     }
 }

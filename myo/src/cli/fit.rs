@@ -37,16 +37,20 @@ pub struct AnybodyArgs {
     #[arg(long, value_name = "M", value_delimiter = ',', value_parser = parse::number)]
     pub height_m: Vec<f64>,
 
-    /// Folder of the user who has learnt to be anybody; trained there first where there is none [default: runs/anybody-USER, and where several are looked among
+    /// Folder of the trainings (`seed-1`, `seed-2` and so on) in which the user has learnt to be anybody; trained there first where there are none [default: runs/anybody-USER, and where several are looked among
     /// runs/anybody-USER-80ms-1.75m and so on]
     #[arg(long, value_name = "FOLDER")]
     pub practised: Option<PathBuf>,
 
-    /// Control steps after which that training stops in any case [default: as of `myo train`]
+    /// Trainings of each, with this seed and the next ones: what one does by chance and another does not is in the intervals of what is found, and with 1 in none
+    #[arg(long, value_name = "N", default_value = "3", value_parser = parse::positive)]
+    pub trainings: usize,
+
+    /// Control steps after which each training stops in any case [default: as of `myo train`]
     #[arg(long, value_name = "N", value_parser = parse::count)]
     pub steps: Option<u64>,
 
-    /// Seed of that training, and of the simulations
+    /// Seed of the first training, and of the simulations
     #[arg(long, value_name = "N", default_value = "1")]
     pub seed: u64,
 
@@ -82,8 +86,9 @@ Examples:
   myo fit people.csv --vision-delay-ms 40,80,120        and how late each participant sees
 
 Looks for the user who moves as a person does: for motor noise (noise.signal_dependent), how far off targets seem (perception.vision_noise), and
-what effort and changes of control cost (reward.effort_cost, reward.control_change_cost). One user learns first to be anybody, once: a training of some minutes on a graphics card, of an hour and
+what effort and changes of control cost (reward.effort_cost, reward.control_change_cost). One user learns first to be anybody, once, in three trainings apart (--trainings): each takes some minutes on a graphics card, an hour and
 more on two processor cores. Then each fit is simulation alone, of 150 users who do targets of the person's distances and widths across circles, and takes a minute or two.
+Trainings differ in habits that no trait makes: figures in which they differ count for less, and intervals are as wide as a person's habits, taken for those of one more training, make them.
 
 Recordings need three pairs of distance (6 to 40 cm) and width (1.2 to 12 cm) with eight movements each; distances and widths that differ by less
 than a tenth are alike. What is compared are means over pairs: movement times, their growth with difficulty and their scatter, peak speed and its time, smoothness, straightness, and where the first
@@ -93,10 +98,10 @@ With --vision-delay-ms and --height-m a user of each delay and each stature lear
 the recordings do not rule out (95 of 100; where nobody comes as near as chance lets, so much more has to lie between two users).
 
 The answer has lines for the task file of a simulated participant. Distance: root mean square over figures of the difference between user and person, in
-standard deviations of that figure between repetitions of one user; 1 is as near as one user is to itself.
+standard deviations of that figure between users of the same traits, of all trainings; 1 is as near as one such user is to another.
 
 JSON: a list of objects with `file`, `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`, `what`, `before`, `found`, `interval`, `is_told`), `distance_before` (null where the user before could not do what the person did),
-`distance_after`, `figures` (`what`, `person`, `before`, `after`) of the nearest user, and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, null as told; `distance`, null of who cannot do what the person did; `is_possible`).";
+`distance_after`, `trainings`, `figures` (`what`, `person`, `before`, `after`) of the nearest user, and `candidates`, the nearest first (`vision_delay_ms` and `height_m`, null as told; `distance`, null of who cannot do what the person did; `is_possible`).";
 
 /// Runs `myo fit`.
 pub fn run(args: &Fit) -> Result<()> {
@@ -109,7 +114,7 @@ pub fn run(args: &Fit) -> Result<()> {
             comparable(person, &beginner.model).map_err(|error| of_file(file, &error))?;
         }
     }
-    let users = anybodies(&args.anybody, args.anybody.seed, &Interrupt::listen()?)?;
+    let users = anybodies(&args.anybody, (args.anybody.trainings, args.anybody.seed), &Interrupt::listen()?)?;
     let mut found = vec![];
     for (file, people) in &people {
         for person in people {
@@ -160,8 +165,12 @@ fn beginner(user: &str, candidate: Candidate) -> Result<(Scenario, String)> {
     }
 }
 
-/// The users who can be anybody, one for each delay and stature that is looked among; with this seed they learn to be so where they are not there yet.
-pub fn anybodies(args: &AnybodyArgs, seed: u64, interrupt: &Interrupt) -> Result<Vec<(Candidate, Anybody)>> {
+/// The users who can be anybody, one for each delay and stature that is looked among; in so many trainings, the first with this seed, they learn to be so where they are not there yet.
+pub fn anybodies(
+    args: &AnybodyArgs,
+    (trainings, seed): (usize, u64),
+    interrupt: &Interrupt,
+) -> Result<Vec<(Candidate, Anybody)>> {
     let candidates = candidates(args)?;
     // All of them are possible before the first one learns.
     let beginners = candidates.into_iter().map(|candidate| Ok((candidate, beginner(&args.user, candidate)?)));
@@ -176,14 +185,15 @@ pub fn anybodies(args: &AnybodyArgs, seed: u64, interrupt: &Interrupt) -> Result
             }
             None => folder,
         };
-        Ok((candidate, anybody((args, seed), scenario, &own, interrupt)?))
+        Ok((candidate, anybody(args, (trainings, seed), scenario, &own, interrupt)?))
     };
     beginners.into_iter().map(learnt).collect()
 }
 
 /// The user who can be anybody with a body; it learns to be so where it is not there yet.
 fn anybody(
-    (args, seed): (&AnybodyArgs, u64),
+    args: &AnybodyArgs,
+    users: (usize, u64),
     scenario: Scenario,
     folder: &Path,
     interrupt: &Interrupt,
@@ -194,14 +204,14 @@ fn anybody(
     let (model, own_model) = (scenario.model.clone(), scenario.own_model.clone());
     let config = Practice::Pointing.learning(&PpoConfig::for_user(task.user));
     let practised = Scenario { task, layouts, model, own_model, most_success: 1.0 };
-    let practising = Practising { scenario: &practised, config, users: (1, seed), steps: *steps, physics };
-    let mut users = practise(&practising, folder, interrupt)?;
-    let checkpoint = users.pop().ok_or_else(|| Failure::sentence("nobody has practised"))?;
-    Ok(Anybody::new(checkpoint, scenario.model, scenario.task))
+    let practising = Practising { scenario: &practised, config, users, steps: *steps, physics };
+    let checkpoints = practise(&practising, folder, interrupt)?;
+    Ok(Anybody::new(checkpoints, scenario.model, scenario.task)?)
 }
 
 fn text(file: &Path, found: &FittedAmong) -> String {
-    let Fitted { participant, movements, pairs, traits, distance_before, distance_after, figures, .. } = &found.fitted;
+    let Fitted { participant, movements, pairs, traits, distance_before, distance_after, trainings, figures, .. } =
+        &found.fitted;
     let mut rows = vec![row(["", "before", "found", "95 % interval"])];
     rows.extend(traits.iter().map(|one| {
         let [low, high] = one.interval;
@@ -218,9 +228,14 @@ fn text(file: &Path, found: &FittedAmong) -> String {
         let before = figure.before.map_or_else(|| "-".into(), |value| format!("{value:.3}"));
         row([&figure.what, &person, &before, &after])
     }));
+    let habits = if *trainings > 1 {
+        ""
+    } else {
+        "of one training alone: how far another one's habits would lead is in no interval (`--trainings 3`)\n"
+    };
     let name = if participant.is_empty() { "the participant" } else { participant };
     format!(
-        "{}: {name}, {movements} movements in {} pairs of distance and width\n{}{}\n{}\ndistance {} before, {distance_after:.1} with the user found\n\n{}",
+        "{}: {name}, {movements} movements in {} pairs of distance and width\n{}{}\n{}\ndistance {} before, {distance_after:.1} with the user found\n{habits}\n{}",
         file.display(),
         pairs.len(),
         among(found),

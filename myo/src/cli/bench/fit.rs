@@ -93,10 +93,11 @@ struct CandidatesFound {
 
 /// Runs `myo bench fit`.
 pub fn run(args: &FitArgs) -> Result<()> {
-    let seed = args.anybody.seed;
+    let AnybodyArgs { seed, trainings, .. } = args.anybody;
     let interrupt = Interrupt::listen()?;
-    let fitted = anybodies(&args.anybody, seed, &interrupt)?;
-    let apart = args.apart.then(|| anybodies(&args.anybody, seed + 1, &interrupt)).transpose()?;
+    let fitted = anybodies(&args.anybody, (trainings, seed), &interrupt)?;
+    let next = (1, seed.wrapping_add(trainings as u64));
+    let apart = args.apart.then(|| anybodies(&args.anybody, next, &interrupt)).transpose()?;
     let mut users = vec![];
     for (candidate, anybody) in apart.as_ref().unwrap_or(&fitted) {
         users.extend(sought(args, &fitted, (*candidate, anybody))?);
