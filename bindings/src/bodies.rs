@@ -137,6 +137,19 @@ impl Bodies {
         check("qpos", qpos.as_array(), [bodies.len(), ndof])?;
         check("qvel", qvel.as_array(), [bodies.len(), ndof])?;
         check("activation", activation.as_array(), [bodies.len(), self.muscle_names.len()])?;
+        // What single precision holds.
+        for (what, values) in [("qpos", &qpos), ("qvel", &qvel)] {
+            let most = f64::from(f32::MAX);
+            if let Some(((row, column), x)) = values.as_array().indexed_iter().find(|(_, x)| x.abs() > most) {
+                return Err(PyValueError::new_err(format!(
+                    "{what}[{row}, {column}] is {x}; it must be at most {most}"
+                )));
+            }
+        }
+        if let Some(((row, column), x)) = activation.as_array().indexed_iter().find(|(_, x)| !(0.0..=1.0).contains(*x))
+        {
+            return Err(PyValueError::new_err(format!("activation[{row}, {column}] is {x}; it must be from 0 to 1")));
+        }
         let size = batch.size();
         let number = |body: i64| usize::try_from(body).ok().filter(|&body| body < size);
         let numbers = bodies.iter().map(|&body| {

@@ -78,8 +78,9 @@ def test_what_cannot_be_fitted_is_said_before_anybody_practises(people, tmp_path
         myoenv.fit(3)
     with pytest.raises(ValueError, match="40 and 50 ms are the same number of control steps of 40 ms"):
         myoenv.fit(people, vision_delay_ms=[40, 80, 50], practised=tmp_path / "nobody")
-    with pytest.raises(ValueError, match="trainings is 0; it must be at least 1"):
-        myoenv.fit(people, trainings=0, practised=tmp_path / "nobody")
+    for trainings, most in ((0, "at least 1"), (21, "at most 20")):
+        with pytest.raises(ValueError, match=f"trainings is {trainings}; it must be {most}"):
+            myoenv.fit(people, trainings=trainings, practised=tmp_path / "nobody")
     with pytest.raises(TypeError, match=r"height_m is 1\.7; it must be a sequence of numbers"):
         myoenv.fit(people, height_m=1.7)
     with pytest.raises((ValueError, myoenv.TaskError), match=r"body\.height_m"):
@@ -93,6 +94,21 @@ def test_a_data_frame_is_such_a_table_and_all_its_people_may_be_one(tmp_path):
     for together, who in ((False, "anna: 18"), (True, "all 2 participants: 36")):
         with pytest.raises(ValueError, match=f"{who} movements in 2 pairs"):
             myoenv.fit(frame, together=together, practised=tmp_path / "nobody")
+
+
+def test_who_is_interrupted_has_not_learnt_it_and_goes_on(people, tmp_path):
+    def stop(_):
+        raise KeyboardInterrupt
+
+    how = {"num_envs": 64, "backend": "cpu", "until": None, "steps": 1 << 20, "practised": tmp_path / "somebody"}
+    steps = []
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            myoenv.fit(people, trainings=2, callback=stop, **how)
+        assert [path.name for path in (tmp_path / "somebody").iterdir()] == ["seed-1-practising"]
+        metrics = (tmp_path / "somebody/seed-1-practising/metrics.csv").read_text().splitlines()
+        steps.append(len(metrics))
+    assert steps[1] > steps[0]
 
 
 def _write_and_fit(folder, columns):
@@ -137,7 +153,7 @@ def test_a_beginner_can_be_nobody(people, tmp_path):
     how = {"until": None, "num_envs": 64, "settings": {"learning_rate": 1e-5}, "backend": "cpu"}
     for seed in (1, 2):
         myoenv.train(layouts=layouts, steps=2048, out=practised / f"seed-{seed}", seed=seed, **how)
-    wanted = "of 64 natures only 0 could do what anna did, and at least 17 are needed"
+    wanted = "of 32 natures only 0 could do what anna did, and at least 1 are needed"
     with pytest.raises(ValueError, match=wanted):
         myoenv.fit(people, user=task, practised=practised, trainings=2)
     # Who practised as somebody else is not taken for this user.

@@ -102,6 +102,45 @@ def test_a_hand_that_is_too_far_ends_and_begins_anew():
     assert not infos["_penalty"].any()
 
 
+def test_a_body_that_flies_apart_ends_alone():
+    envs, others = (myosuite.make_vec("myoElbowPose1D6MRandom-v0", 3, seed=1) for _ in range(2))
+    envs.reset()
+    others.reset()
+    core = envs._core
+    core.bodies.set(np.array([1]), np.zeros((1, 1)), np.full((1, 1), 1e30), np.zeros((1, 6)))
+    actions = np.zeros((3, 6), np.float32)
+    observations, rewards, terminated, truncated, _ = envs.step(actions)
+    assert list(terminated) == [False, True, False] and not truncated.any()
+    assert np.isfinite(observations).all() and np.isfinite(rewards).all()
+    assert np.array_equal(observations[[0, 2]], others.step(actions)[0][[0, 2]])
+
+
+def test_success_is_more_than_five_steps_that_are_solved():
+    envs = myosuite.make_vec("myoElbowPose1D6MFixed-v0", 2, seed=1, max_episode_steps=7)
+    envs.reset()
+    # Held at the target by hand: one all the time, the other for five steps.
+    for step in range(7):
+        poses = np.array([[2.0], [2.0 if step < 5 else 0.5]])
+        envs._core.bodies.set(np.arange(2), poses, np.zeros((2, 1)), np.zeros((2, 6)))
+        _, _, terminated, truncated, infos = envs.step(np.full((2, 6), -1, np.float32))
+    assert truncated.all() and not terminated.any()
+    assert list(infos["summary"]["success"]) == [1, 0] and list(infos["summary"]["length"]) == [7, 7]
+    with pytest.raises(ValueError, match="max_episode_steps is 0; it must be at least 1"):
+        myosuite.make_vec("myoElbowPose1D6MFixed-v0", 2, max_episode_steps=0)
+
+
+def test_the_last_step_may_end_in_two_ways():
+    actions = recorded("myoHandReachFixed-v0")[-1]
+    envs = myosuite.make_vec("myoHandReachFixed-v0", 1, seed=1, max_episode_steps=len(actions))
+    alone = gymnasium.make("myosuite/myoHandReachFixed-v0", max_episode_steps=len(actions))
+    envs.reset(seed=3)
+    alone.reset(seed=3)
+    for action in actions:
+        *_, terminated, truncated, _ = envs.step(action[np.newaxis])
+        *_, one_terminated, one_truncated, _ = alone.step(action)
+    assert (terminated[0], truncated[0]) == (one_terminated, one_truncated) == (True, True)
+
+
 def test_what_is_not_there_is_said():
     with pytest.raises(ValueError, match=r"no environment 'myoElbowPose1D6M-v0' .* did you mean myoElbowPose1D6M"):
         myosuite.make("myoElbowPose1D6M-v0")
@@ -133,6 +172,11 @@ def test_bodies_refuse_what_they_cannot_take():
         bodies.set(np.array([3]), *rest)
     with pytest.raises(ValueError, match="the body has no site `tip`"):
         bodies.site_positions(["tip"])
+    for what, at, refused in (("qpos", 0, 1e39), ("activation", 2, 5.0), ("activation", 2, -0.5)):
+        given = [array.copy() for array in rest]
+        given[at][0, 1] = refused
+        with pytest.raises(ValueError, match=rf"{what}\[0, 1\] is .*; it must be"):
+            bodies.set(np.array([0]), *given)
     before = bodies.site_positions(["IFtip"])
     bodies.set(np.array([1]), np.full((1, 4), 0.3), *rest[1:])
     after = bodies.site_positions(["IFtip"])

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     import pandas
 
 
+#: Most trainings that a fit can take, as `myo fit` says.
+MOST_TRAININGS = 20
+
+
 def fit(
     recordings: str | PathLike[str] | pandas.DataFrame,
     *,
@@ -35,10 +39,10 @@ def fit(
     """Looks for the user who moves as each participant does: motor noise, misjudged targets, what effort and changes of
     control cost, as `myo fit` does.
 
-    One user learns first to be anybody, once, in three trainings apart: each takes some minutes on a graphics card, an
-    hour and more on two cores. Each fit is simulation alone, a minute or two. Trainings differ in habits that no trait
-    makes: figures in which they differ count for less, and intervals are as wide as a person's habits, taken for those
-    of one more training, make them.
+    One user learns first to be anybody, once, in three trainings apart, which Ctrl-C leaves to go on the next time:
+    each takes some minutes on a graphics card, an hour and more on two cores. Each fit is simulation alone, a minute or
+    two. Trainings differ in habits that no trait makes: figures in which they differ count for less, and intervals are
+    as wide as a person's habits, taken for those of one more training, make them.
 
     A dictionary for each participant: `participant`, `movements`, `pairs` (distance and width in m), `traits` (`key`,
     its place in a task; `what`; `before`, `found`, `interval`, its 95 % confidence interval; `is_told`, without which
@@ -71,7 +75,7 @@ def fit(
     # Before an hour of training.
     _native.check_recordings(table, bool(together), task, model)
     among = (_numbers("vision_delay_ms", vision_delay_ms), _numbers("height_m", height_m))
-    seeds = range(as_seed(seed), as_seed(seed) + as_count("trainings", trainings))
+    seeds = range(as_seed(seed), as_seed(seed) + as_count("trainings", trainings, MOST_TRAININGS))
     candidates = [
         (_folder(task.name, practised, suffix), _native.Task.from_yaml(text))
         for suffix, text in _native.fitting_candidates(task, *among)
@@ -104,9 +108,22 @@ def _training(folder: Path, seed: int) -> Path:
 
 
 def _practise(task: _native.Task, model: _native.Model, place: Path, **training: Any) -> None:
-    layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
-    settings = json.loads(_native.fitting_settings(task))
-    train(layouts=layouts, model=model, settings=settings, out=place, **training)
+    """One training. Who is interrupted goes on the next time, and is not taken for somebody who has learnt."""
+    unfinished = place.with_name(f"{place.name}-practising")
+    if unfinished.exists():
+        kept = {
+            name: training[name]
+            for name in ("backend", "callback", "device", "progress", "threads")
+            if name in training
+        }
+        result = train(resume=unfinished, **kept)
+    else:
+        layouts = [_native.Task.from_yaml(text) for text in _native.fitting_layouts(task)]
+        settings = json.loads(_native.fitting_settings(task))
+        result = train(layouts=layouts, model=model, settings=settings, out=unfinished, **training)
+    if result.stopped_by == "interrupt":
+        raise KeyboardInterrupt
+    unfinished.rename(place)
 
 
 def _table(recordings: Any) -> str:

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::muscles::Recorded;
 use super::search::compared;
-use super::{Aim, Fitted, FittingError, Nature, aims};
+use super::{Aim, Fitted, FittingError, MOST_TRAININGS, Nature, aims};
 use crate::recordings::Participant;
 
 /// Episodes of each pair of distance and width in a fit, of thirteen movements each.
@@ -37,9 +37,13 @@ impl Anybody {
     /// Who learnt the layouts of [`practice`](super::practice()) of a task, up to these checkpoints of trainings that differ in their seeds alone, on this body.
     ///
     /// # Errors
-    /// There is no checkpoint.
+    /// There is no checkpoint, or there are more than [`MOST_TRAININGS`].
     pub fn new(checkpoints: Vec<Checkpoint>, model: Model, task: Task) -> Result<Self, FittingError> {
-        if checkpoints.is_empty() { Err(FittingError::NoUser) } else { Ok(Self { checkpoints, model, task }) }
+        match checkpoints.len() {
+            0 => Err(FittingError::NoUser),
+            count if count > MOST_TRAININGS => Err(FittingError::TooMany { count }),
+            _ => Ok(Self { checkpoints, model, task }),
+        }
     }
 
     /// What it is like before it becomes somebody else.

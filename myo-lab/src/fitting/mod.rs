@@ -28,7 +28,7 @@ pub use figures::{Aim, FIGURES};
 pub use nature::{Nature, TRAITS, Trait, natures, others};
 use practice::{DISTANCES, WIDTHS};
 pub use practice::{aims, practice};
-pub use search::{Fitted, FittedFigure, FittedTrait, comparable};
+pub use search::{Fitted, FittedFigure, FittedTrait, MOST_TRAININGS, comparable};
 
 use crate::protocol::ProtocolError;
 use crate::recordings::RecordingError;
@@ -75,6 +75,12 @@ pub enum FittingError {
         least: usize,
         /// Fewest pairs.
         least_pairs: usize,
+    },
+    /// More trainings than a fit can tell apart.
+    #[error("{count} trainings: a fit can take {MOST_TRAININGS} at most, each of which does a part of the users")]
+    TooMany {
+        /// So many.
+        count: usize,
     },
     /// Nobody can become somebody.
     #[error("there is no user who could be anybody")]

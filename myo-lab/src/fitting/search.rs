@@ -10,6 +10,9 @@ use super::nature::{COUNT, Nature, TRAITS, places};
 use super::surface::{Nearest, Samples, Surface, TERMS};
 use crate::recordings::{Participant, measured};
 
+/// Most trainings of a user who can be anybody: in each round each of them does a few natures at least.
+pub const MOST_TRAININGS: usize = 20;
+
 /// Natures of each round, and how far (of 1, half of all) they lie from the nearest of the round before.
 const ROUNDS: [(usize, f64); 3] = [(64, 1.0), (40, 0.5), (40, 0.25)];
 
@@ -148,11 +151,18 @@ where
             samples.figures.push(figures);
             movements += own;
         }
+        // Of each training somebody is needed.
+        for training in 0..self.trainings {
+            let of_it = natures.iter().filter(|nature| nature.1 == training).count();
+            if !samples.trainings.contains(&training) {
+                return Err(self.unlearnt((of_it, 0), 1).into());
+            }
+        }
         let able = samples.places.len();
         // A person's figures are known as well as a nature's, of as many movements.
         let more = 1.0 + movements as f64 / (able.max(1) * self.movements) as f64;
         let surface = Surface::through(&samples, self.trainings, more);
-        surface.ok_or_else(|| self.unlearnt(count, able).into())
+        surface.ok_or_else(|| self.unlearnt((count, able), TERMS + self.trainings).into())
     }
 
     /// Figures of natures, and how many movements these are; none of who cannot do it.
@@ -169,16 +179,15 @@ where
         Ok((!able.is_empty()).then(|| (0..self.person.len()).map(mean).collect()))
     }
 
-    fn unlearnt(&self, natures: usize, able: usize) -> FittingError {
-        FittingError::Unlearnt { who: self.who.into(), natures, able, least: TERMS + self.trainings }
+    fn unlearnt(&self, (natures, able): (usize, usize), least: usize) -> FittingError {
+        FittingError::Unlearnt { who: self.who.into(), natures, able, least }
     }
 
     /// What was found, with what the user did before and does then.
     fn told(&mut self, before: Nature, surface: &Surface, nearest: &Nearest) -> Result<Fitted, E> {
         let after = Nature::at(nearest.place);
         let old = self.of_all(before)?;
-        let unlearnt = FittingError::Unlearnt { who: self.who.into(), natures: 1, able: 0, least: 1 };
-        let new = self.of_all(after)?.ok_or(unlearnt)?;
+        let new = self.of_all(after)?.ok_or_else(|| self.unlearnt((1, 0), 1))?;
         let distance = |own: &Figures| {
             let squared = |k: usize| (own[k] - self.person[k]).powi(2) / (surface.within[k] + surface.between[k]);
             ((0..own.len()).map(squared).sum::<f64>() / own.len() as f64).sqrt()
@@ -415,6 +424,17 @@ pub(super) mod tests {
         let same: Vec<Aim> = one.iter().flat_map(|aim| std::iter::repeat_n(aim.clone(), 20)).collect();
         let refused = Fitted::of(("anna", &same), &[], (USUAL, 1), simulate).unwrap_err().to_string();
         assert!(refused.starts_with("anna: nothing can be compared: movement times"), "{refused}");
+    }
+
+    #[test]
+    fn a_training_that_has_not_learnt_it_is_told() {
+        let second = |natures: &[(Nature, usize)], pairs: &[[f64; 2]]| {
+            let all = natures.iter().map(|&(nature, training)| moves(nature, pairs, [60, 2, 60][training], 1));
+            Ok::<_, FittingError>(all.collect())
+        };
+        let person = moves(USUAL, &PAIRS, 40, 1);
+        let refused = Fitted::of(("anna", &person), &[], (USUAL, 3), second).unwrap_err().to_string();
+        assert!(refused.starts_with("of 21 natures only 0 could do what anna did, and at least 1"), "{refused}");
     }
 
     #[test]

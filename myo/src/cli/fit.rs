@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::fitting::{Anybody, Candidate, Fitted, FittedAmong, comparable, practice};
+use myo::fitting::{Anybody, Candidate, Fitted, FittedAmong, FittingError, MOST_TRAININGS, comparable, practice};
 use myo::protocol::Practice;
 use myo::recordings::Participant;
 use myo::tasks::{Task, User};
@@ -171,6 +171,9 @@ pub fn anybodies(
     (trainings, seed): (usize, u64),
     interrupt: &Interrupt,
 ) -> Result<Vec<(Candidate, Anybody)>> {
+    if trainings > MOST_TRAININGS {
+        return Err(FittingError::TooMany { count: trainings }.into());
+    }
     let candidates = candidates(args)?;
     // All of them are possible before the first one learns.
     let beginners = candidates.into_iter().map(|candidate| Ok((candidate, beginner(&args.user, candidate)?)));

@@ -65,7 +65,25 @@ fn nobody_practises_for_recordings_that_no_user_can_be_fitted_to() {
         &myo(folder.path(), &["bench", "fit", "--vision-delay-ms", "80,40,50"]),
         "40 and 50 ms are the same number of control steps of 40 ms",
     );
+    assert_refused(
+        &myo(folder.path(), &["bench", "fit", "--trainings", "21"]),
+        "21 trainings: a fit can take 20 at most",
+    );
     // The last of the users is impossible, and the first learns nothing before that is said.
     assert_refused(&myo(folder.path(), &["bench", "fit", "--height-m", "1.7,5"]), "body.height_m");
     assert!(!folder.path().join("runs").exists(), "nobody was trained");
+}
+
+#[test]
+fn trainings_of_a_fit_lie_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    stdout(&myo(folder.path(), &short_training("512", &["--seeds", "2", "--out", "somebody"])));
+    let fit = |more: &[&str]| myo(folder.path(), &[&["bench", "fit", "--practised", "somebody"], more].concat());
+    assert_refused(&fit(&["--seed", "7"]), "somebody has trainings with seeds 1 to 2, to which 7 does not join");
+    assert_refused(&fit(&["--seed", "0"]), "somebody has trainings with seeds 1 to 2, to which 0 does not join");
+    assert!(!folder.path().join("somebody/seed-7").exists());
+    // Trained by somebody else, without a plan: what is there is taken, and what is not there not made beside it.
+    std::fs::remove_file(folder.path().join("somebody/plan.json")).unwrap();
+    assert_refused(&fit(&["--trainings", "3"]), "somebody has not all of the trainings with seeds 1 to 3");
+    assert_refused(&fit(&["--trainings", "2"]), "seed-1 practised other tasks than are asked for now");
 }

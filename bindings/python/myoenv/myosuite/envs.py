@@ -108,7 +108,8 @@ class MyoSuiteVectorEnv(gymnasium.vector.VectorEnv):
         self._core = Core(as_text("env_id", env_id), self.num_envs, as_threads(threads))
         self.task = self._core.task
         self.control_dt = self._core.control_dt
-        self.max_episode_steps: int = as_count("max_episode_steps", max_episode_steps or self.task["max_episode_steps"])
+        limit = self.task["max_episode_steps"] if max_episode_steps is None else max_episode_steps
+        self.max_episode_steps: int = as_count("max_episode_steps", limit)
         self.metadata = {"autoreset_mode": self._mode, "render_modes": [], "render_fps": round(1 / self.control_dt)}
         self.single_observation_space, self.single_action_space = _spaces(self._core)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -178,7 +179,7 @@ class MyoSuiteVectorEnv(gymnasium.vector.VectorEnv):
         observation, reward, over, terms = self._core.look()
         reward[anew] = 0.0
         terminated = (over | lost) & ~anew
-        truncated = (self._steps >= self.max_episode_steps) & ~anew & ~terminated
+        truncated = (self._steps >= self.max_episode_steps) & ~anew
         self._ended = terminated | truncated
         self._return += reward
         self._solved += terms["solved"] & ~anew

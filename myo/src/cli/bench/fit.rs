@@ -34,7 +34,7 @@ pub struct FitArgs {
     #[arg(long, value_name = "MUSCLES", value_delimiter = ',')]
     muscles: Vec<String>,
 
-    /// Record users who learnt apart from those that are fitted, with the next seed: what one training does by chance, and another does not, misleads a fit
+    /// Record users who learnt apart from those that are fitted, with the seed behind theirs: what one training does by chance, and another does not, misleads a fit
     #[arg(long)]
     apart: bool,
 

@@ -54,10 +54,29 @@ pub fn practise_until(
     let args = Train { how, silent: true, ..Train::default() };
     match Several::open(folder)? {
         Some(mut several) => {
+            let plan = several.plan();
+            if *seeds.start() < plan.first_seed || *seeds.start() > plan.last_seed.saturating_add(1) {
+                return Err(Failure::sentence(format!(
+                    "{} has trainings with seeds {} to {}, to which {first} does not join; name another folder, or take such a --seed",
+                    folder.display(),
+                    plan.first_seed,
+                    plan.last_seed
+                )));
+            }
             several.extend_to(*seeds.end())?;
             if !several.left().is_empty() {
                 resume::several(&args, several, interrupt)?;
             }
+        }
+        // Somebody else may have trained them, such as the Python package.
+        None if seeds.clone().all(|seed| Several::run_folder_in(folder, seed).exists()) => {}
+        None if folder.exists() => {
+            return Err(Failure::sentence(format!(
+                "{} has not all of the trainings with seeds {} to {}, nor a plan of them; train them as they were begun, remove the folder, or name another",
+                folder.display(),
+                seeds.start(),
+                seeds.end()
+            )));
         }
         None => {
             let steps = steps.unwrap_or_else(|| myo::default_steps(scenario.task.control_dt_s));
