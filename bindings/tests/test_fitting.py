@@ -96,6 +96,8 @@ def test_a_data_frame_is_such_a_table_and_all_its_people_may_be_one(tmp_path):
             myoenv.fit(frame, together=together, practised=tmp_path / "nobody")
 
 
+# Beginners with so few environments.
+@pytest.mark.filterwarnings("ignore:training ran away")
 def test_who_is_interrupted_has_not_learnt_it_and_goes_on(people, tmp_path):
     def stop(_):
         raise KeyboardInterrupt
