@@ -15,6 +15,10 @@ use crate::error::{self, BusyError, compute};
 use crate::model::Model;
 use crate::process::{Birthplace, own_pool, pool};
 
+/// As many as environments side by side, and as their threads (`arguments.py`).
+const MOST_BODIES: usize = 1 << 24;
+const MOST_THREADS: usize = 1024;
+
 /// Bodies of one kind without a task, stepped side by side on all threads, in single precision.
 #[pyclass(module = "myoenv", frozen)]
 pub struct Bodies {
@@ -97,6 +101,11 @@ impl Bodies {
     #[new]
     #[pyo3(signature = (model, num_bodies, *, soft_couplings = false, threads = None))]
     fn new(model: &Model, num_bodies: usize, soft_couplings: bool, threads: Option<usize>) -> PyResult<Self> {
+        for (what, count, most) in [("num_bodies", Some(num_bodies), MOST_BODIES), ("threads", threads, MOST_THREADS)] {
+            if let Some(count) = count.filter(|count| !(1..=most).contains(count)) {
+                return Err(PyValueError::new_err(format!("{what} is {count}; it must be from 1 to {most}")));
+            }
+        }
         let couplings = if soft_couplings { CouplingMode::Soft } else { CouplingMode::Reduced };
         let model = model.inner();
         let exact = Plan::exact(model, couplings).map_err(error::task)?;

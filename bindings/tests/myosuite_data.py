@@ -3,6 +3,10 @@
 Where `myosuite` is installed, with a program of this library:
 
 python bindings/tests/myosuite_data.py target/debug/myo
+
+Or, with this library's package beside it, how far more episodes are from MyoSuite's:
+
+python bindings/tests/myosuite_data.py compare
 """
 
 import importlib.metadata
@@ -36,8 +40,9 @@ IDS = [
     "myoHandPoseRandom-v0",
     *(f"my{body}Reach{kind}-v0" for body in ("oHand", "oArm") for kind in ("Fixed", "Random")),
 ]
-#: Steps of an episode that are kept.
+#: Steps of an episode that are kept, and episodes that are compared.
 STEPS = 25
+EPISODES = 20
 
 
 def body_of(env_id):
@@ -151,11 +156,29 @@ def import_body(env, program, folder):
     subprocess.run(command, check=True)
 
 
+def compare():
+    """Of each environment, the middle and the worst of how far observations of episodes are apart at most, and how many
+    steps end or are solved in one of the two alone.
+    """
+    import myoenv  # noqa: F401  (registers ours)
+
+    for env_id in IDS:
+        theirs, ours = gymnasium.make(env_id), gymnasium.make(f"myosuite/{env_id}")
+        apart, differ = [], 0
+        for seed in range(EPISODES):
+            rng = np.random.default_rng(100 + seed)
+            apart.append(np.abs(theirs.reset(seed=seed)[0] - ours.reset(seed=seed)[0]).max())
+            for _ in range(STEPS):
+                action = rng.uniform(-1, 1, theirs.action_space.shape).astype(np.float32)
+                (seen, _, ended, _, told), (own, _, own_ended, _, own_told) = theirs.step(action), ours.step(action)
+                apart[-1] = max(apart[-1], np.abs(seen - own).max())
+                differ += ended != own_ended or bool(np.asarray(told["solved"]).item()) != bool(own_told["solved"])
+                if ended or own_ended:
+                    break
+        print(f"{env_id}: {np.median(apart):.1e} in the middle, {max(apart):.1e} at worst, {differ} steps differ")
+
+
 def main(program):
-    warnings.simplefilter("ignore")
-    # With MuJoCo 4 its search for targets within reach takes no joint for a hinge, and all targets are where the tip is
-    # at rest. Numbers in place of names are what is meant.
-    reach_workspace._JOINT_TYPES = tuple(map(int, reach_workspace._JOINT_TYPES))
     tasks, arrays, bodies = {}, {}, set()
     with tempfile.TemporaryDirectory() as folder:
         for env_id in IDS:
@@ -172,4 +195,11 @@ def main(program):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]).resolve())
+    warnings.simplefilter("ignore")
+    # With MuJoCo 4 its search for targets within reach takes no joint for a hinge, and all targets are where the tip is
+    # at rest. Numbers in place of names are what is meant.
+    reach_workspace._JOINT_TYPES = tuple(map(int, reach_workspace._JOINT_TYPES))
+    if sys.argv[1] == "compare":
+        compare()
+    else:
+        main(Path(sys.argv[1]).resolve())

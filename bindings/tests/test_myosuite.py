@@ -159,7 +159,15 @@ def test_what_is_not_there_is_said():
 
 
 def test_bodies_refuse_what_they_cannot_take():
-    bodies = myoenv.Bodies(myosuite.load_body("myofinger"), 3)
+    body = myosuite.load_body("myofinger")
+    for count, threads, refused in (
+        (0, None, "num_bodies is 0"),
+        (10**15, None, "num_bodies is"),
+        (3, 0, "threads is 0"),
+    ):
+        with pytest.raises(ValueError, match=f"{refused}.*; it must be from 1 to"):
+            myoenv.Bodies(body, count, threads=threads)
+    bodies = myoenv.Bodies(body, 3)
     assert bodies.joint_names == ["IFadb", "IFmcp", "IFpip", "IFdip"] and bodies.timestep == 0.002
     with pytest.raises(ValueError, match=r"ctrl has the shape \[2, 5\], expected \[3, 5\]"):
         bodies.step(np.zeros((2, 5), np.float32))

@@ -114,18 +114,14 @@ class MyoSuiteVectorEnv(gymnasium.vector.VectorEnv):
         self.single_observation_space, self.single_action_space = _spaces(self._core)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._first_seed = fresh_seed() if seed is None else as_seed(seed)
-        self._rngs = self._generators(spread_seeds(self._first_seed, self.num_envs))
+        first = fresh_seed() if seed is None else as_seed(seed)
+        self._rngs = [seeding.np_random(own)[0] for own in spread_seeds(first, self.num_envs)]
         self.episode_names = ["return", "length", "success"]
         self._steps = np.zeros(self.num_envs, np.int64)
         self._return = np.zeros(self.num_envs)
         self._solved = np.zeros(self.num_envs, np.int64)
         #: Episodes that the next step begins anew, or that wait for a reset.
         self._ended = np.ones(self.num_envs, np.bool_)
-
-    @staticmethod
-    def _generators(seeds: Any) -> list[np.random.Generator]:
-        return [seeding.np_random(seed)[0] for seed in seeds]
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
