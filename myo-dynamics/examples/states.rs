@@ -3,11 +3,13 @@
 //!
 //! Coordinates are those of all joints, from within their limits to a little beyond; couplings hold more or less.
 
+use myo_dynamics::plan::DofKind;
 use myo_dynamics::step::{self, force};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
 use myo_model::Model;
 use myo_model::description::Landmarks;
 use myo_model::import::{ImportOptions, from_mjcf};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::path::Path;
@@ -20,6 +22,9 @@ use common::{Draws, bias_force, passive_force, smooth_acceleration};
 /// How far joints may be beyond their limits (rad or m), and coupled ones from where their coupling holds them.
 const BEYOND: f64 = 0.02;
 const SLACK: f64 = 1e-3;
+/// How far a free body is from its place (m), and how far it is turned (rad) in states in which it stands.
+const ASIDE: f64 = 0.1;
+const TILT: f64 = 0.2;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -37,15 +42,33 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Joints around their ranges, a free body about where it stands and turned any way, or a little in every other state.
+fn positions(plan: &Plan<f64>, beyond: f64, draws: &mut Draws) -> Vec<f64> {
+    let mut qpos = plan.qpos0.clone();
+    for dof in &plan.dofs {
+        let [low, high] = match dof.kind {
+            DofKind::Joint => dof.range.unwrap_or([-1.0, 1.0]),
+            DofKind::Place => [qpos[dof.at] - ASIDE, qpos[dof.at] + ASIDE],
+            DofKind::Turn => continue,
+        };
+        qpos[dof.at] = draws.between(low - beyond, high + beyond);
+    }
+    for ball in &plan.balls {
+        let turn = draws.vector(3, -1.0, 1.0);
+        let turn = Vector3::from_vec(turn) * if draws.case.is_multiple_of(2) { 3.0 } else { TILT };
+        let quat = &mut qpos[ball.at..ball.at + 4];
+        let turned = UnitQuaternion::from_scaled_axis(turn)
+            * UnitQuaternion::from_quaternion(Quaternion::new(quat[0], quat[1], quat[2], quat[3]));
+        quat.copy_from_slice(&[turned.w, turned.i, turned.j, turned.k]);
+    }
+    qpos
+}
+
 /// Every quantity of one evaluation in one state.
 fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let beyond = if draws.case.is_multiple_of(2) { BEYOND } else { 0.0 };
-    let place = |dof: &myo_dynamics::plan::Dof<f64>, draws: &mut Draws| {
-        let [low, high] = dof.range.unwrap_or([-1.0, 1.0]);
-        draws.between(low - beyond, high + beyond)
-    };
-    let free: Vec<f64> = reduced.dofs.iter().map(|dof| place(dof, &mut draws)).collect();
-    let rates = draws.vector(free.len(), -3.0, 3.0);
+    let free = positions(reduced, beyond, &mut draws);
+    let rates = draws.vector(reduced.ndof(), -3.0, 3.0);
     let mut shaken = |all: Vec<f64>, by: f64| all.iter().map(|x| x + draws.between(-by, by)).collect();
     let (qpos, qvel) =
         (shaken(reduced.joint_positions(&free), SLACK), shaken(reduced.joint_rates(&free, &rates), 100.0 * SLACK));

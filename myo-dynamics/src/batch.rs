@@ -34,13 +34,26 @@ enum Field {
 }
 
 impl Batch {
-    /// `size` bodies at rest in the zero pose, with nothing to touch.
+    /// `size` bodies at rest in the pose of reference, with nothing to touch.
     pub fn new(plan: &Plan<f64>, size: usize, level: Level) -> Self {
         let plan = plan.cast();
         let obstacles = Obstacles::none(&plan);
         let nblock = size.div_ceil(level.lanes());
         let blocks = vec![0.0; nblock * entries(&plan) * level.lanes()];
-        Self { plan, obstacles, contacts: 1, level, size, blocks, solver: vec![SolverCount::default(); size] }
+        let solver = vec![SolverCount::default(); size];
+        let mut batch = Self { plan, obstacles, contacts: 1, level, size, blocks, solver };
+        batch.fill_qpos();
+        batch
+    }
+
+    /// Puts all bodies, those that nobody looks at as well, into the pose of reference.
+    fn fill_qpos(&mut self) {
+        let lanes = self.level.lanes();
+        for block in self.blocks.chunks_exact_mut(entries(&self.plan) * lanes) {
+            for (entry, &position) in block.chunks_exact_mut(lanes).zip(&self.plan.qpos0) {
+                entry.fill(position);
+            }
+        }
     }
 
     /// The same with boxes that every fingertip can press.
@@ -55,11 +68,11 @@ impl Batch {
         self.size
     }
 
-    /// Generalised coordinates of one body.
+    /// Positions of one body.
     pub fn qpos(&self, body: usize) -> Vec<f32> {
         self.get(body, Field::Qpos)
     }
-    /// Their rates.
+    /// Rates of its generalised coordinates.
     pub fn qvel(&self, body: usize) -> Vec<f32> {
         self.get(body, Field::Qvel)
     }
@@ -122,24 +135,25 @@ impl Batch {
 
 fn length<C>(plan: &Plan<C>, field: Field) -> usize {
     match field {
-        Field::Qpos | Field::Qvel => plan.ndof(),
+        Field::Qpos => plan.nq(),
+        Field::Qvel => plan.ndof(),
         Field::Act | Field::Ctrl => plan.nmuscle(),
     }
 }
 
 /// Where an array starts in a block, in entries.
 fn offset<C>(plan: &Plan<C>, field: Field) -> usize {
-    let (n, m) = (plan.ndof(), plan.nmuscle());
+    let (positions, coordinates) = (plan.nq(), plan.nq() + plan.ndof());
     match field {
         Field::Qpos => 0,
-        Field::Qvel => n,
-        Field::Act => 2 * n,
-        Field::Ctrl => 2 * n + m,
+        Field::Qvel => positions,
+        Field::Act => coordinates,
+        Field::Ctrl => coordinates + plan.nmuscle(),
     }
 }
 
 fn entries<C>(plan: &Plan<C>) -> usize {
-    2 * plan.ndof() + 2 * plan.nmuscle()
+    plan.nq() + plan.ndof() + 2 * plan.nmuscle()
 }
 
 /// Steps of consecutive blocks.

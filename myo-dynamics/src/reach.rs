@@ -1,6 +1,6 @@
 //! Where the fingertip, or another pointer, can get to.
 
-use crate::plan::Plan;
+use crate::plan::{Dof, DofKind, Plan};
 use crate::step::{fingertip, kinematics::kinematics};
 use crate::workspace::Workspace;
 use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};
@@ -46,6 +46,7 @@ pub type PointerPlace = Arc<dyn Fn(&BodyPlaces, [f64; 3]) -> [f64; 3] + Send + S
 #[derive(Clone)]
 pub struct ReachableSpace {
     pub(crate) plan: Plan<f64>,
+    /// What each coordinate is searched over; those of free bodies and ball joints are held.
     ranges: Vec<[f64; 2]>,
     /// What points; the fingertip without one.
     pointer: Option<PointerPlace>,
@@ -66,7 +67,7 @@ impl fmt::Debug for ReachableSpace {
 /// The pose that brings the pointer nearest to a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nearest {
-    /// The coordinates, within their limits (rad).
+    /// Positions, joints within their limits (rad or m).
     pub pose: Vec<f64>,
     /// Where the pointer is then (m, from the shoulder centre, world axes).
     pub point: [f64; 3],
@@ -94,7 +95,11 @@ impl ReachableSpace {
     }
 
     fn sample(plan: &Plan<f64>, pointer: Option<PointerPlace>) -> Self {
-        let ranges: Vec<[f64; 2]> = plan.dofs.iter().map(|dof| dof.range.unwrap_or(UNLIMITED)).collect();
+        let range = |dof: &Dof<f64>| match dof.kind {
+            DofKind::Joint => dof.range.unwrap_or(UNLIMITED),
+            DofKind::Place | DofKind::Turn => [plan.qpos0[dof.at]; 2],
+        };
+        let ranges: Vec<[f64; 2]> = plan.dofs.iter().map(range).collect();
         let mut space = Self { plan: plan.clone(), ranges, pointer, cloud: vec![] };
         let mut search = Search::new(&space, Vector3::zeros());
         let cloud = (0..CLOUD).map(|k| space.pose(k)).map(|pose| {
@@ -121,11 +126,21 @@ impl ReachableSpace {
             unit::<f64>(philox::<f64>(Counter { seed: seed_words(0), env, episode: zero, step: zero, stream })[0])
         };
         let region = number * REGIONS / CLOUD;
-        let share = |dof: usize| match dof {
-            0..HALVINGS => 0.5 * (draw(dof) + f64::from(u8::from(region >> dof & 1 == 1))),
+        let share = |number: usize, dof: usize| match number {
+            0..HALVINGS => 0.5 * (draw(dof) + f64::from(u8::from(region >> number & 1 == 1))),
             _ => draw(dof),
         };
-        self.ranges.iter().enumerate().map(|(k, [lo, hi])| lo + (hi - lo) * share(k)).collect()
+        let mut pose = self.plan.qpos0.clone();
+        let searched = (0..self.ranges.len()).filter(|&dof| self.is_searched(dof));
+        for (number, dof) in searched.enumerate() {
+            let [lo, hi] = self.ranges[dof];
+            pose[self.plan.dofs[dof].at] = lo + (hi - lo) * share(number, dof);
+        }
+        pose
+    }
+
+    fn is_searched(&self, dof: usize) -> bool {
+        self.plan.dofs[dof].kind == DofKind::Joint
     }
 
     /// The pose, within the joint limits, that brings the pointer nearest to a point, which is relative to the shoulder
@@ -220,14 +235,18 @@ impl<'a> Search<'a> {
 
     /// The same by differences: of a pointer only its place is known.
     fn differences(&mut self, pose: &[f64], tip: Vector3<f64>) -> Vec<Vector3<f64>> {
-        let mut near = pose.to_vec();
+        let (mut near, ndof) = (pose.to_vec(), self.space.ranges.len());
         let column = |k: usize| {
-            near[k] = pose[k] + DIFFERENCE;
+            if !self.space.is_searched(k) {
+                return Vector3::zeros();
+            }
+            let at = self.space.plan.dofs[k].at;
+            near[at] = pose[at] + DIFFERENCE;
             let moved = self.tip(&near);
-            near[k] = pose[k];
+            near[at] = pose[at];
             (moved - tip) / DIFFERENCE
         };
-        (0..pose.len()).map(column).collect()
+        (0..ndof).map(column).collect()
     }
 
     /// Moves from `pose` towards the goal as far as possible.
@@ -263,22 +282,23 @@ impl<'a> Search<'a> {
 
     /// A step `J^T (J J^T + damping)^-1 way` of the coordinates that are not held by a limit, cut at the limits.
     fn moved(&self, pose: &[f64], jacobian: &[Vector3<f64>], way: Vector3<f64>, damping: f64) -> Vec<f64> {
+        let dofs = &self.space.plan.dofs;
         let held = |k: usize| {
-            let ([lo, hi], slope) = (self.space.ranges[k], jacobian[k].dot(&way));
-            pose[k] <= lo && slope < 0.0 || pose[k] >= hi && slope > 0.0
+            let (at, [lo, hi], slope) = (dofs[k].at, self.space.ranges[k], jacobian[k].dot(&way));
+            !self.space.is_searched(k) || pose[at] <= lo && slope < 0.0 || pose[at] >= hi && slope > 0.0
         };
-        let free: Vec<bool> = (0..pose.len()).map(|k| !held(k)).collect();
+        let free: Vec<bool> = (0..dofs.len()).map(|k| !held(k)).collect();
         let mut square = Matrix3::identity() * damping;
         for (column, _) in jacobian.iter().zip(&free).filter(|(_, free)| **free) {
             square += column * column.transpose();
         }
         // Positive definite, whatever the columns are.
         let dual = square.cholesky().map_or_else(Vector3::zeros, |c| c.solve(&way));
-        (0..pose.len())
-            .map(|k| {
-                let [lo, hi] = self.space.ranges[k];
-                if free[k] { (pose[k] + jacobian[k].dot(&dual)).clamp(lo, hi) } else { pose[k] }
-            })
-            .collect()
+        let mut moved = pose.to_vec();
+        for (k, dof) in dofs.iter().enumerate().filter(|(k, _)| free[*k]) {
+            let [lo, hi] = self.space.ranges[k];
+            moved[dof.at] = (pose[dof.at] + jacobian[k].dot(&dual)).clamp(lo, hi);
+        }
+        moved
     }
 }

@@ -124,11 +124,53 @@ impl<S: Scalar> Rotation<S> {
     pub fn times(&self, c: &[[S::Const; 3]; 3]) -> Self {
         Self { x: self.apply(Vec3::splat(c[0])), y: self.apply(Vec3::splat(c[1])), z: self.apply(Vec3::splat(c[2])) }
     }
+    /// This one after another one.
+    #[inline(always)]
+    pub fn after(&self, other: &Self) -> Self {
+        Self { x: self.apply(other.x), y: self.apply(other.y), z: self.apply(other.z) }
+    }
+    /// Of a quaternion (w, x, y, z) of any length but none.
+    #[inline(always)]
+    pub fn of_quaternion(quaternion: [S; 4]) -> Self {
+        let [w, x, y, z] = unit_quaternion(quaternion);
+        let (one, two) = (S::lit(1.0), S::lit(2.0));
+        let (xx, yy, zz) = (x * x, y * y, z * z);
+        let (xy, xz, yz, wx, wy, wz) = (x * y, x * z, y * z, w * x, w * y, w * z);
+        Self {
+            x: Vec3::new(one - two * (yy + zz), two * (xy + wz), two * (xz - wy)),
+            y: Vec3::new(two * (xy - wz), one - two * (xx + zz), two * (yz + wx)),
+            z: Vec3::new(two * (xz + wy), two * (yz - wx), one - two * (xx + yy)),
+        }
+    }
     /// Product with a rotation about the own z axis.
     #[inline(always)]
     pub fn times_about_z(&self, sin: S, cos: S) -> Self {
         Self { x: self.x.mul_add(cos, self.y.scale(sin)), y: self.y.mul_add(cos, self.x.scale(-sin)), z: self.z }
     }
+}
+
+/// Square of a length, or of an angle (rad^2), below which there is none.
+const NONE: f64 = 1e-30;
+
+/// A quaternion of length one.
+#[inline(always)]
+fn unit_quaternion<S: Scalar>(q: [S; 4]) -> [S; 4] {
+    let square = q[0].mul_add(q[0], q[1].mul_add(q[1], q[2].mul_add(q[2], q[3] * q[3])));
+    let inverse = square.max(S::lit(NONE)).rsqrt();
+    q.map(|part| part * inverse)
+}
+
+/// An orientation (w, x, y, z) after it has turned with a velocity (rad/s, in its own axes) for a time (s).
+#[inline(always)]
+pub fn turned_on<S: Scalar>(quaternion: [S; 4], velocity: Vec3<S>, time: S) -> [S; 4] {
+    let square = velocity.dot(velocity).max(S::lit(NONE));
+    let inverse = square.rsqrt();
+    let (sin, cos) = (square * inverse * time * S::lit(0.5)).sin_cos();
+    let [w, x, y, z] = unit_quaternion(quaternion);
+    let turn = velocity.scale(sin * inverse);
+    let vector = Vec3::new(x, y, z);
+    let Vec3 { x, y, z } = turn.scale(w) + vector.scale(cos) + vector.cross(turn);
+    [w * cos - vector.dot(turn), x, y, z]
 }
 
 /// A frame: axes and origin (m, from O).

@@ -64,7 +64,7 @@ impl Strength {
         let muscles = torques.muscles.iter().map(|torque| (scaled(torque), 1.0));
         let limits = plan.dofs.iter().enumerate().filter_map(|(k, dof)| {
             let [lo, hi] = dof.range?;
-            let way = f64::from(i8::from(pose[k] <= lo + AT_LIMIT) - i8::from(pose[k] >= hi - AT_LIMIT));
+            let way = f64::from(i8::from(pose[dof.at] <= lo + AT_LIMIT) - i8::from(pose[dof.at] >= hi - AT_LIMIT));
             (way != 0.0).then(|| ((0..plan.ndof()).map(|j| if j == k { way } else { 0.0 }).collect(), f64::INFINITY))
         });
         let columns: Vec<(Vec<f64>, f64)> = muscles.chain(limits).collect();

@@ -1,7 +1,7 @@
 //! Trying a plan out: does it stay finite under any controls?
 
 use crate::batch::Batch;
-use crate::plan::{Plan, PlanError};
+use crate::plan::{Dof, DofKind, Plan, PlanError};
 use myo_scalar::{Counter, Level, Scalar, Word, philox, seed_words, unit};
 
 /// Bodies tried side by side.
@@ -49,8 +49,13 @@ impl Plan<f64> {
 
     /// A pose within the limits.
     fn anywhere(&self, body: usize) -> Vec<f64> {
-        let range = |dof: usize| self.dofs[dof].range.unwrap_or([0.0; 2]);
-        (0..self.ndof()).map(|k| range(k)[0] + (range(k)[1] - range(k)[0]) * uniform(DRAWS, body, k)).collect()
+        let mut pose = self.qpos0.clone();
+        for (k, dof) in self.dofs.iter().enumerate() {
+            if let Some([lo, hi]) = dof.range {
+                pose[dof.at] = lo + (hi - lo) * uniform(DRAWS, body, k);
+            }
+        }
+        pose
     }
 
     fn controls(&self, draw: usize, body: usize) -> Vec<f32> {
@@ -61,12 +66,17 @@ impl Plan<f64> {
     /// A coordinate that is faster or farther out than any body's.
     fn runaway(&self, batch: &Batch, body: usize) -> Option<usize> {
         let (qpos, qvel) = (batch.qpos(body), batch.qvel(body));
-        let [lo, hi] =
-            [0, 1].map(|end| self.dofs.iter().map(move |dof| dof.range.map_or(0.0, |range| range[end] as f32)));
-        let is_fine =
-            |(((q, v), lo), hi): (((f32, f32), f32), f32)| v.abs() < TOO_FAST && q > lo - TOO_FAR && q < hi + TOO_FAR;
+        let is_fine = |(dof, speed): (&Dof<f64>, f32)| {
+            let (position, [lo, hi]) = (qpos[dof.at], dof.range.unwrap_or([0.0; 2]).map(|bound| bound as f32));
+            // A free body may fall, but not for ever faster.
+            let is_near = match dof.kind {
+                DofKind::Place => position.is_finite(),
+                DofKind::Joint | DofKind::Turn => position > lo - TOO_FAR && position < hi + TOO_FAR,
+            };
+            speed.abs() < TOO_FAST && is_near
+        };
         let is_active = batch.act(body).iter().all(|act| act.is_finite());
-        let stray = qpos.into_iter().zip(qvel).zip(lo).zip(hi).position(|coordinate| !is_fine(coordinate));
+        let stray = self.dofs.iter().zip(qvel).position(|coordinate| !is_fine(coordinate));
         stray.or((!is_active).then_some(0))
     }
 }

@@ -7,19 +7,19 @@ use myo_scalar::{Mask, Real, Scalar, Word};
 /// What changes from step to step: the body's full state.
 #[derive(Clone, Debug)]
 pub struct State<S> {
-    /// Generalised coordinates (rad or m), `ndof`.
+    /// Positions (rad or m; quaternions), `nq`.
     pub qpos: Vec<S>,
-    /// Their rates (1/s), `ndof`.
+    /// Rates of the generalised coordinates (rad/s or m/s), `ndof`.
     pub qvel: Vec<S>,
     /// Muscle activations, `nmuscle`.
     pub act: Vec<S>,
 }
 
 impl<S: Scalar> State<S> {
-    /// Everything at zero, of the sizes of a plan in any precision.
-    pub fn new<C>(plan: &Plan<C>) -> Self {
+    /// At rest in the pose of reference, of a plan in any precision.
+    pub fn new<C: Real>(plan: &Plan<C>) -> Self {
         let zeros = |n| vec![S::zero(); n];
-        Self { qpos: zeros(plan.ndof()), qvel: zeros(plan.ndof()), act: zeros(plan.nmuscle()) }
+        Self { qpos: plan.qpos0.iter().map(|q| S::lit(q.to_f64())).collect(), qvel: zeros(plan.ndof()), act: zeros(plan.nmuscle()) }
     }
 }
 

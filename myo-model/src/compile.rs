@@ -1,7 +1,7 @@
 //! From description to model: names become indices, and what elements say about each other is checked.
 
 use crate::check::{Bound, Check};
-use crate::description::{self as source, ModelDescription, PathElement, Shape};
+use crate::description::{self as source, JointKind, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
@@ -45,6 +45,7 @@ impl Model {
         let (bodies, body_index) = bodies(description)?;
         check_anthropometry(description, &body_index)?;
         let joints = joints(description, &body_index)?;
+        check_freedom(&bodies, &joints)?;
         check_moving_mass(&bodies, &joints)?;
         let couplings = couplings(description, &joints)?;
         let sites = sites(description, &body_index)?;
@@ -221,6 +222,38 @@ fn joints(description: &ModelDescription, bodies: &Index) -> Result<Vec<Joint>, 
     Ok(joints)
 }
 
+/// Free joints move bodies on the world and are their only joints; after a ball joint nothing turns the same body.
+fn check_freedom(bodies: &[Body], joints: &[Joint]) -> Result<(), ModelError> {
+    for (index, joint) in joints.iter().enumerate() {
+        let element = Element::new(ElementKind::Joint, &joint.name);
+        let parent = bodies[joint.body].parent;
+        if joint.kind == JointKind::Free && parent != WORLD {
+            return Err(ModelError::FreeBelow { element, parent: bodies[parent].name.clone() });
+        }
+        let before = joints[..index].iter().filter(|before| before.body == joint.body);
+        let takes_all = |before: &&Joint| match before.kind {
+            JointKind::Hinge | JointKind::Slide => joint.kind == JointKind::Free,
+            JointKind::Ball => joint.kind != JointKind::Slide,
+            JointKind::Free => true,
+        };
+        if let Some(before) = before.clone().find(takes_all) {
+            let (first, kind) = (before.name.clone(), kind_name(before.kind));
+            return Err(ModelError::Superfluous { element, first, kind });
+        }
+    }
+    Ok(())
+}
+
+/// The word for a kind of joint.
+fn kind_name(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Hinge => "hinge",
+        JointKind::Slide => "slide",
+        JointKind::Ball => "ball",
+        JointKind::Free => "free",
+    }
+}
+
 fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {
     let check = Check::new(ElementKind::Joint, &joint.name);
     let body = bodies.find(&joint.body, &check.element)?;
@@ -240,11 +273,14 @@ fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {
         check.within("range", &range, &Bound::JOINT_POSITION)?;
         check.ascending("range", range, "")?;
     }
+    if !joint.kind.is_scalar() {
+        check_many(joint, &check.element)?;
+    }
     Ok(Joint {
         name: joint.name.clone(),
         body,
         kind: joint.kind,
-        axis: check.direction("axis", joint.axis)?,
+        axis: if joint.kind.is_scalar() { check.direction("axis", joint.axis)? } else { Vector3::zeros() },
         pos: joint.pos.into(),
         range: joint.range,
         stiffness: joint.stiffness,
@@ -253,6 +289,23 @@ fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {
         armature: joint.armature,
         softness: joint.softness,
     })
+}
+
+/// What joints have no use for that more than one number tells the position of.
+fn check_many(joint: &source::Joint, element: &Element) -> Result<(), ModelError> {
+    let has = [
+        ("axis", joint.axis != [0.0; 3]),
+        ("range", joint.range.is_some()),
+        ("stiffness", joint.stiffness != 0.0),
+        ("spring_ref", joint.spring_ref != 0.0),
+        ("pos", joint.kind == JointKind::Free && joint.pos != [0.0; 3]),
+    ];
+    match has.into_iter().find(|(_, has)| *has) {
+        Some((field, _)) => {
+            Err(ModelError::NotOfKind { element: element.clone(), kind: kind_name(joint.kind), field })
+        }
+        None => Ok(()),
+    }
 }
 
 /// A body with joints needs mass and inertia, its own or those of bodies welded to it.
@@ -295,8 +348,23 @@ fn couplings(description: &ModelDescription, joints: &[Joint]) -> Result<Vec<Cou
             coupling.independent.as_deref().map(|leader| index.find(leader, &check.element)).transpose()?;
         couplings.push(Coupling { dependent, independent, polycoef: coupling.polycoef, softness: coupling.softness });
     }
+    check_scalar(&couplings, joints)?;
     check_chains(&couplings, joints)?;
     Ok(couplings)
+}
+
+fn check_scalar(couplings: &[Coupling], joints: &[Joint]) -> Result<(), ModelError> {
+    for coupling in couplings {
+        let coupled = [Some(coupling.dependent), coupling.independent].into_iter().flatten();
+        if let Some(joint) = coupled.map(|joint| &joints[joint]).find(|joint| !joint.kind.is_scalar()) {
+            return Err(ModelError::CouplesMany {
+                element: Element::new(ElementKind::Coupling, &joints[coupling.dependent].name),
+                joint: joint.name.clone(),
+                kind: kind_name(joint.kind),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn check_chains(couplings: &[Coupling], joints: &[Joint]) -> Result<(), ModelError> {

@@ -137,6 +137,26 @@ pub enum JointKind {
     Hinge,
     /// Translation along `axis` (m).
     Slide,
+    /// Any rotation about `pos`, as a quaternion.
+    Ball,
+    /// Any motion of a body on the world: its place there, and its orientation.
+    Free,
+}
+
+impl JointKind {
+    /// How many numbers tell the position of such a joint, and how many its rate.
+    pub fn sizes(self) -> [usize; 2] {
+        match self {
+            Self::Hinge | Self::Slide => [1, 1],
+            Self::Ball => [4, 3],
+            Self::Free => [7, 6],
+        }
+    }
+
+    /// Whether one number tells its position.
+    pub fn is_scalar(self) -> bool {
+        self.sizes() == [1, 1]
+    }
 }
 
 /// A joint between a body and its parent.
@@ -151,7 +171,8 @@ pub struct Joint {
     pub body: String,
     /// Kind of motion.
     pub kind: JointKind,
-    /// Unit axis in the body frame.
+    /// Unit axis in the body frame, of hinges and slides.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "is_zero"))]
     pub axis: [f64; 3],
     /// Anchor in the body frame (m).
     #[cfg_attr(feature = "files", serde(default))]
@@ -397,6 +418,11 @@ impl JsonSchema for Muscle {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         flat::Muscle::json_schema(generator)
     }
+}
+
+#[cfg(feature = "files")]
+fn is_zero(vector: &[f64; 3]) -> bool {
+    *vector == [0.0; 3]
 }
 
 #[cfg(feature = "files")]

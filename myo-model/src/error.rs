@@ -142,6 +142,44 @@ pub enum ModelError {
         /// The joint.
         element: Element,
     },
+    /// A joint has what joints of its kind have not.
+    #[error("{element} is a {kind} joint, which has no `{field}`; leave it out")]
+    NotOfKind {
+        /// The joint.
+        element: Element,
+        /// Its kind.
+        kind: &'static str,
+        /// The field.
+        field: &'static str,
+    },
+    /// A body that hangs on another one was to move freely.
+    #[error("{element} is a free joint, but its body hangs on `{parent}`; only bodies on `world` move freely")]
+    FreeBelow {
+        /// The joint.
+        element: Element,
+        /// What its body hangs on.
+        parent: String,
+    },
+    /// A joint that takes all freedom, or all turning, and then another one.
+    #[error("{element} follows the {kind} joint `{first}` of the same body, which leaves it nothing to do; drop one of them")]
+    Superfluous {
+        /// The later joint.
+        element: Element,
+        /// Name of the earlier one.
+        first: String,
+        /// Its kind.
+        kind: &'static str,
+    },
+    /// A coupling of joints that more than one number tells the position of.
+    #[error("{element}: joint `{joint}` is a {kind} joint; only hinges and slides follow and lead")]
+    CouplesMany {
+        /// The coupling.
+        element: Element,
+        /// The joint.
+        joint: String,
+        /// Its kind.
+        kind: &'static str,
+    },
     /// Bodies are each other's parents.
     #[error("{element} is its own ancestor; every chain of parents must end at `world`")]
     BodyCycle {

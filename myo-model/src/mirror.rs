@@ -49,6 +49,6 @@ fn axis(joint: &Joint) -> [f64; 3] {
     let [x, y, z] = joint.axis;
     match joint.kind {
         JointKind::Hinge => [-x, y, -z],
-        JointKind::Slide => point(joint.axis),
+        JointKind::Slide | JointKind::Ball | JointKind::Free => point(joint.axis),
     }
 }

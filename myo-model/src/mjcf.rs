@@ -137,6 +137,7 @@ fn joint_attributes(joint: &Joint) -> Vec<Attribute> {
     let kind = match joint.kind {
         JointKind::Hinge => "hinge",
         JointKind::Slide => "slide",
+        JointKind::Ball | JointKind::Free => return ball_or_free(joint),
     };
     let mut attributes = vec![
         ("name", text(&joint.name)),
@@ -154,6 +155,20 @@ fn joint_attributes(joint: &Joint) -> Vec<Attribute> {
     ];
     attributes.extend(joint.range.map(|range| ("range", numbers(&range))));
     attributes
+}
+
+/// A joint without axis, limit and spring.
+fn ball_or_free(joint: &Joint) -> Vec<Attribute> {
+    let kind = if joint.kind == JointKind::Free { "free" } else { "ball" };
+    vec![
+        ("name", text(&joint.name)),
+        ("type", text(kind)),
+        ("pos", numbers(joint.pos.as_slice())),
+        ("limited", text("false")),
+        ("stiffness", number(0.0)),
+        ("damping", number(joint.damping)),
+        ("armature", number(joint.armature)),
+    ]
 }
 
 fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {

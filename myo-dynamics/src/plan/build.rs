@@ -1,8 +1,9 @@
 //! From a model to the exact plan: one link per moving joint, frames turned so that every joint acts along z.
 
+use super::coordinates::Coordinates;
 use super::{
-    Body, Branch, ContactPair, ContactSphere, CouplingMode, CurvedJoint, Dof, Drive, Elements, Elimination, Equality,
-    FixedFrame, Form, Limit, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
+    BallAxis, Body, Branch, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination, Equality,
+    FixedFrame, Form, JointCoordinates, Limit, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
     SegmentPair, Stretch, TendonLimit, Tendons, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
@@ -38,11 +39,11 @@ impl Plan<f64> {
         if model.muscles.is_empty() {
             return Err(PlanError::NoMuscles);
         }
-        let drives = drives(model, coupling);
-        if drives.iter().all(|drive| drive.dof.is_none()) {
+        let coordinates = Coordinates::of(model, coupling);
+        if !coordinates.joints.iter().any(JointCoordinates::moves) {
             return Err(PlanError::NothingMoves);
         }
-        let tree = Tree::new(model, &drives);
+        let tree = Tree::new(model, &coordinates);
         let tendons = tendons(model, &tree)?;
         let tendon_limits = tendon_limits(model, &tree);
         let bodies = tree.bodies(model);
@@ -56,7 +57,12 @@ impl Plan<f64> {
             implicit_damping: model.options.implicit_joint_damping,
             gravity: model.options.gravity,
             origin: model.shoulder_in_zero_pose().into(),
-            dofs: dofs(model, &drives),
+            curved_joints: coordinates.curved_joints(model),
+            limits: limits(model, &coordinates),
+            equalities: if coupling == CouplingMode::Soft { equalities(model, &coordinates) } else { vec![] },
+            dofs: coordinates.dofs,
+            balls: coordinates.balls,
+            qpos0: coordinates.qpos0,
             screws: tree.screws,
             links: tree.links,
             bodies,
@@ -64,20 +70,17 @@ impl Plan<f64> {
             mass_terms: vec![],
             elimination: Elimination::default(),
             projections: vec![],
-            curved_joints: curved_joints(model, &drives),
             profiled: vec![],
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
             smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
-            limits: limits(model, &drives),
             tendon_limits,
-            equalities: if coupling == CouplingMode::Soft { equalities(model) } else { vec![] },
             fingertip,
             arm: None,
             contact_sphere: sphere,
             pairs,
-            joints: drives,
+            joints: coordinates.joints,
             elements,
         };
         plan.connect();
@@ -127,12 +130,15 @@ impl Plan<f64> {
     }
 
     fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) -> Result<(), PlanError> {
-        let joints = (0..model.joints.len()).filter(|&joint| is_limited(&model.joints[joint], &self.joints[joint]));
+        // It was measured with every joint a coordinate.
+        let rates = |joints: &[myo_model::model::Joint]| joints.iter().map(|joint| joint.kind.sizes()[1]).sum::<usize>();
+        let of = |joint: usize| reference.inverse_inertia[rates(&model.joints[..joint])];
+        let is_limited = |&joint: &usize| limited(&model.joints[joint], &self.joints[joint]).is_some();
+        let joints = (0..model.joints.len()).filter(is_limited);
         for (limit, joint) in self.limits.iter_mut().zip(joints) {
-            limit.diagonal = reference.joint_inverse_inertia[joint];
+            limit.diagonal = of(joint);
         }
         for (equality, coupling) in self.equalities.iter_mut().zip(&model.couplings) {
-            let of = |joint: usize| reference.joint_inverse_inertia[joint];
             equality.diagonal = of(coupling.dependent) + coupling.independent.map_or(0.0, of);
         }
         if let Some(sphere) = &mut self.contact_sphere {
@@ -163,92 +169,21 @@ fn check_geoms(model: &Model) -> Result<(), PlanError> {
     }
 }
 
-/// Position of every joint as a function of the generalised coordinates.
-fn drives(model: &Model, coupling: CouplingMode) -> Vec<Drive<f64>> {
-    let coupled = |joint: usize| match coupling {
-        CouplingMode::Reduced => model.couplings.iter().find(|c| c.dependent == joint),
-        CouplingMode::Soft => None,
+/// How a joint moves that can come to a limit: one that is held at a position cannot.
+fn limited<'a>(
+    joint: &myo_model::model::Joint,
+    place: &'a JointCoordinates<f64>,
+) -> Option<(&'a Drive<f64>, [f64; 2])> {
+    Some((place.drive().filter(|drive| drive.dof.is_some())?, joint.range?))
+}
+
+fn limits(model: &Model, coordinates: &Coordinates) -> Vec<Limit<f64>> {
+    let row = |(joint, place): (&myo_model::model::Joint, &JointCoordinates<f64>)| {
+        let (&drive, range) = limited(joint, place)?;
+        let impedance = Impedance::new(&joint.softness, model.options.timestep);
+        Some(Limit { drive, range, impedance, diagonal: 0.0 })
     };
-    let mut dof_of_joint = vec![None; model.joints.len()];
-    let mut count = 0;
-    for (joint, dof) in dof_of_joint.iter_mut().enumerate() {
-        if coupled(joint).is_none() {
-            *dof = Some(count);
-            count += 1;
-        }
-    }
-    (0..model.joints.len())
-        .map(|joint| match coupled(joint) {
-            None => drive(dof_of_joint[joint], [0.0, 1.0, 0.0, 0.0, 0.0]),
-            Some(c) => drive(c.independent.and_then(|leader| dof_of_joint[leader]), c.polycoef),
-        })
-        .collect()
-}
-
-fn drive(dof: Option<usize>, poly: [f64; 5]) -> Drive<f64> {
-    let form = match poly {
-        [0.0, 1.0, 0.0, 0.0, 0.0] => Form::Identity,
-        [_, _, 0.0, 0.0, 0.0] => Form::Linear,
-        _ => Form::Curved,
-    };
-    Drive { dof, poly, form }
-}
-
-/// Generalised coordinates with the passive forces of all joints that follow them linearly.
-fn dofs(model: &Model, drives: &[Drive<f64>]) -> Vec<Dof<f64>> {
-    let leaders = model.joints.iter().zip(drives).filter(|(_, drive)| drive.form == Form::Identity);
-    let mut dofs: Vec<Dof<f64>> = leaders
-        .map(|(joint, _)| Dof {
-            name: joint.name.clone(),
-            range: joint.range,
-            stiffness: 0.0,
-            spring_torque: 0.0,
-            damping: 0.0,
-            armature: 0.0,
-        })
-        .collect();
-    for (joint, drive) in model.joints.iter().zip(drives).filter(|(_, drive)| drive.form != Form::Curved) {
-        let Some(dof) = drive.dof else { continue };
-        let [constant, slope, ..] = drive.poly;
-        let dof = &mut dofs[dof];
-        dof.stiffness += joint.stiffness * slope * slope;
-        dof.spring_torque += joint.stiffness * slope * (constant - joint.spring_ref);
-        dof.damping += joint.damping * slope * slope;
-        dof.armature += joint.armature * slope * slope;
-    }
-    dofs
-}
-
-fn curved_joints(model: &Model, drives: &[Drive<f64>]) -> Vec<CurvedJoint<f64>> {
-    let curved = model.joints.iter().zip(drives).filter(|(_, drive)| drive.form == Form::Curved && drive.dof.is_some());
-    curved
-        .map(|(joint, &drive)| CurvedJoint {
-            drive,
-            stiffness: joint.stiffness,
-            spring_ref: joint.spring_ref,
-            damping: joint.damping,
-            armature: joint.armature,
-        })
-        .collect()
-}
-
-/// Whether a joint can come to a limit: one that is held at a position cannot.
-fn is_limited(joint: &myo_model::model::Joint, drive: &Drive<f64>) -> bool {
-    joint.range.is_some() && drive.dof.is_some()
-}
-
-fn limits(model: &Model, drives: &[Drive<f64>]) -> Vec<Limit<f64>> {
-    let limited = model.joints.iter().zip(drives).filter(|(joint, drive)| is_limited(joint, drive));
-    limited
-        .filter_map(|(joint, &drive)| {
-            Some(Limit {
-                drive,
-                range: joint.range?,
-                impedance: Impedance::new(&joint.softness, model.options.timestep),
-                diagonal: 0.0,
-            })
-        })
-        .collect()
+    model.joints.iter().zip(&coordinates.joints).filter_map(row).collect()
 }
 
 fn tendon_limits(model: &Model, tree: &Tree) -> Vec<TendonLimit<f64>> {
@@ -266,14 +201,19 @@ fn tendon_limits(model: &Model, tree: &Tree) -> Vec<TendonLimit<f64>> {
     model.muscles.iter().enumerate().filter_map(row).collect()
 }
 
-fn equalities(model: &Model) -> Vec<Equality<f64>> {
-    let row = |c: &myo_model::model::Coupling| Equality {
-        dependent: c.dependent,
-        drive: drive(c.independent, c.polycoef),
-        impedance: Impedance::new(&c.softness, model.options.timestep),
-        diagonal: 0.0,
+fn equalities(model: &Model, coordinates: &Coordinates) -> Vec<Equality<f64>> {
+    let place = |joint: usize| coordinates.joints[joint].drive().and_then(Drive::place);
+    let row = |c: &myo_model::model::Coupling| {
+        let (dependent, at) = place(c.dependent)?;
+        Some(Equality {
+            dependent,
+            at,
+            drive: Drive::of(c.independent.and_then(place), c.polycoef),
+            impedance: Impedance::new(&c.softness, model.options.timestep),
+            diagonal: 0.0,
+        })
     };
-    model.couplings.iter().map(row).collect()
+    model.couplings.iter().filter_map(row).collect()
 }
 
 /// Links, and where every body of the model sits on them at joint position zero.
@@ -284,13 +224,12 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    fn new(model: &Model, drives: &[Drive<f64>]) -> Self {
-        let ndof = drives.iter().filter(|d| d.form == Form::Identity).count();
+    fn new(model: &Model, coordinates: &Coordinates) -> Self {
         let world = Link {
             parent: 0,
             motion: LinkMotion::Fixed,
-            drive: Drive { dof: None, poly: [0.0; 5], form: Form::Linear },
-            screw_of_dof: vec![None; ndof],
+            drive: Drive::of(None, [0.0; 5]),
+            screw_of_dof: vec![None; coordinates.dofs.len()],
         };
         // Everything is measured from the shoulder centre.
         let origin =
@@ -299,11 +238,21 @@ impl Tree {
         for (index, body) in model.bodies.iter().enumerate().skip(1) {
             let (mut link, parent) = tree.placement[body.parent];
             let mut place = parent * Isometry3::from_parts(Translation3::from(body.pos), body.quat);
-            for (joint, &drive) in model.joints.iter().zip(drives).filter(|(joint, _)| joint.body == index) {
-                if drive.dof.is_some() {
-                    (link, place) = tree.add_link(joint, drive, link, place);
-                } else {
-                    place *= locked(joint, drive.poly[0]);
+            for (joint, own) in model.joints.iter().zip(&coordinates.joints).filter(|(joint, _)| joint.body == index) {
+                match own {
+                    JointCoordinates::One(drive) if drive.dof.is_some() => {
+                        let motion = if joint.kind == JointKind::Hinge { LinkMotion::Hinge } else { LinkMotion::Slide };
+                        (link, place) = tree.add_link((joint.pos, joint.axis), motion, *drive, (link, place));
+                    }
+                    JointCoordinates::One(drive) => place *= locked(joint, drive.poly[0]),
+                    JointCoordinates::Many { qpos, qvel } => {
+                        let mut start = (qpos.start, qvel.start);
+                        if joint.kind == JointKind::Free {
+                            (link, place) = tree.add_place(origin, start);
+                            start = (start.0 + 3, start.1 + 3);
+                        }
+                        (link, place) = tree.add_ball(joint.pos, start, (link, place));
+                    }
                 }
             }
             tree.placement.push((link, place));
@@ -312,32 +261,55 @@ impl Tree {
         tree
     }
 
-    /// Appends the link behind a joint; returns it with the body's place on it.
+    /// Appends the link behind a hinge or slide, whose anchor and axis are given in the frame of its body; returns it with the body's
+    /// place on it.
     fn add_link(
         &mut self,
-        joint: &myo_model::model::Joint,
+        (anchor, axis): (Vector3<f64>, Vector3<f64>),
+        motion: impl Fn(Placement<f64>) -> LinkMotion<f64>,
         drive: Drive<f64>,
-        parent: usize,
-        place: Isometry3<f64>,
+        (parent, place): (usize, Isometry3<f64>),
     ) -> (usize, Isometry3<f64>) {
-        let anchor = place * nalgebra::Point3::from(joint.pos);
-        let axes = frame_along(place.rotation * joint.axis);
-        let placement = Placement {
-            offset: anchor.coords.into(),
-            axes: axes.map(|r| {
-                [r.column(0).into_owned().into(), r.column(1).into_owned().into(), r.column(2).into_owned().into()]
-            }),
-        };
-        let motion = match joint.kind {
-            JointKind::Hinge => LinkMotion::Hinge(placement),
-            JointKind::Slide => LinkMotion::Slide(placement),
-        };
+        let anchor = place * nalgebra::Point3::from(anchor);
+        let axes = frame_along(place.rotation * axis);
+        let motion = motion(Placement::new(anchor.coords, axes));
         self.links.push(Link { parent, motion, drive, screw_of_dof: vec![] });
         let turn = axes.map_or_else(UnitQuaternion::identity, |r| {
             UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(r))
         });
         let frame = Isometry3::from_parts(Translation3::from(anchor.coords), turn);
         (self.links.len() - 1, frame.inverse() * place)
+    }
+
+    /// Appends the links that carry a free body along the axes of the world, whose origin is given; its place is not turned yet.
+    fn add_place(&mut self, origin: Isometry3<f64>, (at, dof): (usize, usize)) -> (usize, Isometry3<f64>) {
+        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+        axes.into_iter().enumerate().fold((0, origin), |reached, (k, axis)| {
+            let drive = Drive::of(Some((dof + k, at + k)), [0.0, 1.0, 0.0, 0.0, 0.0]);
+            self.add_link((Vector3::zeros(), axis), LinkMotion::Slide, drive, reached)
+        })
+    }
+
+    /// Appends the three links of a ball joint; returns the last with the body's place on it.
+    fn add_ball(
+        &mut self,
+        anchor: Vector3<f64>,
+        (at, dof): (usize, usize),
+        (parent, place): (usize, Isometry3<f64>),
+    ) -> (usize, Isometry3<f64>) {
+        let turned = place.rotation.to_rotation_matrix().into_inner();
+        let is_parallel = (turned - Matrix3::identity()).amax() <= PARALLEL;
+        let offset = place * nalgebra::Point3::from(anchor);
+        let placement = Placement::new(offset.coords, (!is_parallel).then_some(turned));
+        for axis in 0..3 {
+            self.links.push(Link {
+                parent: if axis == 0 { parent } else { self.links.len() - 1 },
+                motion: LinkMotion::Ball(BallAxis { placement: placement.clone(), at, axis }),
+                drive: Drive::of(Some((dof + axis, at)), [0.0, 1.0, 0.0, 0.0, 0.0]),
+                screw_of_dof: vec![],
+            });
+        }
+        (self.links.len() - 1, Isometry3::translation(-anchor.x, -anchor.y, -anchor.z))
     }
 
     pub(super) fn point(&self, body: usize, position: Vector3<f64>) -> Point<f64> {
@@ -404,6 +376,13 @@ impl Tree {
     }
 }
 
+impl Placement<f64> {
+    fn new(offset: Vector3<f64>, axes: Option<Matrix3<f64>>) -> Self {
+        let column = |r: &Matrix3<f64>, k: usize| r.column(k).into_owned().into();
+        Self { offset: offset.into(), axes: axes.map(|r| [column(&r, 0), column(&r, 1), column(&r, 2)]) }
+    }
+}
+
 /// Gives every link its screw for every coordinate that moves it; returns the screws beyond one per link.
 pub(super) fn assign_screws(links: &mut [Link<f64>]) -> Vec<Screw> {
     let mut further = vec![];
@@ -429,6 +408,7 @@ fn locked(joint: &myo_model::model::Joint, position: f64) -> Isometry3<f64> {
         JointKind::Slide => {
             Isometry3::from_parts(Translation3::from(joint.axis * position), UnitQuaternion::identity())
         }
+        JointKind::Ball | JointKind::Free => unreachable!("only hinges and slides follow others"),
         JointKind::Hinge => {
             let turn = UnitQuaternion::from_axis_angle(&Unit::new_normalize(joint.axis), position);
             Isometry3::from_parts(Translation3::from(joint.pos - turn * joint.pos), turn)

@@ -1,8 +1,8 @@
 //! The same plan in another precision.
 
 use super::{
-    Body, Branch, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements,
-    EnergyProfile, Equality, FixedFrame, HingeSegment, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point,
+    BallAxis, Body, Branch, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements,
+    EnergyProfile, Equality, FixedFrame, HingeSegment, JointCoordinates, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point,
     PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, TendonLimit, Tendons,
 };
 use crate::cast::{Cast, cast};
@@ -17,16 +17,16 @@ impl Plan<f64> {
 
 cast! {
     Plan {
-        timestep, gravity, origin, dofs, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
+        timestep, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
         equalities, fingertip, arm, contact_sphere, pairs, joints, elements;
-        implicit_damping, screws, sets, mass_terms, elimination, projections, smooth_activation
+        implicit_damping, balls, screws, sets, mass_terms, elimination, projections, smooth_activation
     }
     Elements { bodies, sites, wraps }
-    Dof { range, stiffness, spring_torque, damping, armature; name }
-    Drive { poly; dof, form }
+    Dof { range, stiffness, spring_torque, damping, armature; name, kind, at }
+    Drive { poly; dof, at, form }
     Link { motion, drive; parent, screw_of_dof }
     Placement { offset, axes }
-    ProfiledCoordinate { domain; dof }
+    ProfiledCoordinate { domain; dof, at }
     PoseProfile { axes, position, screw, screw_rate; coordinate }
     Body { mass, com, isotropic, arms; link }
     CurvedJoint { drive, stiffness, spring_ref, damping, armature }
@@ -43,7 +43,8 @@ cast! {
     Stretch { round, ends, local, side; muscle }
     Limit { drive, range, impedance, diagonal }
     TendonLimit { range, margin, impedance, diagonal; muscle, dofs }
-    Equality { drive, impedance, diagonal; dependent }
+    Equality { drive, impedance, diagonal; dependent, at }
+    BallAxis { placement; at, axis }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
     ContactPair { parts, far, margin, friction, impedance, diagonal; is_slippery }
     Part { frame, form, body_com }
@@ -56,7 +57,18 @@ impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for LinkMotion<C> {
             Self::Fixed => LinkMotion::Fixed,
             Self::Hinge(placement) => LinkMotion::Hinge(placement.cast()),
             Self::Slide(placement) => LinkMotion::Slide(placement.cast()),
+            Self::Ball(ball) => LinkMotion::Ball(ball.cast()),
             Self::Profile(profile) => LinkMotion::Profile(profile.cast()),
+        }
+    }
+}
+
+impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for JointCoordinates<C> {
+    type Output = JointCoordinates<D>;
+    fn cast(&self) -> JointCoordinates<D> {
+        match self {
+            Self::One(drive) => JointCoordinates::One(drive.cast()),
+            Self::Many { qpos, qvel } => JointCoordinates::Many { qpos: qpos.clone(), qvel: qvel.clone() },
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod build;
 mod cast;
+mod coordinates;
 mod elimination;
 mod mass;
 mod pairs;
@@ -21,6 +22,7 @@ use crate::polynomial::{Domain, Polynomial};
 use crate::step::kinematics::joint_state;
 use myo_muscle::Muscle;
 use myo_scalar::{Real, Scalar};
+use std::ops::Range;
 
 /// What becomes of joint couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -44,8 +46,12 @@ pub struct Plan<C> {
     pub gravity: [C; 3],
     /// Position of O in the model's world (m): what to add to a position of this plan to get the model's.
     pub origin: [C; 3],
-    /// Generalised coordinates.
+    /// Generalised coordinates, as many as there are rates.
     pub dofs: Vec<Dof<C>>,
+    /// Orientations, each of four positions and three rates.
+    pub balls: Vec<Ball>,
+    /// Positions in the pose of reference: joints at zero, free bodies where the model puts them.
+    pub qpos0: Vec<C>,
     /// Moving frames, parents first; entry 0 is the world.
     pub links: Vec<Link<C>>,
     /// Screws beyond the one of each link: number `links.len() + k`.
@@ -87,7 +93,7 @@ pub struct Plan<C> {
     /// Parts of the body that do not pass through each other.
     pub pairs: Vec<ContactPair<C>>,
     /// Where each joint of the model finds its position.
-    pub joints: Vec<Drive<C>>,
+    pub joints: Vec<JointCoordinates<C>>,
     /// For drawing: where the model's elements are. Only exact plans have them; specialised ones drop links.
     pub elements: Elements<C>,
 }
@@ -107,8 +113,13 @@ pub struct Elements<C> {
 /// `tau = -(stiffness * q + spring_torque) - damping * qvel`.
 #[derive(Clone, Debug)]
 pub struct Dof<C> {
-    /// Name of the joint.
+    /// Name of the joint; of one with several coordinates with `_tx`, `_ty`, `_tz` (along the axes of the world) or `_rx`, `_ry`, `_rz`
+    /// (about those of the body).
     pub name: String,
+    /// What it is.
+    pub kind: DofKind,
+    /// Which entry of `qpos` is its position; of a turn the first of four.
+    pub at: usize,
     /// Limits of the joint, if limited (rad).
     pub range: Option<[C; 2]>,
     /// Sum of springs (N m/rad).
@@ -121,11 +132,47 @@ pub struct Dof<C> {
     pub armature: C,
 }
 
+/// What a coordinate is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DofKind {
+    /// A hinge or slide.
+    Joint,
+    /// A place of a free body along an axis of the world.
+    Place,
+    /// A turn of a ball joint or free body about an axis of the body.
+    Turn,
+}
+
+/// An orientation (w, x, y, z) and its rate (rad/s) in the turned axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ball {
+    /// The first of four entries of `qpos`.
+    pub at: usize,
+    /// The first of three coordinates.
+    pub dof: usize,
+}
+
+/// Where a joint of the model finds its position.
+#[derive(Clone, Debug, PartialEq)]
+pub enum JointCoordinates<C> {
+    /// In one number, which a coordinate is or drives.
+    One(Drive<C>),
+    /// In several, of a ball or free joint.
+    Many {
+        /// Entries of `qpos`.
+        qpos: Range<usize>,
+        /// Coordinates.
+        qvel: Range<usize>,
+    },
+}
+
 /// A joint position as a function of a generalised coordinate: `p(q)`, or constant without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive<C> {
     /// The coordinate.
     pub dof: Option<usize>,
+    /// Which entry of `qpos` is its position.
+    pub at: usize,
     /// Coefficients, constant first.
     pub poly: [C; 5],
     /// What the polynomial amounts to.
@@ -165,8 +212,22 @@ pub enum LinkMotion<C> {
     Hinge(Placement<C>),
     /// It slides along its own z axis.
     Slide(Placement<C>),
+    /// It turns as a quaternion says, as far as this is known before its last axis: three links in a row are a ball joint, and all three
+    /// are turned as the last one.
+    Ball(BallAxis<C>),
     /// Its pose in the world is a function of one coordinate.
     Profile(Box<PoseProfile<C>>),
+}
+
+/// One of the three links of a ball joint.
+#[derive(Clone, Debug)]
+pub struct BallAxis<C> {
+    /// Frame of the unturned joint, in that of the link before all three.
+    pub placement: Placement<C>,
+    /// Where its quaternion begins in `qpos`.
+    pub at: usize,
+    /// The axis, from 0.
+    pub axis: usize,
 }
 
 /// Frame of a link at joint position zero, in its parent's frame.
@@ -185,6 +246,8 @@ pub struct Placement<C> {
 pub struct ProfiledCoordinate<C> {
     /// The coordinate.
     pub dof: usize,
+    /// Which entry of `qpos` is its position.
+    pub at: usize,
     /// Its interval.
     pub domain: Domain<C>,
 }
@@ -504,6 +567,8 @@ pub struct Limit<C> {
 pub struct Equality<C> {
     /// The coordinate that follows.
     pub dependent: usize,
+    /// Which entry of `qpos` is its position.
+    pub at: usize,
     /// What it follows.
     pub drive: Drive<C>,
     /// Softness.
@@ -536,6 +601,10 @@ impl<C> Plan<C> {
     pub fn ndof(&self) -> usize {
         self.dofs.len()
     }
+    /// Number of positions: as many as coordinates, and one more for each orientation.
+    pub fn nq(&self) -> usize {
+        self.qpos0.len()
+    }
     /// Number of muscles.
     pub fn nmuscle(&self) -> usize {
         self.muscles.len()
@@ -543,14 +612,27 @@ impl<C> Plan<C> {
 }
 
 impl<C: Real> Plan<C> {
-    /// Positions of all joints of the model, coupled ones included, in the model's order.
+    /// Positions of all joints of the model, coupled ones included, in the model's order: MuJoCo's `qpos`.
     pub fn joint_positions<S: Scalar<Const = C>>(&self, qpos: &[S]) -> Vec<S> {
-        self.joints.iter().map(|drive| joint_state(drive, qpos, qpos).position).collect()
+        let of = |joint: &JointCoordinates<C>| match joint {
+            JointCoordinates::One(drive) => vec![joint_state(drive, qpos, &self.still()).position],
+            JointCoordinates::Many { qpos: own, .. } => qpos[own.clone()].to_vec(),
+        };
+        self.joints.iter().flat_map(of).collect()
     }
 
-    /// Rates of all joints of the model.
+    /// Rates of all joints of the model: MuJoCo's `qvel`.
     pub fn joint_rates<S: Scalar<Const = C>>(&self, qpos: &[S], qvel: &[S]) -> Vec<S> {
-        self.joints.iter().map(|drive| joint_state(drive, qpos, qvel).rate).collect()
+        let of = |joint: &JointCoordinates<C>| match joint {
+            JointCoordinates::One(drive) => vec![joint_state(drive, qpos, qvel).rate],
+            JointCoordinates::Many { qvel: own, .. } => qvel[own.clone()].to_vec(),
+        };
+        self.joints.iter().flat_map(of).collect()
+    }
+
+    /// No rates.
+    fn still<S: Scalar<Const = C>>(&self) -> Vec<S> {
+        vec![S::zero(); self.ndof()]
     }
 }
 

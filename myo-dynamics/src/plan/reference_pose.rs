@@ -9,8 +9,8 @@ use crate::workspace::{State, Workspace};
 
 /// What is measured.
 pub(super) struct ReferencePose {
-    /// Diagonal of the inverse mass matrix, per joint.
-    pub joint_inverse_inertia: Vec<f64>,
+    /// Diagonal of the inverse mass matrix, per coordinate.
+    pub inverse_inertia: Vec<f64>,
     /// Mean inverse mass of the body that carries the contact sphere (1/kg).
     pub sphere_inverse_mass: f64,
     /// The same of both bodies of each pair of parts that touch.
@@ -42,7 +42,7 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
         b
     };
     let unit = |k: usize| (0..n).map(|j| f64::from(u8::from(j == k))).collect::<Vec<f64>>();
-    let joint_inverse_inertia = (0..n).map(|k| solve(&ws, unit(k))[k]).collect();
+    let inverse_inertia = (0..n).map(|k| solve(&ws, unit(k))[k]).collect();
     let arms = |muscle: usize| force::moment_arms(plan, muscle, &mut ws.clone());
     let acc0 =
         (0..plan.nmuscle()).map(|muscle| solve(&ws, arms(muscle)).iter().map(|a| a * a).sum::<f64>().sqrt()).collect();
@@ -55,12 +55,12 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     let sphere_inverse_mass = plan.contact_sphere.as_ref().map_or(0.0, |sphere| mass_at(&sphere.body_com));
     let of_pair = |pair: &ContactPair<f64>| [mass_at(&pair.parts[0].body_com), mass_at(&pair.parts[1].body_com)];
     let pair_inverse_masses = plan.pairs.iter().map(of_pair).collect();
-    Ok(ReferencePose { joint_inverse_inertia, sphere_inverse_mass, pair_inverse_masses, tendon_inverse_masses, acc0 })
+    Ok(ReferencePose { inverse_inertia, sphere_inverse_mass, pair_inverse_masses, tendon_inverse_masses, acc0 })
 }
 
 /// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).
 pub(super) fn inertias(plan: &Plan<f64>) -> Result<Vec<f64>, PlanError> {
-    Ok(measure(plan)?.joint_inverse_inertia.into_iter().map(f64::recip).collect())
+    Ok(measure(plan)?.inverse_inertia.into_iter().map(f64::recip).collect())
 }
 
 /// Mean inverse mass (1/kg) that the body of a point feels there; MuJoCo's `body_invweight0`.

@@ -8,7 +8,7 @@
 
 use super::build::assign_screws;
 use super::{
-    DoubleHingeSegment, Drive, Elements, EnergyProfile, Form, HingeSegment, Link, LinkMotion, Part, Placement, Plan,
+    DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part, Placement, Plan,
     Point, PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
 };
 use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
@@ -49,10 +49,10 @@ impl Plan<f64> {
         if girdle.len() < 2 {
             return None;
         }
-        let samples = Samples::take(self, dof)?;
+        let (samples, at) = (Samples::take(self, dof)?, self.dofs[dof].at);
         let fixed_or_girdle = |link: usize| link == 0 || girdle.contains(&link);
         let mut plan = self.clone();
-        plan.profiled.push(ProfiledCoordinate { dof, domain: samples.domain });
+        plan.profiled.push(ProfiledCoordinate { dof, at, domain: samples.domain });
         plan.fold_length_profiles(&samples, fixed_or_girdle)?;
         plan.energy_profiles.push(samples.energy(self, &girdle)?);
         plan.bodies.retain(|body| !girdle.contains(&body.link));
@@ -60,7 +60,7 @@ impl Plan<f64> {
         for &link in girdle.intersection(&needed) {
             plan.links[link].motion = LinkMotion::Profile(Box::new(samples.pose(link)?));
             plan.links[link].parent = 0;
-            plan.links[link].drive = Drive { dof: Some(dof), poly: [0.0, 1.0, 0.0, 0.0, 0.0], form: Form::Identity };
+            plan.links[link].drive = Drive::of(Some((dof, at)), [0.0, 1.0, 0.0, 0.0, 0.0]);
         }
         plan.keep_links(|link| !girdle.contains(&link) || needed.contains(&link));
         Some(plan)
@@ -249,7 +249,7 @@ impl Samples {
         let sample = |plan: &Plan<f64>, speed: f64| -> Vec<Workspace<f64>> {
             let at = |t: f64| {
                 let (mut state, mut ws) = (State::<f64>::new(plan), Workspace::<f64>::new(plan));
-                (state.qpos[dof], state.qvel[dof]) = (domain.at(t), speed);
+                (state.qpos[plan.dofs[dof].at], state.qvel[dof]) = (domain.at(t), speed);
                 kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
                 inertia::resist(plan, &mut ws);
                 ws

@@ -56,7 +56,7 @@ pub fn equalities<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut W
         if let Some(dof) = equality.drive.dof {
             row[dof] -= leader.slope;
         }
-        let violation = state.qpos[equality.dependent] - leader.position;
+        let violation = state.qpos[equality.at] - leader.position;
         let velocity = state.qvel[equality.dependent] - leader.rate;
         let (weight, reference) = equality.impedance.row(violation, velocity, S::splat(equality.diagonal));
         let always = S::Mask::splat(true);

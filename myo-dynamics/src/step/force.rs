@@ -1,6 +1,6 @@
 //! Generalised forces: passive joint forces, what acts along profiles, and the work of wrenches on screws.
 
-use crate::plan::{LinkSet, Plan};
+use crate::plan::{DofKind, LinkSet, Plan};
 use crate::spatial::Wrench;
 use crate::step::kinematics::joint_state;
 use crate::step::tendon;
@@ -13,7 +13,9 @@ pub fn passive<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Work
     ws.wrench.fill(Wrench::zero());
     ws.joint_torque.fill(S::zero());
     for (k, dof) in plan.dofs.iter().enumerate() {
-        let spring = S::splat(dof.stiffness).mul_add(state.qpos[k], S::splat(dof.spring_torque));
+        // What turns any way has no spring.
+        let position = if dof.kind == DofKind::Turn { S::zero() } else { state.qpos[dof.at] };
+        let spring = S::splat(dof.stiffness).mul_add(position, S::splat(dof.spring_torque));
         ws.torque[k] = -(S::splat(dof.damping).mul_add(state.qvel[k], spring));
     }
     for joint in &plan.curved_joints {

@@ -1,6 +1,6 @@
 //! Joint positions, poses, screws, velocities and drift accelerations of all links.
 
-use crate::plan::{Drive, Form, Link, LinkMotion, Placement, Plan, PoseProfile};
+use crate::plan::{BallAxis, Drive, Form, Link, LinkMotion, Placement, Plan, PoseProfile};
 use crate::polynomial::Polynomial;
 use crate::spatial::{Motion, Rotation, Vec3};
 use crate::workspace::{JointState, ProfiledState, Workspace};
@@ -10,7 +10,7 @@ use myo_scalar::Scalar;
 #[inline(always)]
 pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: &mut Workspace<S>) {
     for (at, coordinate) in ws.profiled.iter_mut().zip(&plan.profiled) {
-        (at.argument, at.is_free) = coordinate.domain.map(qpos[coordinate.dof]);
+        (at.argument, at.is_free) = coordinate.domain.map(qpos[coordinate.at]);
         at.speed = qvel[coordinate.dof].only(at.is_free);
     }
     // Gravity acts like an upward acceleration of the world.
@@ -26,6 +26,11 @@ pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: 
             }
             LinkMotion::Slide(placement) => {
                 slide(index, link, placement, joint_state(&link.drive, qpos, qvel), ws);
+            }
+            LinkMotion::Ball(ball) => {
+                let before = index - ball.axis;
+                let joint = joint_state(&link.drive, qpos, qvel);
+                turn(index, (link.parent, plan.links[before].parent), ball, qpos, joint, ws);
             }
             LinkMotion::Profile(profile) => {
                 let joint = joint_state(&link.drive, qpos, qvel);
@@ -51,7 +56,7 @@ pub fn joint_state<S: Scalar>(drive: &Drive<S::Const>, qpos: &[S], qvel: &[S]) -
     let still =
         JointState { position: S::splat(drive.poly[0]), rate: zero, slope: zero, drift: zero, sin: zero, cos: one };
     let Some(dof) = drive.dof else { return still };
-    let (q, v) = (qpos[dof], qvel[dof]);
+    let (q, v) = (qpos[drive.at], qvel[dof]);
     let [c0, c1, c2, c3, c4] = &drive.poly;
     let (c0, c1, c2) = (S::splat(*c0), S::splat(*c1), S::splat(*c2));
     match drive.form {
@@ -96,6 +101,32 @@ fn slide<S: Scalar>(
     ws.position[index] = axes.z.mul_add(joint.position, position);
     ws.rotation[index] = axes;
     drive(index, link, Motion { ang: Vec3::zero(), lin: axes.z }, joint, ws);
+}
+
+/// One axis of a ball joint, of which all links stand as the last one: the first works out how.
+#[inline(always)]
+fn turn<S: Scalar>(
+    index: usize,
+    (parent, before): (usize, usize),
+    ball: &BallAxis<S::Const>,
+    qpos: &[S],
+    joint: JointState<S>,
+    ws: &mut Workspace<S>,
+) {
+    if ball.axis == 0 {
+        let (axes, position) = place(before, &ball.placement, ws);
+        let turned = Rotation::of_quaternion([0, 1, 2, 3].map(|k| qpos[ball.at + k]));
+        (ws.rotation[index], ws.position[index]) = (axes.after(&turned), position);
+    } else {
+        (ws.rotation[index], ws.position[index]) = (ws.rotation[parent], ws.position[parent]);
+    }
+    let Rotation { x, y, z } = ws.rotation[index];
+    let axis = [x, y, z][ball.axis];
+    let screw = Motion { ang: axis, lin: ws.position[index].cross(axis) };
+    (ws.joint[index], ws.screw[index]) = (joint, screw);
+    ws.velocity[index] = screw.mul_add(joint.rate, ws.velocity[parent]);
+    // The axes turn with the body: together they drift as the link before them moves.
+    ws.acceleration[index] = ws.velocity[before].cross(screw).mul_add(joint.rate, ws.acceleration[parent]);
 }
 
 /// Frame of the joint at position zero, in the world.

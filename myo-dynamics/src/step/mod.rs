@@ -18,7 +18,8 @@ pub mod tendon_limit;
 pub mod wrap;
 
 use crate::obstacles::Obstacles;
-use crate::plan::Plan;
+use crate::plan::{DofKind, Plan};
+use crate::spatial::{Vec3, turned_on};
 use crate::workspace::{State, Workspace};
 use myo_muscle::{ActivationDynamics, ForceCurves};
 use myo_scalar::{Scalar, Stage};
@@ -174,9 +175,16 @@ pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State
     } else {
         ws.step_qacc.copy_from_slice(&ws.qacc);
     }
-    for k in 0..plan.ndof() {
+    for (k, dof) in plan.dofs.iter().enumerate() {
         state.qvel[k] = ws.step_qacc[k].mul_add(h, state.qvel[k]);
-        state.qpos[k] = state.qvel[k].mul_add(h, state.qpos[k]);
+        if dof.kind != DofKind::Turn {
+            state.qpos[dof.at] = state.qvel[k].mul_add(h, state.qpos[dof.at]);
+        }
+    }
+    for ball in &plan.balls {
+        let velocity = Vec3::new(state.qvel[ball.dof], state.qvel[ball.dof + 1], state.qvel[ball.dof + 2]);
+        let turned = turned_on([0, 1, 2, 3].map(|k| state.qpos[ball.at + k]), velocity, h);
+        state.qpos[ball.at..ball.at + 4].copy_from_slice(&turned);
     }
 }
 

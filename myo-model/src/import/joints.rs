@@ -2,7 +2,7 @@
 
 use super::Import;
 use crate::description::{Coupling, Joint, JointKind, Softness};
-use myo_mjcf::{self as source, Constraint, Switch};
+use myo_mjcf::{self as source, Auto, Constraint, Switch};
 
 impl Import<'_> {
     pub(super) fn joints(&mut self) -> Vec<Joint> {
@@ -33,18 +33,15 @@ impl Import<'_> {
         let kind = match joint.kind() {
             source::JointKind::Hinge => JointKind::Hinge,
             source::JointKind::Slide => JointKind::Slide,
-            source::JointKind::Ball | source::JointKind::Free => {
-                self.refuse(
-                    &joint.place,
-                    element,
-                    "free and ball joints are not simulated; make hinges and slides of it",
-                );
-                return None;
-            }
+            source::JointKind::Ball => JointKind::Ball,
+            source::JointKind::Free => JointKind::Free,
         };
-        let range = self.range_of(joint);
+        // MuJoCo lets no free joint have limits.
+        let range = self.range_of(joint).filter(|_| kind != JointKind::Free);
         let is_limited = range.is_some();
         let [stiffness, damping] = [joint.stiffness(), joint.damping()];
+        let (is_scalar, is_free) = (kind.is_scalar(), kind == JointKind::Free);
+        let aligns = is_free && self.is_aligned(body, joint);
         let is_curved = |[_, square, cube]: [f64; 3]| square != 0.0 || cube != 0.0;
         self.refuse_all(
             &joint.place,
@@ -53,6 +50,12 @@ impl Import<'_> {
                 (
                     joint.reference() != 0.0,
                     "a position in the written pose (`ref`) other than 0 is not simulated; count from the written pose",
+                ),
+                (aligns, "a body's frame is not moved to its centre of mass (`align`, `alignfree`)"),
+                (!is_scalar && is_limited, "limits of ball joints (`range`) are not simulated"),
+                (
+                    !is_scalar && has_springs && stiffness[0] != 0.0,
+                    "springs of ball and free joints (`stiffness`) are not simulated",
                 ),
                 (joint.springdamper() != [0.0; 2], "`springdamper` is not computed; give `stiffness` and `damping`"),
                 (
@@ -79,15 +82,25 @@ impl Import<'_> {
             name: self.names.joints[number].clone(),
             body: self.names.bodies[body].clone(),
             kind,
-            axis: joint.axis(),
-            pos: joint.pos(),
+            axis: if is_scalar { joint.axis() } else { [0.0; 3] },
+            pos: if is_free { [0.0; 3] } else { joint.pos() },
             range,
             stiffness: if has_springs { stiffness[0] } else { 0.0 },
-            spring_ref: joint.springref(),
+            spring_ref: if is_scalar { joint.springref() } else { 0.0 },
             damping: if has_dampers { damping[0] } else { 0.0 },
             armature: joint.armature(),
             softness: Softness { solref: joint.solreflimit(), solimp: joint.solimplimit() },
         })
+    }
+
+    /// Whether MuJoCo moves the frame of a free body to its centre of mass: of one that carries no other.
+    fn is_aligned(&self, body: usize, joint: &source::Joint) -> bool {
+        let is_asked = match joint.align {
+            Some(Auto::Yes) => true,
+            Some(Auto::No) => false,
+            Some(Auto::Auto) | None => self.mjcf.compiler.alignfree(),
+        };
+        is_asked && self.mjcf.bodies.iter().skip(1).all(|other| other.parent != body)
     }
 
     pub(super) fn couplings(&mut self) -> Vec<Coupling> {
