@@ -293,7 +293,7 @@ pub struct Workspace<S: Scalar> {
     pub equality: Vec<Row<S>>,
     /// Jacobian of the equality rows, `(nequality, ndof)`.
     pub equality_jacobian: Vec<S>,
-    /// Contacts: with boxes, as many as there can be at once, see [`Workspace::box_contacts`]; then one for each pair of the plan.
+    /// Contacts: with boxes, as many as there can be at once, see [`Workspace::box_contacts`]; then those of each pair of the plan, in as many points as it may touch.
     pub contacts: Vec<Contact<S>>,
     /// How many of them are with boxes.
     pub box_slots: usize,
@@ -339,7 +339,7 @@ impl<S: Scalar> Workspace<S> {
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
         let nstretch = plan.tendons.wraps.iter().map(|bundle| bundle.stretches.len()).sum();
         let massless = Inertia::zero();
-        let (box_slots, contacts) = (contacts, contacts + plan.pairs.len());
+        let (box_slots, contacts) = (contacts, contacts + plan.pair_contacts());
         Self {
             profiled: vec![profiled; plan.profiled.len()],
             joint: vec![joint; nlink],

@@ -417,7 +417,8 @@ fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
             check.above("radius", radius, 0.0, " m", "above 0 m")?;
             check.within("radius", &[radius], &Bound::LENGTH)?;
         }
-        Shape::Capsule { radius, half_length } => {
+        Shape::Plane => {}
+        Shape::Capsule { radius, half_length } | Shape::Cylinder { radius, half_length } => {
             for (field, size) in [("radius", radius), ("half_length", half_length)] {
                 check.above(field, size, 0.0, " m", "above 0 m")?;
                 check.within(field, &[size], &Bound::LENGTH)?;

@@ -269,6 +269,15 @@ pub enum Shape {
         /// Semi-axes along the local axes (m).
         radii: [f64; 3],
     },
+    /// Cylinder about the local z axis, with flat ends.
+    Cylinder {
+        /// Radius (m).
+        radius: f64,
+        /// Half of its length (m).
+        half_length: f64,
+    },
+    /// All that is below the local xy plane, without end.
+    Plane,
     /// Box of three half sizes (m).
     Box {
         /// Half sizes along the local axes (m).

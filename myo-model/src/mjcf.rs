@@ -207,6 +207,9 @@ fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
         Shape::Sphere { radius } => ("sphere", vec![radius]),
         Shape::Capsule { radius, half_length } => ("capsule", vec![radius, half_length]),
         Shape::Ellipsoid { radii } => ("ellipsoid", radii.to_vec()),
+        Shape::Cylinder { radius, half_length } => ("cylinder", vec![radius, half_length]),
+        // How far pictures show it.
+        Shape::Plane => ("plane", vec![1.0, 1.0, 0.1]),
         Shape::Box { half_size } => ("box", half_size.to_vec()),
     };
     let mut attributes = vec![

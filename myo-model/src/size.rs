@@ -193,6 +193,10 @@ impl Scales {
             Shape::Capsule { radius, half_length } => {
                 Shape::Capsule { radius: radius * length, half_length: half_length * length }
             }
+            Shape::Cylinder { radius, half_length } => {
+                Shape::Cylinder { radius: radius * length, half_length: half_length * length }
+            }
+            Shape::Plane => Shape::Plane,
             Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|x| x * length) },
             Shape::Box { half_size } => Shape::Box { half_size: half_size.map(|x| x * length) },
         };

@@ -46,7 +46,7 @@ cast! {
     Equality { drive, impedance, diagonal; dependent, at }
     BallAxis { placement; at, axis }
     ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
-    ContactPair { parts, far, margin, friction, impedance, diagonal; is_slippery }
+    ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, is_along_axis, is_slippery }
     Part { frame, form, body_com }
 }
 
@@ -77,6 +77,10 @@ impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for PartForm<C> {
     type Output = PartForm<D>;
     fn cast(&self) -> PartForm<D> {
         match self {
+            Self::Plane => PartForm::Plane,
+            Self::Cylinder { radius, half_length } => {
+                PartForm::Cylinder { radius: radius.cast(), half_length: half_length.cast() }
+            }
             Self::Capsule { radius, half_length } => {
                 PartForm::Capsule { radius: radius.cast(), half_length: half_length.cast() }
             }

@@ -1,7 +1,7 @@
 //! Parts of the body that do not pass through each other.
 
 use super::build::Tree;
-use super::{FixedFrame, PlanError, Point};
+use super::{FixedFrame, Plan, PlanError, Point};
 use crate::impedance::{Impedance, pyramid_diagonal};
 use myo_model::Model;
 use myo_model::description::Shape;
@@ -11,10 +11,16 @@ use nalgebra::Vector3;
 /// Two parts that do not pass through each other.
 #[derive(Clone, Debug)]
 pub struct ContactPair<C> {
-    /// Their shapes, an ellipsoid first.
+    /// Their shapes, in the order of [`PartForm`].
     pub parts: [Part<C>; 2],
-    /// Square of the distance of their middles (m^2) from which on they do not touch.
+    /// Distance of their middles, or of the second's from a plane (m), from which on they do not touch.
     pub far: C,
+    /// Number of its first contact among those of all pairs.
+    pub slot: usize,
+    /// In how many points they may touch: a rod lies on something flat with both its ends.
+    pub points: usize,
+    /// Whether friction is that along the axis of the second part and across: of rods on a plane, as MuJoCo has it.
+    pub is_along_axis: bool,
     /// Distance at which the contact force begins (m).
     pub margin: C,
     /// Sliding friction.
@@ -41,17 +47,26 @@ pub struct Part<C> {
 /// Shape of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartForm<C> {
-    /// A ball, or half a ball on each end of a cylinder about the z axis.
-    Capsule {
+    /// All that is below a plane, the z axis up.
+    Plane,
+    /// A cylinder about the z axis.
+    Cylinder {
         /// Radius (m).
         radius: C,
-        /// Half of the length without the balls (m); zero for a ball.
+        /// Half of its length (m).
         half_length: C,
     },
     /// An ellipsoid.
     Ellipsoid {
         /// Semi-axes (m).
         radii: [C; 3],
+    },
+    /// A ball, or half a ball on each end of a cylinder about the z axis.
+    Capsule {
+        /// Radius (m).
+        radius: C,
+        /// Half of the length without the balls (m); zero for a ball.
+        half_length: C,
     },
 }
 
@@ -74,6 +89,13 @@ impl<C> Part<C> {
     }
 }
 
+impl<C> Plan<C> {
+    /// Contacts that there may be between parts.
+    pub(crate) fn pair_contacts(&self) -> usize {
+        self.pairs.last().map_or(0, |last| last.slot + last.points)
+    }
+}
+
 impl ContactPair<f64> {
     /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg).
     pub(super) fn weigh(&mut self, [one, other]: [f64; 2]) {
@@ -83,9 +105,11 @@ impl ContactPair<f64> {
 
 /// All pairs of a model.
 pub(super) fn pairs(model: &Model, tree: &Tree) -> Result<Vec<ContactPair<f64>>, PlanError> {
-    let mut pairs = Vec::with_capacity(model.contacts.len());
+    let (mut pairs, mut slot) = (Vec::with_capacity(model.contacts.len()), 0);
     for contact in &model.contacts {
-        pairs.push(pair(model, tree, contact)?);
+        let pair = ContactPair { slot, ..pair(model, tree, contact)? };
+        slot += pair.points;
+        pairs.push(pair);
     }
     Ok(pairs)
 }
@@ -95,17 +119,19 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64
     let unlike = || PlanError::UnlikeParts { geoms: geoms.map(|geom| geom.name.clone()) };
     let [first, second] = geoms.map(|geom| part(model, tree, geom));
     let mut parts = [first.ok_or_else(unlike)?, second.ok_or_else(unlike)?];
-    let is_ellipsoid = |part: &Part<f64>| matches!(part.form, PartForm::Ellipsoid { .. });
-    if is_ellipsoid(&parts[1]) {
-        parts.swap(0, 1);
-    }
-    if is_ellipsoid(&parts[1]) {
+    parts.sort_by_key(|part| part.form.rank());
+    let is_flat = |form: PartForm<f64>| matches!(form, PartForm::Plane | PartForm::Cylinder { .. });
+    let [one, other] = parts.each_ref().map(|part| part.form);
+    if is_flat(one) && is_flat(other) {
         return Err(unlike());
     }
-    let reach: f64 = parts.iter().map(|part| part.form.reach()).sum();
+    let is_rod = matches!(other, PartForm::Capsule { half_length, .. } if half_length > 0.0);
     Ok(ContactPair {
+        far: one.reach() + other.reach() + contact.margin,
+        slot: 0,
+        points: if is_flat(one) && is_rod { 2 } else { 1 },
+        is_along_axis: one == PartForm::Plane && is_rod,
         parts,
-        far: (reach + contact.margin).powi(2),
         margin: contact.margin,
         friction: contact.friction,
         is_slippery: contact.friction == 0.0,
@@ -115,22 +141,40 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64
 }
 
 fn part(model: &Model, tree: &Tree, geom: &Geom) -> Option<Part<f64>> {
-    let form = match geom.shape {
-        Shape::Sphere { radius } => PartForm::Capsule { radius, half_length: 0.0 },
-        Shape::Capsule { radius, half_length } => PartForm::Capsule { radius, half_length },
-        Shape::Ellipsoid { radii } => PartForm::Ellipsoid { radii },
-        Shape::Box { .. } => return None,
-    };
     let com: Vector3<f64> = model.bodies[geom.body].com;
-    Some(Part { frame: tree.placed(geom.body, geom.pos, geom.quat), form, body_com: tree.point(geom.body, com) })
+    let frame = tree.placed(geom.body, geom.pos, geom.quat);
+    Some(Part { frame, form: form(geom.shape)?, body_com: tree.point(geom.body, com) })
+}
+
+fn form(shape: Shape) -> Option<PartForm<f64>> {
+    match shape {
+        Shape::Plane => Some(PartForm::Plane),
+        Shape::Cylinder { radius, half_length } => Some(PartForm::Cylinder { radius, half_length }),
+        Shape::Ellipsoid { radii } => Some(PartForm::Ellipsoid { radii }),
+        Shape::Sphere { radius } => Some(PartForm::Capsule { radius, half_length: 0.0 }),
+        Shape::Capsule { radius, half_length } => Some(PartForm::Capsule { radius, half_length }),
+        Shape::Box { .. } => None,
+    }
 }
 
 impl PartForm<f64> {
-    /// Radius of a ball around its middle that holds it (m).
+    /// Radius of a ball around its middle that holds it (m); a plane is looked at from its surface.
     fn reach(&self) -> f64 {
         match *self {
-            Self::Capsule { radius, half_length } => radius + half_length,
+            Self::Plane => 0.0,
+            Self::Cylinder { radius, half_length } => radius.hypot(half_length),
             Self::Ellipsoid { radii } => radii.into_iter().fold(0.0, f64::max),
+            Self::Capsule { radius, half_length } => radius + half_length,
+        }
+    }
+
+    /// Its place among the forms.
+    fn rank(&self) -> usize {
+        match self {
+            Self::Plane => 0,
+            Self::Cylinder { .. } => 1,
+            Self::Ellipsoid { .. } => 2,
+            Self::Capsule { .. } => 3,
         }
     }
 }

@@ -19,6 +19,8 @@ use myo_scalar::{Carried, Scalar, Stage, Visitor};
 const FAR: f64 = 1e3;
 /// Centres nearer to the surface than this are inside (m); MuJoCo's smallest norm, in reach of single precision.
 const SURFACE: f64 = 1e-15;
+/// Square of the sine between a normal and a direction below which this tells no way across.
+const UPRIGHT: f64 = 1e-10;
 /// What rounding may add to a distance (m).
 pub const ROUNDING: f64 = 1e-6;
 
@@ -106,6 +108,7 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
         let meeting = Meeting {
             at: centre - normal.scale(depth),
             normal,
+            along: None,
             violation: distance - S::splat(obstacles.margin),
             friction: obstacles.friction,
             impedance: &obstacles.impedance,
@@ -307,6 +310,8 @@ pub(super) struct Meeting<'a, S: Scalar> {
     pub at: Vec3<S>,
     /// From the first to the second.
     pub normal: Vec3<S>,
+    /// A direction along which friction is measured, as far as it is across the normal; without one as MuJoCo chooses.
+    pub along: Option<Vec3<S>>,
     /// Distance of the surfaces less their margin (m).
     pub violation: S,
     /// Sliding friction.
@@ -328,7 +333,10 @@ pub(super) fn pyramid<S: Scalar>(
     number: usize,
     ws: &mut Workspace<S>,
 ) {
-    let [first, second] = tangents(meeting.normal);
+    let [first, second] = match meeting.along {
+        Some(along) => tangents_along(meeting.normal, along),
+        None => tangents(meeting.normal),
+    };
     let friction = S::splat(meeting.friction);
     for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
         row(plan, meeting, direction.mul_add(friction, meeting.normal), state, (number, k), ws);
@@ -377,6 +385,17 @@ fn row<S: Scalar>(
     }
     let (weight, reference) = meeting.impedance.row(meeting.violation, velocity, S::splat(meeting.diagonal));
     ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
+}
+
+/// Two directions across a normal, the first as nearly along another direction as can be; of the normal's own any.
+#[inline(always)]
+fn tangents_along<S: Scalar>(normal: Vec3<S>, along: Vec3<S>) -> [Vec3<S>; 2] {
+    let across = along - normal.scale(normal.dot(along));
+    let square = across.dot(across);
+    let tells = S::lit(UPRIGHT).lt(square);
+    let [any, _] = tangents(normal);
+    let first = Vec3::select(tells, across.scale(square.max(S::lit(UPRIGHT)).rsqrt()), any);
+    [first, normal.cross(first)]
 }
 
 /// Two directions across a normal, as MuJoCo chooses them: from the world's y axis, or z where the normal is near y.

@@ -60,14 +60,8 @@ fn across<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S
     let [x, y] = tangents(half.scale(length_square.rsqrt()));
     let stretched = |v: Vec3<S>| Vec3::new(v.x * radii[0].sq(), v.y * radii[1].sq(), v.z * radii[2].sq());
     // The squared support function is a quadratic form; its axes in the plane are those of the ellipse.
-    let (xx, xy, yy) = (stretched(x).dot(x), stretched(x).dot(y), stretched(y).dot(y));
-    let (mean, half_difference) = ((xx + yy) * S::lit(0.5), (xx - yy) * S::lit(0.5));
-    let spread = half_difference.mul_add(half_difference, xy * xy).max(tiny).sqrt();
-    let cosine = (half_difference * spread.recip()).clamp(-1.0, 1.0);
-    let [c, s] = [cosine, -cosine].map(|cosine| (S::lit(0.5) * (S::lit(1.0) + cosine)).max(S::zero()).sqrt());
-    let s = S::select(xy.lt(S::zero()), -s, s);
-    let (long, short) = (x.scale(c) + y.scale(s), y.scale(c) - x.scale(s));
-    let ellipse = [mean + spread, mean - spread].map(|square| square.max(tiny).sqrt());
+    let form = [stretched(x).dot(x), stretched(x).dot(y), stretched(y).dot(y)];
+    let ([long, short], ellipse) = ellipse(form, [x, y]);
     let (distance, [along_long, along_short]) = nearest(ellipse, [long.dot(middle), short.dot(middle)]);
     let normal = long.scale(along_long) + short.scale(along_short);
     // The point of the ellipsoid that has this normal is beside the point of the segment that is looked for.
@@ -75,6 +69,20 @@ fn across<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S
     let surface = outward.scale(outward.dot(normal).max(tiny).rsqrt());
     let along = ((surface - middle).dot(half) * length_square.recip()).clamp(-1.0, 1.0);
     Deepest { along, distance, normal }
+}
+
+/// Directions and lengths of the semi-axes of an ellipse, from its squared support function as a quadratic form of two directions: of the
+/// first, both, the second.
+#[inline(always)]
+pub(super) fn ellipse<S: Scalar>([xx, xy, yy]: [S; 3], [x, y]: [Vec3<S>; 2]) -> ([Vec3<S>; 2], [S; 2]) {
+    let tiny = S::lit(TINY);
+    let (mean, half_difference) = ((xx + yy) * S::lit(0.5), (xx - yy) * S::lit(0.5));
+    let spread = half_difference.mul_add(half_difference, xy * xy).max(tiny).sqrt();
+    let cosine = (half_difference * spread.recip()).clamp(-1.0, 1.0);
+    let [c, s] = [cosine, -cosine].map(|cosine| (S::lit(0.5) * (S::lit(1.0) + cosine)).max(S::zero()).sqrt());
+    let s = S::select(xy.lt(S::zero()), -s, s);
+    let axes = [x.scale(c) + y.scale(s), y.scale(c) - x.scale(s)];
+    (axes, [mean + spread, mean - spread].map(|square| square.max(tiny).sqrt()))
 }
 
 /// Signed distance of a point from the surface of an ellipsoid, and the direction out of it there.

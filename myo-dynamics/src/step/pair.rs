@@ -1,9 +1,12 @@
-//! Contact of parts of the body with each other: MuJoCo's geometry of capsules, and the least way out of an ellipsoid.
+//! Contact of parts of the body with each other and with what stands around: MuJoCo's geometry of planes and capsules, and the least way out
+//! of ellipsoids and cylinders.
 
 use super::contact::{Edges, Meeting, pyramid, slide};
+use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
+use super::support::{Apart, Oval, Smooth, ovals};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
-use crate::spatial::Vec3;
+use crate::spatial::{Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
 use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
 
@@ -15,27 +18,41 @@ const PARALLEL: f64 = 8.0;
 /// Fills the contacts of pairs, which stand after those with boxes, and their Jacobians.
 #[inline(always)]
 pub fn pairs<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
-    for (k, pair) in plan.pairs.iter().enumerate() {
-        let number = ws.box_slots + k;
-        let [one, other] = &pair.parts;
-        let apart = ws.place(&other.frame.origin) - ws.place(&one.frame.origin);
-        let near = apart.dot(apart).lt(S::splat(pair.far));
-        S::when(near, &mut Found(Edges(ws, number)), |Found(Edges(ws, number))| {
-            S::outline(Near { plan, pair, near, state, number: *number, ws });
+    for pair in &plan.pairs {
+        let near = is_near(pair, ws);
+        S::when(near, &mut Found { ws, pair }, |Found { ws, .. }| {
+            S::outline(Near { plan, pair, near, state, ws });
         });
     }
 }
 
+/// Whether the balls around two parts, or a ball and a plane, are near enough to touch.
+#[inline(always)]
+fn is_near<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> S::Mask {
+    let [one, other] = &pair.parts;
+    let apart = ws.place(&other.frame.origin) - ws.place(&one.frame.origin);
+    let far = S::splat(pair.far);
+    match one.form {
+        PartForm::Plane => apart.dot(axis(one, ws)).lt(far),
+        _ => apart.dot(apart).lt(far.sq()),
+    }
+}
+
 /// What a closer look finds.
-struct Found<'a, S: Scalar>(Edges<'a, S>);
+struct Found<'a, S: Scalar> {
+    ws: &'a mut Workspace<S>,
+    pair: &'a ContactPair<S::Const>,
+}
 
 impl<S: Scalar> Carried<S> for Found<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Self(Edges(ws, number)) = self;
-        let Contact { exists, distance, normal, .. } = &mut ws.contacts[*number];
-        visitor.mask(exists);
-        visitor.numbers([distance, &mut normal.x, &mut normal.y, &mut normal.z]);
-        self.0.visit(visitor);
+        for point in 0..self.pair.points {
+            let number = self.ws.box_slots + self.pair.slot + point;
+            let Contact { exists, distance, normal, .. } = &mut self.ws.contacts[number];
+            visitor.mask(exists);
+            visitor.numbers([distance, &mut normal.x, &mut normal.y, &mut normal.z]);
+            Edges(self.ws, number).visit(visitor);
+        }
     }
 }
 
@@ -45,7 +62,6 @@ struct Near<'a, S: Scalar> {
     pair: &'a ContactPair<S::Const>,
     near: S::Mask,
     state: &'a State<S>,
-    number: usize,
     ws: &'a mut Workspace<S>,
 }
 
@@ -54,29 +70,35 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { plan, pair, near, state, number, ws } = self;
-        let Meets { distance, normal, at } = meet(pair, ws);
-        let violation = distance - S::splat(pair.margin);
-        let contact = &mut ws.contacts[number];
-        (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
-        let meeting = Meeting {
-            at,
-            normal,
-            violation,
-            friction: pair.friction,
-            impedance: &pair.impedance,
-            diagonal: pair.diagonal,
-            links: pair.links(),
-        };
-        if pair.is_slippery {
-            slide(plan, &meeting, state, number, ws);
-        } else {
-            pyramid(plan, &meeting, state, number, ws);
+        let Self { plan, pair, near, state, ws } = self;
+        let along = pair.is_along_axis.then(|| axis(&pair.parts[1], ws));
+        for (point, meets) in meet(pair, ws).into_iter().take(pair.points).enumerate() {
+            let number = ws.box_slots + pair.slot + point;
+            let Meets { distance, normal, at } = meets;
+            let violation = distance - S::splat(pair.margin);
+            let contact = &mut ws.contacts[number];
+            (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
+            let meeting = Meeting {
+                at,
+                normal,
+                along,
+                violation,
+                friction: pair.friction,
+                impedance: &pair.impedance,
+                diagonal: pair.diagonal,
+                links: pair.links(),
+            };
+            if pair.is_slippery {
+                slide(plan, &meeting, state, number, ws);
+            } else {
+                pyramid(plan, &meeting, state, number, ws);
+            }
         }
     }
 }
 
-/// How two parts meet.
+/// How two parts meet in a point.
+#[derive(Clone, Copy)]
 struct Meets<S> {
     /// Distance of their surfaces (m), negative where they overlap.
     distance: S,
@@ -86,42 +108,141 @@ struct Meets<S> {
     at: Vec3<S>,
 }
 
+/// How two parts meet, in as many points as they may: of those that meet in one the second says nothing.
 #[inline(always)]
-fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> Meets<S> {
+fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>; 2] {
     let [one, other] = &pair.parts;
-    let (radius, middle, half) = rod(other, ws);
-    match one.form {
-        PartForm::Ellipsoid { radii } => {
-            let frame = ws.fixed(&one.frame);
-            let turned = frame.rotation.apply_inverse(half);
-            let Deepest { along, distance, normal } = deepest(radii.map(S::splat), frame.seen(middle), turned);
-            let normal = frame.rotation.apply(normal);
-            let point = half.mul_add(along, middle);
-            // From the point of the axis to the middle between the surfaces.
-            let back = (distance + radius) * S::lit(0.5);
-            Meets { distance: distance - radius, normal, at: point - normal.scale(back) }
+    let alone = |meets| [meets; 2];
+    match (one.form, other.form) {
+        (PartForm::Plane, PartForm::Ellipsoid { radii }) => alone(oval_on_plane(one, other, radii, ws)),
+        (PartForm::Plane, _) => rod_on_plane(one, other, ws),
+        (PartForm::Cylinder { radius, half_length }, _) => {
+            let [radius, half_length, margin] = [radius, half_length, pair.margin].map(S::splat);
+            by_cylinder(&Cylinder { radius, half_length, margin }, one, other, ws)
         }
-        PartForm::Capsule { .. } => {
-            let (first_radius, first_middle, first_half) = rod(one, ws);
-            let (a, b) = closest([first_middle, middle], [first_half, half]);
-            let between = b - a;
-            let square = between.dot(between);
-            let apart = S::lit(SAME).lt(square);
-            let inverse = square.max(S::lit(SAME)).rsqrt();
-            let up = Vec3::new(S::zero(), S::zero(), S::lit(1.0));
-            let normal = Vec3::select(apart, between.scale(inverse), up);
-            let distance = (square * inverse).only(apart) - radius - first_radius;
-            let out = distance.mul_add(S::lit(0.5), first_radius);
-            Meets { distance, normal, at: normal.mul_add(out, a) }
+        (PartForm::Ellipsoid { radii }, PartForm::Ellipsoid { radii: others }) => {
+            alone(two_ovals([(one, radii), (other, others)], ws))
         }
+        (PartForm::Ellipsoid { radii }, _) => alone(rod_in_oval(one, other, radii, ws)),
+        (PartForm::Capsule { .. }, _) => alone(rods(one, other, ws)),
     }
+}
+
+/// Two ellipsoids.
+#[inline(always)]
+fn two_ovals<S: Scalar>(parts: [(&Part<S::Const>, [S::Const; 3]); 2], ws: &Workspace<S>) -> Meets<S> {
+    let [(first, first_middle), (second, second_middle)] = parts.map(|(part, radii)| {
+        let frame = ws.fixed(&part.frame);
+        (Oval { axes: frame.rotation, radii: radii.map(S::splat) }, frame.position)
+    });
+    let Apart { distance, normal, at } = ovals(&first, &second, second_middle - first_middle);
+    Meets { distance, normal, at: first_middle + at }
+}
+
+/// A capsule and an ellipsoid.
+#[inline(always)]
+fn rod_in_oval<S: Scalar>(
+    one: &Part<S::Const>,
+    other: &Part<S::Const>,
+    radii: [S::Const; 3],
+    ws: &Workspace<S>,
+) -> Meets<S> {
+    let (radius, middle, half) = rod(other, ws);
+    let frame = ws.fixed(&one.frame);
+    let turned = frame.rotation.apply_inverse(half);
+    let Deepest { along, distance, normal } = deepest(radii.map(S::splat), frame.seen(middle), turned);
+    let normal = frame.rotation.apply(normal);
+    let point = half.mul_add(along, middle);
+    // From the point of the axis to the middle between the surfaces.
+    let back = (distance + radius) * S::lit(0.5);
+    Meets { distance: distance - radius, normal, at: point - normal.scale(back) }
+}
+
+/// Two capsules.
+#[inline(always)]
+fn rods<S: Scalar>(one: &Part<S::Const>, other: &Part<S::Const>, ws: &Workspace<S>) -> Meets<S> {
+    let [(first_radius, first_middle, first_half), (radius, middle, half)] = [rod(one, ws), rod(other, ws)];
+    let (a, b) = closest([first_middle, middle], [first_half, half]);
+    let between = b - a;
+    let square = between.dot(between);
+    let apart = S::lit(SAME).lt(square);
+    let inverse = square.max(S::lit(SAME)).rsqrt();
+    let up = Vec3::new(S::zero(), S::zero(), S::lit(1.0));
+    let normal = Vec3::select(apart, between.scale(inverse), up);
+    let distance = (square * inverse).only(apart) - radius - first_radius;
+    let out = distance.mul_add(S::lit(0.5), first_radius);
+    Meets { distance, normal, at: normal.mul_add(out, a) }
+}
+
+/// An ellipsoid over a plane.
+#[inline(always)]
+fn oval_on_plane<S: Scalar>(
+    plane: &Part<S::Const>,
+    other: &Part<S::Const>,
+    radii: [S::Const; 3],
+    ws: &Workspace<S>,
+) -> Meets<S> {
+    let (normal, frame) = (axis(plane, ws), ws.fixed(&other.frame));
+    let oval = Oval { axes: frame.rotation, radii: radii.map(S::splat) };
+    over_plane(plane, frame.position - oval.support(normal).point, normal, ws)
+}
+
+/// The ends of a capsule over a plane.
+#[inline(always)]
+fn rod_on_plane<S: Scalar>(plane: &Part<S::Const>, other: &Part<S::Const>, ws: &Workspace<S>) -> [Meets<S>; 2] {
+    let (normal, (radius, middle, half)) = (axis(plane, ws), rod(other, ws));
+    [middle + half, middle - half].map(|end| over_plane(plane, end - normal.scale(radius), normal, ws))
+}
+
+/// What has its lowest point here.
+#[inline(always)]
+fn over_plane<S: Scalar>(plane: &Part<S::Const>, lowest: Vec3<S>, normal: Vec3<S>, ws: &Workspace<S>) -> Meets<S> {
+    let distance = (lowest - ws.place(&plane.frame.origin)).dot(normal);
+    Meets { distance, normal, at: lowest - normal.scale(distance * S::lit(0.5)) }
+}
+
+/// A capsule or an ellipsoid beside a cylinder.
+#[inline(always)]
+fn by_cylinder<S: Scalar>(
+    cylinder: &Cylinder<S>,
+    one: &Part<S::Const>,
+    other: &Part<S::Const>,
+    ws: &Workspace<S>,
+) -> [Meets<S>; 2] {
+    let frame = ws.fixed(&one.frame);
+    let local = |v: Vec3<S>| frame.rotation.apply_inverse(v);
+    let points = match other.form {
+        PartForm::Ellipsoid { radii } => {
+            let seen = ws.fixed(&other.frame);
+            let Rotation { x, y, z } = seen.rotation;
+            let axes = Rotation { x: local(x), y: local(y), z: local(z) };
+            [cylinder::oval(cylinder, &Oval { axes, radii: radii.map(S::splat) }, frame.seen(seen.position)); 2]
+        }
+        _ => {
+            let (radius, middle, half) = rod(other, ws);
+            cylinder::rod(cylinder, frame.seen(middle), local(half), radius)
+        }
+    };
+    let placed = |Apart { distance, normal, at }| Meets {
+        distance,
+        normal: frame.rotation.apply(normal),
+        at: frame.place(at),
+    };
+    points.map(placed)
+}
+
+/// The z axis of a part.
+#[inline(always)]
+fn axis<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> Vec3<S> {
+    let axis = Vec3::splat(part.frame.axes[2]);
+    if part.frame.origin.link == 0 { axis } else { ws.rotation[part.frame.origin.link].apply(axis) }
 }
 
 /// Radius, middle, and half of the axis of a capsule (m, world axes).
 #[inline(always)]
 fn rod<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> (S, Vec3<S>, Vec3<S>) {
     let PartForm::Capsule { radius, half_length } = part.form else {
-        unreachable!("of two parts an ellipsoid is the first, and there is at most one")
+        unreachable!("capsules are the last of all forms")
     };
     let half = part.frame.axes[2].map(|x| S::Const::from_f64(x.to_f64() * half_length.to_f64()));
     let half = ws.rotation[part.frame.origin.link].apply(Vec3::splat(half));

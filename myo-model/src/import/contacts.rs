@@ -84,7 +84,7 @@ impl<'a> Import<'a> {
                 .map_or_else(|| format!("the geom at {}", held.geom.place), |name| format!("`{name}`"))
         };
         let kinds = touch.geoms.map(|held| format!("{:?}", held.geom.kind()).to_lowercase());
-        let why = if shape(one.geom).is_none() || shape(other.geom).is_none() || kinds == ["ellipsoid", "ellipsoid"] {
+        let why = if !touch.has_simulated_shapes() {
             format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
         } else {
             "of contacts only those with `condim` 1, or 3 and one sliding friction, and neither `gap` nor `adhesion` are simulated".into()
@@ -178,17 +178,24 @@ fn shape(geom: &source::Geom) -> Option<Shape> {
         source::Shape::Sphere => Some(Shape::Sphere { radius: a }),
         source::Shape::Capsule => Some(Shape::Capsule { radius: a, half_length: b }),
         source::Shape::Ellipsoid => Some(Shape::Ellipsoid { radii: [a, b, c] }),
+        source::Shape::Plane => Some(Shape::Plane),
+        source::Shape::Cylinder => Some(Shape::Cylinder { radius: a, half_length: b }),
         _ => None,
     }
 }
 
 impl<'a> Touch<'a> {
     fn is_simulated(&self) -> bool {
-        let kinds = self.geoms.map(|held| held.geom.kind());
-        self.geoms.iter().all(|held| shape(held.geom).is_some())
-            && kinds != [source::Shape::Ellipsoid; 2]
+        self.has_simulated_shapes()
             && (self.gap, self.adhesion) == (0.0, 0.0)
             && (self.condim == 1 || self.condim == 3 && self.friction[0] == self.friction[1])
+    }
+
+    /// Whether the shapes are compared: anything round with anything, but planes and cylinders not with each other.
+    fn has_simulated_shapes(&self) -> bool {
+        let shapes = self.geoms.map(|held| shape(held.geom));
+        let is_flat = |shape: &Option<Shape>| matches!(shape, Some(Shape::Plane | Shape::Cylinder { .. }));
+        shapes.iter().all(Option::is_some) && !shapes.iter().all(is_flat)
     }
 
     /// Its sliding friction; none where it has no dimension but the normal, else no less than MuJoCo takes.

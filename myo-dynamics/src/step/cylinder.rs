@@ -1,0 +1,247 @@
+//! A capsule or an ellipsoid beside a cylinder that has ends.
+//!
+//! Along each direction they are some distance apart, and the greatest of these is their signed distance. Directions in which it can be are
+//! those of the near end, those across the axis, and those from the rim between both.
+
+use crate::spatial::{Rotation, Vec3};
+use crate::step::ellipsoid::{TINY, ellipse, nearest};
+use crate::step::support::{Apart, Oval, Smooth, Support, apart, climb};
+use myo_scalar::{Carried, Mask, Scalar, Visitor};
+
+/// Halvings by which the point of a segment that is nearest is found: as many as a number has binary digits.
+const HALVINGS: usize = 52;
+/// Farther than anything that touches (m).
+const FAR: f64 = 1e3;
+/// Cosine of the angle between a normal and the axis above which it is that of an end.
+const UPRIGHT: f64 = 0.999_998;
+/// Sine of the angle by which a capsule leans at most that lies on an end with both its own.
+const LEAN_OF_LYING: f64 = 0.0888;
+/// Corners of the polygon that MuJoCo takes for an end.
+const CORNERS: usize = 16;
+/// How much a first direction from the rim leans to either side at least.
+const LEAN: f64 = 0.05;
+
+/// A cylinder about the z axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cylinder<S> {
+    /// Radius (m).
+    pub radius: S,
+    /// Half of its length (m).
+    pub half_length: S,
+    /// Distance (m) at which contact begins.
+    pub margin: S,
+}
+
+/// Where a point is beside it.
+struct Beside<S> {
+    distance: S,
+    normal: Vec3<S>,
+}
+
+impl<S: Scalar> Cylinder<S> {
+    /// Signed distance of a point, and the direction out of the cylinder there.
+    #[inline(always)]
+    fn beside(&self, point: Vec3<S>) -> Beside<S> {
+        let (o, one) = (S::zero(), S::lit(1.0));
+        let square = point.x.mul_add(point.x, point.y * point.y);
+        let inverse = square.max(S::lit(TINY)).rsqrt();
+        // On the axis any way out is as good.
+        let is_axis = square.lt(S::lit(TINY));
+        let aside = Vec3::new(S::select(is_axis, one, point.x * inverse), (point.y * inverse).only(!is_axis), o);
+        let up = Vec3::new(o, o, S::select(point.z.lt(o), -one, one));
+        let (over, out) = (point.z.abs() - self.half_length, square * inverse - self.radius);
+        let (over_end, over_side) = (over.max(o), out.max(o));
+        let beyond = over_end.mul_add(over_end, over_side * over_side);
+        let from_edge = beyond.max(S::lit(TINY)).rsqrt();
+        let is_inside = !(o.lt(over) | o.lt(out));
+        let inside = Vec3::select(out.lt(over), up, aside);
+        let outside = up.scale(over_end * from_edge) + aside.scale(over_side * from_edge);
+        Beside {
+            distance: S::select(is_inside, over.max(out), beyond * from_edge),
+            normal: Vec3::select(is_inside, inside, outside),
+        }
+    }
+}
+
+/// A half of a segment that holds its nearest point, from -1 to 1.
+struct Part<S> {
+    first: S,
+    last: S,
+}
+
+impl<S: Scalar> Carried<S> for Part<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        visitor.numbers([&mut self.first, &mut self.last]);
+    }
+}
+
+/// A capsule, its middle and half its axis in the axes of the cylinder: the one point in which they meet, or the two in which it lies on
+/// an end. Points that are not there are far apart.
+#[inline(always)]
+pub(super) fn rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S) -> [Apart<S>; 2] {
+    let one = nearest_of_rod(cylinder, middle, half, radius);
+    let (o, far) = (S::zero(), S::lit(FAR));
+    let is_end = S::lit(UPRIGHT).lt(one.normal.z.abs());
+    let up = S::select(one.normal.z.lt(o), S::lit(-1.0), S::lit(1.0));
+    let ends = lying(cylinder, middle, half, radius, up);
+    let touches = ends.map(|end| is_end & end.distance.lt(cylinder.margin));
+    let lies = touches[0] | touches[1];
+    let first = ends[0].or(touches[0], Apart { distance: far, ..ends[0] });
+    let second = ends[1].or(touches[1], Apart { distance: far, ..ends[1] });
+    [first.or(lies, one), second]
+}
+
+impl<S: Scalar> Apart<S> {
+    /// This where the mask is true, else another.
+    #[inline(always)]
+    fn or(self, mask: S::Mask, other: Self) -> Self {
+        Self {
+            distance: S::select(mask, self.distance, other.distance),
+            normal: Vec3::select(mask, self.normal, other.normal),
+            at: Vec3::select(mask, self.at, other.at),
+        }
+    }
+}
+
+/// The point of a capsule that is nearest. The signed distance is a convex function along its axis.
+#[inline(always)]
+fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S) -> Apart<S> {
+    let mut part = Part { first: S::lit(-1.0), last: S::lit(1.0) };
+    let always = S::Mask::splat(true);
+    S::repeat_while(HALVINGS, &mut part, |Part { first, last }| {
+        let along = (*first + *last) * S::lit(0.5);
+        let rises = S::zero().lt(cylinder.beside(half.mul_add(along, middle)).normal.dot(half));
+        *first = S::select(rises, *first, along);
+        *last = S::select(rises, along, *last);
+        always
+    });
+    // Where it never rises the last point is nearest, and where it always does the first.
+    let point = half.mul_add((part.first + part.last) * S::lit(0.5), middle);
+    let Beside { distance, normal } = cylinder.beside(point);
+    let back = (distance + radius) * S::lit(0.5);
+    Apart { distance: distance - radius, normal, at: point - normal.scale(back) }
+}
+
+/// The ends of the line with which a capsule lies on an end of the cylinder, as MuJoCo 4.0 has them (found by trying): of one that leans
+/// by up to [`LEAN_OF_LYING`], as far as they are over a polygon of sixteen corners within the rim. The line is that of the surface, half a margin
+/// farther out, straight towards the end, less what of this is along the axis. Points that are not there are far apart.
+#[inline(always)]
+fn lying<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S, up: S) -> [Apart<S>; 2] {
+    let (o, one) = (S::zero(), S::lit(1.0));
+    let square = half.dot(half).max(S::lit(TINY));
+    let axis = half.scale(square.rsqrt());
+    let lean = axis.z;
+    let surface = radius + cylinder.margin * S::lit(0.5);
+    let normal = Vec3::new(o, o, up);
+    let line = middle - (normal - axis.scale(lean * up)).scale(surface);
+    let (mut first, mut last) = (-one, one);
+    let apothem = cylinder.radius * S::lit((std::f64::consts::PI / CORNERS as f64).cos());
+    for side in 0..CORNERS / 2 {
+        let (sin, cos) = ((side as f64 + 0.5) * std::f64::consts::TAU / CORNERS as f64).sin_cos();
+        let out = |v: Vec3<S>| v.x.mul_add(S::lit(cos), v.y * S::lit(sin));
+        let (at, along) = (out(line), out(half));
+        let is_parallel = along.abs().lt(S::lit(TINY));
+        let inverse = S::select(is_parallel, S::lit(TINY), along).recip();
+        let [a, b] = [-apothem, apothem].map(|side| (side - at) * inverse);
+        first = first.max(a.min(b));
+        last = last.min(a.max(b));
+    }
+    let is_there = lean.abs().lt(S::lit(LEAN_OF_LYING)) & first.lt(last);
+    [first, last].map(|along| {
+        let point = half.mul_add(along, line);
+        let over = point.z.mul_add(up, -cylinder.half_length);
+        let half_margin = cylinder.margin * S::lit(0.5);
+        let distance = S::select(is_there, over + half_margin, S::lit(FAR));
+        Apart { distance, normal, at: point - normal.scale((over - half_margin) * S::lit(0.5)) }
+    })
+}
+
+/// The rim of one end of a cylinder, from the middle of that.
+#[derive(Clone, Copy, Debug)]
+struct Rim<S> {
+    radius: S,
+    /// How far up the end is (m).
+    end: S,
+}
+
+impl<S: Scalar> Rim<S> {
+    /// Length of a direction across the axis, and its reciprocal.
+    #[inline(always)]
+    fn across(direction: Vec3<S>) -> (S, S) {
+        let square = direction.x.mul_add(direction.x, direction.y * direction.y).max(S::lit(TINY));
+        let inverse = square.rsqrt();
+        (square * inverse, inverse)
+    }
+}
+
+impl<S: Scalar> Smooth<S> for Rim<S> {
+    #[inline(always)]
+    fn support(&self, direction: Vec3<S>) -> Support<S> {
+        let (length, inverse) = Self::across(direction);
+        let scale = self.radius * inverse;
+        Support {
+            reach: self.radius.mul_add(length, self.end * direction.z),
+            point: Vec3::new(direction.x * scale, direction.y * scale, self.end),
+        }
+    }
+
+    #[inline(always)]
+    fn curvature(&self, _: &Support<S>, direction: Vec3<S>, [a, b]: [Vec3<S>; 2]) -> [S; 3] {
+        let (_, inverse) = Self::across(direction);
+        // It bends around the axis only.
+        let around = |v: Vec3<S>| (direction.x * v.y - direction.y * v.x) * inverse;
+        let (x, y, scale) = (around(a), around(b), self.radius * inverse);
+        [x * x * scale, x * y * scale, y * y * scale]
+    }
+}
+
+/// An ellipsoid, its middle and axes in those of the cylinder.
+#[inline(always)]
+pub(super) fn oval<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Vec3<S>) -> Apart<S> {
+    let (o, one) = (S::zero(), S::lit(1.0));
+    let up = S::select(middle.z.lt(o), -one, one);
+    let end = Vec3::new(o, o, up);
+    let side = beside_axis(oval, middle);
+    let rim = Rim { radius: cylinder.radius, end: cylinder.half_length * up };
+    let corner = middle - rim.support(side).point;
+    let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
+    let start = out.scale(out.dot(out).rsqrt());
+    let from_rim = climb(&rim, oval, middle, start);
+    let mut best = along(cylinder, oval, middle, end);
+    for direction in [side, from_rim] {
+        let other = along(cylinder, oval, middle, direction);
+        let is_farther = best.distance.lt(other.distance);
+        best = Apart {
+            distance: S::select(is_farther, other.distance, best.distance),
+            normal: Vec3::select(is_farther, other.normal, best.normal),
+            at: Vec3::select(is_farther, other.at, best.at),
+        };
+    }
+    best
+}
+
+/// The direction across the axis in which an ellipsoid is farthest from it: seen along the axis it is an ellipse.
+#[inline(always)]
+fn beside_axis<S: Scalar>(oval: &Oval<S>, middle: Vec3<S>) -> Vec3<S> {
+    let (o, one) = (S::zero(), S::lit(1.0));
+    let Rotation { x, y, z } = oval.axes;
+    let [a, b, c] = [x.scale(oval.radii[0]), y.scale(oval.radii[1]), z.scale(oval.radii[2])];
+    let form = [
+        a.x.mul_add(a.x, b.x.mul_add(b.x, c.x * c.x)),
+        a.x.mul_add(a.y, b.x.mul_add(b.y, c.x * c.y)),
+        a.y.mul_add(a.y, b.y.mul_add(b.y, c.y * c.y)),
+    ];
+    let ([long, short], radii) = ellipse(form, [Vec3::new(one, o, o), Vec3::new(o, one, o)]);
+    // A middle on the axis is a little beside it.
+    let (_, [along_long, along_short]) = nearest(radii, [-long.dot(middle), -short.dot(middle)]);
+    -(long.scale(along_long) + short.scale(along_short))
+}
+
+/// How an ellipsoid and the cylinder are apart along a direction.
+#[inline(always)]
+fn along<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Vec3<S>, direction: Vec3<S>) -> Apart<S> {
+    let end = S::select(direction.z.lt(S::zero()), -cylinder.half_length, cylinder.half_length);
+    let Apart { distance, normal, .. } = apart(&Rim { radius: cylinder.radius, end }, oval, middle, direction);
+    let point = middle - oval.support(direction).point;
+    Apart { distance, normal, at: point - normal.scale(distance * S::lit(0.5)) }
+}

@@ -1,0 +1,180 @@
+//! The way by which two smooth convex bodies are nearest to each other, or least deep in each other.
+//!
+//! Along a direction `n` they are `n . d - h1(n) - h2(n)` apart, with `d` from the middle of the one to that of the other and their
+//! support functions `h`. The greatest of these is their signed distance. Its gradient is the vector from the one's outermost point
+//! to the other's; on the sphere of directions its maximum is found by Newton's method.
+
+use crate::spatial::{Rotation, Vec3};
+use crate::step::contact::tangents;
+use crate::step::ellipsoid::{TINY, nearest};
+use myo_scalar::{Carried, Mask, Scalar, Visitor};
+
+/// Most rounds of the search; it takes three to six.
+const MAX_ROUNDS: usize = 30;
+/// A step (rad) that is as good as none, in units of rounding.
+const SETTLED: f64 = 16.0;
+/// Longest step (rad).
+const LONGEST: f64 = 0.5;
+/// Share of the square of its trace that the determinant of a curvature has at least, if it is one of a maximum.
+const ROUND: f64 = 1e-6;
+
+/// How far a body reaches in a direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Support<S> {
+    /// From its middle (m).
+    pub reach: S,
+    /// The outermost point, from its middle (m).
+    pub point: Vec3<S>,
+}
+
+/// A smooth convex body.
+pub(super) trait Smooth<S: Scalar>: Copy {
+    /// Its support in a direction of length one.
+    fn support(&self, direction: Vec3<S>) -> Support<S>;
+    /// Radii of curvature at its outermost point there (m) as a quadratic form of two directions across: of the first, both, the second.
+    fn curvature(&self, support: &Support<S>, direction: Vec3<S>, across: [Vec3<S>; 2]) -> [S; 3];
+}
+
+/// An ellipsoid about its own middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Oval<S> {
+    /// Its axes.
+    pub axes: Rotation<S>,
+    /// Its semi-axes (m).
+    pub radii: [S; 3],
+}
+
+impl<S: Scalar> Oval<S> {
+    /// The matrix of its squared support function times a vector.
+    #[inline(always)]
+    fn stretched(&self, v: Vec3<S>) -> Vec3<S> {
+        let Vec3 { x, y, z } = self.axes.apply_inverse(v);
+        self.axes.apply(Vec3::new(x * self.radii[0].sq(), y * self.radii[1].sq(), z * self.radii[2].sq()))
+    }
+
+    /// How far it reaches along axes.
+    #[inline(always)]
+    fn along(&self, axes: &Rotation<S>) -> [S; 3] {
+        [axes.x, axes.y, axes.z].map(|axis| self.stretched(axis).dot(axis).max(S::lit(TINY)).sqrt())
+    }
+}
+
+impl<S: Scalar> Smooth<S> for Oval<S> {
+    #[inline(always)]
+    fn support(&self, direction: Vec3<S>) -> Support<S> {
+        let stretched = self.stretched(direction);
+        let square = stretched.dot(direction).max(S::lit(TINY));
+        let inverse = square.rsqrt();
+        Support { reach: square * inverse, point: stretched.scale(inverse) }
+    }
+
+    #[inline(always)]
+    fn curvature(&self, support: &Support<S>, _: Vec3<S>, [a, b]: [Vec3<S>; 2]) -> [S; 3] {
+        let inverse = support.reach.recip();
+        let (of_a, of_b) = (self.stretched(a), self.stretched(b));
+        let (at_a, at_b) = (support.point.dot(a), support.point.dot(b));
+        [(of_a.dot(a) - at_a.sq()), (of_a.dot(b) - at_a * at_b), (of_b.dot(b) - at_b.sq())].map(|x| x * inverse)
+    }
+}
+
+/// How two bodies are apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Apart<S> {
+    /// Distance (m), negative where they overlap.
+    pub distance: S,
+    /// From the first to the second.
+    pub normal: Vec3<S>,
+    /// Midway between their surfaces (m, from the middle of the first).
+    pub at: Vec3<S>,
+}
+
+/// The search: a direction, and whether it goes on.
+struct Climb<S: Scalar> {
+    normal: Vec3<S>,
+    goes_on: S::Mask,
+}
+
+impl<S: Scalar> Carried<S> for Climb<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Vec3 { x, y, z } = &mut self.normal;
+        visitor.numbers([x, y, z]);
+        visitor.mask(&mut self.goes_on);
+    }
+}
+
+/// Two ellipsoids, the middle of the second as seen from that of the first.
+#[inline(always)]
+pub(super) fn ovals<S: Scalar>(first: &Oval<S>, second: &Oval<S>, between: Vec3<S>) -> Apart<S> {
+    // The sum of both is about as large as an ellipsoid with the axes of the first.
+    let beside = second.along(&first.axes);
+    let sum = [0, 1, 2].map(|k| first.radii[k] + beside[k]);
+    let (_, [x, y, z]) = nearest(sum, first.axes.apply_inverse(between).array());
+    let normal = climb(first, second, between, first.axes.apply(Vec3::new(x, y, z)));
+    apart(first, second, between, normal)
+}
+
+/// How two bodies are apart along a direction.
+#[inline(always)]
+pub(super) fn apart<S: Scalar>(
+    first: &impl Smooth<S>,
+    second: &impl Smooth<S>,
+    between: Vec3<S>,
+    normal: Vec3<S>,
+) -> Apart<S> {
+    let [one, other] = [first.support(normal), second.support(normal)];
+    let distance = normal.dot(between) - one.reach - other.reach;
+    let at = (one.point + between - other.point).scale(S::lit(0.5));
+    Apart { distance, normal, at }
+}
+
+/// The direction near another one in which two bodies are farthest apart.
+#[inline(always)]
+pub(super) fn climb<S: Scalar>(
+    first: &impl Smooth<S>,
+    second: &impl Smooth<S>,
+    between: Vec3<S>,
+    start: Vec3<S>,
+) -> Vec3<S> {
+    let mut climb = Climb { normal: start, goes_on: S::Mask::splat(true) };
+    S::repeat_while(MAX_ROUNDS, &mut climb, |Climb { normal, goes_on }| {
+        let step = newton_step(first, second, between, *normal);
+        let square = step.dot(step);
+        let next = *normal + step;
+        let next = next.scale(next.dot(next).max(S::lit(TINY)).rsqrt());
+        *normal = Vec3::select(*goes_on, next, *normal);
+        *goes_on = *goes_on & S::lit((SETTLED * S::EPSILON).powi(2)).lt(square);
+        *goes_on
+    });
+    climb.normal
+}
+
+#[inline(always)]
+fn newton_step<S: Scalar>(
+    first: &impl Smooth<S>,
+    second: &impl Smooth<S>,
+    between: Vec3<S>,
+    normal: Vec3<S>,
+) -> Vec3<S> {
+    let across = tangents(normal);
+    let [one, other] = [first.support(normal), second.support(normal)];
+    let gap = between - one.point - other.point;
+    let bends = [first.curvature(&one, normal, across), second.curvature(&other, normal, across)];
+    let [xx, xy, yy] = [0, 1, 2].map(|k| bends[0][k] + bends[1][k]);
+    let distance = normal.dot(gap);
+    // Of a maximum, else the curvature without what the depth takes of it.
+    let least = |distance: S| {
+        let (a, b) = (xx + distance, yy + distance);
+        (a, b, a.mul_add(b, -(xy * xy)))
+    };
+    let (deep, shallow) = (least(distance), least(distance.max(S::zero())));
+    let trace = deep.0 + deep.1;
+    let is_maximum = S::zero().lt(trace) & (trace.sq() * S::lit(ROUND)).lt(deep.2);
+    let a = S::select(is_maximum, deep.0, shallow.0);
+    let b = S::select(is_maximum, deep.1, shallow.1);
+    let determinant = S::select(is_maximum, deep.2, shallow.2).max(S::lit(TINY));
+    let (u, v) = (across[0].dot(gap), across[1].dot(gap));
+    let inverse = determinant.recip();
+    let step = across[0].scale((b * u - xy * v) * inverse) + across[1].scale((a * v - xy * u) * inverse);
+    let length = step.dot(step).max(S::lit(TINY));
+    step.scale((S::lit(LONGEST) * length.rsqrt()).min(S::lit(1.0)))
+}
