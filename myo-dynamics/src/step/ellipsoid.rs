@@ -1,13 +1,12 @@
 //! The point of a segment that is deepest in an ellipsoid, or nearest to it, and which way is out.
 //!
-//! The signed distance from an ellipsoid is a convex function in space, so along a segment its slope only grows: where it is
-//! zero is the point that is looked for, else it is an end. As every point of the segment is at least as far out along the
-//! normal there, this is also the least way by which the segment has to be moved out. (Where a segment pierces the middle of an
-//! ellipsoid, and the slope jumps, the least way across the segment is taken.)
+//! Along any direction they are some distance apart, and the greatest of these is their signed distance: the least way by which the segment
+//! has to be moved out. It is along the way out of one of the ends, or across the segment, or near this where the segment pierces the middle.
 
-use crate::spatial::Vec3;
+use crate::spatial::{Rotation, Vec3};
 use crate::step::contact::tangents;
-use myo_scalar::{Carried, Mask, Scalar, Visitor};
+use crate::step::support::{self, Oval, climb};
+use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Most rounds of the search; it takes six or seven.
 const MAX_ROUNDS: usize = 40;
@@ -30,28 +29,80 @@ pub struct Deepest<S> {
 /// The deepest point of `middle + along * half`, from -1 to 1, in the axes of an ellipsoid with these semi-axes.
 #[inline(always)]
 pub fn deepest<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S> {
-    let zero = S::zero();
-    let [first, last] = [middle - half, middle + half].map(Vec3::array);
-    let [(at_first, out_of_first), (at_last, out_of_last)] = [nearest(radii, first), nearest(radii, last)];
-    let [out_of_first, out_of_last] = [out_of_first, out_of_last].map(|[x, y, z]| Vec3::new(x, y, z));
-    let falls_to_the_end = out_of_last.dot(half).lt(zero);
-    let rises_from_the_start = zero.le(out_of_first.dot(half));
-    let side = S::select(falls_to_the_end, S::lit(1.0), S::lit(-1.0));
-    let end = Deepest {
-        along: side,
-        distance: S::select(falls_to_the_end, at_last, at_first),
-        normal: Vec3::select(falls_to_the_end, out_of_last, out_of_first),
-    };
+    let one = S::lit(1.0);
+    let [first, last] = [-one, one].map(|along| {
+        let (_, [x, y, z]) = nearest(radii, half.mul_add(along, middle).array());
+        let way = outward(radii, middle, half, Vec3::new(x, y, z));
+        // An end is out along its own way, unless the other end is less so.
+        let is_it = (way.along - along).abs().lt(one);
+        (way, is_it)
+    });
     let between = across(radii, middle, half);
-    let is_end = falls_to_the_end | rises_from_the_start;
-    Deepest {
-        along: S::select(is_end, end.along, between.along),
-        distance: S::select(is_end, end.distance, between.distance),
-        normal: Vec3::select(is_end, end.normal, between.normal),
+    let best = last.0.or(first.0.distance.lt(last.0.distance), first.0);
+    // A ball has nothing across.
+    let is_long = S::lit(TINY).lt(half.dot(half));
+    let mut best = between.or(is_long & best.distance.lt(between.distance), best);
+    let is_between = between.along.abs().lt(one);
+    let is_odd = is_long & !(first.1 | last.1 | is_between);
+    S::when(is_odd, &mut best, |best| S::outline(Pierced { radii, middle, half, between, is_odd, best }));
+    best
+}
+
+/// Where a segment pierces the middle of an ellipsoid, the way out of its deepest end may be another than that of the end alone: one near the
+/// way across.
+struct Pierced<'a, S: Scalar> {
+    radii: [S; 3],
+    middle: Vec3<S>,
+    half: Vec3<S>,
+    between: Deepest<S>,
+    is_odd: S::Mask,
+    best: &'a mut Deepest<S>,
+}
+
+impl<S: Scalar> Stage<S> for Pierced<'_, S> {
+    const NAME: &'static str = "pierced ellipsoid";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { radii, middle, half, between, is_odd, best } = self;
+        let end = half.mul_add(between.along, middle);
+        let oval = Oval { axes: Rotation::identity(), radii };
+        let normal = climb(&oval, &support::Point, end, between.normal);
+        let way = outward(radii, middle, half, normal);
+        *best = way.or(is_odd & best.distance.lt(way.distance), *best);
     }
 }
 
-/// The same if it is no end. The way out is then across the segment: seen along it, the segment is a point and the ellipsoid an
+impl<S: Scalar> Carried<S> for Deepest<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Self { along, distance, normal } = self;
+        visitor.numbers([along, distance, &mut normal.x, &mut normal.y, &mut normal.z]);
+    }
+}
+
+impl<S: Scalar> Deepest<S> {
+    /// This where the mask is true, else another.
+    #[inline(always)]
+    fn or(self, mask: S::Mask, other: Self) -> Self {
+        Self {
+            along: S::select(mask, self.along, other.along),
+            distance: S::select(mask, self.distance, other.distance),
+            normal: Vec3::select(mask, self.normal, other.normal),
+        }
+    }
+}
+
+/// How far the segment is out along a direction, and with which end.
+#[inline(always)]
+fn outward<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, normal: Vec3<S>) -> Deepest<S> {
+    let Vec3 { x, y, z } = normal;
+    let scaled = Vec3::new(x * radii[0], y * radii[1], z * radii[2]);
+    let (reach, side) = (scaled.dot(scaled).max(S::lit(TINY)).sqrt(), normal.dot(half));
+    let along = S::select(side.lt(S::zero()), S::lit(1.0), S::lit(-1.0));
+    Deepest { along, distance: normal.dot(middle) - side.abs() - reach, normal }
+}
+
+/// The same across the segment: seen along it, the segment is a point and the ellipsoid an
 /// ellipse.
 #[inline(always)]
 fn across<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S> {
@@ -199,10 +250,6 @@ mod tests {
             // Along its normal it is as far as that, and along no other direction farther.
             let along_it = gap(&Vector3::from(found.normal.array()));
             prop_assert!((found.distance - along_it).abs() < 1e-9, "{} and {along_it}", found.distance);
-            // Unless the segment pierces the middle, which is where its deepest point is as far out on either side.
-            let at = |k: u32| nearest(radii, std::array::from_fn(|i| middle[i] + (0.001 * f64::from(k) - 1.0) * half[i])).0;
-            let deepest = (0..=2000).map(at).fold(f64::INFINITY, f64::min);
-            prop_assume!(found.distance > deepest - 1e-5);
             let farthest = spiral(2000).map(|n| gap(&n)).fold(f64::NEG_INFINITY, f64::max);
             prop_assert!(farthest < found.distance + 1e-9, "{} and {farthest}", found.distance);
             prop_assert!((-1.0..=1.0).contains(&found.along));

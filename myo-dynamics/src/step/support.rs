@@ -77,6 +77,22 @@ impl<S: Scalar> Smooth<S> for Oval<S> {
     }
 }
 
+/// A point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point;
+
+impl<S: Scalar> Smooth<S> for Point {
+    #[inline(always)]
+    fn support(&self, _: Vec3<S>) -> Support<S> {
+        Support { reach: S::zero(), point: Vec3::zero() }
+    }
+
+    #[inline(always)]
+    fn curvature(&self, _: &Support<S>, _: Vec3<S>, _: [Vec3<S>; 2]) -> [S; 3] {
+        [S::zero(); 3]
+    }
+}
+
 /// How two bodies are apart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Apart<S> {
