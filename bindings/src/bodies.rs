@@ -96,7 +96,7 @@ fn check(what: &str, values: ArrayView2<'_, f64>, expected: [usize; 2]) -> PyRes
 
 #[pymethods]
 impl Bodies {
-    /// So many bodies at rest in the zero pose. With `soft_couplings` coupled joints have positions of their own, held together by soft constraints as MuJoCo's are; else they follow the
+    /// So many bodies at rest in the pose of reference: joints at zero, free bodies where the model puts them. With `soft_couplings` coupled joints have positions of their own, held together by soft constraints as MuJoCo's are; else they follow the
     /// independent ones.
     #[new]
     #[pyo3(signature = (model, num_bodies, *, soft_couplings = false, threads = None))]
@@ -133,7 +133,7 @@ impl Bodies {
         compute(py, || self.pool.install(|| batch.step(steps)))
     }
 
-    /// Gives these bodies positions and their rates `(n, ndof)` and activations `(n, nmuscle)`.
+    /// Gives these bodies positions `(n, nq)`, rates `(n, ndof)` and activations `(n, nmuscle)`.
     fn set(
         &self,
         bodies: PyReadonlyArray1<'_, i64>,
@@ -143,7 +143,7 @@ impl Bodies {
     ) -> PyResult<()> {
         let mut batch = self.open()?;
         let (bodies, ndof) = (bodies.as_array(), self.exact.ndof());
-        check("qpos", qpos.as_array(), [bodies.len(), ndof])?;
+        check("qpos", qpos.as_array(), [bodies.len(), self.exact.nq()])?;
         check("qvel", qvel.as_array(), [bodies.len(), ndof])?;
         check("activation", activation.as_array(), [bodies.len(), self.muscle_names.len()])?;
         // What single precision holds.
@@ -171,7 +171,7 @@ impl Bodies {
         Ok(())
     }
 
-    /// Positions of sites in these poses `(n, ndof)`, in axes of the model's world (m), `(n, nsite, 3)`; poses of the bodies if none are told.
+    /// Positions of sites in these poses `(n, nq)`, in axes of the model's world (m), `(n, nsite, 3)`; poses of the bodies if none are told.
     #[pyo3(signature = (sites, qpos = None))]
     fn site_positions<'py>(
         &self,
@@ -187,13 +187,13 @@ impl Bodies {
         let poses = match qpos {
             Some(qpos) => {
                 let poses = qpos.as_array().to_owned();
-                check("qpos", poses.view(), [poses.nrows(), self.exact.ndof()])?;
+                check("qpos", poses.view(), [poses.nrows(), self.exact.nq()])?;
                 poses
             }
             None => {
                 let batch = self.open()?;
                 let rows: Vec<f64> = (0..batch.size()).flat_map(|body| batch.qpos(body)).map(f64::from).collect();
-                Array2::from_shape_vec((batch.size(), self.exact.ndof()), rows).map_err(wrong)?
+                Array2::from_shape_vec((batch.size(), self.exact.nq()), rows).map_err(wrong)?
             }
         };
         let count = poses.nrows();
@@ -202,13 +202,13 @@ impl Bodies {
         Ok(Array3::from_shape_vec((count, numbers.len(), 3), flat).map_err(wrong)?.into_pyarray(py))
     }
 
-    /// Positions of the joints (rad or m), `(num_bodies, ndof)`.
+    /// Positions of the joints (rad or m), `(num_bodies, nq)`: of a ball joint a quaternion (w, x, y, z), of a free one its place in the world and then that.
     #[getter]
     fn qpos<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        self.rows(py, self.exact.ndof(), Batch::qpos)
+        self.rows(py, self.exact.nq(), Batch::qpos)
     }
 
-    /// Their rates (1/s), `(num_bodies, ndof)`.
+    /// Rates of the coordinates (rad/s or m/s), `(num_bodies, ndof)`: of ball and free joints three and six.
     #[getter]
     fn qvel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         self.rows(py, self.exact.ndof(), Batch::qvel)
@@ -220,13 +220,13 @@ impl Bodies {
         self.rows(py, self.muscle_names.len(), Batch::act)
     }
 
-    /// Names of the joints that have positions, in their order.
+    /// Names of the coordinates that have rates, in their order: of the joints, and of ball and free joints with `_tx` to `_rz`.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
         self.exact.dofs.iter().map(|dof| dof.name.clone()).collect()
     }
 
-    /// Limits of these joints (rad or m), `(ndof, 2)`; infinite where there are none.
+    /// Limits of these coordinates (rad or m), `(ndof, 2)`; infinite where there are none.
     #[getter]
     fn joint_ranges<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let free = [f64::NEG_INFINITY, f64::INFINITY];

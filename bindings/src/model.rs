@@ -72,10 +72,12 @@ impl Model {
         file: PathBuf,
         landmarks: (String, String, Option<String>, Option<String>),
         without_contacts: bool,
+        locked: Vec<String>,
         root: Option<PathBuf>,
     ) -> PyResult<(Self, Vec<String>)> {
         let (fingertip, shoulder, elbow, wrist) = landmarks;
-        let options = ImportOptions { landmarks: Landmarks { fingertip, shoulder, elbow, wrist }, without_contacts };
+        let landmarks = Landmarks { fingertip, shoulder, elbow, wrist };
+        let options = ImportOptions { landmarks, without_contacts, locked };
         let imported = compute(py, || import_model(&file, root.as_deref(), &options))?.map_err(error::task)?;
         Ok((Self::checked(imported.description)?, imported.passed_over))
     }

@@ -158,7 +158,7 @@ impl Simulation {
         self.plan.timestep
     }
 
-    /// Positions of the independent joints (rad or m), `(ndof,)`.
+    /// Positions of the independent joints (rad or m; quaternions of ball and free ones), `(nq,)`.
     #[getter]
     fn qpos<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.moment().state.qpos)
@@ -166,11 +166,11 @@ impl Simulation {
 
     #[setter]
     fn set_qpos(&self, values: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set(&numbers("qpos", values, self.plan.ndof())?, |state| &mut state.qpos);
+        self.set(&numbers("qpos", values, self.plan.nq())?, |state| &mut state.qpos);
         Ok(())
     }
 
-    /// Their rates (1/s), `(ndof,)`.
+    /// Rates of their coordinates (rad/s or m/s), `(ndof,)`.
     #[getter]
     fn qvel<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, &self.moment().state.qvel)

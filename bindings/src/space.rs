@@ -126,7 +126,7 @@ fn reach(model: &Model) -> [Interval; 3] {
             turn *= body.quat;
         }
         for joint in model.joints.iter().filter(|joint| joint.body == index) {
-            if joint.kind == JointKind::Slide {
+            if matches!(joint.kind, JointKind::Slide | JointKind::Free) {
                 return [UNBOUNDED; 3];
             }
             moves = true;

@@ -126,17 +126,15 @@ impl ReachableSpace {
             unit::<f64>(philox::<f64>(Counter { seed: seed_words(0), env, episode: zero, step: zero, stream })[0])
         };
         let region = number * REGIONS / CLOUD;
-        let share = |number: usize, dof: usize| match number {
-            0..HALVINGS => 0.5 * (draw(dof) + f64::from(u8::from(region >> number & 1 == 1))),
+        let before = |dof: usize| (0..dof).filter(|&dof| self.is_searched(dof)).count();
+        let share = |dof: usize| match before(dof) {
+            number @ 0..HALVINGS => 0.5 * (draw(dof) + f64::from(u8::from(region >> number & 1 == 1))),
             _ => draw(dof),
         };
-        let mut pose = self.plan.qpos0.clone();
-        let searched = (0..self.ranges.len()).filter(|&dof| self.is_searched(dof));
-        for (number, dof) in searched.enumerate() {
+        self.plan.pose(|dof, _| {
             let [lo, hi] = self.ranges[dof];
-            pose[self.plan.dofs[dof].at] = lo + (hi - lo) * share(number, dof);
-        }
-        pose
+            lo + (hi - lo) * share(dof)
+        })
     }
 
     fn is_searched(&self, dof: usize) -> bool {

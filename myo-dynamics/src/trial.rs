@@ -49,13 +49,7 @@ impl Plan<f64> {
 
     /// A pose within the limits.
     fn anywhere(&self, body: usize) -> Vec<f64> {
-        let mut pose = self.qpos0.clone();
-        for (k, dof) in self.dofs.iter().enumerate() {
-            if let Some([lo, hi]) = dof.range {
-                pose[dof.at] = lo + (hi - lo) * uniform(DRAWS, body, k);
-            }
-        }
-        pose
+        self.pose(|k, dof| dof.range.map_or(0.0, |[lo, hi]| lo + (hi - lo) * uniform(DRAWS, body, k)))
     }
 
     fn controls(&self, draw: usize, body: usize) -> Vec<f32> {

@@ -114,6 +114,7 @@ impl<C: Real> Tables<C> {
         }
         let task = task.clone().expanded();
         let mut exact = Plan::exact(model, CouplingMode::Reduced)?;
+        exact.check_held()?;
         task.check_control_step(exact.timestep).map_err(InvalidTask::from)?;
         let ranges: Vec<JointRange> = exact.dofs.iter().map(|dof| dof.range).collect();
         let groups: Vec<_> = model.muscles.iter().map(|muscle| muscle.parameters.group).collect();

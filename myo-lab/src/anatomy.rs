@@ -124,8 +124,9 @@ impl Anatomy {
 /// Moment arms over each coordinate, of the muscles that have the greatest, all other coordinates in the middle of their ranges: the name
 /// of the coordinate with its plot. Coordinates that no muscle moves have none.
 pub fn moment_arm_plots(model: &Model, plan: &Plan<f64>) -> Vec<(String, Plot)> {
-    let middle: Vec<f64> = plan.dofs.iter().map(|dof| dof.range.map_or(0.0, |[lo, hi]| 0.5 * (lo + hi))).collect();
-    let coordinates = plan.dofs.iter().enumerate();
+    let middle = plan.pose(|_, dof| dof.range.map_or(0.0, |[lo, hi]| 0.5 * (lo + hi)));
+    // Muscles move a free body by nothing but its joints.
+    let coordinates = plan.dofs.iter().enumerate().filter(|(_, dof)| dof.kind == DofKind::Joint);
     coordinates.filter_map(|(k, dof)| Some((dof.name.clone(), moment_arm_plot(model, plan, k, &middle)?))).collect()
 }
 
@@ -135,7 +136,7 @@ fn moment_arm_plot(model: &Model, plan: &Plan<f64>, k: usize, middle: &[f64]) ->
     let angles: Vec<f64> = (0..ANGLES).map(|n| lo + (hi - lo) * n as f64 / (ANGLES - 1) as f64).collect();
     let at = |&angle: &f64| {
         let mut pose = middle.to_vec();
-        pose[k] = angle;
+        pose[dof.at] = angle;
         Isometric::at(plan, &pose)
     };
     let all: Vec<Isometric> = angles.iter().map(at).collect();
@@ -183,8 +184,10 @@ fn pose(plan: &Plan<f64>, number: u32) -> Vec<f64> {
         let [env, stream, zero] = [word(number), word(dof as u32), word(0)];
         unit::<f64>(philox::<f64>(Counter { seed: seed_words(1), env, episode: zero, step: zero, stream })[0])
     };
-    let ranges = plan.dofs.iter().map(|dof| dof.range.unwrap_or(UNLIMITED));
-    ranges.enumerate().map(|(k, [lo, hi])| lo + (hi - lo) * draw(k)).collect()
+    plan.pose(|k, dof| {
+        let [lo, hi] = dof.range.unwrap_or(UNLIMITED);
+        lo + (hi - lo) * draw(k)
+    })
 }
 
 #[cfg(test)]

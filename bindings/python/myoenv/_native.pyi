@@ -209,6 +209,7 @@ class Model:
         file: str | PathLike[str],
         landmarks: tuple[str, str, str | None, str | None],
         without_contacts: bool,
+        locked: Sequence[str],
         root: str | PathLike[str] | None,
     ) -> tuple[Model, list[str]]:
         """A model of MuJoCo's file, and what of it has no part in the simulation; see `myoenv.import_model`."""
@@ -325,7 +326,7 @@ class Bodies:
     def __new__(
         cls, model: Model, num_bodies: int, *, soft_couplings: bool = False, threads: int | None = None
     ) -> Self:
-        """So many bodies at rest in the zero pose. With `soft_couplings` coupled joints have positions of their own,
+        """So many bodies at rest in the pose of reference: joints at zero, free bodies where the model puts them. With `soft_couplings` coupled joints have positions of their own,
         held together by soft constraints as MuJoCo's are; else they follow the independent ones."""
     def step(self, ctrl: NDArray[np.float32], steps: int = 1) -> None:
         """Advances all by `steps` physics steps under excitations `(num_bodies, nmuscle)`, clipped to [0, 1]."""
@@ -336,25 +337,27 @@ class Bodies:
         qvel: NDArray[np.float64],
         activation: NDArray[np.float64],
     ) -> None:
-        """Gives these bodies positions and their rates `(n, ndof)` and activations `(n, nmuscle)`."""
+        """Gives these bodies positions `(n, nq)`, rates `(n, ndof)` and activations `(n, nmuscle)`."""
     def site_positions(self, sites: Sequence[str], qpos: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
-        """Positions of sites in these poses `(n, ndof)`, in axes of the model's world (m), `(n, nsite, 3)`; poses of
+        """Positions of sites in these poses `(n, nq)`, in axes of the model's world (m), `(n, nsite, 3)`; poses of
         the bodies if none are told."""
     @property
     def qpos(self) -> NDArray[np.float32]:
-        """Positions of the joints (rad or m), `(num_bodies, ndof)`."""
+        """Positions of the joints (rad or m), `(num_bodies, nq)`: of a ball joint a quaternion (w, x, y, z), of a free one
+        its place in the world and then that."""
     @property
     def qvel(self) -> NDArray[np.float32]:
-        """Their rates (1/s), `(num_bodies, ndof)`."""
+        """Rates of the coordinates (rad/s or m/s), `(num_bodies, ndof)`: of ball and free joints three and six."""
     @property
     def activation(self) -> NDArray[np.float32]:
         """Muscle activations in [0, 1], `(num_bodies, nmuscle)`."""
     @property
     def joint_names(self) -> list[str]:
-        """Names of the joints that have positions, in their order."""
+        """Names of the coordinates that have rates, in their order: of the joints, and of ball and free joints with `_tx`
+        to `_rz`."""
     @property
     def joint_ranges(self) -> NDArray[np.float64]:
-        """Limits of these joints (rad or m), `(ndof, 2)`; infinite where there are none."""
+        """Limits of these coordinates (rad or m), `(ndof, 2)`; infinite where there are none."""
     @property
     def muscle_names(self) -> list[str]:
         """Names of the muscles."""

@@ -82,6 +82,7 @@ def import_model(
     elbow: str | None = None,
     wrist: str | None = None,
     without_contacts: bool = False,
+    lock: Sequence[str] = (),
     root: str | PathLike[str] | None = None,
 ) -> Model:
     """A model of a file of MuJoCo's (MJCF), as `myo model import` makes it.
@@ -99,15 +100,18 @@ def import_model(
         elbow: Body whose origin is the elbow, for rays from the forearm.
         wrist: Body whose origin is the wrist, for rays.
         without_contacts: Whether parts of the body pass through each other.
+        lock: Joints that stand still as in the pose of the file, with those that follow them.
         root: Folder outside of which no file is opened; by default that of the file.
     """
     names = {"fingertip": fingertip, "shoulder": shoulder, "elbow": elbow, "wrist": wrist}
     for name, value in names.items():
         if not (isinstance(value, str) or (value is None and name in ("elbow", "wrist"))):
             raise TypeError(f"{name} is {value!r}; it must be a name")
+    if isinstance(lock, str) or not all(isinstance(name, str) for name in lock):
+        raise TypeError(f"lock is {lock!r}; it must be a list of names")
     below = None if root is None else as_path("root", root)
     landmarks = (fingertip, shoulder, elbow, wrist)
-    model, passed_over = Model.from_mjcf(as_path("file", file), landmarks, bool(without_contacts), below)
+    model, passed_over = Model.from_mjcf(as_path("file", file), landmarks, bool(without_contacts), list(lock), below)
     if passed_over:
         what = ", ".join(passed_over)
         warnings.warn(f"passed over, as they have no part in the simulation: {what}", UserWarning, stacklevel=2)

@@ -611,6 +611,31 @@ impl<C> Plan<C> {
     }
 }
 
+impl<C> Plan<C> {
+    /// Whether all its coordinates are hinges and slides, as those of bodies that do tasks are.
+    ///
+    /// # Errors
+    /// [`PlanError::NotHeld`] names the first that is not.
+    pub fn check_held(&self) -> Result<(), PlanError> {
+        let joint = |dof: &Dof<C>| dof.name.rsplit_once('_').map_or(&*dof.name, |(joint, _)| joint).to_owned();
+        match self.dofs.iter().find(|dof| dof.kind != DofKind::Joint) {
+            Some(dof) => Err(PlanError::NotHeld { joint: joint(dof) }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Plan<f64> {
+    /// A pose with these positions of hinges and slides; ball joints and free bodies are as in the pose of reference.
+    pub fn pose(&self, position: impl Fn(usize, &Dof<f64>) -> f64) -> Vec<f64> {
+        let mut pose = self.qpos0.clone();
+        for (k, dof) in self.dofs.iter().enumerate().filter(|(_, dof)| dof.kind == DofKind::Joint) {
+            pose[dof.at] = position(k, dof);
+        }
+        pose
+    }
+}
+
 impl<C: Real> Plan<C> {
     /// Positions of all joints of the model, coupled ones included, in the model's order: MuJoCo's `qpos`.
     pub fn joint_positions<S: Scalar<Const = C>>(&self, qpos: &[S]) -> Vec<S> {
@@ -681,6 +706,15 @@ pub enum PlanError {
     #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]
     Singular {
         /// The joint.
+        joint: String,
+    },
+    /// A body of a task that is not held.
+    #[error(
+        "joint '{joint}' moves in several ways at once; bodies that do tasks are held by hinges and slides so far: lock it \
+         (`myo model import --lock {joint}`), or make hinges of it"
+    )]
+    NotHeld {
+        /// The joint, of a kind that has several coordinates.
         joint: String,
     },
     /// All joints are held.

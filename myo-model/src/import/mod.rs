@@ -6,6 +6,7 @@
 mod apart;
 mod contacts;
 mod joints;
+mod lock;
 mod mass;
 mod muscles;
 mod ranges;
@@ -24,6 +25,8 @@ pub struct ImportOptions {
     pub landmarks: Landmarks,
     /// Whether parts of the body pass through each other, whatever the file says.
     pub without_contacts: bool,
+    /// Joints that stand still as in the pose of the file, with those that follow them.
+    pub locked: Vec<String>,
 }
 
 /// Something in a file that cannot be simulated as MuJoCo does.
@@ -50,6 +53,7 @@ impl fmt::Display for Unsupported {
 /// # Errors
 /// Everything in it that cannot be simulated as MuJoCo does.
 pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescription, Vec<Unsupported>> {
+    let mjcf = &*lock::locked(mjcf, &options.locked)?;
     let mut import = Import { mjcf, names: Names::of(mjcf), unsupported: vec![] };
     let refused = |one: &myo_mjcf::Refused| Unsupported {
         place: one.place.clone(),

@@ -33,6 +33,9 @@ pub struct Import {
     /// Let parts of the body pass through each other
     #[arg(long)]
     without_contacts: bool,
+    /// Joint that stands still as in the pose of the file, with those that follow it; once for each [example: the free joint of a pelvis]
+    #[arg(long, value_name = "JOINT")]
+    lock: Vec<String>,
     /// Folder outside of which no file is opened [default: that of the file]
     #[arg(long, value_name = "FOLDER")]
     root: Option<PathBuf>,
@@ -46,9 +49,9 @@ Example:
   myo model import myoarm_r.xml --fingertip IFtip_r --shoulder humerus_r --out myoarm.yaml
   myo train ours.yaml                           with `model: myoarm.yaml` in the task
 
-Hinges, slides, couplings of joints, tendons over sites, spheres and cylinders, muscles, and contacts of spheres, capsules and ellipsoids are
-simulated as MuJoCo 4.0 does. All else that has a part in the simulation (free joints, contacts of other shapes, springs of tendons, motors and so
-on) is refused by name, file and line; what is only seen or sensed, and what can never touch, is passed over. Includes, classes, frames, copies and attached models are resolved.";
+Joints of all kinds, couplings of joints, tendons over sites, spheres and cylinders, muscles, and contacts of spheres, capsules and ellipsoids with each
+other, planes and cylinders are simulated as MuJoCo 4.0 does. All else that has a part in the simulation (contacts of other shapes, springs of
+tendons, motors and so on) is refused by name, file and line; what is only seen or sensed, and what can never touch, is passed over. Includes, classes, frames, copies and attached models are resolved.";
 
 impl Import {
     /// Runs `myo model import`.
@@ -59,7 +62,8 @@ impl Import {
             elbow: self.elbow.clone(),
             wrist: self.wrist.clone(),
         };
-        let options = ImportOptions { landmarks, without_contacts: self.without_contacts };
+        let (without_contacts, locked) = (self.without_contacts, self.lock.clone());
+        let options = ImportOptions { landmarks, without_contacts, locked };
         let root = self.root.as_deref();
         let Imported { description, passed_over } =
             import_model(&self.file, root, &options).map_err(|error| match error {
