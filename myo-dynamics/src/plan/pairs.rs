@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 pub struct ContactPair<C> {
     /// Their shapes, in the order of [`PartForm`].
     pub parts: [Part<C>; 2],
-    /// Distance of their middles, or of the second's from a plane (m), from which on they do not touch.
+    /// Distance of their middles, or of the second's from a plane or cylinder (m), from which on they do not touch.
     pub far: C,
     /// Number of its first contact among those of all pairs.
     pub slot: usize,
@@ -127,7 +127,7 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64
     }
     let is_rod = matches!(other, PartForm::Capsule { half_length, .. } if half_length > 0.0);
     Ok(ContactPair {
-        far: one.reach() + other.reach() + contact.margin,
+        far: if is_flat(one) { 0.0 } else { one.reach() } + other.reach() + contact.margin,
         slot: 0,
         points: if is_flat(one) && is_rod { 2 } else { 1 },
         is_along_axis: one == PartForm::Plane && is_rod,
@@ -158,10 +158,10 @@ fn form(shape: Shape) -> Option<PartForm<f64>> {
 }
 
 impl PartForm<f64> {
-    /// Radius of a ball around its middle that holds it (m); a plane is looked at from its surface.
+    /// Radius of a ball around its middle that holds it (m).
     fn reach(&self) -> f64 {
         match *self {
-            Self::Plane => 0.0,
+            Self::Plane => f64::INFINITY,
             Self::Cylinder { radius, half_length } => radius.hypot(half_length),
             Self::Ellipsoid { radii } => radii.into_iter().fold(0.0, f64::max),
             Self::Capsule { radius, half_length } => radius + half_length,

@@ -6,10 +6,8 @@
 use crate::spatial::{Rotation, Vec3};
 use crate::step::ellipsoid::{TINY, ellipse, nearest};
 use crate::step::support::{Apart, Oval, Smooth, Support, apart, climb};
-use myo_scalar::{Carried, Mask, Scalar, Visitor};
+use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
-/// Halvings by which the point of a segment that is nearest is found: as many as a number has binary digits.
-const HALVINGS: usize = 52;
 /// Farther than anything that touches (m).
 const FAR: f64 = 1e3;
 /// Cosine of the angle between a normal and the axis above which it is that of an end.
@@ -33,15 +31,15 @@ pub(super) struct Cylinder<S> {
 }
 
 /// Where a point is beside it.
-struct Beside<S> {
-    distance: S,
+pub(super) struct Beside<S> {
+    pub distance: S,
     normal: Vec3<S>,
 }
 
 impl<S: Scalar> Cylinder<S> {
     /// Signed distance of a point, and the direction out of the cylinder there.
     #[inline(always)]
-    fn beside(&self, point: Vec3<S>) -> Beside<S> {
+    pub(super) fn beside(&self, point: Vec3<S>) -> Beside<S> {
         let (o, one) = (S::zero(), S::lit(1.0));
         let square = point.x.mul_add(point.x, point.y * point.y);
         let inverse = square.max(S::lit(TINY)).rsqrt();
@@ -60,6 +58,27 @@ impl<S: Scalar> Cylinder<S> {
             distance: S::select(is_inside, over.max(out), beyond * from_edge),
             normal: Vec3::select(is_inside, inside, outside),
         }
+    }
+}
+
+/// Halves a segment. A stage, since a closure that is not inlined would be compiled without its level's instructions.
+struct Halve<'a, S> {
+    cylinder: &'a Cylinder<S>,
+    middle: Vec3<S>,
+    half: Vec3<S>,
+    part: &'a mut Part<S>,
+}
+
+impl<S: Scalar> Stage<S> for Halve<'_, S> {
+    const NAME: &'static str = "half of a segment";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { cylinder, middle, half, part: Part { first, last } } = self;
+        let along = (*first + *last) * S::lit(0.5);
+        let rises = S::zero().lt(cylinder.beside(half.mul_add(along, middle)).normal.dot(half));
+        *first = S::select(rises, *first, along);
+        *last = S::select(rises, along, *last);
     }
 }
 
@@ -84,11 +103,12 @@ pub(super) fn rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3
     let is_end = S::lit(UPRIGHT).lt(one.normal.z.abs());
     let up = S::select(one.normal.z.lt(o), S::lit(-1.0), S::lit(1.0));
     let ends = lying(cylinder, middle, half, radius, up);
-    let touches = ends.map(|end| is_end & end.distance.lt(cylinder.margin));
-    let lies = touches[0] | touches[1];
-    let first = ends[0].or(touches[0], Apart { distance: far, ..ends[0] });
-    let second = ends[1].or(touches[1], Apart { distance: far, ..ends[1] });
-    [first.or(lies, one), second]
+    let [first, second] = ends;
+    let first_touches = is_end & first.distance.lt(cylinder.margin);
+    let second_touches = is_end & second.distance.lt(cylinder.margin);
+    let first = first.or(first_touches, Apart { distance: far, ..first });
+    let second = second.or(second_touches, Apart { distance: far, ..second });
+    [first.or(first_touches | second_touches, one), second]
 }
 
 impl<S: Scalar> Apart<S> {
@@ -108,11 +128,10 @@ impl<S: Scalar> Apart<S> {
 fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S) -> Apart<S> {
     let mut part = Part { first: S::lit(-1.0), last: S::lit(1.0) };
     let always = S::Mask::splat(true);
-    S::repeat_while(HALVINGS, &mut part, |Part { first, last }| {
-        let along = (*first + *last) * S::lit(0.5);
-        let rises = S::zero().lt(cylinder.beside(half.mul_add(along, middle)).normal.dot(half));
-        *first = S::select(rises, *first, along);
-        *last = S::select(rises, along, *last);
+    // As many halvings as a number has binary digits.
+    let halvings = -S::EPSILON.log2() as usize;
+    S::repeat_while(halvings, &mut part, |part| {
+        S::outline(Halve { cylinder, middle, half, part });
         always
     });
     // Where it never rises the last point is nearest, and where it always does the first.
@@ -138,22 +157,27 @@ fn lying<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radi
     let apothem = cylinder.radius * S::lit((std::f64::consts::PI / CORNERS as f64).cos());
     for side in 0..CORNERS / 2 {
         let (sin, cos) = ((side as f64 + 0.5) * std::f64::consts::TAU / CORNERS as f64).sin_cos();
-        let out = |v: Vec3<S>| v.x.mul_add(S::lit(cos), v.y * S::lit(sin));
-        let (at, along) = (out(line), out(half));
+        let (cos, sin) = (S::lit(cos), S::lit(sin));
+        let at = line.x.mul_add(cos, line.y * sin);
+        let along = half.x.mul_add(cos, half.y * sin);
         let is_parallel = along.abs().lt(S::lit(TINY));
         let inverse = S::select(is_parallel, S::lit(TINY), along).recip();
-        let [a, b] = [-apothem, apothem].map(|side| (side - at) * inverse);
+        let (a, b) = ((-apothem - at) * inverse, (apothem - at) * inverse);
         first = first.max(a.min(b));
         last = last.min(a.max(b));
     }
     let is_there = lean.abs().lt(S::lit(LEAN_OF_LYING)) & first.lt(last);
-    [first, last].map(|along| {
-        let point = half.mul_add(along, line);
-        let over = point.z.mul_add(up, -cylinder.half_length);
-        let half_margin = cylinder.margin * S::lit(0.5);
-        let distance = S::select(is_there, over + half_margin, S::lit(FAR));
-        Apart { distance, normal, at: point - normal.scale((over - half_margin) * S::lit(0.5)) }
-    })
+    let first = over_end(cylinder, half.mul_add(first, line), normal, is_there);
+    [first, over_end(cylinder, half.mul_add(last, line), normal, is_there)]
+}
+
+/// A point of a line over an end of the cylinder, half a margin farther out than the surface it belongs to.
+#[inline(always)]
+fn over_end<S: Scalar>(cylinder: &Cylinder<S>, point: Vec3<S>, normal: Vec3<S>, is_there: S::Mask) -> Apart<S> {
+    let over = point.z.mul_add(normal.z, -cylinder.half_length);
+    let half_margin = cylinder.margin * S::lit(0.5);
+    let distance = S::select(is_there, over + half_margin, S::lit(FAR));
+    Apart { distance, normal, at: point - normal.scale((over - half_margin) * S::lit(0.5)) }
 }
 
 /// The rim of one end of a cylinder, from the middle of that.
@@ -210,12 +234,7 @@ pub(super) fn oval<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Ve
     let mut best = along(cylinder, oval, middle, end);
     for direction in [side, from_rim] {
         let other = along(cylinder, oval, middle, direction);
-        let is_farther = best.distance.lt(other.distance);
-        best = Apart {
-            distance: S::select(is_farther, other.distance, best.distance),
-            normal: Vec3::select(is_farther, other.normal, best.normal),
-            at: Vec3::select(is_farther, other.at, best.at),
-        };
+        best = other.or(best.distance.lt(other.distance), best);
     }
     best
 }

@@ -30,20 +30,17 @@ pub struct Deepest<S> {
 #[inline(always)]
 pub fn deepest<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S> {
     let one = S::lit(1.0);
-    let [first, last] = [-one, one].map(|along| {
-        let (_, [x, y, z]) = nearest(radii, half.mul_add(along, middle).array());
-        let way = outward(radii, middle, half, Vec3::new(x, y, z));
-        // An end is out along its own way, unless the other end is less so.
-        let is_it = (way.along - along).abs().lt(one);
-        (way, is_it)
-    });
+    let first = of_end(radii, middle, half, -one);
+    let last = of_end(radii, middle, half, one);
+    // An end is out along its own way, unless the other end is less so.
+    let is_end = first.along.lt(S::zero()) | S::zero().lt(last.along);
     let between = across(radii, middle, half);
-    let best = last.0.or(first.0.distance.lt(last.0.distance), first.0);
+    let best = last.or(first.distance.lt(last.distance), first);
     // A ball has nothing across.
     let is_long = S::lit(TINY).lt(half.dot(half));
     let mut best = between.or(is_long & best.distance.lt(between.distance), best);
     let is_between = between.along.abs().lt(one);
-    let is_odd = is_long & !(first.1 | last.1 | is_between);
+    let is_odd = is_long & !(is_end | is_between);
     S::when(is_odd, &mut best, |best| S::outline(Pierced { radii, middle, half, between, is_odd, best }));
     best
 }
@@ -90,6 +87,13 @@ impl<S: Scalar> Deepest<S> {
             normal: Vec3::select(mask, self.normal, other.normal),
         }
     }
+}
+
+/// How far the segment is out along the way out of one of its ends.
+#[inline(always)]
+fn of_end<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, along: S) -> Deepest<S> {
+    let (_, [x, y, z]) = nearest(radii, half.mul_add(along, middle).array());
+    outward(radii, middle, half, Vec3::new(x, y, z))
 }
 
 /// How far the segment is out along a direction, and with which end.
@@ -158,19 +162,9 @@ pub fn nearest<S: Scalar, const N: usize>(radii: [S; N], mut point: [S; N]) -> (
         above = above.max(radii[k].mul_add(point[k].abs(), least - squares[k]));
     }
     let mut search = Shift { above, goes_on: S::Mask::splat(true) };
-    S::repeat_while(MAX_ROUNDS, &mut search, |Shift { above, goes_on }| {
-        let (mut square, mut slope) = (S::zero(), S::zero());
-        for k in 0..N {
-            let inverse = (squares[k] - least + *above).recip();
-            let scaled = radii[k] * point[k] * inverse;
-            square = scaled.mul_add(scaled, square);
-            slope = (scaled * scaled).mul_add(inverse, slope);
-        }
-        let excess = square.sqrt() - S::lit(1.0);
-        let next = (square * excess).mul_add(slope.recip(), *above);
-        *above = S::select(*goes_on, next, *above);
-        *goes_on = *goes_on & S::lit(SETTLED * S::EPSILON).lt(excess.abs());
-        *goes_on
+    S::repeat_while(MAX_ROUNDS, &mut search, |search| {
+        S::outline(Seek { radii, squares, least, point, search });
+        search.goes_on
     });
     let mut square = S::zero();
     for k in 0..N {
@@ -182,6 +176,35 @@ pub fn nearest<S: Scalar, const N: usize>(radii: [S; N], mut point: [S; N]) -> (
         *component = *component * inverse;
     }
     ((search.above - least) * square * inverse, point)
+}
+
+/// A round of the search: a stage, since a closure that is not inlined would be compiled without its level's instructions.
+struct Seek<'a, S: Scalar, const N: usize> {
+    radii: [S; N],
+    squares: [S; N],
+    least: S,
+    point: [S; N],
+    search: &'a mut Shift<S>,
+}
+
+impl<S: Scalar, const N: usize> Stage<S> for Seek<'_, S, N> {
+    const NAME: &'static str = "way out of an ellipsoid";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { radii, squares, least, point, search: Shift { above, goes_on } } = self;
+        let (mut square, mut slope) = (S::zero(), S::zero());
+        for k in 0..N {
+            let inverse = (squares[k] - least + *above).recip();
+            let scaled = radii[k] * point[k] * inverse;
+            square = scaled.mul_add(scaled, square);
+            slope = (scaled * scaled).mul_add(inverse, slope);
+        }
+        let excess = square.sqrt() - S::lit(1.0);
+        let next = (square * excess).mul_add(slope.recip(), *above);
+        *above = S::select(*goes_on, next, *above);
+        *goes_on = *goes_on & S::lit(SETTLED * S::EPSILON).lt(excess.abs());
+    }
 }
 
 /// See [`nearest`].

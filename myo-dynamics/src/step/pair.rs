@@ -6,7 +6,7 @@ use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
 use super::support::{Apart, Oval, Smooth, ovals};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
-use crate::spatial::{Rotation, Vec3};
+use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
 use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
 
@@ -26,7 +26,7 @@ pub fn pairs<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Worksp
     }
 }
 
-/// Whether the balls around two parts, or a ball and a plane, are near enough to touch.
+/// Whether the balls around two parts are near enough to touch, or that around the second to a first one that is flat.
 #[inline(always)]
 fn is_near<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> S::Mask {
     let [one, other] = &pair.parts;
@@ -34,6 +34,11 @@ fn is_near<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> S::Mas
     let far = S::splat(pair.far);
     match one.form {
         PartForm::Plane => apart.dot(axis(one, ws)).lt(far),
+        PartForm::Cylinder { radius, half_length } => {
+            let [radius, half_length, margin] = [radius, half_length, pair.margin].map(S::splat);
+            let seen = ws.fixed(&one.frame).rotation.apply_inverse(apart);
+            Cylinder { radius, half_length, margin }.beside(seen).distance.lt(far)
+        }
         _ => apart.dot(apart).lt(far.sq()),
     }
 }
@@ -72,9 +77,10 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
     fn run(self) {
         let Self { plan, pair, near, state, ws } = self;
         let along = pair.is_along_axis.then(|| axis(&pair.parts[1], ws));
-        for (point, meets) in meet(pair, ws).into_iter().take(pair.points).enumerate() {
+        let meets = meet(pair, ws);
+        for point in 0..pair.points {
             let number = ws.box_slots + pair.slot + point;
-            let Meets { distance, normal, at } = meets;
+            let Meets { distance, normal, at } = meets[point];
             let violation = distance - S::splat(pair.margin);
             let contact = &mut ws.contacts[number];
             (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
@@ -131,12 +137,12 @@ fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>
 /// Two ellipsoids.
 #[inline(always)]
 fn two_ovals<S: Scalar>(parts: [(&Part<S::Const>, [S::Const; 3]); 2], ws: &Workspace<S>) -> Meets<S> {
-    let [(first, first_middle), (second, second_middle)] = parts.map(|(part, radii)| {
-        let frame = ws.fixed(&part.frame);
-        (Oval { axes: frame.rotation, radii: radii.map(S::splat) }, frame.position)
-    });
-    let Apart { distance, normal, at } = ovals(&first, &second, second_middle - first_middle);
-    Meets { distance, normal, at: first_middle + at }
+    let [(first, radii), (second, others)] = parts;
+    let (first, second) = (ws.fixed(&first.frame), ws.fixed(&second.frame));
+    let one = Oval { axes: first.rotation, radii: radii.map(S::splat) };
+    let other = Oval { axes: second.rotation, radii: others.map(S::splat) };
+    let Apart { distance, normal, at } = ovals(&one, &other, second.position - first.position);
+    Meets { distance, normal, at: first.position + at }
 }
 
 /// A capsule and an ellipsoid.
@@ -161,7 +167,8 @@ fn rod_in_oval<S: Scalar>(
 /// Two capsules.
 #[inline(always)]
 fn rods<S: Scalar>(one: &Part<S::Const>, other: &Part<S::Const>, ws: &Workspace<S>) -> Meets<S> {
-    let [(first_radius, first_middle, first_half), (radius, middle, half)] = [rod(one, ws), rod(other, ws)];
+    let (radius, middle, half) = rod(other, ws);
+    let (first_radius, first_middle, first_half) = rod(one, ws);
     let (a, b) = closest([first_middle, middle], [first_half, half]);
     let between = b - a;
     let square = between.dot(between);
@@ -191,7 +198,8 @@ fn oval_on_plane<S: Scalar>(
 #[inline(always)]
 fn rod_on_plane<S: Scalar>(plane: &Part<S::Const>, other: &Part<S::Const>, ws: &Workspace<S>) -> [Meets<S>; 2] {
     let (normal, (radius, middle, half)) = (axis(plane, ws), rod(other, ws));
-    [middle + half, middle - half].map(|end| over_plane(plane, end - normal.scale(radius), normal, ws))
+    let low = middle - normal.scale(radius);
+    [over_plane(plane, low + half, normal, ws), over_plane(plane, low - half, normal, ws)]
 }
 
 /// What has its lowest point here.
@@ -211,7 +219,7 @@ fn by_cylinder<S: Scalar>(
 ) -> [Meets<S>; 2] {
     let frame = ws.fixed(&one.frame);
     let local = |v: Vec3<S>| frame.rotation.apply_inverse(v);
-    let points = match other.form {
+    let [first, second] = match other.form {
         PartForm::Ellipsoid { radii } => {
             let seen = ws.fixed(&other.frame);
             let Rotation { x, y, z } = seen.rotation;
@@ -223,12 +231,13 @@ fn by_cylinder<S: Scalar>(
             cylinder::rod(cylinder, frame.seen(middle), local(half), radius)
         }
     };
-    let placed = |Apart { distance, normal, at }| Meets {
-        distance,
-        normal: frame.rotation.apply(normal),
-        at: frame.place(at),
-    };
-    points.map(placed)
+    [placed(&frame, first), placed(&frame, second)]
+}
+
+/// The same in the world, of what is seen in a frame.
+#[inline(always)]
+fn placed<S: Scalar>(frame: &Frame<S>, Apart { distance, normal, at }: Apart<S>) -> Meets<S> {
+    Meets { distance, normal: frame.rotation.apply(normal), at: frame.place(at) }
 }
 
 /// The z axis of a part.

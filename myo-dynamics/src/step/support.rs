@@ -7,7 +7,7 @@
 use crate::spatial::{Rotation, Vec3};
 use crate::step::contact::tangents;
 use crate::step::ellipsoid::{TINY, nearest};
-use myo_scalar::{Carried, Mask, Scalar, Visitor};
+use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Most rounds of the search; it takes three to six.
 const MAX_ROUNDS: usize = 30;
@@ -55,7 +55,13 @@ impl<S: Scalar> Oval<S> {
     /// How far it reaches along axes.
     #[inline(always)]
     fn along(&self, axes: &Rotation<S>) -> [S; 3] {
-        [axes.x, axes.y, axes.z].map(|axis| self.stretched(axis).dot(axis).max(S::lit(TINY)).sqrt())
+        [self.reach(axes.x), self.reach(axes.y), self.reach(axes.z)]
+    }
+
+    /// How far it reaches in a direction of length one.
+    #[inline(always)]
+    fn reach(&self, direction: Vec3<S>) -> S {
+        self.stretched(direction).dot(direction).max(S::lit(TINY)).sqrt()
     }
 }
 
@@ -73,7 +79,11 @@ impl<S: Scalar> Smooth<S> for Oval<S> {
         let inverse = support.reach.recip();
         let (of_a, of_b) = (self.stretched(a), self.stretched(b));
         let (at_a, at_b) = (support.point.dot(a), support.point.dot(b));
-        [(of_a.dot(a) - at_a.sq()), (of_a.dot(b) - at_a * at_b), (of_b.dot(b) - at_b.sq())].map(|x| x * inverse)
+        [
+            (of_a.dot(a) - at_a.sq()) * inverse,
+            (of_a.dot(b) - at_a * at_b) * inverse,
+            (of_b.dot(b) - at_b.sq()) * inverse,
+        ]
     }
 }
 
@@ -123,7 +133,8 @@ impl<S: Scalar> Carried<S> for Climb<S> {
 pub(super) fn ovals<S: Scalar>(first: &Oval<S>, second: &Oval<S>, between: Vec3<S>) -> Apart<S> {
     // The sum of both is about as large as an ellipsoid with the axes of the first.
     let beside = second.along(&first.axes);
-    let sum = [0, 1, 2].map(|k| first.radii[k] + beside[k]);
+    let [a, b, c] = first.radii;
+    let sum = [a + beside[0], b + beside[1], c + beside[2]];
     let (_, [x, y, z]) = nearest(sum, first.axes.apply_inverse(between).array());
     let normal = climb(first, second, between, first.axes.apply(Vec3::new(x, y, z)));
     apart(first, second, between, normal)
@@ -137,7 +148,7 @@ pub(super) fn apart<S: Scalar>(
     between: Vec3<S>,
     normal: Vec3<S>,
 ) -> Apart<S> {
-    let [one, other] = [first.support(normal), second.support(normal)];
+    let (one, other) = (first.support(normal), second.support(normal));
     let distance = normal.dot(between) - one.reach - other.reach;
     let at = (one.point + between - other.point).scale(S::lit(0.5));
     Apart { distance, normal, at }
@@ -152,16 +163,35 @@ pub(super) fn climb<S: Scalar>(
     start: Vec3<S>,
 ) -> Vec3<S> {
     let mut climb = Climb { normal: start, goes_on: S::Mask::splat(true) };
-    S::repeat_while(MAX_ROUNDS, &mut climb, |Climb { normal, goes_on }| {
-        let step = newton_step(first, second, between, *normal);
+    let (first, second) = (*first, *second);
+    S::repeat_while(MAX_ROUNDS, &mut climb, |climb| {
+        S::outline(Step { first, second, between, climb });
+        climb.goes_on
+    });
+    climb.normal
+}
+
+/// A round of the search: a stage, since a closure that is not inlined would be compiled without its level's instructions.
+struct Step<'a, S: Scalar, A, B> {
+    first: A,
+    second: B,
+    between: Vec3<S>,
+    climb: &'a mut Climb<S>,
+}
+
+impl<S: Scalar, A: Smooth<S>, B: Smooth<S>> Stage<S> for Step<'_, S, A, B> {
+    const NAME: &'static str = "least way out";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { first, second, between, climb: Climb { normal, goes_on } } = self;
+        let step = newton_step(&first, &second, between, *normal);
         let square = step.dot(step);
         let next = *normal + step;
         let next = next.scale(next.dot(next).max(S::lit(TINY)).rsqrt());
         *normal = Vec3::select(*goes_on, next, *normal);
         *goes_on = *goes_on & S::lit((SETTLED * S::EPSILON).powi(2)).lt(square);
-        *goes_on
-    });
-    climb.normal
+    }
 }
 
 #[inline(always)]
@@ -172,22 +202,18 @@ fn newton_step<S: Scalar>(
     normal: Vec3<S>,
 ) -> Vec3<S> {
     let across = tangents(normal);
-    let [one, other] = [first.support(normal), second.support(normal)];
+    let (one, other) = (first.support(normal), second.support(normal));
     let gap = between - one.point - other.point;
-    let bends = [first.curvature(&one, normal, across), second.curvature(&other, normal, across)];
-    let [xx, xy, yy] = [0, 1, 2].map(|k| bends[0][k] + bends[1][k]);
+    let (bend, other_bend) = (first.curvature(&one, normal, across), second.curvature(&other, normal, across));
+    let (xx, xy, yy) = (bend[0] + other_bend[0], bend[1] + other_bend[1], bend[2] + other_bend[2]);
     let distance = normal.dot(gap);
     // Of a maximum, else the curvature without what the depth takes of it.
-    let least = |distance: S| {
-        let (a, b) = (xx + distance, yy + distance);
-        (a, b, a.mul_add(b, -(xy * xy)))
-    };
-    let (deep, shallow) = (least(distance), least(distance.max(S::zero())));
-    let trace = deep.0 + deep.1;
-    let is_maximum = S::zero().lt(trace) & (trace.sq() * S::lit(ROUND)).lt(deep.2);
-    let a = S::select(is_maximum, deep.0, shallow.0);
-    let b = S::select(is_maximum, deep.1, shallow.1);
-    let determinant = S::select(is_maximum, deep.2, shallow.2).max(S::lit(TINY));
+    let (a, b) = (xx + distance, yy + distance);
+    let trace = a + b;
+    let is_maximum = S::zero().lt(trace) & (trace.sq() * S::lit(ROUND)).lt(a.mul_add(b, -(xy * xy)));
+    let used = S::select(is_maximum, distance, distance.max(S::zero()));
+    let (a, b) = (xx + used, yy + used);
+    let determinant = a.mul_add(b, -(xy * xy)).max(S::lit(TINY));
     let (u, v) = (across[0].dot(gap), across[1].dot(gap));
     let inverse = determinant.recip();
     let step = across[0].scale((b * u - xy * v) * inverse) + across[1].scale((a * v - xy * u) * inverse);
