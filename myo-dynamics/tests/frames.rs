@@ -17,6 +17,7 @@ fn chained(model: &Model, joints: &[f64]) -> Vec<Isometry3<f64>> {
         for (joint, &position) in model.joints.iter().zip(joints).filter(|(joint, _)| joint.body == index) {
             let still = UnitQuaternion::identity();
             frame *= match joint.kind {
+                JointKind::Ball | JointKind::Free => unreachable!("the arm has none"),
                 JointKind::Slide => Isometry3::from_parts(Translation3::from(joint.axis * position), still),
                 JointKind::Hinge => {
                     let turn = UnitQuaternion::from_axis_angle(&Unit::new_normalize(joint.axis), position);

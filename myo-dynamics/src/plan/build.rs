@@ -3,7 +3,7 @@
 use super::coordinates::Coordinates;
 use super::{
     BallAxis, Body, Branch, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination, Equality,
-    FixedFrame, Form, JointCoordinates, Limit, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
+    FixedFrame, Form, JointCoordinates, Limit, Movers, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
     SegmentPair, Stretch, TendonLimit, Tendons, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
@@ -108,6 +108,12 @@ impl Plan<f64> {
         used.remove(&0);
         sets::connect(self, &used);
         self.elimination = Elimination::of(self);
+        if let Some(sphere) = &mut self.contact_sphere {
+            sphere.movers = Movers::of([0, sphere.centre.link], &self.links, &self.elimination);
+        }
+        for pair in &mut self.pairs {
+            pair.movers = Movers::of(pair.links(), &self.links, &self.elimination);
+        }
     }
 
     /// Springs and dampers must be slower than time steps. Both bounds are those of a single joint in the reference pose:
@@ -436,6 +442,7 @@ fn contact_sphere(model: &Model, tree: &Tree, geom: &myo_model::model::Geom) -> 
         friction: geom.friction[0],
         softness: geom.softness,
         diagonal: 0.0,
+        movers: Movers::default(),
     }
 }
 

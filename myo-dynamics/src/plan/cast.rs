@@ -45,8 +45,8 @@ cast! {
     TendonLimit { range, margin, impedance, diagonal; muscle, dofs }
     Equality { drive, impedance, diagonal; dependent, at }
     BallAxis { placement; at, axis }
-    ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal }
-    ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, is_along_axis, is_slippery }
+    ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal, movers }
+    ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, is_along_axis, is_slippery, movers }
     Part { frame, form, body_com }
 }
 

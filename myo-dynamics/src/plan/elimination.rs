@@ -115,6 +115,16 @@ impl Elimination {
         Self { columns: (0..ndof).map(column).collect() }
     }
 
+    /// What some coordinates feel of each other; nothing of the elimination itself.
+    pub(super) fn among(&self, dofs: &[usize]) -> Vec<Column> {
+        let column = |column: &Column| Column {
+            before: column.before.iter().filter(|felt| dofs.contains(&felt.dof)).copied().collect(),
+            after: vec![],
+            ..*column
+        };
+        self.columns.iter().filter(|column| dofs.contains(&column.dof)).map(column).collect()
+    }
+
     /// How many entries of the triangle are not always zero.
     pub fn entries(&self) -> usize {
         self.columns.iter().map(|column| 1 + column.before.len()).sum()

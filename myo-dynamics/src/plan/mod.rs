@@ -8,6 +8,7 @@ mod cast;
 mod coordinates;
 mod elimination;
 mod mass;
+mod movers;
 mod pairs;
 mod reference_pose;
 mod sets;
@@ -15,6 +16,7 @@ mod specialise;
 mod wraps;
 
 pub use elimination::{Column, Elimination, Felt, Later};
+pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, Part, PartForm};
 
 use crate::impedance::Impedance;
@@ -594,6 +596,8 @@ pub struct ContactSphere<C> {
     pub softness: myo_model::description::Softness,
     /// Inverse mass in the reference pose, of the model with all joints (1/kg).
     pub diagonal: f64,
+    /// Coordinates that move it.
+    pub movers: Movers,
 }
 
 impl<C> Plan<C> {

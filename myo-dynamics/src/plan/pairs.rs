@@ -1,7 +1,7 @@
 //! Parts of the body that do not pass through each other.
 
 use super::build::Tree;
-use super::{FixedFrame, Plan, PlanError, Point};
+use super::{FixedFrame, Movers, Plan, PlanError, Point};
 use crate::impedance::{Impedance, pyramid_diagonal};
 use myo_model::Model;
 use myo_model::description::Shape;
@@ -31,6 +31,8 @@ pub struct ContactPair<C> {
     pub impedance: Impedance<C>,
     /// Inverse inertia of every row.
     pub diagonal: C,
+    /// Coordinates that move the parts against each other.
+    pub movers: Movers,
 }
 
 /// A part of the body that others touch.
@@ -137,6 +139,7 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64
         is_slippery: contact.friction == 0.0,
         impedance: Impedance::new(&contact.softness, model.options.timestep),
         diagonal: 0.0,
+        movers: Movers::default(),
     })
 }
 

@@ -10,7 +10,7 @@
 //! a linear complementarity problem with the positive definite matrix `J M^-1 J^T + D^-1`, and for such matrices the
 //! least-index rule never meets a set twice). Both rules stop at the same set, since there is only one.
 
-use crate::plan::{Elimination, Form, Plan};
+use crate::plan::{Column, Elimination, Form, Plan};
 use crate::step::{cholesky, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor, Word};
@@ -93,7 +93,7 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let (none, one) = (S::Word::splat(0), S::Word::splat(1));
     ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
     if rows.touching {
-        contact_force(plan, ws);
+        each_contact(Weigh, plan, ws);
     }
 }
 
@@ -158,27 +158,53 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
 
 /// What a round does with a contact.
 trait Part<S: Scalar>: Copy {
-    /// Does it with the contact of this number.
-    fn run(self, plan: &Plan<S::Const>, number: usize, ws: &mut Workspace<S>);
+    /// Does it with a contact.
+    fn run(self, contact: Touch<'_>, ws: &mut Workspace<S>);
+}
+
+/// A contact of a plan.
+#[derive(Clone, Copy)]
+struct Touch<'a> {
+    /// Its number.
+    number: usize,
+    /// Coordinates that move its surfaces, with what they feel of each other.
+    columns: &'a [Column],
 }
 
 /// Does a part of a round with every contact. The first one of a step is there so often that a card does not branch for it;
 /// others are stages, since a closure that is not inlined would be compiled without its level's instructions.
 #[inline(always)]
 fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
-    part.run(plan, 0, ws);
-    for number in 1..ws.contacts.len() {
-        S::when(ws.contacts[number].exists, &mut Touched { plan, number, ws }, |Touched { ws, .. }| {
-            S::outline(FurtherContact { part, plan, number, ws });
-        });
+    let all = &plan.elimination.columns[..];
+    let boxes = ws.box_slots;
+    for number in 0..boxes {
+        let contact = Touch { number, columns: all };
+        if number == 0 {
+            part.run(contact, ws);
+        } else {
+            further(part, contact, ws);
+        }
     }
+    for pair in &plan.pairs {
+        for point in 0..pair.points {
+            further(part, Touch { number: boxes + pair.slot + point, columns: &pair.movers.columns }, ws);
+        }
+    }
+}
+
+/// Does a part of a round with a contact that is rarely there.
+#[inline(always)]
+fn further<S: Scalar>(part: impl Part<S>, contact: Touch<'_>, ws: &mut Workspace<S>) {
+    let exists = ws.contacts[contact.number].exists;
+    S::when(exists, &mut Touched { contact, ws }, |Touched { ws, .. }| {
+        S::outline(FurtherContact { part, contact, ws });
+    });
 }
 
 /// See [`each_contact`].
 struct FurtherContact<'a, S: Scalar, P> {
     part: P,
-    plan: &'a Plan<S::Const>,
-    number: usize,
+    contact: Touch<'a>,
     ws: &'a mut Workspace<S>,
 }
 
@@ -187,30 +213,31 @@ impl<S: Scalar, P: Part<S>> Stage<S> for FurtherContact<'_, S, P> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        self.part.run(self.plan, self.number, self.ws);
+        self.part.run(self.contact, self.ws);
     }
 }
 
 /// What a contact's part of a round changes.
 struct Touched<'a, S: Scalar> {
-    plan: &'a Plan<S::Const>,
-    number: usize,
+    contact: Touch<'a>,
     ws: &'a mut Workspace<S>,
 }
 
 impl<S: Scalar> Carried<S> for Touched<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Self { plan, number, ws } = self;
-        for column in &plan.elimination.columns {
+        let Self { contact: Touch { number, columns }, ws } = self;
+        for column in *columns {
             visitor.number(&mut ws.matrix[column.diagonal]);
             for felt in &column.before {
                 visitor.number(&mut ws.matrix[felt.entry]);
             }
+            visitor.number(&mut ws.qacc[column.dof]);
         }
-        visitor.numbers(&mut ws.qacc);
-        for row in &mut ws.contacts[*number].rows {
+        let contact = &mut ws.contacts[*number];
+        for row in &mut contact.rows {
             visitor.mask(&mut row.active);
         }
+        visitor.number(&mut contact.force);
         visitor.mask(&mut ws.unsettled);
     }
 }
@@ -221,11 +248,33 @@ struct Assemble;
 
 impl<S: Scalar> Part<S> for Assemble {
     #[inline(always)]
-    fn run(self, plan: &Plan<S::Const>, number: usize, ws: &mut Workspace<S>) {
-        let n = plan.ndof();
-        let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
-        for (row, jacobian) in ws.contacts[number].rows.iter().zip(jacobians) {
-            add_row(&plan.elimination, row, jacobian, &mut ws.matrix, &mut ws.qacc);
+    fn run(self, Touch { number, columns }: Touch<'_>, ws: &mut Workspace<S>) {
+        let n = ws.qacc.len();
+        let Workspace { contacts, contact_jacobian, matrix, qacc, .. } = ws;
+        let (rows, o) = (&contacts[number].rows, S::zero());
+        let jacobian = &contact_jacobian[number * PYRAMID * n..][..PYRAMID * n];
+        let [mut weight, mut pull] = [[o; PYRAMID]; 2];
+        for (k, row) in rows.iter().enumerate() {
+            weight[k] = row.weight.only(row.active);
+            pull[k] = row.reference;
+        }
+        for column in columns {
+            let mut scaled = [o; PYRAMID];
+            let (mut right, mut diagonal) = (qacc[column.dof], matrix[column.diagonal]);
+            for k in 0..PYRAMID {
+                let entry = jacobian[k * n + column.dof];
+                scaled[k] = weight[k] * entry;
+                right = scaled[k].mul_add(pull[k], right);
+                diagonal = scaled[k].mul_add(entry, diagonal);
+            }
+            (qacc[column.dof], matrix[column.diagonal]) = (right, diagonal);
+            for felt in &column.before {
+                let mut sum = matrix[felt.entry];
+                for k in 0..PYRAMID {
+                    sum = scaled[k].mul_add(jacobian[k * n + felt.dof], sum);
+                }
+                matrix[felt.entry] = sum;
+            }
         }
     }
 }
@@ -271,13 +320,26 @@ struct Judge;
 
 impl<S: Scalar> Part<S> for Judge {
     #[inline(always)]
-    fn run(self, plan: &Plan<S::Const>, number: usize, ws: &mut Workspace<S>) {
-        let n = plan.ndof();
-        let jacobians = ws.contact_jacobian[number * PYRAMID * n..].chunks_exact(n);
-        for (row, jacobian) in ws.contacts[number].rows.iter_mut().zip(jacobians) {
-            ws.unsettled = ws.unsettled | judge(row, product(jacobian, &ws.qacc));
+    fn run(self, contact: Touch<'_>, ws: &mut Workspace<S>) {
+        for (k, acceleration) in accelerations(contact, ws).into_iter().enumerate() {
+            let changed = judge(&mut ws.contacts[contact.number].rows[k], acceleration);
+            ws.unsettled = ws.unsettled | changed;
         }
     }
+}
+
+/// Accelerations of the rows of a contact.
+#[inline(always)]
+fn accelerations<S: Scalar>(Touch { number, columns }: Touch<'_>, ws: &Workspace<S>) -> [S; PYRAMID] {
+    let n = ws.qacc.len();
+    let jacobian = &ws.contact_jacobian[number * PYRAMID * n..][..PYRAMID * n];
+    let mut sums = [S::zero(); PYRAMID];
+    for column in columns {
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = jacobian[k * n + column.dof].mul_add(ws.qacc[column.dof], *sum);
+        }
+    }
+    sums
 }
 
 /// Decides whether a row pushes; returns where that is news.
@@ -362,15 +424,18 @@ fn product<S: Scalar>(a: &[S], b: &[S]) -> S {
 }
 
 /// Normal forces: the sum of the pyramid's edge forces `-D (J a - aref)` of each contact.
-#[inline(always)]
-fn contact_force<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
-    let n = plan.ndof();
-    for (contact, jacobians) in ws.contacts.iter_mut().zip(ws.contact_jacobian.chunks_exact(PYRAMID * n)) {
+#[derive(Clone, Copy)]
+struct Weigh;
+
+impl<S: Scalar> Part<S> for Weigh {
+    #[inline(always)]
+    fn run(self, contact: Touch<'_>, ws: &mut Workspace<S>) {
+        let accelerations = accelerations(contact, ws);
+        let touched = &mut ws.contacts[contact.number];
         let mut force = S::zero();
-        for (row, jacobian) in contact.rows.iter().zip(jacobians.chunks_exact(n)) {
-            let acceleration = product(jacobian, &ws.qacc);
+        for (row, acceleration) in touched.rows.iter().zip(accelerations) {
             force += (row.weight * (row.reference - acceleration)).only(row.active);
         }
-        contact.force = force;
+        touched.force = force;
     }
 }

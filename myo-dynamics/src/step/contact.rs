@@ -10,8 +10,8 @@ use super::boxes::{Boxes, Which};
 use super::nearby::{self, List};
 use crate::impedance::Impedance;
 use crate::obstacles::Obstacles;
-use crate::plan::{ContactSphere, Plan};
-use crate::spatial::{Rotation, Vec3, Wrench};
+use crate::plan::{ContactSphere, Mover, Plan};
+use crate::spatial::{Rotation, Vec3};
 use crate::workspace::{self, Clearance, Contact, Nearby, PYRAMID, State, Workspace};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
 
@@ -61,8 +61,10 @@ fn press<S: Scalar>(
         Around { contacts, clearance, nearby, found: S::zero(), lists: nearby::lists::<S>(obstacles.boxes.len()) };
     S::when(near, &mut around, |around| S::outline(LookAround { sphere, boxes, centre, around }));
     for number in 0..ws.box_slots {
-        S::when(ws.contacts[number].exists, &mut Edges(ws, number), |Edges(ws, number)| {
-            S::outline(Pressed { plan, sphere, obstacles, state, centre, number: *number, ws });
+        let exists = ws.contacts[number].exists;
+        let mut edges = Edges { ws, number, movers: &sphere.movers.each };
+        S::when(exists, &mut edges, |Edges { ws, .. }| {
+            S::outline(Pressed { plan, sphere, obstacles, state, centre, number, ws });
         });
     }
 }
@@ -113,7 +115,7 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
             friction: obstacles.friction,
             impedance: &obstacles.impedance,
             diagonal: obstacles.diagonal,
-            links: [0, sphere.centre.link],
+            movers: &sphere.movers.each,
         };
         pyramid(plan, &meeting, state, number, ws);
     }
@@ -258,18 +260,23 @@ impl<S: Scalar> Around<'_, S> {
 }
 
 /// The rows that [`pyramid`] writes, of the contact of this number.
-pub(super) struct Edges<'a, S: Scalar>(pub &'a mut Workspace<S>, pub usize);
+pub(super) struct Edges<'a, S: Scalar> {
+    pub ws: &'a mut Workspace<S>,
+    pub number: usize,
+    pub movers: &'a [Mover],
+}
 
 impl<S: Scalar> Carried<S> for Edges<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Self(ws, number) = self;
-        for row in &mut ws.contacts[*number].rows {
+        let Self { ws, number, movers } = self;
+        let n = ws.qacc.len();
+        for (k, row) in ws.contacts[*number].rows.iter_mut().enumerate() {
             visitor.mask(&mut row.exists);
             visitor.mask(&mut row.active);
             visitor.numbers([&mut row.weight, &mut row.reference, &mut row.slope]);
+            let jacobian = &mut ws.contact_jacobian[(*number * PYRAMID + k) * n..][..n];
+            movers.iter().for_each(|mover| visitor.number(&mut jacobian[mover.dof]));
         }
-        let size = ws.contact_jacobian.len() / ws.contacts.len();
-        visitor.numbers(&mut ws.contact_jacobian[*number * size..(*number + 1) * size]);
     }
 }
 
@@ -320,8 +327,8 @@ pub(super) struct Meeting<'a, S: Scalar> {
     pub impedance: &'a Impedance<S::Const>,
     /// Inverse inertia of every row.
     pub diagonal: S::Const,
-    /// The links of both; the world's where a surface stands still.
-    pub links: [usize; 2],
+    /// Coordinates that move the surfaces against each other.
+    pub movers: &'a [Mover],
 }
 
 /// The four edges of a contact's friction pyramid as constraint rows.
@@ -338,8 +345,21 @@ pub(super) fn pyramid<S: Scalar>(
         None => tangents(meeting.normal),
     };
     let friction = S::splat(meeting.friction);
-    for (k, direction) in [first, -first, second, -second].into_iter().enumerate() {
-        row(plan, meeting, direction.mul_add(friction, meeting.normal), state, (number, k), ws);
+    let (first, second) = (first.scale(friction), second.scale(friction));
+    let o = S::zero();
+    let (mut apart, mut along, mut across) = (o, o, o);
+    for mover in meeting.movers {
+        let (dof, way, rate) = (mover.dof, moved(mover, meeting.at, ws), state.qvel[mover.dof]);
+        let (out, u, v) = (way.dot(meeting.normal), way.dot(first), way.dot(second));
+        for (k, entry) in [out + u, out - u, out + v, out - v].into_iter().enumerate() {
+            ws.contact_jacobian[(number * PYRAMID + k) * plan.ndof() + dof] = entry;
+        }
+        apart = out.mul_add(rate, apart);
+        along = u.mul_add(rate, along);
+        across = v.mul_add(rate, across);
+    }
+    for (k, velocity) in [apart + along, apart - along, apart + across, apart - across].into_iter().enumerate() {
+        row(meeting, velocity, (number, k), ws);
     }
 }
 
@@ -352,37 +372,33 @@ pub(super) fn slide<S: Scalar>(
     number: usize,
     ws: &mut Workspace<S>,
 ) {
-    row(plan, meeting, meeting.normal, state, (number, 0), ws);
+    let mut velocity = S::zero();
+    for mover in meeting.movers {
+        let out = moved(mover, meeting.at, ws).dot(meeting.normal);
+        ws.contact_jacobian[number * PYRAMID * plan.ndof() + mover.dof] = out;
+        velocity = out.mul_add(state.qvel[mover.dof], velocity);
+    }
+    row(meeting, velocity, (number, 0), ws);
     for k in 1..PYRAMID {
         ws.contacts[number].rows[k] = workspace::Row::none();
     }
 }
 
-/// A row of a contact: what resists along a direction.
+/// How a coordinate moves the second surface at a point (m or 1), as seen from the first.
 #[inline(always)]
-fn row<S: Scalar>(
-    plan: &Plan<S::Const>,
-    meeting: &Meeting<'_, S>,
-    direction: Vec3<S>,
-    state: &State<S>,
-    (number, k): (usize, usize),
-    ws: &mut Workspace<S>,
-) {
-    let n = plan.ndof();
-    let [under, over] = meeting.links.map(|link| &plan.links[link].screw_of_dof);
-    let exists = ws.contacts[number].exists;
-    let edge = Wrench::at(meeting.at, direction);
-    let mut velocity = S::zero();
-    for (dof, screws) in under.iter().zip(over).enumerate() {
-        let entry = match screws {
-            (None, Some(over)) => ws.screw[*over].dot(edge),
-            (Some(under), None) => -ws.screw[*under].dot(edge),
-            (Some(under), Some(over)) if under != over => (ws.screw[*over] - ws.screw[*under]).dot(edge),
-            _ => S::zero(),
-        };
-        ws.contact_jacobian[(number * PYRAMID + k) * n + dof] = entry;
-        velocity = entry.mul_add(state.qvel[dof], velocity);
+fn moved<S: Scalar>(mover: &Mover, at: Vec3<S>, ws: &Workspace<S>) -> Vec3<S> {
+    match (mover.under, mover.over) {
+        (None, Some(over)) => ws.screw[over].at(at),
+        (Some(under), None) => -ws.screw[under].at(at),
+        (Some(under), Some(over)) => (ws.screw[over] - ws.screw[under]).at(at),
+        (None, None) => Vec3::zero(),
     }
+}
+
+/// A row of a contact whose surfaces move apart with a velocity (m/s) along its direction.
+#[inline(always)]
+fn row<S: Scalar>(meeting: &Meeting<'_, S>, velocity: S, (number, k): (usize, usize), ws: &mut Workspace<S>) {
+    let exists = ws.contacts[number].exists;
     let (weight, reference) = meeting.impedance.row(meeting.violation, velocity, S::splat(meeting.diagonal));
     ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
 }

@@ -56,7 +56,7 @@ impl<S: Scalar> Carried<S> for Found<'_, S> {
             let Contact { exists, distance, normal, .. } = &mut self.ws.contacts[number];
             visitor.mask(exists);
             visitor.numbers([distance, &mut normal.x, &mut normal.y, &mut normal.z]);
-            Edges(self.ws, number).visit(visitor);
+            Edges { ws: self.ws, number, movers: &self.pair.movers.each }.visit(visitor);
         }
     }
 }
@@ -92,7 +92,7 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
                 friction: pair.friction,
                 impedance: &pair.impedance,
                 diagonal: pair.diagonal,
-                links: pair.links(),
+                movers: &pair.movers.each,
             };
             if pair.is_slippery {
                 slide(plan, &meeting, state, number, ws);
