@@ -3,7 +3,8 @@
 //!
 //! `model.xml` and `press.xml` are the arm for MuJoCo, without and with a button; `states.json` holds every quantity of one
 //! evaluation in 1,000 random states, `rollouts.json` joint positions over one second of random excitations, `press.json`
-//! the force on the button; `keys.xml` and `keys.json` are a thick fingertip on several keys at once; `gadget.xml` and `gadget.json` are single steps of a body with what the arm lacks;
+//! the force on the button; `keys.xml` and `keys.json` are a thick fingertip on several keys at once; `gadget.xml`, `gadget.json`, `balloon.xml` and
+//! `balloon.json` are single steps of bodies with what the arm lacks;
 //! `wraps.xml` and `wraps.json` are a body whose muscles run over spheres and cylinders, in random states and around those where
 //! paths begin to bend. Positions are those of all joints; forces have MuJoCo's sign.
 
@@ -71,11 +72,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arm =
         Arm { soft: Plan::exact(&thick, CouplingMode::Soft)?, reduced: Plan::exact(&thick, CouplingMode::Reduced)? };
     write("keys.json", Value::from_iter((0..PRESSES).map(|k| arm.press_keys(Draws::new(5, k)))).to_string())?;
-    let description = ModelDescription::from_yaml(include_str!("gadget.yaml"), "gadget.yaml")?;
-    let gadget = Model::new(&description)?;
-    write("gadget.xml", to_mjcf(&gadget, &MjcfOptions::default()))?;
-    let plan = Plan::exact(&gadget, CouplingMode::Soft)?;
-    write("gadget.json", Value::from_iter((0..GADGETS).map(|k| single_step(&plan, Draws::new(4, k)))).to_string())?;
+    for (name, text) in [("gadget", include_str!("gadget.yaml")), ("balloon", include_str!("balloon.yaml"))] {
+        let gadget = Model::new(&ModelDescription::from_yaml(text, name)?)?;
+        write(&format!("{name}.xml"), to_mjcf(&gadget, &MjcfOptions::default()))?;
+        let plan = Plan::exact(&gadget, CouplingMode::Soft)?;
+        let steps = (0..GADGETS).map(|k| single_step(&plan, Draws::new(4, k)));
+        write(&format!("{name}.json"), Value::from_iter(steps).to_string())?;
+    }
     let description = ModelDescription::from_yaml(include_str!("wraps.yaml"), "wraps.yaml")?;
     let wraps = Model::new(&description)?;
     write("wraps.xml", to_mjcf(&wraps, &MjcfOptions::default()))?;
@@ -144,10 +147,10 @@ fn onsets(plan: &Plan<f64>, mut draws: Draws) -> Vec<Value> {
 
 /// One step of a plan from a random state, some joints beyond their limits.
 fn single_step(plan: &Plan<f64>, mut draws: Draws) -> Value {
-    let n = plan.ndof();
+    // Quaternions of any length: they are what their direction is.
     let mut state = State {
-        qpos: draws.vector(n, -1.2, 1.2),
-        qvel: draws.vector(n, -3.0, 3.0),
+        qpos: draws.vector(plan.nq(), -1.2, 1.2),
+        qvel: draws.vector(plan.ndof(), -3.0, 3.0),
         act: draws.vector(plan.nmuscle(), 0.0, 1.0),
     };
     let before = state.clone();

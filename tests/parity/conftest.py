@@ -12,6 +12,8 @@ where that has been done already. The directory holds
     keys.json      [{qpos, qvel, act, ctrl, keys: their positions, quat: of all, touch_forces, qacc_soft}]
     gadget.xml     a small body with slides, curved couplings and implicit damping
     gadget.json    [{qpos, qvel, act, ctrl, qacc, muscle_force, qpos_next, qvel_next, act_next}]
+    balloon.xml    a free body with a tail on a ball joint
+    balloon.json   the same of it
     wraps.xml      a small body with muscles over spheres and cylinders
     wraps.json     [{qpos, qvel, act, ctrl, tendon_length, tendon_velocity, moments: one row per muscle, muscle_force, qacc,
                     bends: of each stretch over something, onset: index of the one that begins to bend nearby, or null}]

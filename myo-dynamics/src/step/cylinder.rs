@@ -4,16 +4,25 @@
 //! those of the near end, those across the axis, and those from the rim between both.
 
 use crate::spatial::{Rotation, Vec3};
+use crate::step::contact::tangents;
 use crate::step::ellipsoid::{TINY, ellipse, nearest};
 use crate::step::support::{Apart, Oval, Smooth, Support, apart, climb};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Farther than anything that touches (m).
 const FAR: f64 = 1e3;
-/// Cosine of the angle between a normal and the axis above which it is that of an end.
-const UPRIGHT: f64 = 0.999_998;
+/// Cosine of the angle between a way out and the axis above which it is past an end.
+const SIDEWAYS: f64 = 1e-6;
 /// Sine of the angle by which a capsule leans at most that lies on an end with both its own.
 const LEAN_OF_LYING: f64 = 0.0888;
+/// Most steps of a search about the axis of a rod, and the longest of them (rad).
+const MAX_TURNS: usize = 20;
+/// See [`MAX_TURNS`].
+const LONGEST_TURN: f64 = 0.5;
+/// A step (rad) that is as good as none, in units of rounding.
+const SETTLED: f64 = 16.0;
+/// Square of the cosine between a direction and an axis below which this is across it.
+const ACROSS: f64 = 1e-12;
 /// Corners of the polygon that MuJoCo takes for an end.
 const CORNERS: usize = 16;
 /// How much a first direction from the rim leans to either side at least.
@@ -99,10 +108,9 @@ impl<S: Scalar> Carried<S> for Part<S> {
 #[inline(always)]
 pub(super) fn rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S) -> [Apart<S>; 2] {
     let one = nearest_of_rod(cylinder, middle, half, radius);
-    let (o, far) = (S::zero(), S::lit(FAR));
-    let is_end = S::lit(UPRIGHT).lt(one.normal.z.abs());
-    let up = S::select(one.normal.z.lt(o), S::lit(-1.0), S::lit(1.0));
-    let ends = lying(cylinder, middle, half, radius, up);
+    let far = S::lit(FAR);
+    let is_end = S::lit(SIDEWAYS).lt(one.normal.z.abs());
+    let ends = lying(cylinder, middle, half, radius, one.normal);
     let [first, second] = ends;
     let first_touches = is_end & first.distance.lt(cylinder.margin);
     let second_touches = is_end & second.distance.lt(cylinder.margin);
@@ -123,9 +131,60 @@ impl<S: Scalar> Apart<S> {
     }
 }
 
-/// The point of a capsule that is nearest. The signed distance is a convex function along its axis.
+/// Where a capsule is nearest, or which is its least way out.
 #[inline(always)]
 fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S) -> Apart<S> {
+    let (o, one) = (S::zero(), S::lit(1.0));
+    let rod = Rod { middle, half };
+    // An axis that is out of the cylinder is nearest where its point is, and one that is in it least deep along one of the others.
+    let mut best = outermost(cylinder, &rod);
+    let up = S::select(middle.z.lt(o), -one, one);
+    let seen = Vec3::new(middle.x, middle.y, o);
+    let along = Vec3::new(half.x, half.y, o);
+    let nearest_axis = (-(seen.dot(along)) * along.dot(along).max(S::lit(TINY)).recip()).clamp(-1.0, 1.0);
+    let aside = along.mul_add(nearest_axis, seen);
+    let square = aside.dot(aside);
+    let is_axis = square.lt(S::lit(TINY));
+    let aside = Vec3::select(is_axis, Vec3::new(one, o, o), aside.scale(square.max(S::lit(TINY)).rsqrt()));
+    let beside = Apart { at: half.mul_add(nearest_axis, middle), ..rod.out(cylinder, aside) };
+    best = beside.or(best.distance.lt(beside.distance), best);
+    let ways = [Vec3::new(o, o, up), past_rim(cylinder, &rod, up), least_past_end(cylinder, &rod, up)];
+    for normal in ways {
+        let other = rod.out(cylinder, normal);
+        best = other.or(best.distance.lt(other.distance), best);
+    }
+    let Apart { distance, normal, at } = best;
+    Apart { distance: distance - radius, normal, at: at - normal.scale((distance + radius) * S::lit(0.5)) }
+}
+
+/// The axis of a capsule.
+struct Rod<S> {
+    middle: Vec3<S>,
+    half: Vec3<S>,
+}
+
+impl<S: Scalar> Rod<S> {
+    /// How far it is out along a direction, and with which point.
+    #[inline(always)]
+    fn out(&self, cylinder: &Cylinder<S>, normal: Vec3<S>) -> Apart<S> {
+        let (o, one) = (S::zero(), S::lit(1.0));
+        let end = S::select(normal.z.lt(o), -cylinder.half_length, cylinder.half_length);
+        let Support { reach, point } = Rim { radius: cylinder.radius, end }.support(normal);
+        let side = normal.dot(self.half);
+        // Along its own axis an end is, and across it the point beside the rim.
+        let square = self.half.dot(self.half).max(S::lit(TINY));
+        let beside = ((point - self.middle).dot(self.half) * square.recip()).clamp(-1.0, 1.0);
+        let is_across = side.sq().lt(square * S::lit(ACROSS));
+        let along = S::select(is_across, beside, S::select(side.lt(o), one, -one));
+        let distance = normal.dot(self.middle) - side.abs() - reach;
+        Apart { distance, normal, at: self.half.mul_add(along, self.middle) }
+    }
+}
+
+/// The point of an axis that is nearest to a cylinder, if it is out of it. There the distance is a smooth convex function along the axis.
+#[inline(always)]
+fn outermost<S: Scalar>(cylinder: &Cylinder<S>, rod: &Rod<S>) -> Apart<S> {
+    let Rod { middle, half } = *rod;
     let mut part = Part { first: S::lit(-1.0), last: S::lit(1.0) };
     let always = S::Mask::splat(true);
     // As many halvings as a number has binary digits.
@@ -137,22 +196,111 @@ fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3
     // Where it never rises the last point is nearest, and where it always does the first.
     let point = half.mul_add((part.first + part.last) * S::lit(0.5), middle);
     let Beside { distance, normal } = cylinder.beside(point);
-    let back = (distance + radius) * S::lit(0.5);
-    Apart { distance: distance - radius, normal, at: point - normal.scale(back) }
+    let is_in = distance.lt(S::zero());
+    Apart { distance: S::select(is_in, S::lit(-FAR), distance), normal, at: point }
+}
+
+/// The direction across a rod in which it is least deep at the rim: seen along the rod, this is an ellipse.
+#[inline(always)]
+fn past_rim<S: Scalar>(cylinder: &Cylinder<S>, rod: &Rod<S>, up: S) -> Vec3<S> {
+    let Rod { middle, half } = *rod;
+    let square = half.dot(half);
+    // A ball is looked at from above.
+    let is_ball = square.lt(S::lit(TINY));
+    let above = Vec3::new(S::zero(), S::zero(), S::lit(1.0));
+    let axis = Vec3::select(is_ball, above, half.scale(square.max(S::lit(TINY)).rsqrt()));
+    let [x, y] = tangents(axis);
+    let scale = cylinder.radius.sq();
+    let flat = |a: Vec3<S>, b: Vec3<S>| a.x.mul_add(b.x, a.y * b.y) * scale;
+    let ([long, short], radii) = ellipse([flat(x, x), flat(x, y), flat(y, y)], [x, y]);
+    let from_end = middle - above.scale(cylinder.half_length * up);
+    let (_, [along_long, along_short]) = nearest(radii, [long.dot(from_end), short.dot(from_end)]);
+    long.scale(along_long) + short.scale(along_short)
+}
+
+/// The direction across a rod in which it is least deep at the rim, as near as may be to the way out past the end.
+#[inline(always)]
+fn least_past_end<S: Scalar>(cylinder: &Cylinder<S>, rod: &Rod<S>, up: S) -> Vec3<S> {
+    let Rod { middle, half } = *rod;
+    let (o, one) = (S::zero(), S::lit(1.0));
+    let above = Vec3::new(o, o, up);
+    let axis = half.scale(half.dot(half).max(S::lit(TINY)).rsqrt());
+    let across = above - axis.scale(axis.dot(above));
+    let square = across.dot(across);
+    // Of an upright rod any way across is as good.
+    let is_upright = square.lt(S::lit(TINY));
+    let start = Vec3::select(is_upright, Vec3::new(one, o, o), across.scale(square.max(S::lit(TINY)).rsqrt()));
+    let rim = Rim { radius: cylinder.radius, end: cylinder.half_length * up };
+    let mut way = Way { normal: start, goes_on: S::Mask::splat(true) };
+    S::repeat_while(MAX_TURNS, &mut way, |way| {
+        S::outline(Turn { rim, middle, axis, way });
+        way.goes_on
+    });
+    way.normal
+}
+
+/// A direction across a rod, and whether it is looked for on.
+struct Way<S: Scalar> {
+    normal: Vec3<S>,
+    goes_on: S::Mask,
+}
+
+impl<S: Scalar> Carried<S> for Way<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Vec3 { x, y, z } = &mut self.normal;
+        visitor.numbers([x, y, z]);
+        visitor.mask(&mut self.goes_on);
+    }
+}
+
+/// A step of Newton's method about the axis of a rod.
+struct Turn<'a, S: Scalar> {
+    rim: Rim<S>,
+    middle: Vec3<S>,
+    axis: Vec3<S>,
+    way: &'a mut Way<S>,
+}
+
+impl<S: Scalar> Stage<S> for Turn<'_, S> {
+    const NAME: &'static str = "way out past a rim";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { rim, middle, axis, way: Way { normal, goes_on } } = self;
+        let side = axis.cross(*normal);
+        let support = rim.support(*normal);
+        let gap = middle - support.point;
+        let [bend, ..] = rim.curvature(&support, *normal, [side, side]);
+        let (rise, distance) = (side.dot(gap), normal.dot(gap));
+        // Of a maximum, else the curvature without what the depth takes of it.
+        let is_maximum = S::zero().lt(bend + distance);
+        let bend = S::select(is_maximum, bend + distance, bend).max(S::lit(TINY));
+        let step = (rise * bend.recip()).clamp(-LONGEST_TURN, LONGEST_TURN);
+        let next = side.mul_add(step, *normal);
+        let next = next.scale(next.dot(next).max(S::lit(TINY)).rsqrt());
+        *normal = Vec3::select(*goes_on, next, *normal);
+        *goes_on = *goes_on & S::lit(SETTLED * S::EPSILON).lt(step.abs());
+    }
 }
 
 /// The ends of the line with which a capsule lies on an end of the cylinder, as MuJoCo 4.0 has them (found by trying): of one that leans
 /// by up to [`LEAN_OF_LYING`], as far as they are over a polygon of sixteen corners within the rim. The line is that of the surface, half a margin
-/// farther out, straight towards the end, less what of this is along the axis. Points that are not there are far apart.
+/// farther out, against the capsule's way out, less what of this is along its axis. Points that are not there are far apart.
 #[inline(always)]
-fn lying<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S, up: S) -> [Apart<S>; 2] {
+fn lying<S: Scalar>(
+    cylinder: &Cylinder<S>,
+    middle: Vec3<S>,
+    half: Vec3<S>,
+    radius: S,
+    out: Vec3<S>,
+) -> [Apart<S>; 2] {
     let (o, one) = (S::zero(), S::lit(1.0));
+    let up = S::select(out.z.lt(o), -one, one);
     let square = half.dot(half).max(S::lit(TINY));
     let axis = half.scale(square.rsqrt());
-    let lean = axis.z;
     let surface = radius + cylinder.margin * S::lit(0.5);
     let normal = Vec3::new(o, o, up);
-    let line = middle - (normal - axis.scale(lean * up)).scale(surface);
+    let line = middle - (out - axis.scale(out.dot(axis))).scale(surface);
     let (mut first, mut last) = (-one, one);
     let apothem = cylinder.radius * S::lit((std::f64::consts::PI / CORNERS as f64).cos());
     for side in 0..CORNERS / 2 {
@@ -166,7 +314,9 @@ fn lying<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radi
         first = first.max(a.min(b));
         last = last.min(a.max(b));
     }
-    let is_there = lean.abs().lt(S::lit(LEAN_OF_LYING)) & first.lt(last);
+    // A ball does not lie.
+    let is_rod = S::lit(TINY).lt(half.dot(half));
+    let is_there = is_rod & axis.z.abs().lt(S::lit(LEAN_OF_LYING)) & first.lt(last);
     let first = over_end(cylinder, half.mul_add(first, line), normal, is_there);
     [first, over_end(cylinder, half.mul_add(last, line), normal, is_there)]
 }

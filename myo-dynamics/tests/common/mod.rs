@@ -1,6 +1,7 @@
 //! What the tests of this crate share.
 #![allow(dead_code)] // every test file uses a part of it
 
+use myo_dynamics::plan::DofKind;
 use myo_dynamics::{CouplingMode, Plan, State, Workspace};
 use myo_model::{Model, builtin};
 use myo_scalar::symbolic::{Buffer, Contents, Sharing, Sym, trace};
@@ -25,13 +26,22 @@ pub fn draw(stream: u32, entry: usize) -> f64 {
     )
 }
 
-/// A reproducible random state within the joint limits.
+/// A reproducible random state within the joint limits; free bodies are near their places, and turned any way.
 pub fn random_state(plan: &Plan<f64>, number: u32) -> State<f64> {
     let mut state = State::<f64>::new(plan);
     for (k, dof) in plan.dofs.iter().enumerate() {
         let [lo, hi] = dof.range.unwrap_or([-1.0, 1.0]);
-        state.qpos[k] = lo + (hi - lo) * draw(number, k);
+        let drawn = lo + (hi - lo) * draw(number, k);
+        match dof.kind {
+            DofKind::Joint => state.qpos[dof.at] = drawn,
+            DofKind::Place => state.qpos[dof.at] += 0.3 * drawn,
+            DofKind::Turn => {}
+        }
         state.qvel[k] = 10.0 * (draw(number, 100 + k) - 0.5);
+    }
+    for (k, ball) in plan.balls.iter().enumerate() {
+        // Of any length, as it counts for nothing.
+        (0..4).for_each(|part| state.qpos[ball.at + part] = draw(number, 300 + 4 * k + part) - 0.5);
     }
     for k in 0..plan.nmuscle() {
         state.act[k] = draw(number, 200 + k);
@@ -100,7 +110,7 @@ impl<L: Look> LaneTask for Lanes<'_, L> {
 
 /// What a program that was recorded of it finds in each of these states.
 pub fn recorded(look: impl Look, plan: &Plan<f64>, states: &[State<f64>]) -> Vec<Vec<f64>> {
-    let rows = [plan.ndof(), plan.ndof(), plan.nmuscle()];
+    let rows = [plan.nq(), plan.ndof(), plan.nmuscle()];
     let [input, output] = [0, 1].map(|binding| Buffer { binding, sharing: Sharing::PerEnv });
     let mut count = 0;
     let program = trace(|| {
