@@ -19,7 +19,11 @@ impl<S: Scalar> State<S> {
     /// At rest in the pose of reference, of a plan in any precision.
     pub fn new<C: Real>(plan: &Plan<C>) -> Self {
         let zeros = |n| vec![S::zero(); n];
-        Self { qpos: plan.qpos0.iter().map(|q| S::lit(q.to_f64())).collect(), qvel: zeros(plan.ndof()), act: zeros(plan.nmuscle()) }
+        Self {
+            qpos: plan.qpos0.iter().map(|q| S::lit(q.to_f64())).collect(),
+            qvel: zeros(plan.ndof()),
+            act: zeros(plan.nmuscle()),
+        }
     }
 }
 

@@ -241,7 +241,8 @@ fn a_spinning_body_keeps_its_energy() {
         plan.bodies.iter().map(|body| of(body.link)).sum::<f64>()
     };
     let drift = |timestep: f64| {
-        let mut plan = floating(&|text| text.replace("force=\"150\"", "force=\"0\"").replace("force=\"80\"", "force=\"0\""));
+        let mut plan =
+            floating(&|text| text.replace("force=\"150\"", "force=\"0\"").replace("force=\"80\"", "force=\"0\""));
         plan.timestep = timestep;
         plan.pairs.clear();
         plan.limits.clear();
@@ -285,16 +286,4 @@ fn they_fall_and_come_to_rest() {
     }
     let counts = batch.solver_counts().iter().copied().sum::<myo_dynamics::SolverCount>();
     assert_eq!(counts.unsolved, 0, "{counts:?}");
-}
-
-#[test]
-fn zz_debug() {
-    let plan = exact();
-    let mut ws = Workspace::new(&plan);
-    for number in 0..200 {
-        ws.tally = myo_dynamics::SolverTally::new();
-        step::forward(&plan, &Obstacles::none(&plan), &narrow_state(&plan, number), &mut ws);
-        let contacts = ws.contacts.iter().filter(|c| c.exists).count();
-        if format!("{:?}", ws.tally.rounds).len() > 0 { println!("{number}: rounds {:?} unsolved {:?} contacts {contacts}", ws.tally.rounds, ws.tally.unsolved); }
-    }
 }

@@ -301,9 +301,7 @@ fn check_many(joint: &source::Joint, element: &Element) -> Result<(), ModelError
         ("pos", joint.kind == JointKind::Free && joint.pos != [0.0; 3]),
     ];
     match has.into_iter().find(|(_, has)| *has) {
-        Some((field, _)) => {
-            Err(ModelError::NotOfKind { element: element.clone(), kind: kind_name(joint.kind), field })
-        }
+        Some((field, _)) => Err(ModelError::NotOfKind { element: element.clone(), kind: kind_name(joint.kind), field }),
         None => Ok(()),
     }
 }

@@ -161,7 +161,9 @@ pub enum ModelError {
         parent: String,
     },
     /// A joint that takes all freedom, or all turning, and then another one.
-    #[error("{element} follows the {kind} joint `{first}` of the same body, which leaves it nothing to do; drop one of them")]
+    #[error(
+        "{element} follows the {kind} joint `{first}` of the same body, which leaves it nothing to do; drop one of them"
+    )]
     Superfluous {
         /// The later joint.
         element: Element,

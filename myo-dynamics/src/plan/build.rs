@@ -3,8 +3,8 @@
 use super::coordinates::Coordinates;
 use super::{
     BallAxis, Body, Branch, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination, Equality,
-    FixedFrame, Form, JointCoordinates, Limit, Movers, Link, LinkMotion, Placement, Plan, PlanError, Point, RoundThing, Screw, Segment,
-    SegmentPair, Stretch, TendonLimit, Tendons, pairs, reference_pose, sets,
+    FixedFrame, Form, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan, PlanError, Point, RoundThing,
+    Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -137,7 +137,8 @@ impl Plan<f64> {
 
     fn weigh_constraints(&mut self, model: &Model, reference: &reference_pose::ReferencePose) -> Result<(), PlanError> {
         // It was measured with every joint a coordinate.
-        let rates = |joints: &[myo_model::model::Joint]| joints.iter().map(|joint| joint.kind.sizes()[1]).sum::<usize>();
+        let rates =
+            |joints: &[myo_model::model::Joint]| joints.iter().map(|joint| joint.kind.sizes()[1]).sum::<usize>();
         let of = |joint: usize| reference.inverse_inertia[rates(&model.joints[..joint])];
         let is_limited = |&joint: &usize| limited(&model.joints[joint], &self.joints[joint]).is_some();
         let joints = (0..model.joints.len()).filter(is_limited);

@@ -2,8 +2,9 @@
 
 use super::{
     BallAxis, Body, Branch, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements,
-    EnergyProfile, Equality, FixedFrame, HingeSegment, JointCoordinates, Limit, Link, LinkMotion, Part, PartForm, Placement, Plan, Point,
-    PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, TendonLimit, Tendons,
+    EnergyProfile, Equality, FixedFrame, HingeSegment, JointCoordinates, Limit, Link, LinkMotion, Part, PartForm,
+    Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, TendonLimit,
+    Tendons,
 };
 use crate::cast::{Cast, cast};
 use myo_scalar::Real;

@@ -8,8 +8,8 @@
 
 use super::build::assign_screws;
 use super::{
-    DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part, Placement, Plan,
-    Point, PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
+    DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part, Placement, Plan, Point,
+    PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
 };
 use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
 use crate::spatial::{Motion, Rotation, Vec3};

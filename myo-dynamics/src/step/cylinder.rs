@@ -5,7 +5,7 @@
 
 use crate::spatial::{Rotation, Vec3};
 use crate::step::contact::tangents;
-use crate::step::ellipsoid::{TINY, ellipse, nearest};
+use crate::step::ellipsoid::{ACROSS, TINY, ellipse, nearest};
 use crate::step::support::{Apart, Oval, Smooth, Support, apart, climb};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
@@ -15,14 +15,14 @@ const FAR: f64 = 1e3;
 const SIDEWAYS: f64 = 1e-6;
 /// Sine of the angle by which a capsule leans at most that lies on an end with both its own.
 const LEAN_OF_LYING: f64 = 0.0888;
+/// Steps by which a direction between two bodies is found about.
+const STEPS_TOWARD: usize = 32;
 /// Most steps of a search about the axis of a rod, and the longest of them (rad).
 const MAX_TURNS: usize = 20;
 /// See [`MAX_TURNS`].
 const LONGEST_TURN: f64 = 0.5;
 /// A step (rad) that is as good as none, in units of rounding.
 const SETTLED: f64 = 16.0;
-/// Square of the cosine between a direction and an axis below which this is across it.
-const ACROSS: f64 = 1e-12;
 /// Corners of the polygon that MuJoCo takes for an end.
 const CORNERS: usize = 16;
 /// How much a first direction from the rim leans to either side at least.
@@ -138,23 +138,32 @@ fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3
     let rod = Rod { middle, half };
     // An axis that is out of the cylinder is nearest where its point is, and one that is in it least deep along one of the others.
     let mut best = outermost(cylinder, &rod);
-    let up = S::select(middle.z.lt(o), -one, one);
-    let seen = Vec3::new(middle.x, middle.y, o);
-    let along = Vec3::new(half.x, half.y, o);
-    let nearest_axis = (-(seen.dot(along)) * along.dot(along).max(S::lit(TINY)).recip()).clamp(-1.0, 1.0);
-    let aside = along.mul_add(nearest_axis, seen);
-    let square = aside.dot(aside);
-    let is_axis = square.lt(S::lit(TINY));
-    let aside = Vec3::select(is_axis, Vec3::new(one, o, o), aside.scale(square.max(S::lit(TINY)).rsqrt()));
-    let beside = Apart { at: half.mul_add(nearest_axis, middle), ..rod.out(cylinder, aside) };
+    let beside = beside_rod(cylinder, &rod);
     best = beside.or(best.distance.lt(beside.distance), best);
-    let ways = [Vec3::new(o, o, up), past_rim(cylinder, &rod, up), least_past_end(cylinder, &rod, up)];
-    for normal in ways {
-        let other = rod.out(cylinder, normal);
-        best = other.or(best.distance.lt(other.distance), best);
+    for up in [one, -one] {
+        let ways = [Vec3::new(o, o, up), past_rim(cylinder, &rod, up), least_past_end(cylinder, &rod, up)];
+        for normal in ways {
+            let other = rod.out(cylinder, normal);
+            best = other.or(best.distance.lt(other.distance), best);
+        }
     }
     let Apart { distance, normal, at } = best;
     Apart { distance: distance - radius, normal, at: at - normal.scale((distance + radius) * S::lit(0.5)) }
+}
+
+/// The way out across the cylinder: seen along it, the rod is a line and the cylinder a circle.
+#[inline(always)]
+fn beside_rod<S: Scalar>(cylinder: &Cylinder<S>, rod: &Rod<S>) -> Apart<S> {
+    let (o, one) = (S::zero(), S::lit(1.0));
+    let Rod { middle, half } = *rod;
+    let (seen, along) = (Vec3::new(middle.x, middle.y, o), Vec3::new(half.x, half.y, o));
+    let nearest_axis = (-(seen.dot(along)) * along.dot(along).max(S::lit(TINY)).recip()).clamp(-1.0, 1.0);
+    let aside = along.mul_add(nearest_axis, seen);
+    let square = aside.dot(aside);
+    // On the axis any way out is as good.
+    let is_axis = square.lt(S::lit(TINY));
+    let normal = Vec3::select(is_axis, Vec3::new(one, o, o), aside.scale(square.max(S::lit(TINY)).rsqrt()));
+    Apart { at: half.mul_add(nearest_axis, middle), ..rod.out(cylinder, normal) }
 }
 
 /// The axis of a capsule.
@@ -174,7 +183,7 @@ impl<S: Scalar> Rod<S> {
         // Along its own axis an end is, and across it the point beside the rim.
         let square = self.half.dot(self.half).max(S::lit(TINY));
         let beside = ((point - self.middle).dot(self.half) * square.recip()).clamp(-1.0, 1.0);
-        let is_across = side.sq().lt(square * S::lit(ACROSS));
+        let is_across = side.sq().lt(square * S::lit(ACROSS * S::EPSILON * S::EPSILON));
         let along = S::select(is_across, beside, S::select(side.lt(o), one, -one));
         let distance = normal.dot(self.middle) - side.abs() - reach;
         Apart { distance, normal, at: self.half.mul_add(along, self.middle) }
@@ -287,13 +296,7 @@ impl<S: Scalar> Stage<S> for Turn<'_, S> {
 /// by up to [`LEAN_OF_LYING`], as far as they are over a polygon of sixteen corners within the rim. The line is that of the surface, half a margin
 /// farther out, against the capsule's way out, less what of this is along its axis. Points that are not there are far apart.
 #[inline(always)]
-fn lying<S: Scalar>(
-    cylinder: &Cylinder<S>,
-    middle: Vec3<S>,
-    half: Vec3<S>,
-    radius: S,
-    out: Vec3<S>,
-) -> [Apart<S>; 2] {
+fn lying<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3<S>, radius: S, out: Vec3<S>) -> [Apart<S>; 2] {
     let (o, one) = (S::zero(), S::lit(1.0));
     let up = S::select(out.z.lt(o), -one, one);
     let square = half.dot(half).max(S::lit(TINY));
@@ -373,20 +376,71 @@ impl<S: Scalar> Smooth<S> for Rim<S> {
 #[inline(always)]
 pub(super) fn oval<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Vec3<S>) -> Apart<S> {
     let (o, one) = (S::zero(), S::lit(1.0));
-    let up = S::select(middle.z.lt(o), -one, one);
-    let end = Vec3::new(o, o, up);
     let side = beside_axis(oval, middle);
-    let rim = Rim { radius: cylinder.radius, end: cylinder.half_length * up };
-    let corner = middle - rim.support(side).point;
-    let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
-    let start = out.scale(out.dot(out).rsqrt());
-    let from_rim = climb(&rim, oval, middle, start);
-    let mut best = along(cylinder, oval, middle, end);
-    for direction in [side, from_rim] {
-        let other = along(cylinder, oval, middle, direction);
-        best = other.or(best.distance.lt(other.distance), best);
+    let mut best = along(cylinder, oval, middle, side);
+    let between = toward(cylinder, oval, middle);
+    let apart = along(cylinder, oval, middle, between).distance;
+    for up in [one, -one] {
+        let end = Vec3::new(o, o, up);
+        let over = along(cylinder, oval, middle, end);
+        best = over.or(best.distance.lt(over.distance), best);
+        let rim = Rim { radius: cylinder.radius, end: cylinder.half_length * up };
+        let corner = middle - rim.support(side).point;
+        let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
+        let out = out.scale(out.dot(out).rsqrt());
+        let start = Vec3::select(along(cylinder, oval, middle, out).distance.lt(apart), between, out);
+        let from_rim = along(cylinder, oval, middle, climb(&rim, oval, middle, start));
+        best = from_rim.or(best.distance.lt(from_rim.distance), best);
     }
     best
+}
+
+/// About the direction from a cylinder to an ellipsoid that is apart from it: that of the shortest vector from a point of the one to a point of
+/// the other, as far as a few steps find it (Frank and Wolfe 1956, doi 10.1002/nav.3800030109).
+#[inline(always)]
+fn toward<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Vec3<S>) -> Vec3<S> {
+    let mut shortest = Shortest(middle);
+    S::repeat_while(STEPS_TOWARD, &mut shortest, |shortest| {
+        S::outline(Shorten { cylinder, oval, middle, shortest });
+        S::Mask::splat(true)
+    });
+    let Shortest(vector) = shortest;
+    vector.scale(vector.dot(vector).max(S::lit(TINY)).rsqrt())
+}
+
+/// A vector from a point of one body to a point of another.
+struct Shortest<S>(Vec3<S>);
+
+impl<S: Scalar> Carried<S> for Shortest<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Vec3 { x, y, z } = &mut self.0;
+        visitor.numbers([x, y, z]);
+    }
+}
+
+/// Moves it towards the points of both that are nearest to each other along it.
+struct Shorten<'a, S: Scalar> {
+    cylinder: &'a Cylinder<S>,
+    oval: &'a Oval<S>,
+    middle: Vec3<S>,
+    shortest: &'a mut Shortest<S>,
+}
+
+impl<S: Scalar> Stage<S> for Shorten<'_, S> {
+    const NAME: &'static str = "vector between bodies";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { cylinder, oval, middle, shortest: Shortest(vector) } = self;
+        let length = vector.dot(*vector).max(S::lit(TINY));
+        let way = vector.scale(length.rsqrt());
+        let end = S::select(way.z.lt(S::zero()), -cylinder.half_length, cylinder.half_length);
+        let rim = Rim { radius: cylinder.radius, end };
+        let extreme = middle - oval.support(way).point - rim.support(way).point;
+        let change = extreme - *vector;
+        let share = -vector.dot(change) * change.dot(change).max(S::lit(TINY)).recip();
+        *vector = change.mul_add(share.clamp(0.0, 1.0), *vector);
+    }
 }
 
 /// The direction across the axis in which an ellipsoid is farthest from it: seen along the axis it is an ellipse.
@@ -413,4 +467,70 @@ fn along<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Vec3<S>, dir
     let Apart { distance, normal, .. } = apart(&Rim { radius: cylinder.radius, end }, oval, middle, direction);
     let point = middle - oval.support(direction).point;
     Apart { distance, normal, at: point - normal.scale(distance * S::lit(0.5)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::step::support::tests::{oval as ovals, spiral, vector};
+    use proptest::prelude::*;
+
+    fn cylinders() -> impl Strategy<Value = Cylinder<f64>> {
+        (0.02..0.3, 0.02..0.3).prop_map(|(radius, half_length)| Cylinder { radius, half_length, margin: 0.0 })
+    }
+
+    /// How far it reaches.
+    fn reach(cylinder: &Cylinder<f64>, n: Vec3<f64>) -> f64 {
+        cylinder.radius * n.x.hypot(n.y) + cylinder.half_length * n.z.abs()
+    }
+
+    proptest! {
+        #[test]
+        fn a_capsule_is_moved_out_by_the_least_way(
+            cylinder in cylinders(), middle in prop::array::uniform3(-0.4..0.4), half in prop::array::uniform3(-0.3..0.3),
+            radius in 0.01..0.1
+        ) {
+            let (middle, half) = (vector(middle), vector(half));
+            let found = nearest_of_rod(&cylinder, middle, half, radius);
+            let gap = |n: Vec3<f64>| n.dot(middle) - n.dot(half).abs() - reach(&cylinder, n) - radius;
+            prop_assert!((found.distance - gap(found.normal)).abs() < 1e-9, "{} {}", found.distance, gap(found.normal));
+            let farthest = spiral(2000).map(gap).fold(f64::NEG_INFINITY, f64::max);
+            // Where its axis is deep in the cylinder there are several ways, of which the least may be another.
+            let is_deep = found.distance <= -radius - 0.5 * cylinder.radius.min(cylinder.half_length);
+            prop_assert!(is_deep || farthest < found.distance + 1e-9, "{} and {farthest}", found.distance);
+        }
+
+        #[test]
+        fn an_ellipsoid_is_moved_out_by_the_least_way(
+            cylinder in cylinders(), other in ovals(), middle in prop::array::uniform3(-0.4..0.4)
+        ) {
+            let middle = vector(middle);
+            let found = oval(&cylinder, &other, middle);
+            let gap = |n: Vec3<f64>| n.dot(middle) - other.support(n).reach - reach(&cylinder, n);
+            prop_assert!((found.distance - gap(found.normal)).abs() < 1e-9, "{} {}", found.distance, gap(found.normal));
+            let farthest = spiral(2000).map(gap).fold(f64::NEG_INFINITY, f64::max);
+            let thinnest = other.radii.into_iter().fold(cylinder.radius.min(cylinder.half_length), f64::min);
+            let is_deep = found.distance <= -0.25 * thinnest;
+            prop_assert!(is_deep || farthest < found.distance + 1e-9, "{} and {farthest}", found.distance);
+        }
+    }
+
+    #[test]
+    fn a_capsule_lies_on_an_end_with_both_its_own() {
+        let cylinder = Cylinder { radius: 0.5, half_length: 0.2, margin: 0.002 };
+        let lying = |lean: f64, x: f64| {
+            let half = Vec3::new(0.1 * (1.0 - lean * lean).sqrt(), 0.0, 0.1 * lean);
+            rod(&cylinder, Vec3::new(x, 0.0, 0.205), half, 0.02)
+        };
+        // What MuJoCo 4.0.0 says of one that leans by five degrees, with a margin of a millimetre each.
+        let lean = 5.0_f64.to_radians().sin();
+        let [low, high] = lying(lean, 0.0);
+        assert!((low.distance + 0.023_556_055_68).abs() < 1e-9 && (high.distance + 0.006_124_907_13).abs() < 1e-9);
+        assert!((low.at.x + 0.097_796_163_9).abs() < 1e-9 && (low.at.z - 0.188_221_972).abs() < 1e-8);
+        // One that leans more stands on one end, and one beyond the rim is there as far as that.
+        let [low, high] = lying(0.1, 0.0);
+        assert!(low.distance < 0.0 && high.distance > 1.0);
+        let [low, high] = lying(0.02, 0.45);
+        assert!((high.at.x - 0.5).abs() < 1e-12 && high.distance < 0.0 && low.distance < high.distance);
+    }
 }

@@ -5,7 +5,7 @@
 
 use crate::spatial::{Rotation, Vec3};
 use crate::step::contact::tangents;
-use crate::step::support::{self, Oval, climb};
+use crate::step::support::{self, Oval, Smooth, Support, climb};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Most rounds of the search; it takes six or seven.
@@ -14,6 +14,9 @@ const MAX_ROUNDS: usize = 40;
 pub(super) const TINY: f64 = 1e-30;
 /// What is as good as on the surface, in units of rounding.
 const SETTLED: f64 = 16.0;
+
+/// Square of the cosine between a direction and a segment below which this is across it, in units of rounding.
+pub(super) const ACROSS: f64 = 4096.0;
 
 /// A point of a segment beside an ellipsoid, in the axes of that.
 #[derive(Clone, Copy, Debug)]
@@ -29,29 +32,29 @@ pub struct Deepest<S> {
 /// The deepest point of `middle + along * half`, from -1 to 1, in the axes of an ellipsoid with these semi-axes.
 #[inline(always)]
 pub fn deepest<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S> {
-    let one = S::lit(1.0);
+    let (o, one) = (S::zero(), S::lit(1.0));
     let first = of_end(radii, middle, half, -one);
     let last = of_end(radii, middle, half, one);
-    // An end is out along its own way, unless the other end is less so.
-    let is_end = first.along.lt(S::zero()) | S::zero().lt(last.along);
     let between = across(radii, middle, half);
-    let best = last.or(first.distance.lt(last.distance), first);
     // A ball has nothing across.
     let is_long = S::lit(TINY).lt(half.dot(half));
-    let mut best = between.or(is_long & best.distance.lt(between.distance), best);
-    let is_between = between.along.abs().lt(one);
-    let is_odd = is_long & !(is_end | is_between);
-    S::when(is_odd, &mut best, |best| S::outline(Pierced { radii, middle, half, between, is_odd, best }));
+    let mut best = last.or(first.distance.lt(last.distance), first);
+    best = between.or(is_long & best.distance.lt(between.distance), best);
+    // An end is out along its own way, unless the other end is less so.
+    let is_settled = first.along.lt(o) & o.lt(last.along);
+    let is_odd = is_long & best.distance.lt(o) & !is_settled;
+    let ways = [first, last, between];
+    S::when(is_odd, &mut best, |best| S::outline(Pierced { radii, middle, half, ways, is_odd, best }));
     best
 }
 
-/// Where a segment pierces the middle of an ellipsoid, the way out of its deepest end may be another than that of the end alone: one near the
-/// way across.
+/// Where a segment pierces an ellipsoid, the way out of its deepest end may be another than that of the end alone: one near the way out of the
+/// other end, or across.
 struct Pierced<'a, S: Scalar> {
     radii: [S; 3],
     middle: Vec3<S>,
     half: Vec3<S>,
-    between: Deepest<S>,
+    ways: [Deepest<S>; 3],
     is_odd: S::Mask,
     best: &'a mut Deepest<S>,
 }
@@ -61,12 +64,13 @@ impl<S: Scalar> Stage<S> for Pierced<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { radii, middle, half, between, is_odd, best } = self;
-        let end = half.mul_add(between.along, middle);
+        let Self { radii, middle, half, ways, is_odd, best } = self;
         let oval = Oval { axes: Rotation::identity(), radii };
-        let normal = climb(&oval, &support::Point, end, between.normal);
-        let way = outward(radii, middle, half, normal);
-        *best = way.or(is_odd & best.distance.lt(way.distance), *best);
+        for Deepest { along, normal, .. } in ways {
+            let normal = climb(&oval, &support::Point, half.mul_add(along, middle), normal);
+            let way = outward(radii, middle, half, normal);
+            *best = way.or(is_odd & best.distance.lt(way.distance), *best);
+        }
     }
 }
 
@@ -96,13 +100,16 @@ fn of_end<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, along: S) ->
     outward(radii, middle, half, Vec3::new(x, y, z))
 }
 
-/// How far the segment is out along a direction, and with which end.
+/// How far the segment is out along a direction, and with which point: an end, or of a segment across it the one beside the outermost point
+/// of the ellipsoid.
 #[inline(always)]
 fn outward<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, normal: Vec3<S>) -> Deepest<S> {
-    let Vec3 { x, y, z } = normal;
-    let scaled = Vec3::new(x * radii[0], y * radii[1], z * radii[2]);
-    let (reach, side) = (scaled.dot(scaled).max(S::lit(TINY)).sqrt(), normal.dot(half));
-    let along = S::select(side.lt(S::zero()), S::lit(1.0), S::lit(-1.0));
+    let (Support { reach, point }, side) =
+        (Oval { axes: Rotation::identity(), radii }.support(normal), normal.dot(half));
+    let square = half.dot(half).max(S::lit(TINY));
+    let beside = ((point - middle).dot(half) * square.recip()).clamp(-1.0, 1.0);
+    let end = S::select(side.lt(S::zero()), S::lit(1.0), S::lit(-1.0));
+    let along = S::select(side.sq().lt(square * S::lit(ACROSS * S::EPSILON * S::EPSILON)), beside, end);
     Deepest { along, distance: normal.dot(middle) - side.abs() - reach, normal }
 }
 
@@ -110,20 +117,15 @@ fn outward<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, normal: Vec
 /// ellipse.
 #[inline(always)]
 fn across<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S> {
-    let tiny = S::lit(TINY);
-    let length_square = half.dot(half).max(tiny);
+    let length_square = half.dot(half).max(S::lit(TINY));
     let [x, y] = tangents(half.scale(length_square.rsqrt()));
     let stretched = |v: Vec3<S>| Vec3::new(v.x * radii[0].sq(), v.y * radii[1].sq(), v.z * radii[2].sq());
     // The squared support function is a quadratic form; its axes in the plane are those of the ellipse.
     let form = [stretched(x).dot(x), stretched(x).dot(y), stretched(y).dot(y)];
     let ([long, short], ellipse) = ellipse(form, [x, y]);
-    let (distance, [along_long, along_short]) = nearest(ellipse, [long.dot(middle), short.dot(middle)]);
+    let (_, [along_long, along_short]) = nearest(ellipse, [long.dot(middle), short.dot(middle)]);
     let normal = long.scale(along_long) + short.scale(along_short);
-    // The point of the ellipsoid that has this normal is beside the point of the segment that is looked for.
-    let outward = stretched(normal);
-    let surface = outward.scale(outward.dot(normal).max(tiny).rsqrt());
-    let along = ((surface - middle).dot(half) * length_square.recip()).clamp(-1.0, 1.0);
-    Deepest { along, distance, normal }
+    outward(radii, middle, half, normal)
 }
 
 /// Directions and lengths of the semi-axes of an ellipse, from its squared support function as a quadratic form of two directions: of the

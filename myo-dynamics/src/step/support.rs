@@ -10,11 +10,13 @@ use crate::step::ellipsoid::{TINY, nearest};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Most rounds of the search; it takes three to six.
-const MAX_ROUNDS: usize = 30;
+const MAX_ROUNDS: usize = 40;
 /// A step (rad) that is as good as none, in units of rounding.
 const SETTLED: f64 = 16.0;
 /// Longest step (rad).
 const LONGEST: f64 = 0.5;
+/// What a step that was too long is shortened to.
+const SHORTER: f64 = 0.25;
 /// Share of the square of its trace that the determinant of a curvature has at least, if it is one of a maximum.
 const ROUND: f64 = 1e-6;
 
@@ -114,17 +116,18 @@ pub(super) struct Apart<S> {
     pub at: Vec3<S>,
 }
 
-/// The search: a direction, and whether it goes on.
+/// The search: a direction, how long a step may be (rad), and whether it goes on.
 struct Climb<S: Scalar> {
     normal: Vec3<S>,
+    longest: S,
     goes_on: S::Mask,
 }
 
 impl<S: Scalar> Carried<S> for Climb<S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Vec3 { x, y, z } = &mut self.normal;
-        visitor.numbers([x, y, z]);
-        visitor.mask(&mut self.goes_on);
+        let Self { normal: Vec3 { x, y, z }, longest, goes_on } = self;
+        visitor.numbers([x, y, z, longest]);
+        visitor.mask(goes_on);
     }
 }
 
@@ -162,7 +165,7 @@ pub(super) fn climb<S: Scalar>(
     between: Vec3<S>,
     start: Vec3<S>,
 ) -> Vec3<S> {
-    let mut climb = Climb { normal: start, goes_on: S::Mask::splat(true) };
+    let mut climb = Climb { normal: start, longest: S::lit(LONGEST), goes_on: S::Mask::splat(true) };
     let (first, second) = (*first, *second);
     S::repeat_while(MAX_ROUNDS, &mut climb, |climb| {
         S::outline(Step { first, second, between, climb });
@@ -184,13 +187,21 @@ impl<S: Scalar, A: Smooth<S>, B: Smooth<S>> Stage<S> for Step<'_, S, A, B> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { first, second, between, climb: Climb { normal, goes_on } } = self;
+        let Self { first, second, between, climb: Climb { normal, longest, goes_on } } = self;
+        let out = |way: Vec3<S>| apart(&first, &second, between, way).distance;
         let step = newton_step(&first, &second, between, *normal);
         let square = step.dot(step);
-        let next = *normal + step;
+        let length = square.max(S::lit(TINY));
+        let inverse = length.rsqrt();
+        let share = (*longest * inverse).min(S::lit(1.0));
+        let next = step.mul_add(share, *normal);
         let next = next.scale(next.dot(next).max(S::lit(TINY)).rsqrt());
-        *normal = Vec3::select(*goes_on, next, *normal);
-        *goes_on = *goes_on & S::lit((SETTLED * S::EPSILON).powi(2)).lt(square);
+        // A step that goes down was too long.
+        let rises = out(*normal).le(out(next));
+        *normal = Vec3::select(*goes_on & rises, next, *normal);
+        let taken = share * length * inverse;
+        *longest = S::select(rises, (taken + taken).max(*longest).min(S::lit(LONGEST)), taken * S::lit(SHORTER));
+        *goes_on = *goes_on & S::lit(SETTLED * S::EPSILON).lt(taken);
     }
 }
 
@@ -216,7 +227,47 @@ fn newton_step<S: Scalar>(
     let determinant = a.mul_add(b, -(xy * xy)).max(S::lit(TINY));
     let (u, v) = (across[0].dot(gap), across[1].dot(gap));
     let inverse = determinant.recip();
-    let step = across[0].scale((b * u - xy * v) * inverse) + across[1].scale((a * v - xy * u) * inverse);
-    let length = step.dot(step).max(S::lit(TINY));
-    step.scale((S::lit(LONGEST) * length.rsqrt()).min(S::lit(1.0)))
+    across[0].scale((b * u - xy * v) * inverse) + across[1].scale((a * v - xy * u) * inverse)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Directions all over a ball.
+    pub fn spiral(count: u32) -> impl Iterator<Item = Vec3<f64>> {
+        (0..count).map(move |k| {
+            let z = 1.0 - 2.0 * (f64::from(k) + 0.5) / f64::from(count);
+            let (sin, cos) = (f64::from(k) * 2.399_963_229_728_653).sin_cos();
+            let across = (1.0 - z * z).sqrt();
+            Vec3::new(across * cos, across * sin, z)
+        })
+    }
+
+    pub fn oval() -> impl Strategy<Value = Oval<f64>> {
+        let turn =
+            prop::array::uniform4(-1.0..1.0).prop_filter("it turns", |q: &[f64; 4]| q.iter().any(|x| x.abs() > 0.1));
+        (turn, prop::array::uniform3(0.02..0.2))
+            .prop_map(|(turn, radii)| Oval { axes: Rotation::of_quaternion(turn), radii })
+    }
+
+    pub fn vector([x, y, z]: [f64; 3]) -> Vec3<f64> {
+        Vec3::new(x, y, z)
+    }
+
+    proptest! {
+        #[test]
+        fn ellipsoids_are_moved_apart_by_the_least_way(one in oval(), other in oval(), between in prop::array::uniform3(-0.3..0.3)) {
+            let between = vector(between);
+            let found = ovals(&one, &other, between);
+            let gap = |n: Vec3<f64>| apart(&one, &other, between, n).distance;
+            prop_assert!((found.distance - gap(found.normal)).abs() < 1e-12);
+            let farthest = spiral(2000).map(gap).fold(f64::NEG_INFINITY, f64::max);
+            // Where one is deep in the other there are several ways, of which the least may be another.
+            let thinnest = [one.radii, other.radii].concat().into_iter().fold(f64::INFINITY, f64::min);
+            let is_deep = found.distance <= -thinnest;
+            prop_assert!(is_deep || farthest < found.distance + 1e-9, "{} and {farthest}", found.distance);
+        }
+    }
 }
