@@ -173,6 +173,7 @@ impl<'py> Tables<'_, 'py> {
     fn joints(&self) -> PyResult<()> {
         let (joints, couplings) = (&self.model.joints, &self.model.couplings);
         self.names("joint_name", joints.iter().map(|j| &j.name))?;
+        self.out.set_item("joint_kind", joints.iter().map(|j| j.kind.name()).collect::<Vec<_>>())?;
         self.indices("joint_body", joints.iter().map(|j| j.body))?;
         self.rows("joint_axis", joints.iter().map(|j| j.axis.into()))?;
         self.rows("joint_pos", joints.iter().map(|j| j.pos.into()))?;

@@ -8,6 +8,8 @@
 //! - [`Obstacles`] are boxes to press with the fingertip, the forces on them are in [`Workspace::contacts`].
 //! - [`Batch`] steps many bodies on all lanes and threads. Its results depend neither on threads nor on a body's place, bit
 //!   for bit; other widths of lanes differ by rounding.
+//! - Positions and rates are counted apart: [`Plan::nq`] numbers of `qpos` and [`Plan::ndof`] of `qvel`, in MuJoCo's order. They differ where
+//!   a ball joint or a free body has a quaternion.
 //! - [`ReachableSpace`] tells how near the fingertip comes to a point, [`Strength`] whether muscles can hold it there.
 //!
 //! Joint couplings are compiled away ([`CouplingMode::Reduced`]) or kept as MuJoCo's soft constraints ([`CouplingMode::Soft`]).
@@ -48,8 +50,8 @@
 //! ```
 //!
 //! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
-//! hinges and slides, muscle paths through points and over spheres and cylinders, one sphere that presses boxes, and contacts of round parts; what it cannot simulate
-//! faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
+//! hinges, slides, ball joints and free bodies, muscle paths through points and over spheres and cylinders, one sphere that presses boxes, and contacts of round
+//! parts with each other, planes and cylinders; what it cannot simulate faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
 mod cast;

@@ -15,54 +15,7 @@ use std::collections::BTreeMap;
 const STATES: u32 = 1024;
 
 /// A trunk that stands nowhere, with an arm on a ball joint and a forearm on a hinge, over a floor and beside a table.
-const TUMBLER: &str = r#"<mujoco>
-  <compiler angle="radian" autolimits="true"/>
-  <default><geom contype="0" conaffinity="0"/></default>
-  <worldbody>
-    <geom name="floor" type="plane" size="1 1 1" pos="0 0 0.05" quat="0.99 0.1 0 0"/>
-    <geom name="table" type="cylinder" size="0.3 0.1" pos="0.1 0 0.1" quat="0.98 0 0.1 0"/>
-    <body name="trunk" pos="0.1 0 0.5">
-      <freejoint name="root"/>
-      <inertial pos="0.01 0 0.02" mass="4" diaginertia="0.04 0.05 0.03"/>
-      <geom name="trunk" type="ellipsoid" size="0.1 0.14 0.18"/>
-      <site name="chest" pos="0.1 0 0.05"/>
-      <body name="arm" pos="0 0.18 0.1" quat="0.9 0.3 0.1 -0.2">
-        <joint name="shoulder" type="ball" pos="0 0 0.02" damping="0.1" armature="0.001"/>
-        <inertial pos="0 0 -0.12" mass="1.2" diaginertia="0.01 0.01 0.002"/>
-        <geom name="arm" type="capsule" size="0.04 0.1" pos="0 0 -0.12"/>
-        <site name="upper" pos="0.03 0 -0.05"/>
-        <body name="forearm" pos="0 0 -0.25">
-          <joint name="elbow" axis="0 1 0" range="-2 0.3" damping="0.1" armature="0.001"/>
-          <inertial pos="0 0 -0.1" mass="0.8" diaginertia="0.006 0.006 0.001"/>
-          <geom name="forearm" type="capsule" size="0.03 0.09" pos="0 0 -0.1"/>
-          <geom name="fist" type="ellipsoid" size="0.05 0.04 0.06" pos="0 0 -0.22"/>
-          <geom name="knuckle" type="sphere" size="0.03" pos="0.04 0 -0.26"/>
-          <site name="lower" pos="0.02 0 -0.06"/>
-          <site name="tip" pos="0 0 -0.28"/>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <contact>
-    <pair geom1="floor" geom2="trunk" condim="3"/>
-    <pair geom1="floor" geom2="forearm" condim="3" friction="0.7 0.7"/>
-    <pair geom1="knuckle" geom2="floor" condim="1"/>
-    <pair geom1="table" geom2="trunk" condim="3" margin="0.002"/>
-    <pair geom1="table" geom2="forearm" condim="3" margin="0.002"/>
-    <pair geom1="table" geom2="arm" condim="1"/>
-    <pair geom1="table" geom2="knuckle" condim="3"/>
-    <pair geom1="fist" geom2="trunk" condim="3"/>
-    <pair geom1="forearm" geom2="trunk" condim="3"/>
-  </contact>
-  <tendon>
-    <spatial name="flexor"><site site="chest"/><site site="upper"/><site site="lower"/></spatial>
-    <spatial name="puller"><site site="chest"/><site site="lower"/></spatial>
-  </tendon>
-  <actuator>
-    <muscle name="flexor" tendon="flexor" lengthrange="0.1 0.6" force="150"/>
-    <muscle name="puller" tendon="puller" lengthrange="0.1 0.6" force="80"/>
-  </actuator>
-</mujoco>"#;
+const TUMBLER: &str = include_str!("../examples/tumbler.xml");
 
 fn model_of(text: &str, locked: &[&str]) -> Model {
     let files = BTreeMap::from([("tumbler.xml".to_owned(), text.to_owned())]);

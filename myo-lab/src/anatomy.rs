@@ -1,8 +1,8 @@
 //! What a body is before anybody learns to use it: where its fingertip gets to, how long the fibres of its muscles become, and
 //! which joints they move.
 
-use myo_dynamics::step::{fingertip, force::moment_arms, kinematics::kinematics, tendon};
 use myo_dynamics::plan::DofKind;
+use myo_dynamics::step::{fingertip, force::moment_arms, kinematics::kinematics, tendon};
 use myo_dynamics::{Isometric, Plan, Workspace};
 use myo_model::Model;
 use myo_scalar::{Counter, Scalar, Word, philox, seed_words, unit};

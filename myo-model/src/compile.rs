@@ -237,21 +237,11 @@ fn check_freedom(bodies: &[Body], joints: &[Joint]) -> Result<(), ModelError> {
             JointKind::Free => true,
         };
         if let Some(before) = before.clone().find(takes_all) {
-            let (first, kind) = (before.name.clone(), kind_name(before.kind));
+            let (first, kind) = (before.name.clone(), before.kind.name());
             return Err(ModelError::Superfluous { element, first, kind });
         }
     }
     Ok(())
-}
-
-/// The word for a kind of joint.
-fn kind_name(kind: JointKind) -> &'static str {
-    match kind {
-        JointKind::Hinge => "hinge",
-        JointKind::Slide => "slide",
-        JointKind::Ball => "ball",
-        JointKind::Free => "free",
-    }
 }
 
 fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {
@@ -301,7 +291,7 @@ fn check_many(joint: &source::Joint, element: &Element) -> Result<(), ModelError
         ("pos", joint.kind == JointKind::Free && joint.pos != [0.0; 3]),
     ];
     match has.into_iter().find(|(_, has)| *has) {
-        Some((field, _)) => Err(ModelError::NotOfKind { element: element.clone(), kind: kind_name(joint.kind), field }),
+        Some((field, _)) => Err(ModelError::NotOfKind { element: element.clone(), kind: joint.kind.name(), field }),
         None => Ok(()),
     }
 }
@@ -358,7 +348,7 @@ fn check_scalar(couplings: &[Coupling], joints: &[Joint]) -> Result<(), ModelErr
             return Err(ModelError::CouplesMany {
                 element: Element::new(ElementKind::Coupling, &joints[coupling.dependent].name),
                 joint: joint.name.clone(),
-                kind: kind_name(joint.kind),
+                kind: joint.kind.name(),
             });
         }
     }

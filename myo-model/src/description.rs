@@ -153,6 +153,16 @@ impl JointKind {
         }
     }
 
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hinge => "hinge",
+            Self::Slide => "slide",
+            Self::Ball => "ball",
+            Self::Free => "free",
+        }
+    }
+
     /// Whether one number tells its position.
     pub fn is_scalar(self) -> bool {
         self.sizes() == [1, 1]

@@ -4,7 +4,7 @@
 //! the same. Numbers are printed so that they read back bit for bit. What MuJoCo derives (inverse weights, automatic muscle
 //! force) is left to MuJoCo.
 
-use crate::description::{JointKind, Shape, Softness, WrapShape};
+use crate::description::{Shape, Softness, WrapShape};
 use crate::model::{Body, Geom, Joint, Model, Muscle, WORLD, Wrap};
 use myo_muscle::CurveParameters;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -134,14 +134,12 @@ fn open_body(xml: &mut Xml, body: &Body) {
 }
 
 fn joint_attributes(joint: &Joint) -> Vec<Attribute> {
-    let kind = match joint.kind {
-        JointKind::Hinge => "hinge",
-        JointKind::Slide => "slide",
-        JointKind::Ball | JointKind::Free => return ball_or_free(joint),
-    };
+    if !joint.kind.is_scalar() {
+        return ball_or_free(joint);
+    }
     let mut attributes = vec![
         ("name", text(&joint.name)),
-        ("type", text(kind)),
+        ("type", text(joint.kind.name())),
         ("axis", numbers(joint.axis.as_slice())),
         ("pos", numbers(joint.pos.as_slice())),
         ("limited", text(if joint.range.is_some() { "true" } else { "false" })),
@@ -159,10 +157,9 @@ fn joint_attributes(joint: &Joint) -> Vec<Attribute> {
 
 /// A joint without axis, limit and spring.
 fn ball_or_free(joint: &Joint) -> Vec<Attribute> {
-    let kind = if joint.kind == JointKind::Free { "free" } else { "ball" };
     vec![
         ("name", text(&joint.name)),
-        ("type", text(kind)),
+        ("type", text(joint.kind.name())),
         ("pos", numbers(joint.pos.as_slice())),
         ("limited", text("false")),
         ("stiffness", number(0.0)),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use myo_mjcf::{Limits, Mjcf, read_from};
-use myo_model::description::{Joint, Landmarks, PathElement, Pulley, Softness, TendonLimit, WrapShape};
+use myo_model::description::{Joint, JointKind, Landmarks, PathElement, Pulley, Softness, TendonLimit, WrapShape};
 use myo_model::import::{ImportOptions, Unsupported, from_mjcf, unused};
 use myo_model::mjcf::{MjcfOptions, to_mjcf};
 use myo_model::{Model, ModelDescription, builtin, builtin_names};
@@ -148,6 +148,11 @@ fn what_muscles_run_over_is_found_among_geoms() {
     assert!(Model::new(&all).is_ok());
 }
 
+/// A body with this joint.
+fn hung(joint: &str) -> String {
+    format!("<body>{joint}<geom size=\"0.01\" contype=\"0\" conaffinity=\"0\"/></body>")
+}
+
 #[test]
 fn what_cannot_be_simulated_is_refused_by_name_and_place() {
     let told = |parts| import(parts).unwrap_err().iter().map(ToString::to_string).collect::<Vec<_>>();
@@ -166,9 +171,14 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
             "arm.xml:7:7: <joint name=\"elbow\">: the sum of muscle torques",
         ),
         (
-            ["", "", "<body><freejoint/><geom size=\"0.01\" contype=\"0\" conaffinity=\"0\"/></body>", "", ""],
-            "arm.xml:11:13: <joint>: free and ball joints",
+            ["", "", &hung("<joint type=\"ball\" range=\"0 30\"/>"), "", ""],
+            "arm.xml:11:13: <joint>: limits of ball joints (`range`)",
         ),
+        (
+            ["", "", &hung("<joint type=\"ball\" stiffness=\"1\"/>"), "", ""],
+            "arm.xml:11:13: <joint>: springs of ball and",
+        ),
+        (["", "", &hung("<freejoint align=\"true\"/>"), "", ""], "arm.xml:11:13: <joint>: a body's frame is not moved"),
         (["", "", "<body gravcomp=\"1\"/>", "", ""], "arm.xml:11:7: <body>: compensated weight"),
         (
             [
@@ -249,7 +259,7 @@ fn tendons_divide_and_are_limited() {
 /// An arm whose hand has a palm with these bits, beside a table of this height (m), with more in the file.
 fn hand(height: f64, bits: &str, more: &str) -> String {
     let body = format!(r#"<body name="hand"><joint axis="1 0 0"/><geom name="palm" size="0.02" {bits}/></body>"#);
-    let table = format!(r#"<geom name="table" type="plane" size="1 1 1" pos="0 0 {height}"/>"#);
+    let table = format!(r#"<geom name="table" type="box" size="1 1 0.1" pos="0 0 {}"/>"#, height - 0.1);
     arm(["", "", &body, "", ""]).replace("<worldbody>", &format!("{more}<worldbody>{table}"))
 }
 
@@ -264,7 +274,7 @@ fn parts_that_may_touch_are_refused_unless_they_need_not() {
     let none = Ok(vec![]);
     assert_eq!(
         contacts(&hand(0.99, "", "")).unwrap_err(),
-        "arm.xml:4:14: <geom name=\"table\">: it may touch `palm`: contact of plane and sphere is not simulated; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)"
+        "arm.xml:4:14: <geom name=\"table\">: it may touch `palm`: contact of box and sphere is not simulated; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)"
     );
     // By distance, bits, names, the whole, and by who asks.
     assert_eq!(contacts(&hand(0.9, "", "")), none);
@@ -290,7 +300,8 @@ fn parts_that_may_touch_are_refused_unless_they_need_not() {
     // What hangs on a slide may be anywhere.
     let sliding = hand(0.0, "", "").replace("<joint axis=\"1 0 0\"/>", "<joint type=\"slide\" axis=\"1 0 0\"/>");
     assert!(contacts(&sliding).unwrap_err().contains("it may touch `palm`"));
-    let lifted = hand(0.99, "gap=\"0.01\"", "").replace("type=\"plane\" size=\"1 1 1\"", "size=\"0.05\"");
+    let lifted = hand(0.99, "gap=\"0.01\"", "")
+        .replace("type=\"box\" size=\"1 1 0.1\" pos=\"0 0 0.89\"", "size=\"0.05\" pos=\"0 0 0.99\"");
     assert!(contacts(&lifted).unwrap_err().contains("neither `gap` nor"), "{:?}", contacts(&lifted));
 }
 
@@ -332,6 +343,56 @@ fn parts_that_touch_are_a_contact() {
     let model = Model::new(&mixed).unwrap();
     let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "humerus")).unwrap();
     assert_eq!((Model::new(&back).unwrap().contacts, back.geoms.len()), (model.contacts, 2));
+}
+
+/// A body that falls on a floor or a table, with an arm on a ball joint.
+const FALLING: &str = r#"<mujoco><compiler autolimits="true"/><worldbody>
+  <geom name="floor" type="plane" size="1 1 1" pos="0 0 -1" quat="0.9 0.1 0 0"/>
+  <geom name="table" type="cylinder" size="0.5 0.2"/>
+  <body name="trunk" pos="0.1 0.2 1" quat="0.8 0 0.6 0">
+    <freejoint name="root"/>
+    <geom name="trunk" type="ellipsoid" size="0.1 0.2 0.3" mass="20"/>
+    <site name="chest" pos="0.1 0 0.1"/>
+    <body name="arm" pos="0 0.2 0.2">
+      <joint name="shoulder" type="ball" pos="0 0 0.01" damping="0.3" armature="0.01"/>
+      <geom name="arm" type="capsule" size="0.04 0.15" pos="0 0 -0.15" mass="2" friction="0.5"/>
+      <site name="tip" pos="0 0 -0.3"/>
+      <body name="finger"><joint name="knuckle" axis="0 1 0" range="0 90"/><geom name="finger" size="0.01" mass="0.1"/></body>
+    </body>
+  </body></worldbody>
+  <equality><joint joint1="knuckle" polycoef="0.2 0 0 0 0"/></equality>
+  <tendon><spatial name="pull"><site site="chest"/><site site="tip"/></spatial></tendon>
+  <actuator><muscle name="pull" tendon="pull" lengthrange="0.1 0.9" force="100"/></actuator></mujoco>"#;
+
+#[test]
+fn bodies_fall_freely_on_floors_and_tables() {
+    let all = from_mjcf(&read(FALLING), &options("tip", "arm")).unwrap();
+    let model = Model::new(&all).unwrap();
+    let kinds: Vec<JointKind> = model.joints.iter().map(|joint| joint.kind).collect();
+    assert_eq!(kinds, [JointKind::Free, JointKind::Ball, JointKind::Hinge]);
+    assert_eq!(kinds.iter().map(|kind| kind.sizes()).fold([0, 0], |[a, b], [c, d]| [a + c, b + d]), [12, 10]);
+    assert_eq!((model.joints[1].damping, model.joints[1].armature), (0.3, 0.01));
+    // All three bodies may come to both; the finger is a child of the arm, but touches the trunk.
+    assert_eq!(all.contacts.len(), 7, "{:?}", all.contacts);
+    // It goes out as it came in, to a file of either kind.
+    let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "arm")).unwrap();
+    assert_eq!((&back.joints, &back.contacts), (&all.joints, &all.contacts));
+    assert_eq!(ModelDescription::from_yaml(&all.to_yaml().unwrap(), "falling.yaml").unwrap(), all);
+    // Locked joints are none, nor are those that follow them.
+    let locked = |names: &[&str]| {
+        let locked = names.iter().map(|&name| name.into()).collect();
+        from_mjcf(&read(FALLING), &ImportOptions { locked, ..options("tip", "arm") })
+    };
+    let held = locked(&["root", "shoulder"]).unwrap();
+    assert_eq!((held.joints.len(), held.couplings.len()), (1, 1));
+    // What stands still touches nothing that does: the finger alone moves, beside what it hangs on.
+    assert!(held.contacts.iter().all(|contact| contact.geoms.contains(&"finger".into())), "{:?}", held.contacts);
+    assert_eq!(locked(&["knuckle"]).unwrap().couplings, []);
+    let unknown = locked(&["shulder"]).unwrap_err();
+    assert_eq!(
+        unknown[0].to_string(),
+        "arm.xml:1:1: <worldbody>: there is no joint `shulder` to lock; did you mean `shoulder`?"
+    );
 }
 
 #[test]

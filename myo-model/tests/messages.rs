@@ -1,6 +1,8 @@
 //! What a person is told when a model is wrong.
 
-use myo_model::description::{Contact, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
+use myo_model::description::{
+    Contact, Joint, JointKind, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape,
+};
 use myo_model::{Model, ModelDescription, builtin};
 
 const ARM: &str = include_str!("../models/mobl-arms.yaml");
@@ -48,7 +50,11 @@ fn text_errors_point_at_line_and_column() {
 #[test]
 fn unknown_keys_come_with_the_nearest_valid_ones() {
     check_text("mass: 8.01418", "mas: 8.01418", "arm.yaml:13:105: unknown key `mas`; did you mean `mass`?");
-    check_text("kind: hinge", "kind: ball", "arm.yaml:33:37: unknown value `ball`; valid are `hinge`, `slide`");
+    check_text(
+        "kind: hinge",
+        "kind: screw",
+        "arm.yaml:33:37: unknown value `screw`; valid are `hinge`, `slide`, `ball`, `free`",
+    );
     check_text(
         "length_range: [0.161563",
         "lengthrange: [0.161563",
@@ -192,6 +198,35 @@ fn elements_must_fit_together() {
     check(
         |arm| arm.couplings[0].independent = Some("unrotscap_r2".into()),
         "joint `sternoclavicular_r2` follows joint `unrotscap_r2`, which is itself a dependent joint; couple it to a free joint",
+    );
+    check(
+        |arm| (arm.joints[15].kind, arm.joints[15].axis) = (JointKind::Ball, [0.0; 3]),
+        "joint `elbow_flexion` is a ball joint, which has no `range`; leave it out",
+    );
+    check(|arm| arm.joints[0].kind = JointKind::Free, "joint `r_z` is a free joint, which has no `axis`; leave it out");
+    let loose = |joint: &mut Joint, kind: JointKind| {
+        (joint.kind, joint.axis, joint.pos, joint.range) = (kind, [0.0; 3], [0.0; 3], None);
+        (joint.stiffness, joint.spring_ref) = (0.0, 0.0);
+    };
+    check(
+        |arm| loose(&mut arm.joints[15], JointKind::Free),
+        "joint `elbow_flexion` is a free joint, but its body hangs on `humerus`; only bodies on `world` move freely",
+    );
+    check(
+        |arm| {
+            let mut second = arm.joints[15].clone();
+            second.name = "elbow_varus".into();
+            loose(&mut arm.joints[15], JointKind::Ball);
+            arm.joints.push(second);
+        },
+        "joint `elbow_varus` follows the ball joint `elbow_flexion` of the same body, which leaves it nothing to do; drop one of them",
+    );
+    check(
+        |arm| {
+            let coupled = arm.couplings[0].dependent.clone();
+            loose(arm.joints.iter_mut().find(|joint| joint.name == coupled).unwrap(), JointKind::Ball);
+        },
+        "coupling of joint `sternoclavicular_r2`: joint `sternoclavicular_r2` is a ball joint; only hinges and slides follow and lead",
     );
     check(|arm| arm.muscles[0].path.truncate(1), "muscle `DELT1`: its path has 1 site(s); at least 2 are needed");
 }

@@ -114,16 +114,6 @@ def key_presses(data):
 
 
 @pytest.fixture(scope="session")
-def gadget(data):
-    return load(data / "gadget.xml")
-
-
-@pytest.fixture(scope="session")
-def gadget_steps(data):
-    return read(data / "gadget.json")
-
-
-@pytest.fixture(scope="session")
 def wraps(data):
     return load(data / "wraps.xml")
 

@@ -1,16 +1,24 @@
-"""Single steps of a body with what the arm lacks: slides, two joints on one body, curved couplings, implicit damping, a
-smoothed muscle with an automatic force."""
+"""Single steps of bodies with what the arm lacks: slides, two joints on one body, curved couplings, implicit damping, a
+smoothed muscle with an automatic force; a free body with another one on a ball joint."""
 
 import mujoco
 import numpy as np
 import pytest
+from conftest import load, read
 from simulation import forward, relative_error
 
 
+@pytest.fixture(scope="module", params=["gadget", "balloon"])
+def gadget(data, request):
+    return load(data / f"{request.param}.xml")
+
+
 @pytest.fixture(scope="module")
-def pairs(gadget, gadget_steps):
-    assert len(gadget_steps) >= 100
-    return [(step, forward(gadget, step)) for step in gadget_steps]
+def pairs(data, gadget):
+    name = "balloon" if gadget.nq > gadget.nv else "gadget"
+    steps = read(data / f"{name}.json")
+    assert len(steps) >= 100 and len(steps[0]["qpos"]) == gadget.nq
+    return [(step, forward(gadget, step)) for step in steps]
 
 
 def test_the_gadget_damps_implicitly(gadget):

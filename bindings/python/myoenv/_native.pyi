@@ -227,8 +227,8 @@ class Model:
 
         Bodies (the world first): `body_name` (list), `body_parent` (index), `body_pos` (3, m, in the parent's frame),
         `body_quat` (4, w x y z), `body_mass` (kg), `body_com` (3, m), `body_inertia` (3, 3, kg m^2, body axes).
-        Joints: `joint_name` (list), `joint_body`, `joint_axis` (3), `joint_pos` (3, m), `joint_range` (2, rad or m,
-        infinite without limits), `joint_stiffness`, `joint_spring_ref`, `joint_damping`, `joint_armature`.
+        Joints: `joint_name` (list), `joint_kind` (list of `hinge`, `slide`, `ball`, `free`), `joint_body`, `joint_axis` (3,
+        zero of ball and free joints), `joint_pos` (3, m), `joint_range` (2, rad or m, infinite without limits), `joint_stiffness`, `joint_spring_ref`, `joint_damping`, `joint_armature`.
         Couplings: `coupling_dependent`, `coupling_independent` (joint, -1 for a joint that is held),
         `coupling_polycoef` (5, constant first).
         Sites: `site_name` (list), `site_body`, `site_pos` (3, m, in the body's frame).

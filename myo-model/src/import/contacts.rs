@@ -28,8 +28,8 @@ struct Touch<'a> {
 }
 
 impl<'a> Import<'a> {
-    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out; so is what could not be simulated and does not touch unless joints stand far
-    /// beyond their limits.
+    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out; so is what stands around (planes, cylinders), or could not be simulated, and is not
+    /// touched unless joints stand far beyond their limits.
     pub(super) fn contacts(&mut self) -> (Vec<Geom>, Vec<Contact>) {
         if !self.keeps(self.mjcf.flags.contact()) {
             return (vec![], vec![]);
@@ -37,8 +37,12 @@ impl<'a> Import<'a> {
         let apart = Apart::of(self.mjcf);
         let mut touches = self.touches();
         touches.retain(|touch| !apart.always(touch.geoms, touch.reach()));
-        let (simulated, mut others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
-        others.retain(|touch| !apart.within_limits(touch.geoms, touch.reach(), |joint| self.hard_range(joint)));
+        let never = |touch: &Touch<'_>| {
+            let is_sure = touch.is_simulated() && !touch.has_flat_shape();
+            !is_sure && apart.within_limits(touch.geoms, touch.reach(), |joint| self.hard_range(joint))
+        };
+        touches.retain(|touch| !never(touch));
+        let (simulated, others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
         if let Some(first) = others.first() {
             self.refuse_touch(first, others.len());
         }
@@ -184,6 +188,10 @@ fn shape(geom: &source::Geom) -> Option<Shape> {
     }
 }
 
+fn is_flat(shape: &Option<Shape>) -> bool {
+    matches!(shape, Some(Shape::Plane | Shape::Cylinder { .. }))
+}
+
 impl<'a> Touch<'a> {
     fn is_simulated(&self) -> bool {
         self.has_simulated_shapes()
@@ -194,8 +202,12 @@ impl<'a> Touch<'a> {
     /// Whether the shapes are compared: anything round with anything, but planes and cylinders not with each other.
     fn has_simulated_shapes(&self) -> bool {
         let shapes = self.geoms.map(|held| shape(held.geom));
-        let is_flat = |shape: &Option<Shape>| matches!(shape, Some(Shape::Plane | Shape::Cylinder { .. }));
         shapes.iter().all(Option::is_some) && !shapes.iter().all(is_flat)
+    }
+
+    /// Whether one of them is a plane or cylinder.
+    fn has_flat_shape(&self) -> bool {
+        self.geoms.iter().any(|held| is_flat(&shape(held.geom)))
     }
 
     /// Its sliding friction; none where it has no dimension but the normal, else no less than MuJoCo takes.
