@@ -246,8 +246,10 @@ pub struct Workspace<S: Scalar> {
     pub joint: Vec<JointState<S>>,
     /// Axes of each link in the world.
     pub rotation: Vec<Rotation<S>>,
-    /// Origin of each link (m, from O).
+    /// Origin of each link (m, from O, or from the free body of a plan that [reckons from there](Plan::carried): the world's is O then).
     pub position: Vec<Vec3<S>>,
+    /// Whether it does.
+    pub is_carried: bool,
     /// Screws: one per link, then the plan's further ones.
     pub screw: Vec<Motion<S>>,
     /// Velocity of each link.
@@ -349,6 +351,7 @@ impl<S: Scalar> Workspace<S> {
             joint: vec![joint; nlink],
             rotation: vec![Rotation::identity(); nlink],
             position: vec![Vec3::zero(); nlink],
+            is_carried: plan.carried.is_some(),
             screw: vec![Motion::zero(); nscrew],
             velocity: vec![Motion::zero(); nlink],
             acceleration: vec![Motion::zero(); nlink],
@@ -401,9 +404,21 @@ impl<S: Scalar> Workspace<S> {
     {
         let local = Vec3::splat(point.position);
         if point.link == 0 {
-            return local;
+            return self.in_world(local);
         }
         self.frame(point.link).place(local)
+    }
+
+    /// What is this far from O.
+    #[inline(always)]
+    pub(crate) fn in_world(&self, place: Vec3<S>) -> Vec3<S> {
+        if self.is_carried { place + self.position[0] } else { place }
+    }
+
+    /// How far from O a place is.
+    #[inline(always)]
+    pub(crate) fn from_origin(&self, place: Vec3<S>) -> Vec3<S> {
+        if self.is_carried { place - self.position[0] } else { place }
     }
 
     /// Axes in the world, and origin (m, from O), of a frame fixed to a link.

@@ -114,7 +114,7 @@ fn the_specialised_plan_is_the_exact_one() {
     let fast = in_double_precision(Forward, &plan.specialised());
     for (number, (wanted, found)) in in_double_precision(Forward, &plan).iter().zip(&fast).enumerate() {
         let [acceleration, distance] = errors(plan.ndof(), wanted, found);
-        assert!(acceleration < 1e-9 && distance < 1e-12, "state {number}: {acceleration:e}, {distance:e} m");
+        assert!(acceleration < 1e-7 && distance < 1e-12, "state {number}: {acceleration:e}, {distance:e} m");
     }
 }
 
@@ -149,6 +149,43 @@ fn the_recorded_program_is_as_the_reference() {
     let floating = floating(&|text| text);
     for (wanted, found) in in_double_precision(Stepped, &floating).iter().zip(&recorded(Stepped, &floating, &states)) {
         assert!(difference(wanted, found) < 1e-6 * greatest(wanted), "{wanted:?} {found:?}");
+    }
+}
+
+/// However far it has gone: everything is reckoned from where it is.
+#[test]
+fn a_body_that_went_far_is_as_exact() {
+    let floating = floating(&|text| text);
+    let far: Vec<State<f64>> = (0..STATES)
+        .map(|number| {
+            let mut state = narrow_state(&floating, number);
+            (0..3).for_each(|k| state.qpos[k] = f64::from((400.0 * (draw(number, 500 + k) - 0.5)) as f32));
+            state
+        })
+        .collect();
+    let mut ws = Workspace::new(&floating);
+    let wanted: Vec<Vec<f64>> = far.iter().map(|state| Forward.look(&floating, state, &mut ws)).collect();
+    let fast = floating.specialised();
+    assert_eq!((floating.carried, fast.carried), (None, Some(0)));
+    let places: Vec<_> = (far.iter().take(20))
+        .map(|state| {
+            let (mut own, mut other) = (Workspace::<f64>::new(&floating), Workspace::<f64>::new(&fast));
+            step::forward(&floating, &Obstacles::none(&floating), state, &mut own);
+            step::forward(&fast, &Obstacles::none(&fast), state, &mut other);
+            difference(&step::fingertip(&floating, &own), &step::fingertip(&fast, &other))
+        })
+        .collect();
+    assert!(greatest(&places) < 1e-12, "{places:?}");
+    for (wanted, found) in wanted.iter().zip(recorded(Forward, &fast, &far[..50])) {
+        let [acceleration, _] = errors(floating.ndof(), wanted, &found);
+        assert!(acceleration < 1e-5, "{acceleration:e}");
+    }
+    for level in Level::available() {
+        let found = in_lanes(Forward, level, &fast.cast(), &far);
+        let mut all: Vec<f64> =
+            wanted.iter().zip(&found).map(|(wanted, found)| errors(floating.ndof(), wanted, found)[0]).collect();
+        all.sort_by(f64::total_cmp);
+        assert!(all[all.len() / 2] < 2e-5, "{}: {:e}", level.name(), all[all.len() / 2]);
     }
 }
 

@@ -61,6 +61,7 @@ impl Plan<f64> {
             limits: limits(model, &coordinates),
             equalities: if coupling == CouplingMode::Soft { equalities(model, &coordinates) } else { vec![] },
             dofs: coordinates.dofs,
+            carried: None,
             balls: coordinates.balls,
             qpos0: coordinates.qpos0,
             screws: tree.screws,

@@ -20,7 +20,7 @@ cast! {
     Plan {
         timestep, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
         equalities, fingertip, arm, contact_sphere, pairs, joints, elements;
-        implicit_damping, balls, screws, sets, mass_terms, elimination, projections, smooth_activation
+        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, smooth_activation
     }
     Elements { bodies, sites, wraps }
     Dof { range, stiffness, spring_torque, damping, armature; name, kind, at }

@@ -50,6 +50,9 @@ pub struct Plan<C> {
     pub origin: [C; 3],
     /// Generalised coordinates, as many as there are rates.
     pub dofs: Vec<Dof<C>>,
+    /// Where the place of the one free body begins in `qpos`, if everything is reckoned from there instead of from O: far from O, single precision
+    /// would lose how light parts turn in the inertia of the whole. Exact plans reckon from O.
+    pub carried: Option<usize>,
     /// Orientations, each of four positions and three rates.
     pub balls: Vec<Ball>,
     /// Positions in the pose of reference: joints at zero, free bodies where the model puts them.

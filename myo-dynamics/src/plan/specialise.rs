@@ -5,11 +5,12 @@
 //! - Links that move with one coordinate through several joints (a shoulder girdle) become polynomials in that coordinate:
 //!   their pose where something hangs on it, their energy, and the lengths of segments between them. Fits are refused
 //!   unless they are as good as single precision, and followed past the coordinate's limits as [`ProfiledCoordinate`] says.
+//! - A free body is the origin of everything ([`Plan::carried`]), so that it may go far.
 
 use super::build::assign_screws;
 use super::{
-    DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part, Placement, Plan, Point,
-    PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
+    DofKind, DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part, Placement, Plan,
+    Point, PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
 };
 use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
 use crate::spatial::{Motion, Rotation, Vec3};
@@ -40,7 +41,15 @@ impl Plan<f64> {
         }
         plan.fold_hinge_segments();
         plan.connect();
+        plan.carried = plan.free_body();
         plan
+    }
+
+    /// Where the place of the only free body begins in `qpos`. None where profiles are, which are places in the world.
+    fn free_body(&self) -> Option<usize> {
+        let mut places = self.dofs.iter().filter(|dof| dof.kind == DofKind::Place).map(|dof| dof.at);
+        let first = places.next().filter(|_| self.profiled.is_empty())?;
+        (places.count() == 2).then_some(first)
     }
 
     /// Replaces the links that move with `dof` alone through several joints; none if there are none or a fit fails.

@@ -13,6 +13,10 @@ pub fn kinematics<S: Scalar>(plan: &Plan<S::Const>, qpos: &[S], qvel: &[S], ws: 
         (at.argument, at.is_free) = coordinate.domain.map(qpos[coordinate.at]);
         at.speed = qvel[coordinate.dof].only(at.is_free);
     }
+    if let Some(at) = plan.carried {
+        let place = Vec3::new(qpos[at], qpos[at + 1], qpos[at + 2]);
+        ws.position[0] = Vec3::splat(plan.origin) - place;
+    }
     // Gravity acts like an upward acceleration of the world.
     let gravity = Vec3::splat(plan.gravity);
     ws.acceleration[0] = Motion { ang: Vec3::zero(), lin: -gravity };
@@ -143,7 +147,7 @@ fn place<S: Scalar>(parent: usize, placement: &Placement<S::Const>, ws: &Workspa
     };
     let is_zero = placement.offset == [S::Const::default(); 3];
     let position = match (parent, is_zero) {
-        (0, _) => offset,
+        (0, _) => ws.in_world(offset),
         (_, true) => ws.position[parent],
         (_, false) => ws.frame(parent).place(offset),
     };

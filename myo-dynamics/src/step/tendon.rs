@@ -54,7 +54,7 @@ pub fn lengths<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         for (segment, line) in pair.segments.iter().zip(&mut lines) {
             let (a, b) = (&points[segment.a].position, &points[segment.b].position);
             let (a, b) = (Vec3::splat(*a), frame_b.place(Vec3::splat(*b)));
-            let a = if pair.a == 0 { a } else { frame_a.place(a) };
+            let a = if pair.a == 0 && plan.carried.is_none() { a } else { frame_a.place(a) };
             let between = b - a;
             let square = between.dot(between).max(S::lit(SHORTEST_SQUARED));
             let inverse = square.rsqrt();
