@@ -10,6 +10,21 @@ fn refusal(task: &Task, config: &EnvConfig) -> String {
     CpuEnv::new(&model, task, config).err().expect("it must be refused").to_string()
 }
 
+/// A body that is held by nothing would fall over.
+#[test]
+fn a_free_body_does_no_task() {
+    let mut arm = myo_model::builtin("mobl-arms").unwrap();
+    let held = arm.couplings.remove(0).dependent;
+    arm.couplings.retain(|coupling| coupling.independent.as_ref() != Some(&held));
+    let joint = arm.joints.iter_mut().find(|joint| joint.name == held).unwrap();
+    (joint.kind, joint.axis, joint.pos, joint.range) =
+        (myo_model::description::JointKind::Ball, [0.0; 3], [0.0; 3], None);
+    (joint.stiffness, joint.spring_ref) = (0.0, 0.0);
+    let model = myo_model::Model::new(&arm).unwrap();
+    let refused = CpuEnv::new(&model, &short("pointing-uitb"), &EnvConfig::default()).err().unwrap().to_string();
+    assert!(refused.starts_with(&format!("joint '{held}' moves in several ways at once")), "{refused}");
+}
+
 #[test]
 fn a_task_made_by_code_is_checked_like_one_of_a_file() {
     let task = short("pointing-uitb");

@@ -43,6 +43,7 @@ impl ModelReach {
 
     fn of_pointer(model: &Model, pointer: Pointer<f64>) -> Result<Self, PlanError> {
         let mut plan = Plan::exact(model, CouplingMode::Reduced)?;
+        plan.check_held()?;
         plan.try_out()?;
         if pointer.is_ray() {
             plan = plan.with_arm(model)?;

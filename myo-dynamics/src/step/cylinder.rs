@@ -91,6 +91,15 @@ impl<S: Scalar> Stage<S> for Halve<'_, S> {
     }
 }
 
+impl<S: Scalar> Cylinder<S> {
+    /// Whether a way out is that past an end, and what touches there is over it: past the rim it is no less deep.
+    #[inline(always)]
+    fn is_over_end(&self, way: &Apart<S>, touching: Vec3<S>) -> S::Mask {
+        let aside = touching.x.mul_add(touching.x, touching.y * touching.y);
+        S::lit(0.5).lt(way.normal.z.abs()) & aside.lt(self.radius.sq())
+    }
+}
+
 /// A half of a segment that holds its nearest point, from -1 to 1.
 struct Part<S> {
     first: S,
@@ -138,17 +147,48 @@ fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3
     let rod = Rod { middle, half };
     // An axis that is out of the cylinder is nearest where its point is, and one that is in it least deep along one of the others.
     let mut best = outermost(cylinder, &rod);
+    let is_out = o.le(best.distance);
     let beside = beside_rod(cylinder, &rod);
     best = beside.or(best.distance.lt(beside.distance), best);
     for up in [one, -one] {
-        let ways = [Vec3::new(o, o, up), past_rim(cylinder, &rod, up), least_past_end(cylinder, &rod, up)];
-        for normal in ways {
-            let other = rod.out(cylinder, normal);
-            best = other.or(best.distance.lt(other.distance), best);
-        }
+        let over = rod.out(cylinder, Vec3::new(o, o, up));
+        best = over.or(best.distance.lt(over.distance), best);
     }
+    let is_open = !(is_out | cylinder.is_over_end(&best, best.at));
+    S::when(is_open, &mut best, |best| S::outline(RodPastRims { cylinder, rod, is_open, best }));
     let Apart { distance, normal, at } = best;
     Apart { distance: distance - radius, normal, at: at - normal.scale((distance + radius) * S::lit(0.5)) }
+}
+
+impl<S: Scalar> Carried<S> for Apart<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Self { distance, normal, at } = self;
+        visitor.numbers([distance, &mut normal.x, &mut normal.y, &mut normal.z, &mut at.x, &mut at.y, &mut at.z]);
+    }
+}
+
+/// The ways out of a rod past both rims.
+struct RodPastRims<'a, S: Scalar> {
+    cylinder: &'a Cylinder<S>,
+    rod: Rod<S>,
+    /// Where it is looked at.
+    is_open: S::Mask,
+    best: &'a mut Apart<S>,
+}
+
+impl<S: Scalar> Stage<S> for RodPastRims<'_, S> {
+    const NAME: &'static str = "rod past rims";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { cylinder, rod, is_open, best } = self;
+        for up in [S::lit(1.0), S::lit(-1.0)] {
+            for normal in [past_rim(cylinder, &rod, up), least_past_end(cylinder, &rod, up)] {
+                let other = rod.out(cylinder, normal);
+                *best = other.or(is_open & best.distance.lt(other.distance), *best);
+            }
+        }
+    }
 }
 
 /// The way out across the cylinder: seen along it, the rod is a line and the cylinder a circle.
@@ -167,6 +207,7 @@ fn beside_rod<S: Scalar>(cylinder: &Cylinder<S>, rod: &Rod<S>) -> Apart<S> {
 }
 
 /// The axis of a capsule.
+#[derive(Clone, Copy)]
 struct Rod<S> {
     middle: Vec3<S>,
     half: Vec3<S>,
@@ -378,21 +419,46 @@ pub(super) fn oval<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Ve
     let (o, one) = (S::zero(), S::lit(1.0));
     let side = beside_axis(oval, middle);
     let mut best = along(cylinder, oval, middle, side);
-    let between = toward(cylinder, oval, middle);
-    let apart = along(cylinder, oval, middle, between).distance;
     for up in [one, -one] {
-        let end = Vec3::new(o, o, up);
-        let over = along(cylinder, oval, middle, end);
+        let over = along(cylinder, oval, middle, Vec3::new(o, o, up));
         best = over.or(best.distance.lt(over.distance), best);
-        let rim = Rim { radius: cylinder.radius, end: cylinder.half_length * up };
-        let corner = middle - rim.support(side).point;
-        let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
-        let out = out.scale(out.dot(out).rsqrt());
-        let start = Vec3::select(along(cylinder, oval, middle, out).distance.lt(apart), between, out);
-        let from_rim = along(cylinder, oval, middle, climb(&rim, oval, middle, start));
-        best = from_rim.or(best.distance.lt(from_rim.distance), best);
     }
+    let is_open = !cylinder.is_over_end(&best, middle - oval.support(best.normal).point);
+    S::when(is_open, &mut best, |best| S::outline(OvalPastRims { cylinder, oval, middle, side, is_open, best }));
     best
+}
+
+/// The ways out of an ellipsoid past both rims.
+struct OvalPastRims<'a, S: Scalar> {
+    cylinder: &'a Cylinder<S>,
+    oval: &'a Oval<S>,
+    middle: Vec3<S>,
+    /// The way out across the axis.
+    side: Vec3<S>,
+    /// Where it is looked at.
+    is_open: S::Mask,
+    best: &'a mut Apart<S>,
+}
+
+impl<S: Scalar> Stage<S> for OvalPastRims<'_, S> {
+    const NAME: &'static str = "ellipsoid past rims";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { cylinder, oval, middle, side, is_open, best } = self;
+        let between = toward(cylinder, oval, middle);
+        let apart = along(cylinder, oval, middle, between).distance;
+        for up in [S::lit(1.0), S::lit(-1.0)] {
+            let end = Vec3::new(S::zero(), S::zero(), up);
+            let rim = Rim { radius: cylinder.radius, end: cylinder.half_length * up };
+            let corner = middle - rim.support(side).point;
+            let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
+            let out = out.scale(out.dot(out).rsqrt());
+            let start = Vec3::select(along(cylinder, oval, middle, out).distance.lt(apart), between, out);
+            let from_rim = along(cylinder, oval, middle, climb(&rim, oval, middle, start));
+            *best = from_rim.or(is_open & best.distance.lt(from_rim.distance), *best);
+        }
+    }
 }
 
 /// About the direction from a cylinder to an ellipsoid that is apart from it: that of the shortest vector from a point of the one to a point of
