@@ -154,8 +154,8 @@ fn nearest_of_rod<S: Scalar>(cylinder: &Cylinder<S>, middle: Vec3<S>, half: Vec3
         let over = rod.out(cylinder, Vec3::new(o, o, up));
         best = over.or(best.distance.lt(over.distance), best);
     }
-    let is_open = !(is_out | cylinder.is_over_end(&best, best.at));
-    S::when(is_open, &mut best, |best| S::outline(RodPastRims { cylinder, rod, is_open, best }));
+    let is_in = !is_out;
+    S::when(is_in, &mut best, |best| S::outline(RodPastRims { cylinder, rod, is_in, best }));
     let Apart { distance, normal, at } = best;
     Apart { distance: distance - radius, normal, at: at - normal.scale((distance + radius) * S::lit(0.5)) }
 }
@@ -171,8 +171,8 @@ impl<S: Scalar> Carried<S> for Apart<S> {
 struct RodPastRims<'a, S: Scalar> {
     cylinder: &'a Cylinder<S>,
     rod: Rod<S>,
-    /// Where it is looked at.
-    is_open: S::Mask,
+    /// Where the axis of the rod pierces the cylinder.
+    is_in: S::Mask,
     best: &'a mut Apart<S>,
 }
 
@@ -181,11 +181,11 @@ impl<S: Scalar> Stage<S> for RodPastRims<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { cylinder, rod, is_open, best } = self;
+        let Self { cylinder, rod, is_in, best } = self;
         for up in [S::lit(1.0), S::lit(-1.0)] {
             for normal in [past_rim(cylinder, &rod, up), least_past_end(cylinder, &rod, up)] {
                 let other = rod.out(cylinder, normal);
-                *best = other.or(is_open & best.distance.lt(other.distance), *best);
+                *best = other.or(is_in & best.distance.lt(other.distance), *best);
             }
         }
     }
