@@ -417,7 +417,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// How far from O a place is.
     #[inline(always)]
-    pub(crate) fn from_origin(&self, place: Vec3<S>) -> Vec3<S> {
+    pub(crate) fn seen_from_origin(&self, place: Vec3<S>) -> Vec3<S> {
         if self.is_carried { place - self.position[0] } else { place }
     }
 

@@ -51,7 +51,7 @@ fn press<S: Scalar>(
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
-    let centre = ws.from_origin(ws.place(&sphere.centre));
+    let centre = ws.seen_from_origin(ws.place(&sphere.centre));
     let moved = centre - ws.clearance.from;
     let near = !moved.dot(moved).lt(ws.clearance.free.sq());
     let Workspace { contacts, box_slots, clearance, nearby, offsets, .. } = &mut *ws;

@@ -78,9 +78,8 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
         let Self { plan, pair, near, state, ws } = self;
         let along = pair.is_along_axis.then(|| axis(&pair.parts[1], ws));
         let meets = meet(pair, ws);
-        for point in 0..pair.points {
+        for (point, &Meets { distance, normal, at }) in meets.iter().take(pair.points).enumerate() {
             let number = ws.box_slots + pair.slot + point;
-            let Meets { distance, normal, at } = meets[point];
             let violation = distance - S::splat(pair.margin);
             let contact = &mut ws.contacts[number];
             (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
@@ -127,7 +126,7 @@ fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>
             by_cylinder(&Cylinder { radius, half_length, margin }, one, other, ws)
         }
         (PartForm::Ellipsoid { radii }, PartForm::Ellipsoid { radii: others }) => {
-            alone(two_ovals([(one, radii), (other, others)], ws))
+            alone(two_ovals((one, radii), (other, others), ws))
         }
         (PartForm::Ellipsoid { radii }, _) => alone(rod_in_oval(one, other, radii, ws)),
         (PartForm::Capsule { .. }, _) => alone(rods(one, other, ws)),
@@ -136,8 +135,11 @@ fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>
 
 /// Two ellipsoids.
 #[inline(always)]
-fn two_ovals<S: Scalar>(parts: [(&Part<S::Const>, [S::Const; 3]); 2], ws: &Workspace<S>) -> Meets<S> {
-    let [(first, radii), (second, others)] = parts;
+fn two_ovals<S: Scalar>(
+    (first, radii): (&Part<S::Const>, [S::Const; 3]),
+    (second, others): (&Part<S::Const>, [S::Const; 3]),
+    ws: &Workspace<S>,
+) -> Meets<S> {
     let (first, second) = (ws.fixed(&first.frame), ws.fixed(&second.frame));
     let one = Oval { axes: first.rotation, radii: radii.map(S::splat) };
     let other = Oval { axes: second.rotation, radii: others.map(S::splat) };
