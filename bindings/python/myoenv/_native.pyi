@@ -227,8 +227,9 @@ class Model:
 
         Bodies (the world first): `body_name` (list), `body_parent` (index), `body_pos` (3, m, in the parent's frame),
         `body_quat` (4, w x y z), `body_mass` (kg), `body_com` (3, m), `body_inertia` (3, 3, kg m^2, body axes).
-        Joints: `joint_name` (list), `joint_kind` (list of `hinge`, `slide`, `ball`, `free`), `joint_body`, `joint_axis` (3,
-        zero of ball and free joints), `joint_pos` (3, m), `joint_range` (2, rad or m, infinite without limits), `joint_stiffness`, `joint_spring_ref`, `joint_damping`, `joint_armature`.
+        Joints: `joint_name` (list), `joint_kind` (list of `hinge`, `slide`, `ball`, `free`), `joint_body`,
+        `joint_axis` (3, zero of ball and free joints), `joint_pos` (3, m), `joint_range` (2, rad or m, infinite without
+        limits), `joint_stiffness`, `joint_spring_ref`, `joint_damping`, `joint_armature`.
         Couplings: `coupling_dependent`, `coupling_independent` (joint, -1 for a joint that is held),
         `coupling_polycoef` (5, constant first).
         Sites: `site_name` (list), `site_body`, `site_pos` (3, m, in the body's frame).
@@ -326,8 +327,9 @@ class Bodies:
     def __new__(
         cls, model: Model, num_bodies: int, *, soft_couplings: bool = False, threads: int | None = None
     ) -> Self:
-        """So many bodies at rest in the pose of reference: joints at zero, free bodies where the model puts them. With `soft_couplings` coupled joints have positions of their own,
-        held together by soft constraints as MuJoCo's are; else they follow the independent ones."""
+        """So many bodies at rest in the pose of reference: joints at zero, free bodies where the model puts them. With
+        `soft_couplings` coupled joints have positions of their own, held together by soft constraints as MuJoCo's are;
+        else they follow the independent ones."""
     def step(self, ctrl: NDArray[np.float32], steps: int = 1) -> None:
         """Advances all by `steps` physics steps under excitations `(num_bodies, nmuscle)`, clipped to [0, 1]."""
     def set(
@@ -343,8 +345,8 @@ class Bodies:
         the bodies if none are told."""
     @property
     def qpos(self) -> NDArray[np.float32]:
-        """Positions of the joints (rad or m), `(num_bodies, nq)`: of a ball joint a quaternion (w, x, y, z), of a free one
-        its place in the world and then that."""
+        """Positions of the joints (rad or m), `(num_bodies, nq)`: of a ball joint a quaternion (w, x, y, z), of a free
+        one its place in the world and then that."""
     @property
     def qvel(self) -> NDArray[np.float32]:
         """Rates of the coordinates (rad/s or m/s), `(num_bodies, ndof)`: of ball and free joints three and six."""
@@ -353,8 +355,8 @@ class Bodies:
         """Muscle activations in [0, 1], `(num_bodies, nmuscle)`."""
     @property
     def joint_names(self) -> list[str]:
-        """Names of the coordinates that have rates, in their order: of the joints, and of ball and free joints with `_tx`
-        to `_rz`."""
+        """Names of the coordinates that have rates, in their order: of the joints, and of ball and free joints with
+        `_tx` to `_rz`."""
     @property
     def joint_ranges(self) -> NDArray[np.float64]:
         """Limits of these coordinates (rad or m), `(ndof, 2)`; infinite where there are none."""
