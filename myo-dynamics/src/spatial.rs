@@ -6,6 +6,9 @@
 use myo_scalar::Scalar;
 use std::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 
+/// Square of a length, or of an angle (rad^2), below which there is none.
+const NONE: f64 = 1e-30;
+
 /// A vector.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3<S> {
@@ -56,6 +59,11 @@ impl<S: Scalar> Vec3<S> {
             self.z.mul_add(b.x, -(self.x * b.z)),
             self.x.mul_add(b.y, -(self.y * b.x)),
         )
+    }
+    /// The same direction at length one; of what is shorter than 1e-15 none that can be trusted.
+    #[inline(always)]
+    pub fn unit(self) -> Self {
+        self.scale(self.dot(self).max(S::lit(NONE)).rsqrt())
     }
     /// `a` where the mask is true, else `b`.
     #[inline(always)]
@@ -148,9 +156,6 @@ impl<S: Scalar> Rotation<S> {
         Self { x: self.x.mul_add(cos, self.y.scale(sin)), y: self.y.mul_add(cos, self.x.scale(-sin)), z: self.z }
     }
 }
-
-/// Square of a length, or of an angle (rad^2), below which there is none.
-const NONE: f64 = 1e-30;
 
 /// A quaternion of length one.
 #[inline(always)]

@@ -404,20 +404,20 @@ impl<S: Scalar> Workspace<S> {
     {
         let local = Vec3::splat(point.position);
         if point.link == 0 {
-            return self.in_world(local);
+            return self.carried(local);
         }
         self.frame(point.link).place(local)
     }
 
-    /// What is this far from O.
+    /// The place that is this far from O, as this plan reckons it.
     #[inline(always)]
-    pub(crate) fn in_world(&self, place: Vec3<S>) -> Vec3<S> {
+    pub(crate) fn carried(&self, place: Vec3<S>) -> Vec3<S> {
         if self.is_carried { place + self.position[0] } else { place }
     }
 
-    /// How far from O a place is.
+    /// How far from O a place is that this plan reckons so.
     #[inline(always)]
-    pub(crate) fn seen_from_origin(&self, place: Vec3<S>) -> Vec3<S> {
+    pub(crate) fn uncarried(&self, place: Vec3<S>) -> Vec3<S> {
         if self.is_carried { place - self.position[0] } else { place }
     }
 

@@ -279,3 +279,17 @@ fn a_step_leaves_nothing_of_the_step_before() {
     kinematics(&plan, &state.qpos, &state.qvel, &mut fresh);
     assert_eq!(step::fingertip(&plan, &used), step::fingertip(&plan, &fresh));
 }
+
+/// A joint that is where another one is has no coordinate of its own.
+#[test]
+fn a_joint_may_follow_another_one_exactly() {
+    let mut arm = arm("mobl-arms");
+    let follows = |coupling: &&mut myo_model::model::Coupling| coupling.independent.is_some();
+    let first = arm.couplings.iter_mut().find(follows).unwrap();
+    first.polycoef = [0.0, 1.0, 0.0, 0.0, 0.0];
+    let (dependent, leader) = (first.dependent, first.independent.unwrap());
+    let plan = Plan::exact(&arm, CouplingMode::Reduced).unwrap();
+    assert_eq!(plan.ndof(), 5);
+    let joints = plan.joint_positions(&random_state(&plan, 1).qpos);
+    assert_eq!(joints[dependent], joints[leader]);
+}

@@ -1,12 +1,94 @@
 //! From joints to generalised coordinates: which numbers tell where a joint is, and which passive forces act along them.
 
-use super::{Ball, CouplingMode, CurvedJoint, Dof, DofKind, Drive, Form, JointCoordinates};
+use super::{CouplingMode, CurvedJoint};
 use myo_model::Model;
 use myo_model::description::JointKind;
 use myo_model::model::{Body, Coupling, Joint};
+use std::ops::Range;
 
 /// A joint that is a coordinate itself.
 const IDENTITY: [f64; 5] = [0.0, 1.0, 0.0, 0.0, 0.0];
+
+/// A generalised coordinate and the passive forces that are linear in it:
+/// `tau = -(stiffness * q + spring_torque) - damping * qvel`.
+#[derive(Clone, Debug)]
+pub struct Dof<C> {
+    /// Name of the joint; of one with several coordinates with `_tx`, `_ty`, `_tz` (along the axes of the world) or `_rx`, `_ry`, `_rz`
+    /// (about those of the body).
+    pub name: String,
+    /// What it is.
+    pub kind: DofKind,
+    /// Which entry of `qpos` is its position; of a turn the first of four.
+    pub at: usize,
+    /// Limits of the joint, if limited (rad).
+    pub range: Option<[C; 2]>,
+    /// Sum of springs (N m/rad).
+    pub stiffness: C,
+    /// Torque of the springs at zero (N m).
+    pub spring_torque: C,
+    /// Sum of dampers (N m s/rad).
+    pub damping: C,
+    /// Sum of armatures (kg m^2).
+    pub armature: C,
+}
+
+/// What a coordinate is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DofKind {
+    /// A hinge or slide.
+    Joint,
+    /// A place of a free body along an axis of the world.
+    Place,
+    /// A turn of a ball joint or free body about an axis of the body.
+    Turn,
+}
+
+/// An orientation (w, x, y, z) and its rate (rad/s) in the turned axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ball {
+    /// The first of four entries of `qpos`.
+    pub at: usize,
+    /// The first of three coordinates.
+    pub dof: usize,
+}
+
+/// Where a joint of the model finds its position.
+#[derive(Clone, Debug, PartialEq)]
+pub enum JointCoordinates<C> {
+    /// In one number, which a coordinate is or drives.
+    One(Drive<C>),
+    /// In several, of a ball or free joint.
+    Many {
+        /// Entries of `qpos`.
+        qpos: Range<usize>,
+        /// Coordinates.
+        qvel: Range<usize>,
+    },
+}
+
+/// A joint position as a function of a generalised coordinate: `p(q)`, or constant without one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<C> {
+    /// The coordinate.
+    pub dof: Option<usize>,
+    /// Which entry of `qpos` is its position.
+    pub at: usize,
+    /// Coefficients, constant first.
+    pub poly: [C; 5],
+    /// What the polynomial amounts to.
+    pub form: Form,
+}
+
+/// The simplest form of a polynomial.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `q`.
+    Identity,
+    /// `c0 + c1 q`.
+    Linear,
+    /// Anything else.
+    Curved,
+}
 
 /// Generalised coordinates of a model.
 pub(super) struct Coordinates {

@@ -7,6 +7,7 @@ mod build;
 mod cast;
 mod coordinates;
 mod elimination;
+mod error;
 mod mass;
 mod movers;
 mod pairs;
@@ -15,7 +16,9 @@ mod sets;
 mod specialise;
 mod wraps;
 
+pub use coordinates::{Ball, Dof, DofKind, Drive, Form, JointCoordinates};
 pub use elimination::{Column, Elimination, Felt, Later};
+pub use error::PlanError;
 pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, Part, PartForm};
 
@@ -24,7 +27,6 @@ use crate::polynomial::{Domain, Polynomial};
 use crate::step::kinematics::joint_state;
 use myo_muscle::Muscle;
 use myo_scalar::{Real, Scalar};
-use std::ops::Range;
 
 /// What becomes of joint couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -112,87 +114,6 @@ pub struct Elements<C> {
     pub sites: Vec<Point<C>>,
     /// Each of what muscles run over.
     pub wraps: Vec<FixedFrame<C>>,
-}
-
-/// A generalised coordinate and the passive forces that are linear in it:
-/// `tau = -(stiffness * q + spring_torque) - damping * qvel`.
-#[derive(Clone, Debug)]
-pub struct Dof<C> {
-    /// Name of the joint; of one with several coordinates with `_tx`, `_ty`, `_tz` (along the axes of the world) or `_rx`, `_ry`, `_rz`
-    /// (about those of the body).
-    pub name: String,
-    /// What it is.
-    pub kind: DofKind,
-    /// Which entry of `qpos` is its position; of a turn the first of four.
-    pub at: usize,
-    /// Limits of the joint, if limited (rad).
-    pub range: Option<[C; 2]>,
-    /// Sum of springs (N m/rad).
-    pub stiffness: C,
-    /// Torque of the springs at zero (N m).
-    pub spring_torque: C,
-    /// Sum of dampers (N m s/rad).
-    pub damping: C,
-    /// Sum of armatures (kg m^2).
-    pub armature: C,
-}
-
-/// What a coordinate is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DofKind {
-    /// A hinge or slide.
-    Joint,
-    /// A place of a free body along an axis of the world.
-    Place,
-    /// A turn of a ball joint or free body about an axis of the body.
-    Turn,
-}
-
-/// An orientation (w, x, y, z) and its rate (rad/s) in the turned axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ball {
-    /// The first of four entries of `qpos`.
-    pub at: usize,
-    /// The first of three coordinates.
-    pub dof: usize,
-}
-
-/// Where a joint of the model finds its position.
-#[derive(Clone, Debug, PartialEq)]
-pub enum JointCoordinates<C> {
-    /// In one number, which a coordinate is or drives.
-    One(Drive<C>),
-    /// In several, of a ball or free joint.
-    Many {
-        /// Entries of `qpos`.
-        qpos: Range<usize>,
-        /// Coordinates.
-        qvel: Range<usize>,
-    },
-}
-
-/// A joint position as a function of a generalised coordinate: `p(q)`, or constant without one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive<C> {
-    /// The coordinate.
-    pub dof: Option<usize>,
-    /// Which entry of `qpos` is its position.
-    pub at: usize,
-    /// Coefficients, constant first.
-    pub poly: [C; 5],
-    /// What the polynomial amounts to.
-    pub form: Form,
-}
-
-/// The simplest form of a polynomial.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// `q`.
-    Identity,
-    /// `c0 + c1 q`.
-    Linear,
-    /// Anything else.
-    Curved,
 }
 
 /// A moving frame.
@@ -666,115 +587,4 @@ impl<C: Real> Plan<C> {
     fn still<S: Scalar<Const = C>>(&self) -> Vec<S> {
         vec![S::zero(); self.ndof()]
     }
-}
-
-/// Why a model cannot be simulated faithfully.
-#[derive(Debug, thiserror::Error, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum PlanError {
-    /// More than one collision shape that presses.
-    #[error("geom '{name}': only one sphere touches the boxes of a task; remove this geom, or name it in a contact")]
-    TooManyGeoms {
-        /// The geom.
-        name: String,
-    },
-    /// A collision shape that is not a sphere.
-    #[error("geom '{name}' is a box; only a sphere can collide with the boxes of a task so far")]
-    NotASphere {
-        /// The geom.
-        name: String,
-    },
-    /// A ray is asked for, and the model does not tell where the arm is.
-    #[error(
-        "the model does not tell where its {missing} is, which a ray begins at; name the body in its landmarks (`{missing}: NAME`)"
-    )]
-    NoArm {
-        /// What is missing.
-        missing: &'static str,
-    },
-    /// A contact of shapes that are not compared.
-    #[error(
-        "contact of geoms '{}' and '{}': spheres, capsules and ellipsoids touch each other, planes and cylinders; boxes touch nothing, nor do two planes or cylinders; give one of the two another shape",
-        .geoms[0], .geoms[1]
-    )]
-    UnlikeParts {
-        /// The geoms.
-        geoms: [String; 2],
-    },
-    /// A limit of a tendon that moves nothing in the reference pose.
-    #[error(
-        "muscle '{muscle}': no joint changes the length of its tendon in the zero pose, so that its limit would be as hard as nothing is; leave out `limit`, or let its path run beside a joint"
-    )]
-    StuckTendon {
-        /// The muscle.
-        muscle: String,
-    },
-    /// Inertia in the reference pose is singular.
-    #[error("joint '{joint}' moves no mass and has no armature; give it an armature (kg m^2) above zero")]
-    Singular {
-        /// The joint.
-        joint: String,
-    },
-    /// A body of a task that is not held.
-    #[error(
-        "joint '{joint}' moves in several ways at once; bodies that do tasks are held by hinges and slides so far: lock it \
-         (`myo model import --lock {joint}`), or make hinges of it"
-    )]
-    NotHeld {
-        /// The joint, of a kind that has several coordinates.
-        joint: String,
-    },
-    /// All joints are held.
-    #[error("no joint can move: every one is coupled to a constant; free at least one")]
-    NothingMoves,
-    /// There is nothing to control.
-    #[error("the model has no muscles; give it at least one")]
-    NoMuscles,
-    /// Explicit damping that a time step overshoots.
-    #[error(
-        "joint '{joint}': a damping of {damping} at an inertia of {inertia} swings ever wider in time steps of {timestep_s} s; \
-         set `options.implicit_joint_damping` to true, or the damping to at most {most}"
-    )]
-    Overdamped {
-        /// The joint.
-        joint: String,
-        /// Its damping, with that of joints that follow it (N m s/rad or N s/m).
-        damping: f64,
-        /// Its inertia in the reference pose (kg m^2 or kg).
-        inertia: f64,
-        /// Time step (s).
-        timestep_s: f64,
-        /// The greatest damping that is safe.
-        most: f64,
-    },
-    /// A spring that swings faster than time steps follow.
-    #[error(
-        "joint '{joint}': a stiffness of {stiffness} at an inertia of {inertia} swings too fast for time steps of \
-         {timestep_s} s; set it to at most {most}, or take a smaller `options.timestep`"
-    )]
-    TooStiff {
-        /// The joint.
-        joint: String,
-        /// Stiffness of its spring, with those of joints that follow it (N m/rad or N/m).
-        stiffness: f64,
-        /// Its inertia in the reference pose (kg m^2 or kg).
-        inertia: f64,
-        /// Time step (s).
-        timestep_s: f64,
-        /// The greatest stiffness that is safe.
-        most: f64,
-    },
-    /// The simulation ran away, see [`Plan::try_out`].
-    #[error(
-        "joint '{joint}' runs away after {time_s} s of random controls: its forces are too strong for its inertia and time steps \
-         of {timestep_s} s; look at the masses, springs, limits and muscles that act on it"
-    )]
-    Unstable {
-        /// The joint.
-        joint: String,
-        /// After how many seconds of simulated time.
-        time_s: f64,
-        /// Time step (s).
-        timestep_s: f64,
-    },
 }

@@ -175,15 +175,12 @@ struct Touch<'a> {
 /// others are stages, since a closure that is not inlined would be compiled without its level's instructions.
 #[inline(always)]
 fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
-    let all = &plan.elimination.columns[..];
-    let boxes = ws.box_slots;
-    for number in 0..boxes {
-        let contact = Touch { number, columns: all };
-        if number == 0 {
-            part.run(contact, ws);
-        } else {
-            further(part, contact, ws);
-        }
+    let (columns, boxes) = (&plan.elimination.columns[..], ws.box_slots);
+    if boxes > 0 {
+        part.run(Touch { number: 0, columns }, ws);
+    }
+    for number in 1..boxes {
+        further(part, Touch { number, columns }, ws);
     }
     for pair in &plan.pairs {
         for point in 0..pair.points {

@@ -51,7 +51,7 @@ fn press<S: Scalar>(
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
-    let centre = ws.seen_from_origin(ws.place(&sphere.centre));
+    let centre = ws.uncarried(ws.place(&sphere.centre));
     let moved = centre - ws.clearance.from;
     let near = !moved.dot(moved).lt(ws.clearance.free.sq());
     let Workspace { contacts, box_slots, clearance, nearby, offsets, .. } = &mut *ws;
@@ -108,7 +108,7 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
         // Midway between the two surfaces.
         let depth = distance.mul_add(S::lit(0.5), S::splat(sphere.radius));
         let meeting = Meeting {
-            at: ws.in_world(centre - normal.scale(depth)),
+            at: ws.carried(centre - normal.scale(depth)),
             normal,
             along: None,
             violation: distance - S::splat(obstacles.margin),

@@ -5,7 +5,7 @@
 
 use crate::spatial::{Rotation, Vec3};
 use crate::step::contact::tangents;
-use crate::step::support::{self, Oval, Smooth, Support, climb};
+use crate::step::support::{self, Oval, Segment, Smooth, climb};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Most rounds of the search; it takes six or seven.
@@ -14,9 +14,6 @@ const MAX_ROUNDS: usize = 40;
 pub(super) const TINY: f64 = 1e-30;
 /// What is as good as on the surface, in units of rounding.
 const SETTLED: f64 = 16.0;
-
-/// Square of the cosine between a direction and a segment below which this is across it, in units of rounding.
-pub(super) const ACROSS: f64 = 4096.0;
 
 /// A point of a segment beside an ellipsoid, in the axes of that.
 #[derive(Clone, Copy, Debug)]
@@ -104,34 +101,33 @@ fn of_end<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, along: S) ->
 /// of the ellipsoid.
 #[inline(always)]
 fn outward<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>, normal: Vec3<S>) -> Deepest<S> {
-    let (Support { reach, point }, side) =
-        (Oval { axes: Rotation::identity(), radii }.support(normal), normal.dot(half));
-    let square = half.dot(half).max(S::lit(TINY));
-    let beside = ((point - middle).dot(half) * square.recip()).clamp(-1.0, 1.0);
-    let end = S::select(side.lt(S::zero()), S::lit(1.0), S::lit(-1.0));
-    let along = S::select(side.sq().lt(square * S::lit(ACROSS * S::EPSILON * S::EPSILON)), beside, end);
-    Deepest { along, distance: normal.dot(middle) - side.abs() - reach, normal }
+    let (distance, along) =
+        Segment { middle, half }.out(&Oval { axes: Rotation::identity(), radii }.support(normal), normal);
+    Deepest { along, distance, normal }
 }
 
 /// The same across the segment: seen along it, the segment is a point and the ellipsoid an
 /// ellipse.
 #[inline(always)]
 fn across<S: Scalar>(radii: [S; 3], middle: Vec3<S>, half: Vec3<S>) -> Deepest<S> {
-    let length_square = half.dot(half).max(S::lit(TINY));
-    let [x, y] = tangents(half.scale(length_square.rsqrt()));
+    let [x, y] = tangents(half.unit());
     let stretched = |v: Vec3<S>| Vec3::new(v.x * radii[0].sq(), v.y * radii[1].sq(), v.z * radii[2].sq());
-    // The squared support function is a quadratic form; its axes in the plane are those of the ellipse.
     let form = [stretched(x).dot(x), stretched(x).dot(y), stretched(y).dot(y)];
-    let ([long, short], ellipse) = ellipse(form, [x, y]);
-    let (_, [along_long, along_short]) = nearest(ellipse, [long.dot(middle), short.dot(middle)]);
-    let normal = long.scale(along_long) + short.scale(along_short);
-    outward(radii, middle, half, normal)
+    outward(radii, middle, half, past_ellipse(form, [x, y], middle))
+}
+
+/// The way out of an ellipse at a place, as both are seen across two directions. Its squared support function is a quadratic form of these.
+#[inline(always)]
+pub(super) fn past_ellipse<S: Scalar>(form: [S; 3], across: [Vec3<S>; 2], place: Vec3<S>) -> Vec3<S> {
+    let ([long, short], radii) = ellipse(form, across);
+    let (_, [along_long, along_short]) = nearest(radii, [long.dot(place), short.dot(place)]);
+    long.scale(along_long) + short.scale(along_short)
 }
 
 /// Directions and lengths of the semi-axes of an ellipse, from its squared support function as a quadratic form of two directions: of the
 /// first, both, the second.
 #[inline(always)]
-pub(super) fn ellipse<S: Scalar>([xx, xy, yy]: [S; 3], [x, y]: [Vec3<S>; 2]) -> ([Vec3<S>; 2], [S; 2]) {
+fn ellipse<S: Scalar>([xx, xy, yy]: [S; 3], [x, y]: [Vec3<S>; 2]) -> ([Vec3<S>; 2], [S; 2]) {
     let tiny = S::lit(TINY);
     let (mean, half_difference) = ((xx + yy) * S::lit(0.5), (xx - yy) * S::lit(0.5));
     let spread = half_difference.mul_add(half_difference, xy * xy).max(tiny).sqrt();

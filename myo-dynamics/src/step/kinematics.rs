@@ -147,7 +147,7 @@ fn place<S: Scalar>(parent: usize, placement: &Placement<S::Const>, ws: &Workspa
     };
     let is_zero = placement.offset == [S::Const::default(); 3];
     let position = match (parent, is_zero) {
-        (0, _) => ws.in_world(offset),
+        (0, _) => ws.carried(offset),
         (_, true) => ws.position[parent],
         (_, false) => ws.frame(parent).place(offset),
     };

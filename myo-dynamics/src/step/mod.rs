@@ -212,5 +212,5 @@ fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
 /// Position of the fingertip (m, from the shoulder centre), after [`kinematics::kinematics`].
 #[inline(always)]
 pub fn fingertip<S: Scalar>(plan: &Plan<S::Const>, ws: &Workspace<S>) -> [S; 3] {
-    ws.seen_from_origin(ws.place(&plan.fingertip)).array()
+    ws.uncarried(ws.place(&plan.fingertip)).array()
 }

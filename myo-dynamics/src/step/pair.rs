@@ -4,7 +4,7 @@
 use super::contact::{Edges, Meeting, pyramid, slide};
 use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
-use super::support::{Apart, Oval, Smooth, ovals};
+use super::support::{Apart, Oval, Segment, Smooth, ovals};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
@@ -230,7 +230,7 @@ fn by_cylinder<S: Scalar>(
         }
         _ => {
             let (radius, middle, half) = rod(other, ws);
-            cylinder::rod(cylinder, frame.seen(middle), local(half), radius)
+            cylinder::rod(cylinder, &Segment { middle: frame.seen(middle), half: local(half) }, radius)
         }
     };
     [placed(&frame, first), placed(&frame, second)]

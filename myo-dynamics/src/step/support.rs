@@ -17,6 +17,8 @@ const SETTLED: f64 = 16.0;
 const LONGEST: f64 = 0.5;
 /// What a step that was too long is shortened to.
 const SHORTER: f64 = 0.25;
+/// Cosine between a direction and a segment below which this is across it, in units of rounding.
+const ACROSS: f64 = 64.0;
 /// Share of the square of its trace that the determinant of a curvature has at least, if it is one of a maximum.
 const ROUND: f64 = 1e-6;
 
@@ -105,6 +107,33 @@ impl<S: Scalar> Smooth<S> for Point {
     }
 }
 
+/// The points `middle + along * half`, `along` from -1 to 1 (m).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment<S> {
+    pub middle: Vec3<S>,
+    pub half: Vec3<S>,
+}
+
+impl<S: Scalar> Segment<S> {
+    /// How far it is out of a body along a direction (m), and where along it that is: at an end, or where it is across the direction beside
+    /// the outermost point of the body.
+    #[inline(always)]
+    pub(super) fn out(&self, body: &Support<S>, normal: Vec3<S>) -> (S, S) {
+        let side = normal.dot(self.half);
+        let square = self.half.dot(self.half).max(S::lit(TINY));
+        let beside = ((body.point - self.middle).dot(self.half) * square.recip()).clamp(-1.0, 1.0);
+        let end = S::select(side.lt(S::zero()), S::lit(1.0), S::lit(-1.0));
+        let is_across = side.sq().lt(square * S::lit((ACROSS * S::EPSILON).powi(2)));
+        (normal.dot(self.middle) - side.abs() - body.reach, S::select(is_across, beside, end))
+    }
+
+    /// A point of it.
+    #[inline(always)]
+    pub(super) fn at(&self, along: S) -> Vec3<S> {
+        self.half.mul_add(along, self.middle)
+    }
+}
+
 /// How two bodies are apart.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Apart<S> {
@@ -114,6 +143,31 @@ pub(super) struct Apart<S> {
     pub normal: Vec3<S>,
     /// Midway between their surfaces (m, from the middle of the first).
     pub at: Vec3<S>,
+}
+
+impl<S: Scalar> Apart<S> {
+    /// This where the mask is true, else another.
+    #[inline(always)]
+    pub(super) fn or(self, mask: S::Mask, other: Self) -> Self {
+        Self {
+            distance: S::select(mask, self.distance, other.distance),
+            normal: Vec3::select(mask, self.normal, other.normal),
+            at: Vec3::select(mask, self.at, other.at),
+        }
+    }
+
+    /// That of two which is farther out.
+    #[inline(always)]
+    pub(super) fn farther(self, other: Self) -> Self {
+        other.or(self.distance.lt(other.distance), self)
+    }
+}
+
+impl<S: Scalar> Carried<S> for Apart<S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Self { distance, normal, at } = self;
+        visitor.numbers([distance, &mut normal.x, &mut normal.y, &mut normal.z, &mut at.x, &mut at.y, &mut at.z]);
+    }
 }
 
 /// The search: a direction, how long a step may be (rad), and whether it goes on.
@@ -194,8 +248,7 @@ impl<S: Scalar, A: Smooth<S>, B: Smooth<S>> Stage<S> for Step<'_, S, A, B> {
         let length = square.max(S::lit(TINY));
         let inverse = length.rsqrt();
         let share = (*longest * inverse).min(S::lit(1.0));
-        let next = step.mul_add(share, *normal);
-        let next = next.scale(next.dot(next).max(S::lit(TINY)).rsqrt());
+        let next = step.mul_add(share, *normal).unit();
         // A step that goes down was too long.
         let rises = out(*normal).le(out(next));
         *normal = Vec3::select(*goes_on & rises, next, *normal);
