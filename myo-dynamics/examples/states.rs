@@ -76,8 +76,7 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let mut ws = Workspace::<f64>::new(plan);
     step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
     let touching = ws.contacts[ws.box_slots..].iter().filter(|contact| contact.exists);
-    let distances: Vec<f64> = touching.clone().map(|contact| contact.distance).collect();
-    let normals: Vec<[f64; 3]> = touching.map(|contact| contact.normal.array()).collect();
+    let distances: Vec<f64> = touching.map(|contact| contact.distance).collect();
     let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force[..plan.nmuscle()].to_vec());
     let smooth = smooth_acceleration(plan, &mut ws);
     let [lengths, velocities] = [&ws.tendon_length, &ws.tendon_velocity].map(|all| all[..plan.nmuscle()].to_vec());
@@ -86,6 +85,6 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
         "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
         "tendon_length": lengths, "tendon_velocity": velocities, "moments": moments, "muscle_force": muscle_force,
         "qacc_soft": qacc, "qacc_smooth": smooth, "qfrc_passive": passive_force(plan, &state, &mut ws),
-        "distances": distances, "normals": normals, "qfrc_bias": bias_force(plan, &state, &mut ws),
+        "distances": distances, "qfrc_bias": bias_force(plan, &state, &mut ws),
     })
 }

@@ -49,7 +49,7 @@ if BEFORE_4:
         del MODELS[name]
 #: Greatest errors: lengths (m), moment arms (m), velocities (m/s), forces and accelerations relative. Ways round cylinders
 #: are found by rounds of iteration, here as there.
-MOST = {"length": 1e-9, "moment": 1e-7, "velocity": 1e-6, "force": 1e-5, "bias": 1e-9, "smooth": 1e-6, "qacc": 1e-4}
+MOST = {"length": 1e-9, "moment": 1e-7, "velocity": 1e-6, "force": 1e-5, "distance": 1e-7, "bias": 1e-9, "smooth": 1e-6, "qacc": 1e-4}
 
 
 def spec_of(name):
@@ -108,12 +108,16 @@ def errors(model, state):
     mujoco.mju_sparse2dense(
         moments, data.actuator_moment.ravel(), data.moment_rownnz, data.moment_rowadr, data.moment_colind.ravel()
     )
+    distances = np.sort(data.contact.dist)
+    # Of those that are there at all: what is as far as its margin is, or is not.
+    assert len(distances) == len(state["distances"])
     force = np.abs(data.actuator_force - state["muscle_force"]) / np.maximum(np.abs(data.actuator_force), 1.0)
     return {
         "length": np.abs(data.actuator_length - state["tendon_length"]).max(),
         "moment": np.abs(moments - state["moments"]).max(),
         "velocity": np.abs(data.actuator_velocity - state["tendon_velocity"]).max(),
         "force": force.max(),
+        "distance": np.abs(distances - np.sort(state["distances"])).max(initial=0.0),
         "bias": relative_error(state["qfrc_bias"], data.qfrc_bias),
         "smooth": relative_error(state["qacc_smooth"], data.qacc_smooth),
         "qacc": relative_error(state["qacc_soft"], data.qacc),

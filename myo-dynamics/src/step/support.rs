@@ -309,8 +309,7 @@ pub(super) mod tests {
         Vec3::new(x, y, z)
     }
 
-    /// A thousand cases, the same in every run: of thirty thousand bodies that overlap by a tenth of the thinner one, one or two have a way out that
-    /// is not found.
+    /// A thousand cases, the same in every run: of many more, a few that overlap have a way out that is not found.
     pub fn always_the_same() -> ProptestConfig {
         let rng_seed = proptest::test_runner::RngSeed::Fixed(17);
         ProptestConfig { cases: 1000, rng_seed, failure_persistence: None, ..ProptestConfig::default() }
