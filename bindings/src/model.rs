@@ -1,5 +1,6 @@
 //! Models and their tables.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use myo::import_model;
@@ -65,18 +66,19 @@ impl Model {
     }
 
     /// A model of MuJoCo's file, and what of it has no part in the simulation. `landmarks` are the names of the site that points, and of the bodies whose origins are the shoulder and, where they are
-    /// told, elbow and wrist.
+    /// told, elbow and wrist; `fingers` are sites of other fingers by their names.
     #[staticmethod]
     fn from_mjcf(
         py: Python<'_>,
         file: PathBuf,
         landmarks: (String, String, Option<String>, Option<String>),
+        fingers: BTreeMap<String, String>,
         without_contacts: bool,
         locked: Vec<String>,
         root: Option<PathBuf>,
     ) -> PyResult<(Self, Vec<String>)> {
         let (fingertip, shoulder, elbow, wrist) = landmarks;
-        let landmarks = Landmarks { fingertip, shoulder, elbow, wrist };
+        let landmarks = Landmarks { fingertip, shoulder, elbow, wrist, fingers };
         let options = ImportOptions { landmarks, without_contacts, locked };
         let imported = compute(py, || import_model(&file, root.as_deref(), &options))?.map_err(error::task)?;
         Ok((Self::checked(imported.description)?, imported.passed_over))

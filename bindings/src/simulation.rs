@@ -259,10 +259,10 @@ impl Simulation {
         forces.into_pyarray(py)
     }
 
-    /// Sum of normal forces on the boxes that the fingertip touches (N), 0 without contact.
+    /// Sum of normal forces on the boxes that fingers touch (N), 0 without contact.
     #[getter]
     fn contact_force(&self) -> f64 {
-        self.looked().ws.box_contacts().iter().filter(|contact| contact.exists).map(|contact| contact.force).sum()
+        self.looked().ws.box_contacts().flatten().filter(|contact| contact.exists).map(|contact| contact.force).sum()
     }
 
     /// Position of the fingertip (m), `(3,)`.

@@ -67,7 +67,8 @@ impl Regions {
         let size = hull(ways.chain([size]));
         let targets = flat.steps.len();
         let fingertip = reach(model);
-        let pointer = if flat.pointer == Pointer::Fingertip { fingertip } else { [UNBOUNDED; 3] };
+        let is_fingertip = flat.pointer == Pointer::Fingertip && flat.steps.iter().all(|step| step.lead.is_none());
+        let pointer = if is_fingertip { fingertip } else { [UNBOUNDED; 3] };
         let misjudged = task.perception.vision_noise > 0.0;
         Self { fingertip, pointer, target: [0, 1, 2].map(region), size, targets, misjudged }
     }
@@ -91,6 +92,7 @@ impl Regions {
             // Unit vectors, and what is no longer.
             "target_normal" | "target_direction" | "nearest_obstacle" => [-1.0, 1.0],
             "drag" if entry == "held" => [0.0, 1.0],
+            "fingers" if [".asked", ".ready"].iter().any(|word| entry.ends_with(word)) => [0.0, 1.0],
             _ => UNBOUNDED,
         }
     }

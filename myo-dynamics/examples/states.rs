@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("usage: states FILE SITE BODY COUNT".into());
     };
     let mjcf = myo_mjcf::read(Path::new(file))?;
-    let landmarks = Landmarks { fingertip: fingertip.clone(), shoulder: shoulder.clone(), elbow: None, wrist: None };
+    let landmarks = Landmarks::new(fingertip, shoulder);
     let options = ImportOptions { landmarks, without_contacts: false, locked: vec![] };
     let list = |all: Vec<_>| all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     let model = Model::new(&from_mjcf(&mjcf, &options).map_err(list)?)?;

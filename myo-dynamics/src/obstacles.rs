@@ -1,8 +1,8 @@
-//! Boxes fixed to the world that the fingertip can press.
+//! Boxes fixed to the world that fingers can press.
 
 use crate::crowd::{MovedBox, most_at_once};
 use crate::impedance::{Impedance, pyramid_diagonal};
-use crate::plan::Plan;
+use crate::plan::{ContactSphere, Plan};
 use myo_model::StaticBox;
 use myo_model::description::Softness;
 use myo_scalar::{Real, Scalar};
@@ -37,6 +37,13 @@ pub struct Obstacles<C, T = C> {
     /// Per box, which of them is added to half its sizes, along its own axes; the ball around it holds it however large. Empty where all
     /// sizes are fixed.
     pub grown_by: Vec<T>,
+    /// How they and each sphere that presses touch.
+    pub touches: Vec<Touch<C>>,
+}
+
+/// How a sphere and boxes of a surface touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch<C> {
     /// Sum of the margins (m).
     pub margin: C,
     /// Sliding friction.
@@ -47,22 +54,38 @@ pub struct Obstacles<C, T = C> {
     pub diagonal: C,
 }
 
+impl<C: Real> Touch<C> {
+    fn new(sphere: &ContactSphere<C>, surface: &Surface, timestep: f64) -> Self {
+        let c = C::from_f64;
+        let friction = sphere.friction.max(surface.friction);
+        let mean = |a: f64, b: f64| 0.5 * (a + b);
+        let mut softness = surface.softness;
+        softness.solref.iter_mut().zip(sphere.softness.solref).for_each(|(a, b)| *a = mean(*a, b));
+        softness.solimp.iter_mut().zip(sphere.softness.solimp).for_each(|(a, b)| *a = mean(*a, b));
+        Self {
+            margin: c(sphere.margin + surface.margin),
+            friction: c(friction),
+            impedance: Impedance::new(&softness, timestep),
+            diagonal: c(pyramid_diagonal(friction, sphere.diagonal)),
+        }
+    }
+}
+
 impl<C: Real> Obstacles<C> {
-    /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
+    /// Boxes for the fingers of a plan. A plan without spheres that press touches none of them.
     pub fn new(plan: &Plan<C>, boxes: &[StaticBox], surface: Surface) -> Self {
         let boxes = boxes.iter().map(|each| each.map(&mut |&x| C::from_f64(x))).collect();
         Self::with_boxes(plan, boxes, surface)
     }
 
-    /// How many of the boxes the fingertip of a plan can touch at once, at most, where they stand.
+    /// How many of the boxes one finger of a plan can touch at once, at most, where they stand.
     pub fn most_at_once(&self, plan: &Plan<C>) -> usize {
         self.most_at_once_moved(plan, &[])
     }
 
-    /// How many of the boxes the fingertip of a plan can touch at once, at most, where offset `k` is up to one half, either way, of each
+    /// How many of the boxes one finger of a plan can touch at once, at most, where offset `k` is up to one half, either way, of each
     /// of the ways (m) of number `k`, and boxes are as large as they may become.
     pub fn most_at_once_moved(&self, plan: &Plan<C>, ways: &[[[f64; 3]; 3]]) -> usize {
-        let Some(sphere) = &plan.contact_sphere else { return 1 };
         let ways: Vec<[Vector3<f64>; 3]> = ways.iter().map(|ways| ways.map(Vector3::from)).collect();
         let number = |of: &[C], k: usize| of.get(k).map_or(ways.len(), |number| number.to_f64() as usize);
         let boxes: Vec<MovedBox> = (0..self.boxes.len())
@@ -74,7 +97,9 @@ impl<C: Real> Obstacles<C> {
                 MovedBox { place, moved_by: number(&self.moved_by, k) }
             })
             .collect();
-        most_at_once(&boxes, &ways, sphere.radius.to_f64() + self.margin.to_f64())
+        let reach = |(sphere, touch): (&ContactSphere<C>, &Touch<C>)| sphere.radius.to_f64() + touch.margin.to_f64();
+        let farthest = plan.contact_spheres.iter().zip(&self.touches).map(reach).reduce(f64::max);
+        farthest.map_or(1, |reach| most_at_once(&boxes, &ways, reach))
     }
 
     /// The same in every lane.
@@ -93,32 +118,12 @@ impl<C: Real, T> Obstacles<C, T> {
 
     /// Other boxes of the same surface.
     pub fn with<U>(&self, boxes: Vec<StaticBox<U>>, moved_by: Vec<U>, grown_by: Vec<U>) -> Obstacles<C, U> {
-        let &Self { margin, friction, impedance, diagonal, .. } = self;
-        Obstacles { boxes, moved_by, grown_by, margin, friction, impedance, diagonal }
+        Obstacles { boxes, moved_by, grown_by, touches: self.touches.clone() }
     }
 
-    /// Boxes for the fingertip of a plan. A plan without a contact sphere touches none of them.
+    /// Boxes for the fingers of a plan. A plan without spheres that press touches none of them.
     pub fn with_boxes(plan: &Plan<C>, boxes: Vec<StaticBox<T>>, surface: Surface) -> Self {
-        let c = C::from_f64;
-        let sphere = plan.contact_sphere.as_ref();
-        let friction = sphere.map_or(0.0, |s| s.friction).max(surface.friction);
-        let mean = |a: f64, b: f64| 0.5 * (a + b);
-        let softness = sphere.map_or(surface.softness, |s| {
-            let mut mixed = surface.softness;
-            mixed.solref.iter_mut().zip(s.softness.solref).for_each(|(a, b)| *a = mean(*a, b));
-            mixed.solimp.iter_mut().zip(s.softness.solimp).for_each(|(a, b)| *a = mean(*a, b));
-            mixed
-        });
-        let inverse_mass = sphere.map_or(1.0, |s| s.diagonal);
-        let diagonal = pyramid_diagonal(friction, inverse_mass);
-        Self {
-            boxes,
-            moved_by: vec![],
-            grown_by: vec![],
-            margin: c(sphere.map_or(0.0, |s| s.margin) + surface.margin),
-            friction: c(friction),
-            impedance: Impedance::new(&softness, plan.timestep.to_f64()),
-            diagonal: c(diagonal),
-        }
+        let touch = |sphere: &ContactSphere<C>| Touch::new(sphere, &surface, plan.timestep.to_f64());
+        Self { boxes, moved_by: vec![], grown_by: vec![], touches: plan.contact_spheres.iter().map(touch).collect() }
     }
 }

@@ -299,19 +299,19 @@ pub struct Workspace<S: Scalar> {
     pub equality: Vec<Row<S>>,
     /// Jacobian of the equality rows, `(nequality, ndof)`.
     pub equality_jacobian: Vec<S>,
-    /// Contacts: with boxes, as many as there can be at once, see [`Workspace::box_contacts`]; then those of each pair of the plan, in as many points as it may touch.
+    /// Contacts: of each sphere that presses with boxes, as many as there can be at once, see [`Workspace::box_contacts`]; then those of each pair of the plan, in as many points as it may touch.
     pub contacts: Vec<Contact<S>>,
     /// How many of them are with boxes.
     pub box_slots: usize,
-    /// Where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
+    /// Per sphere that presses, where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
     /// [unknown](Clearance::unknown).
-    pub clearance: Clearance<S>,
+    pub clearance: Vec<Clearance<S>>,
     /// How far boxes are off their places and their half sizes (m), by the numbers in [`Obstacles::moved_by`](crate::Obstacles::moved_by)
     /// and [`Obstacles::grown_by`](crate::Obstacles::grown_by); empty where none is.
     /// Set by whoever moves them.
     pub offsets: Vec<Vec3<S>>,
-    /// The nearest boxes, where there are many.
-    pub nearby: Nearby<S>,
+    /// Per sphere that presses, the nearest boxes, where there are many.
+    pub nearby: Vec<Nearby<S>>,
     /// Jacobian of the contacts' rows, `(contacts, 4, ndof)`.
     pub contact_jacobian: Vec<S>,
     /// Matrix of the solver and its factor, `(ndof, ndof)`, lower triangle.
@@ -329,12 +329,12 @@ pub struct Workspace<S: Scalar> {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// Memory for a plan whose fingertip touches one box at a time.
+    /// Memory for a plan whose fingers touch one box each at a time.
     pub fn new(plan: &Plan<S::Const>) -> Self {
         Self::with_contacts(plan, 1)
     }
 
-    /// Memory for a plan and so many boxes that can be touched at once: no fewer than
+    /// Memory for a plan and so many boxes that each sphere can touch at once: no fewer than
     /// [`Obstacles::most_at_once`](crate::Obstacles::most_at_once) says, else contacts are left out.
     pub fn with_contacts(plan: &Plan<S::Const>, contacts: usize) -> Self {
         let o = S::zero();
@@ -345,7 +345,9 @@ impl<S: Scalar> Workspace<S> {
         let nsegment = plan.tendons.pairs.iter().map(|pair| pair.segments.len()).sum();
         let nstretch = plan.tendons.wraps.iter().map(|bundle| bundle.stretches.len()).sum();
         let massless = Inertia::zero();
-        let (box_slots, contacts) = (contacts, contacts + plan.pair_contacts());
+        let spheres = plan.contact_spheres.len();
+        let (each, box_slots) = (contacts, contacts * spheres);
+        let contacts = box_slots + plan.pair_contacts();
         Self {
             profiled: vec![profiled; plan.profiled.len()],
             joint: vec![joint; nlink],
@@ -378,9 +380,9 @@ impl<S: Scalar> Workspace<S> {
             equality_jacobian: vec![o; plan.equalities.len() * ndof],
             contacts: vec![Contact::none(); contacts],
             box_slots,
-            clearance: Clearance::unknown(),
+            clearance: vec![Clearance::unknown(); spheres],
             offsets: vec![],
-            nearby: Nearby::unknown(box_slots),
+            nearby: vec![Nearby::unknown(each); spheres],
             contact_jacobian: vec![o; contacts * PYRAMID * ndof],
             matrix: vec![o; ndof * ndof],
             pivot: vec![o; ndof],
@@ -391,9 +393,22 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// Contacts of the fingertip with boxes.
-    pub fn box_contacts(&self) -> &[Contact<S>] {
-        &self.contacts[..self.box_slots]
+    /// Contacts with boxes of each sphere that presses, in the order of [`Plan::contact_spheres`].
+    pub fn box_contacts(&self) -> impl Iterator<Item = &[Contact<S>]> + Clone {
+        self.contacts[..self.box_slots].chunks_exact((self.box_slots / self.clearance.len().max(1)).max(1))
+    }
+
+    /// Which contacts are those with boxes of the sphere of this number.
+    #[inline(always)]
+    pub(crate) fn slots_of(&self, sphere: usize) -> std::ops::Range<usize> {
+        let each = self.box_slots / self.clearance.len();
+        sphere * each..(sphere + 1) * each
+    }
+
+    /// Nothing is known any more of how far spheres are from boxes.
+    pub fn forget_boxes(&mut self) {
+        self.clearance.fill(Clearance::unknown());
+        self.nearby.iter_mut().for_each(Nearby::forget);
     }
 
     /// Position of a point fixed to a link (m, from O).

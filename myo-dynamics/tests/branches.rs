@@ -124,7 +124,7 @@ fn a_limit_that_nothing_comes_to_in_the_zero_pose_is_refused() {
     let plan = |text: &str| {
         let files = std::collections::BTreeMap::from([("arm.xml".to_owned(), text.to_owned())]);
         let mjcf = myo_mjcf::read_from(&files, "arm.xml", myo_mjcf::Limits::default()).unwrap();
-        let landmarks = Landmarks { fingertip: "below".into(), shoulder: "arm".into(), elbow: None, wrist: None };
+        let landmarks = Landmarks::new("below", "arm");
         let options = ImportOptions { landmarks, without_contacts: false, locked: vec![] };
         Plan::exact(&Model::new(&from_mjcf(&mjcf, &options).unwrap()).unwrap(), CouplingMode::Reduced)
     };

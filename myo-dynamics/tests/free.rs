@@ -20,7 +20,7 @@ const TUMBLER: &str = include_str!("../examples/tumbler.xml");
 fn model_of(text: &str, locked: &[&str]) -> Model {
     let files = BTreeMap::from([("tumbler.xml".to_owned(), text.to_owned())]);
     let mjcf = myo_mjcf::read_from(&files, "tumbler.xml", myo_mjcf::Limits::default()).unwrap();
-    let landmarks = Landmarks { fingertip: "tip".into(), shoulder: "arm".into(), elbow: None, wrist: None };
+    let landmarks = Landmarks::new("tip", "arm");
     let locked = locked.iter().map(|&name| name.into()).collect();
     let options = ImportOptions { landmarks, without_contacts: false, locked };
     Model::new(&from_mjcf(&mjcf, &options).unwrap()).unwrap()

@@ -247,7 +247,7 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
         myo_model::model::Contact { geoms: [0, 1], margin: 0.0, friction: 1.0, softness: Softness::default() };
     model.contacts.push(contact);
     let plan = Plan::exact(&model, CouplingMode::Reduced).unwrap();
-    assert!(plan.contact_sphere.is_none() && plan.pairs.len() == 1);
+    assert!(plan.contact_spheres.is_empty() && plan.pairs.len() == 1);
     for shape in
         [Shape::Box { half_size: [0.01; 3] }, Shape::Plane, Shape::Cylinder { radius: 0.01, half_length: 0.01 }]
     {

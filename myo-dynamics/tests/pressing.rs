@@ -15,7 +15,7 @@ fn press(plan: &Plan<f64>, distances: &[f64]) -> (bool, f64, f64) {
     let mut ws = Workspace::<f64>::new(plan);
     step::kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
     let [x, y, z] = step::fingertip(plan, &ws);
-    let radius = plan.contact_sphere.as_ref().unwrap().radius;
+    let radius = plan.contact_spheres[0].radius;
     let boxed = |&ahead: &f64| StaticBox::new([x + radius + ahead + 0.01, y, z], AXES, [0.01, 0.05, 0.05]);
     let boxes: Vec<StaticBox> = distances.iter().map(boxed).collect();
     step::forward(plan, &Obstacles::new(plan, &boxes, Surface::default()), &state, &mut ws);
@@ -73,10 +73,10 @@ fn what_is_not_looked_at_is_not_touched() {
             state = State { qvel: (0..plan.ndof()).map(push).collect(), ..start.clone() };
         }
         let mut fresh = Workspace::<f64>::with_contacts(&plan, most);
-        let before = ws.clearance;
+        let before = ws.clearance[0];
         step::forward(&plan, &obstacles, &state, &mut ws);
         step::forward(&plan, &obstacles, &state, &mut fresh);
-        skipped += usize::from(before.free > 0.0 && before.from.array() == ws.clearance.from.array());
+        skipped += usize::from(before.free > 0.0 && before.from.array() == ws.clearance[0].from.array());
         let found = |ws: &Workspace<f64>| -> Vec<(f64, f64)> {
             ws.contacts.iter().filter(|c| c.exists).map(|c| (c.index, c.force)).collect()
         };
@@ -140,7 +140,7 @@ fn lanes_feel_every_box_that_they_touch() {
 #[test]
 fn no_arm_comes_through_a_plate() {
     let plan = Plan::exact(&common::arm("myo-arm"), CouplingMode::Reduced).unwrap();
-    let radius = plan.contact_sphere.as_ref().unwrap().radius;
+    let radius = plan.contact_spheres[0].radius;
     let place = |state: &State<f64>| {
         let mut ws = Workspace::<f64>::new(&plan);
         step::kinematics::kinematics(&plan, &state.qpos, &state.qvel, &mut ws);
@@ -170,4 +170,69 @@ fn no_arm_comes_through_a_plate() {
         }
         assert!(most > 1.0, "degree of freedom {dof} touches with {most} N");
     }
+}
+
+/// A hand over a plate that all of its fingers may touch.
+fn hand(fingers: &[&str]) -> Plan<f64> {
+    let model = myo_model::Model::new(&myo_model::builtin("myo-hand").unwrap()).unwrap();
+    let names: Vec<String> = fingers.iter().map(|&name| name.to_owned()).collect();
+    Plan::exact(&model, CouplingMode::Reduced).unwrap().with_fingers(&model, &names).unwrap()
+}
+
+/// What a plan of a hand touches of a plate so far below the tip of its index finger (m), by finger, and how it accelerates.
+fn on_plate(plan: &Plan<f64>, pose: usize, below: f64) -> (Vec<(usize, f64)>, Vec<f64>) {
+    let bent = |k: usize| ((pose * (k + 3)) as f64).sin().abs();
+    let at = |(k, dof): (usize, &myo_dynamics::plan::Dof<f64>)| {
+        let [lo, hi] = dof.range.unwrap();
+        lo + (hi - lo) * (0.3 + 0.4 * bent(k))
+    };
+    let state = State { qpos: plan.dofs.iter().enumerate().map(at).collect(), ..State::<f64>::new(plan) };
+    let mut ws = Workspace::<f64>::new(plan);
+    step::kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
+    let [x, y, z] = step::fingertip(plan, &ws);
+    let plate = StaticBox::new([x, y, z - below - 0.02], AXES, [0.2, 0.2, 0.02]);
+    step::forward(plan, &Obstacles::new(plan, &[plate], Surface::default()), &state, &mut ws);
+    let touches = plan.contact_spheres.iter().zip(ws.box_contacts());
+    let touches = touches.filter(|(_, contacts)| contacts[0].exists);
+    (touches.map(|(sphere, contacts)| (sphere.finger, contacts[0].force)).collect(), ws.qacc)
+}
+
+#[test]
+fn a_plan_keeps_the_fingers_that_were_asked_for_in_their_order() {
+    let of = |plan: &Plan<f64>| plan.contact_spheres.iter().map(|sphere| sphere.finger).collect::<Vec<_>>();
+    let (all, some, none) = (hand(&["little", "middle", "ring", "thumb"]), hand(&["thumb", "middle"]), hand(&[]));
+    assert_eq!((of(&all), of(&some), of(&none)), (vec![0, 1, 2, 3, 4], vec![0, 1, 2], vec![0]));
+    assert_eq!((some.fingers.len(), none.fingers.len()), (2, 0));
+    let (mut ws, rest) = (Workspace::<f64>::new(&some), State::<f64>::new(&some));
+    step::kinematics::kinematics(&some, &rest.qpos, &rest.qvel, &mut ws);
+    let tips: Vec<[f64; 3]> = step::fingers(&some, &ws).collect();
+    // The ball of each is about its tip.
+    for (sphere, tip) in some.contact_spheres[1..].iter().zip(&tips) {
+        let ball = ws.place(&sphere.centre).array();
+        assert!(ball.iter().zip(tip).all(|(a, b)| (a - b).abs() < 1e-12), "{ball:?} {tip:?}");
+    }
+    assert!(some.check_presses(0, "thumb").is_ok() && none.check_presses(0, "thumb").is_err());
+}
+
+#[test]
+fn fingers_press_a_plate_together_and_one_that_is_in_the_air_changes_nothing() {
+    let (all, one) = (hand(&["little", "middle", "ring", "thumb"]), hand(&[]));
+    let fast = all.specialised();
+    let (mut together, mut alone) = (0, 0);
+    for pose in 0..200 {
+        let (touches, qacc) = on_plate(&all, pose, 0.006);
+        let (_, quick) = on_plate(&fast, pose, 0.006);
+        let greatest = qacc.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        assert!(qacc.iter().zip(&quick).all(|(a, b)| (a - b).abs() < 1e-7 * greatest), "pose {pose}");
+        assert!(touches.iter().any(|&(finger, _)| finger == 0), "pose {pose}: {touches:?}");
+        if touches.len() > 1 {
+            together += 1;
+            continue;
+        }
+        alone += 1;
+        let (same, qacc_of_one) = on_plate(&one, pose, 0.006);
+        assert_eq!(touches.len(), same.len());
+        assert!(qacc.iter().zip(&qacc_of_one).all(|(a, b)| (a - b).abs() < 1e-9 * greatest), "pose {pose}");
+    }
+    assert!(together > 20 && alone > 20, "{together} {alone}");
 }

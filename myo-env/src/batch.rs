@@ -219,7 +219,7 @@ impl EnvSpec {
 /// Sizes and names.
 pub fn spec<C: Real>(model: &Model, tasks: &[Task], tables: &Tables<C>, config: &EnvConfig) -> EnvSpec {
     let dofs: Vec<String> = tables.plan.dofs.iter().map(|dof| dof.name.clone()).collect();
-    let mut names = observe::names(model, &tables.observation, &dofs);
+    let mut names = observe::names(model, &tables.observation, &dofs, &tables.parameters.task.fingers);
     names.extend(tables.rules.iter().flat_map(|rules| rules.observed.iter().cloned()));
     EnvSpec {
         num_envs: config.num_envs,

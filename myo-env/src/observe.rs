@@ -9,8 +9,8 @@ use myo_dynamics::step::boxes::{Boxes, Which};
 use myo_dynamics::step::contact::surface;
 use myo_model::Model;
 use myo_scalar::{Carried, Real, Scalar, Visitor};
-use myo_tasks::Observation;
 use myo_tasks::logic::{CompiledTask, Goal, Kinds, Point, Sensed, TaskState, centre_ahead, difference, inside, norm};
+use myo_tasks::{Observation, logic};
 
 /// What is farther away than this (m) is observed as if it were so far.
 const NEAR: f64 = 1.0;
@@ -19,6 +19,9 @@ const FAR: f64 = 1e3;
 /// What users of one body differ in, and the unit in which they observe it.
 const TRAITS: [(&str, f64); 4] =
     [("signal_dependent", 0.1), ("vision_noise", 0.2), ("effort_cost", 4.0), ("control_change_cost", 10.0)];
+
+/// What is observed of another finger.
+const FINGER: [&str; 6] = ["x", "y", "z", "size", "asked", "ready"];
 
 /// A part of the observation. Positions are m from the shoulder centre in world axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,6 +78,8 @@ pub enum ObservationPart {
     Drive,
     /// From the pointer to the farthest place of the current way that was come to (m), and one within the way, where there are ways.
     Steer,
+    /// One where the fingertip holds its button of several. Of every other finger: the way to where it must be and how large that is (m), one where it is asked for, and one where it holds its button or is open for a pinch.
+    Fingers,
     /// From the fingertip to the nearest place of the surface of any box but the current one (m), where there are boxes.
     NearestObstacle,
     /// What the user is like: motor noise, misjudged targets, effort, changes of control, each in a unit that people have about one of.
@@ -101,8 +106,8 @@ impl ObservationPart {
 }
 
 impl ObservationPart {
-    /// How many entries it has, of a body with so many independent joints and so many muscles.
-    pub(crate) const fn width(self, [ndof, nmuscle]: [usize; 2]) -> usize {
+    /// How many entries it has, of a body with so many independent joints and so many muscles, where so many other fingers are asked for.
+    pub(crate) const fn width(self, [ndof, nmuscle, fingers]: [usize; 3]) -> usize {
         match self {
             Self::JointPosition | Self::JointVelocity | Self::JointAcceleration => ndof,
             Self::Activation | Self::Fatigue | Self::Control => nmuscle,
@@ -125,6 +130,7 @@ impl ObservationPart {
             | Self::Cue
             | Self::Pause => 1,
             Self::Drag | Self::Drive | Self::Steer => 4,
+            Self::Fingers => 1 + fingers * FINGER.len(),
             Self::Traits => TRAITS.len(),
         }
     }
@@ -158,6 +164,7 @@ impl ObservationPart {
             Self::Drag => "drag",
             Self::Drive => "drive",
             Self::Steer => "steer",
+            Self::Fingers => "fingers",
             Self::NearestObstacle => "nearest_obstacle",
             Self::Traits => "traits",
         }
@@ -175,6 +182,7 @@ impl ObservationPart {
             Self::Drag => Some("where there is a slider to drag or a stick to swing"),
             Self::Drive => Some("where something is driven"),
             Self::Steer => Some("where there is a way to steer along"),
+            Self::Fingers => Some("where other fingers are asked for"),
             Self::NearestObstacle => Some("where there are boxes"),
             _ => None,
         }
@@ -212,14 +220,15 @@ pub fn parts<T>(o: &Observation, parameters: &Parameters<T>) -> Vec<ObservationP
         (o.drag && (drag || swing), ObservationPart::Drag),
         (o.drive && drive, ObservationPart::Drive),
         (o.steer && steer, ObservationPart::Steer),
+        (o.fingers && !task.fingers.is_empty(), ObservationPart::Fingers),
         (o.nearest_obstacle && !task.boxes.is_empty(), ObservationPart::NearestObstacle),
         (o.traits, ObservationPart::Traits),
     ];
     all.into_iter().filter_map(|(wanted, part)| wanted.then_some(part)).collect()
 }
 
-/// Name of every entry, for example `joint_velocity.elbow_flexion`.
-pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<String> {
+/// Name of every entry, for example `joint_velocity.elbow_flexion`; `fingers` are those that are asked for.
+pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String], fingers: &[String]) -> Vec<String> {
     let muscles: Vec<String> = model.muscles.iter().map(|m| m.name.clone()).collect();
     let axes = ["x", "y", "z"].map(String::from).to_vec();
     let entries = |part: ObservationPart| -> Vec<String> {
@@ -251,6 +260,11 @@ pub fn names(model: &Model, parts: &[ObservationPart], dofs: &[String]) -> Vec<S
             ObservationPart::Drag => of(&["held", "x", "y", "z"].map(String::from)),
             ObservationPart::Drive => of(&["x", "y", "z", "speed"].map(String::from)),
             ObservationPart::Steer => of(&["x", "y", "z", "within"].map(String::from)),
+            ObservationPart::Fingers => {
+                let each = |finger: &String| FINGER.map(|entry| format!("{finger}.{entry}"));
+                let all = ["fingertip.ready".into()].into_iter().chain(fingers.iter().flat_map(each));
+                of(&all.collect::<Vec<_>>())
+            }
             ObservationPart::Traits => of(&TRAITS.map(|(trait_name, _)| trait_name.to_owned())),
         }
     };
@@ -292,6 +306,7 @@ pub fn observe<S: Scalar>(
             ObservationPart::Drag => drag(goal, state, out),
             ObservationPart::Drive => drive(goal, out),
             ObservationPart::Steer => steer(goal, state, sensed, out),
+            ObservationPart::Fingers => fingers(world, goal, env, sensed, out),
             ObservationPart::NearestObstacle => {
                 let current = goal.button.as_ref().map_or(S::lit(-1.0), |button| button.number);
                 out.extend_from_slice(&to_nearest_obstacle(world, current, state, sensed.body.fingertip));
@@ -435,6 +450,42 @@ fn steer<S: Scalar>(goal: &Goal<S>, state: &TaskState<S>, sensed: &Sensed<S>, ou
     let (Some(steer), Some(steering)) = (&goal.steer, &state.steering) else { return out.extend([S::zero(); 4]) };
     out.extend_from_slice(&steer.to_gone(sensed.pointer, steering.along));
     out.push(steering.within.only(steer.is_steer));
+}
+
+/// Appends where other fingers must go, see [`FINGER`]; zeros where the step asks nothing of them.
+#[inline(always)]
+fn fingers<S: Scalar>(world: &World<'_, S>, goal: &Goal<S>, env: &EnvState<S>, sensed: &Sensed<S>, out: &mut Vec<S>) {
+    let task = &world.parameters.task;
+    let count = task.fingers.len();
+    let holds = |finger: usize| env.task.holds.get(finger).copied().unwrap_or(S::zero());
+    out.push(holds(0));
+    for finger in 0..count {
+        let mut entries = [S::zero(); FINGER.len()];
+        let holds = holds(finger + 1);
+        let mut ask = |is_asked: S::Mask, away: Point<S>, size: S| {
+            let [x, y, z] = add(away, seems_off(world, env, away));
+            for (entry, own) in entries.iter_mut().zip([x, y, z, size, S::lit(1.0), holds]) {
+                *entry = S::select(is_asked, own, *entry);
+            }
+        };
+        if let Some(other) = goal.fingers.get(finger) {
+            ask(other.is_asked, other.away(sensed.body.fingers[finger], S::zero()), other.size);
+        }
+        if goal.lead.is_some() {
+            ask(goal.leads(finger), difference(goal.centre, sensed.body.fingers[finger]), goal.size);
+        }
+        if let Some(pinch) = &goal.pinch {
+            // Nobody misjudges how far apart two of the own fingers are.
+            let [x, y, z] = pinch.away(&sensed.body, count);
+            let open = env.task.open.unwrap_or(S::zero());
+            let own = [x, y, z, pinch.step.closer_than, S::lit(1.0), open];
+            let is_it = pinch.is_pinch & logic::is_pinched_with(pinch, finger);
+            for (entry, own) in entries.iter_mut().zip(own) {
+                *entry = S::select(is_it, own, *entry);
+            }
+        }
+        out.extend_from_slice(&entries);
+    }
 }
 
 /// Outward normal of the face of the current button or slider; zeros where the step asks for a sphere.

@@ -96,7 +96,7 @@ pub struct World<'a, S: Scalar> {
     pub tables: &'a Tables<S::Const>,
     /// The numbers.
     pub parameters: Parameters<S>,
-    /// What the fingertip can press, where these numbers say.
+    /// What fingers can press, where these numbers say.
     pub obstacles: Obstacles<S::Const, S>,
 }
 
@@ -208,6 +208,10 @@ impl Parameters<()> {
             (new.cue, old.cue, "has steps that must be waited for", "has no step that must be waited for"),
             (new.motion, old.motion, "has spheres that move", "has no sphere that moves"),
             (new.steer, old.steer, "has ways to steer along", "has no way to steer along"),
+            (new.lead, old.lead, "asks other fingers to lead", "asks no other finger to lead"),
+            (new.chord, old.chord, "asks other fingers to press", "asks no other finger to press"),
+            (new.also, old.also, "asks where other fingers are", "does not ask where other fingers are"),
+            (new.pinch, old.pinch, "asks for pinches", "asks for no pinch"),
             (new.next, old.next, "shows what comes next", "does not show what comes next"),
             (
                 new.memory,
@@ -240,6 +244,9 @@ impl Parameters<()> {
         }
         if ours.orders != theirs.orders {
             return Some("other steps of it change places with each other".into());
+        }
+        if ours.fingers != theirs.fingers {
+            return Some("it asks for other fingers".into());
         }
         if ours.pointer != theirs.pointer {
             return Some("its technique is another".into());
@@ -310,7 +317,7 @@ impl<C: Real> Parameters<C> {
 }
 
 impl<T: Copy> Parameters<T> {
-    /// What the fingertip can press, of this surface.
+    /// What fingers can press, of this surface.
     #[inline(always)]
     pub fn obstacles<C: Real>(&self, surface: &Obstacles<C>) -> Obstacles<C, T> {
         let Shifts { boxes, sizes, .. } = &self.task.shifts;
@@ -319,7 +326,7 @@ impl<T: Copy> Parameters<T> {
 }
 
 impl<C: Real> Parameters<C> {
-    /// How many boxes of this surface the fingertip of a plan can touch at once, at most.
+    /// How many boxes of this surface each finger of a plan can touch at once, at most.
     pub(crate) fn most_contacts(&self, surface: &Obstacles<C>, plan: &Plan<C>) -> usize {
         let ways: Vec<_> = self.task.shifts.spans.iter().map(|spans| spans.map(|span| span.map(C::to_f64))).collect();
         self.obstacles(surface).most_at_once_moved(plan, &ways)

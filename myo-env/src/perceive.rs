@@ -44,12 +44,14 @@ const fn sense(part: ObservationPart) -> Sense {
         | Part::Drag
         | Part::Drive
         | Part::Steer
+        | Part::Fingers
         | Part::NearestObstacle => Sense::Vision,
     }
 }
 
-/// How many control steps every entry of these parts is late, of a body with so many independent joints and so many muscles.
-pub fn delays(task: &Task, parts: &[ObservationPart], body: [usize; 2]) -> Vec<usize> {
+/// How many control steps every entry of these parts is late, of a body with so many independent joints and so many muscles, where so many
+/// other fingers are asked for.
+pub fn delays(task: &Task, parts: &[ObservationPart], body: [usize; 3]) -> Vec<usize> {
     let perception = &task.perception;
     let delay = |part: ObservationPart| {
         let delay_ms = match sense(part) {

@@ -40,6 +40,7 @@ pub struct Skeleton {
     model: Model,
     plan: Plan<f64>,
     limb: Vec<usize>,
+    fingers: Vec<Vec<usize>>,
     flat: FlatTask,
     task: CompiledTask<f64>,
     /// Of each object, its number among the spheres, or among the boxes.
@@ -55,7 +56,9 @@ pub struct SkeletonPose {
     pub muscles: Vec<MusclePose>,
     /// The point that presses.
     pub fingertip: [f64; 3],
-    /// What points: the fingertip, or what the technique makes of the posture.
+    /// The tips of the model's other [fingers](Model::fingers).
+    pub fingers: Vec<[f64; 3]>,
+    /// What points: the fingertip, or what the technique makes of the posture, or the finger that the step asks for.
     pub pointer: [f64; 3],
     /// Where a ray begins that points.
     pub ray_from: Option<[f64; 3]>,
@@ -128,11 +131,12 @@ impl Skeleton {
         let is_round = |index: usize| flat.objects[index].is_round();
         let number = |index: usize| (0..index).filter(|&other| is_round(other) == is_round(index)).count();
         let task = CompiledTask::of(task, &flat);
-        let plan = Plan::exact(model, CouplingMode::Reduced)?;
+        let plan = Plan::exact(model, CouplingMode::Reduced)?.with_fingers(model, &task.fingers)?;
         Ok(Self {
             model: model.clone(),
             plan: if task.pointer.is_ray() { plan.with_arm(model)? } else { plan },
             limb: limb(model),
+            fingers: model.fingers.iter().map(|&(_, site)| beyond_wrist(model, site)).collect(),
             numbers: (0..flat.objects.len()).map(number).collect(),
             flat,
             task,
@@ -157,6 +161,11 @@ impl Skeleton {
     /// Indices of the bodies with mass on the way from the upper arm down to the fingertip, the upper arm first.
     pub fn limb(&self) -> &[usize] {
         &self.limb
+    }
+
+    /// Of each of the model's [fingers](Model::fingers), indices of the bodies with mass on the way from the wrist to its tip; all from the upper arm on where the model tells no wrist.
+    pub fn fingers(&self) -> &[Vec<usize>] {
+        &self.fingers
     }
 
     /// Of each point of a muscle's path, the body that it lies on.
@@ -189,6 +198,7 @@ impl Skeleton {
             bodies: self.plan.elements.bodies.iter().map(|body| ws.fixed(body)).collect(),
             muscles: self.muscles(&ws, &moment.body.act),
             fingertip: body.fingertip,
+            fingers: self.model.fingers.iter().map(|&(_, site)| self.site(&ws, site)).collect(),
             pointer: self.pointer(&body, &moment.task),
             ray_from,
             objects: (0..self.flat.objects.len())
@@ -204,7 +214,8 @@ impl Skeleton {
             // Without a script only the fingertip points.
             return body.fingertip;
         }
-        self.task.pointer.place(body, Goal::of(&self.task, state).centre)
+        let goal = Goal::of(&self.task, state);
+        goal.pointer(&self.task, body, goal.centre)
     }
 
     fn check(&self, moment: &Snapshot) -> Result<(), EnvError> {
@@ -243,6 +254,7 @@ impl Skeleton {
                 usize::from(task.given_up.is_some()),
                 usize::from(fresh.given_up.is_some()),
             ),
+            ("task.open of the snapshot", usize::from(task.open.is_some()), usize::from(fresh.open.is_some())),
             ("task.errors of the snapshot", usize::from(task.errors.is_some()), usize::from(fresh.errors.is_some())),
         ];
         match lengths.into_iter().find(|(_, got, expected)| got != expected) {
@@ -263,6 +275,11 @@ impl Skeleton {
         self.model.muscles.iter().zip(act).map(pose).collect()
     }
 
+    /// Where a site of the model is (m).
+    fn site(&self, ws: &Workspace<f64>, site: usize) -> Point<f64> {
+        ws.place(&self.plan.elements.sites[site]).array()
+    }
+
     fn path(&self, ws: &Workspace<f64>, muscle: &Muscle) -> Vec<[f64; 3]> {
         let site = |site: usize| ws.place(&self.plan.elements.sites[site]);
         let bend = |over: &Over, ends: [usize; 2]| {
@@ -279,7 +296,12 @@ impl Skeleton {
         let fingertip = step::fingertip(&self.plan, ws);
         let arm = self.plan.arm.as_ref().map(|arm| arm.each_ref().map(|point| ws.place(point).array()));
         let [elbow, wrist] = arm.unwrap_or([fingertip; 2]);
-        Landmarks { fingertip, elbow, wrist, cursor: task.cursor.unwrap_or_default() }
+        let cursor = task.cursor.unwrap_or_default();
+        let mut landmarks = Landmarks { fingertip, elbow, wrist, cursor, ..Landmarks::unknown() };
+        for (finger, place) in landmarks.fingers.iter_mut().zip(step::fingers(&self.plan, ws)) {
+            *finger = place;
+        }
+        landmarks
     }
 
     /// Steps that are not done, the current one first.
@@ -350,10 +372,11 @@ impl Skeleton {
 
     fn role(&self, object: usize, ahead: &[usize], current: Option<usize>) -> Role {
         let steps = &self.flat.steps;
+        let also = |&step: &usize| steps[step].also.iter().any(|also| also.object == object);
         match current {
-            Some(current) if current == object => Role::Current,
-            _ if ahead.iter().any(|&step| steps[step].asks_for(object)) => Role::Later,
-            _ if steps.iter().any(|step| step.asks_for(object)) => Role::Done,
+            Some(current) if current == object || ahead.first().is_some_and(also) => Role::Current,
+            _ if ahead.iter().any(|&step| steps[step].involves(object)) => Role::Later,
+            _ if steps.iter().any(|step| step.involves(object)) => Role::Done,
             _ => Role::Bystander,
         }
     }
@@ -371,8 +394,20 @@ fn way_handle(slider: &Slider, share: f64, moved: impl Fn(Point<f64>) -> Point<f
 
 /// Bodies with mass on the way to the fingertip.
 fn limb(model: &Model) -> Vec<usize> {
+    way_to(model, model.fingertip_site)
+}
+
+/// The same to a site, behind the wrist.
+fn beyond_wrist(model: &Model, site: usize) -> Vec<usize> {
+    let mut chain = way_to(model, site);
+    let wrist = chain.iter().position(|&body| Some(body) == model.wrist_body).unwrap_or(0);
+    chain.split_off(wrist)
+}
+
+/// Bodies with mass on the way from the upper arm to a site.
+fn way_to(model: &Model, site: usize) -> Vec<usize> {
     let mut chain = vec![];
-    let mut body = model.sites[model.fingertip_site].body;
+    let mut body = model.sites[site].body;
     while body != WORLD {
         let here = &model.bodies[body];
         if here.mass > LEAST_MASS {

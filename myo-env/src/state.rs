@@ -43,7 +43,7 @@ pub struct EnvState<S: Scalar> {
     pub asked: Vec<S>,
     /// What how far off the current target seems is made of, standard normal numbers, see [`misjudge`](crate::misjudge); empty where all is seen as it is.
     pub misjudged: Vec<S>,
-    /// Greatest force on the fingertip in the last control step (N), whatever it touches.
+    /// Greatest force on all fingers together in the last control step (N), whatever it touches.
     pub touch: S,
     /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
     pub pending: S,

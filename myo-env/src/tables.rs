@@ -32,7 +32,7 @@ pub struct Tables<C> {
     layouts: Vec<Vec<C>>,
     /// Whether code is compiled so that every environment reads numbers of its own.
     pub own_numbers: bool,
-    /// How many boxes the fingertip can touch at once, at most.
+    /// How many boxes each finger can touch at once, at most.
     pub contacts: usize,
     /// Physics steps per control step.
     pub substeps: u32,
@@ -129,6 +129,10 @@ impl<C: Real> Tables<C> {
         if parameters.task.pointer.is_ray() || rules.is_some() && has_arm {
             exact = exact.with_arm(model)?;
         }
+        exact = exact.with_fingers(model, &flat.fingers)?;
+        for finger in flat.pressing_fingers() {
+            exact.check_presses(finger, &flat.fingers[finger])?;
+        }
         let plan = plan(&exact);
         let surface = Obstacles::none(&plan);
         let contacts = parameters.most_contacts(&surface, &plan);
@@ -142,7 +146,11 @@ impl<C: Real> Tables<C> {
             layouts: vec![],
             own_numbers: false,
             substeps: task.substeps(exact.timestep),
-            delays: perceive::delays(&task, &observation, [exact.ndof(), exact.nmuscle()]),
+            delays: perceive::delays(
+                &task,
+                &observation,
+                [exact.ndof(), exact.nmuscle(), parameters.task.fingers.len()],
+            ),
             observation,
             parameters,
             identity: Identity::new(model, &[task], rules.as_ref()),
@@ -213,7 +221,8 @@ impl<C: Real> Tables<C> {
         if parts_of(task, &parameters, self.rules.as_ref()) != self.observation {
             return Err(differs("it is observed in another way".into()));
         }
-        if perceive::delays(task, &self.observation, [self.plan.ndof(), self.plan.nmuscle()]) != self.delays {
+        let widths = [self.plan.ndof(), self.plan.nmuscle(), parameters.task.fingers.len()];
+        if perceive::delays(task, &self.observation, widths) != self.delays {
             return Err(differs("it is perceived with another delay".into()));
         }
         let (contacts, most) = (self.contacts_of(&parameters), self.contacts);
@@ -240,7 +249,7 @@ impl<C: Real> Tables<C> {
         (0..self.own_rows()).flat_map(row).collect()
     }
 
-    /// How many boxes the fingertip can touch at once, at most.
+    /// How many boxes each finger can touch at once, at most.
     fn contacts_of(&self, parameters: &Parameters<C>) -> usize {
         parameters.most_contacts(&self.surface, &self.plan)
     }
@@ -267,7 +276,7 @@ impl<C: Real> Tables<C> {
         self.parameters.task.steps.len()
     }
 
-    /// What the fingertip can press.
+    /// What fingers can press.
     pub fn obstacles(&self) -> Obstacles<C> {
         self.parameters.obstacles(&self.surface)
     }

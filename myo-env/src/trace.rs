@@ -69,7 +69,7 @@ pub struct TraceSample<'a> {
 pub fn record<S: Scalar>(plan: &Plan<S::Const>, physics: &Workspace<S>, body: &State<S>, trace: &mut Vec<S>) {
     trace.extend(step::fingertip(plan, physics));
     let mut force = S::zero();
-    for contact in physics.box_contacts() {
+    for contact in physics.box_contacts().flatten() {
         force += contact.force.only(contact.exists);
     }
     trace.push(force);

@@ -1,8 +1,8 @@
 //! One list of properties for every backend. A backend is done when it passes.
 
 use crate::common::{
-    actions, arm, assert_follows, column, drifting, driven, entry, fast, following, gpu, limited, rollout, short,
-    sphere, steered, swung,
+    actions, arm, assert_follows, chords, column, drifting, driven, entry, fast, fingers, following, gpu, limited,
+    rollout, short, sphere, steered, swung,
 };
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
@@ -355,7 +355,7 @@ conformance!(
 /// step returns.
 #[test]
 fn lanes_follow_the_reference() {
-    let made = [following(), drifting(), steered(), swung(), driven(), limited()];
+    let made = [following(), drifting(), steered(), swung(), driven(), limited(), fingers(), chords()];
     let tasks = ["pointing-uitb", "public-display", "slider", "choice", "wall-ray"].map(short).into_iter().chain(made);
     for task in tasks {
         let name = &task.name;

@@ -10,6 +10,7 @@ mod cost_share;
 mod driving;
 mod exploring;
 mod fatigue;
+mod fingers;
 mod groups;
 mod late;
 mod limits;

@@ -1,8 +1,9 @@
 //! Numbers of a task are data: they change without anything being compiled, and what runs afterwards is the other task.
 
 use crate::common::{
-    arm, changed, drifting, drifting_with, driven, driven_with, dwell_for, entry, following, following_with, gpu,
-    limited, limited_with, rollout, short, shuffled, sphere, steered, steered_with, swung, swung_with, without_gpu,
+    arm, changed, chords, chords_with, drifting, drifting_with, driven, driven_with, dwell_for, entry, fingers,
+    fingers_with, following, following_with, gpu, limited, limited_with, rollout, short, shuffled, sphere, steered,
+    steered_with, swung, swung_with, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, record};
 use myo_env::{Autoreset, CpuEnv, EnvConfig, EnvError, EnvSpec, GpuEnv, ReferenceEnv, Tables, VectorEnv};
@@ -139,6 +140,11 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         ("length: 0.25, knob: 0.24, swings: up", "length: 0.2, knob: 0.15, range_deg: [-90, 30]"),
         ("to_deg: -10, within_deg: 60", "to_deg: 20, within_deg: 5"),
     ];
+    let pointed_otherwise = [
+        ("with: thumb, also: {middle: near}", "with: middle, also: {thumb: near}"),
+        ("closer_than: 0.08, apart: 0.08", "with: middle, closer_than: 0.05, apart: 0.06"),
+        ("radius: [0.07, 0.09]", "radius: 0.1"),
+    ];
     let tuned = [
         ("springs_back_s: 0.2", "springs_back_s: 0.05"),
         ("acceleration: 30, drag_per_s: 2", "acceleration: 12, drag_per_s: 0"),
@@ -156,6 +162,14 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         (steered(), steered_with(&aimed)),
         (swung(), swung_with(&bent)),
         (driven(), driven_with(&tuned)),
+        (fingers(), fingers_with(&pointed_otherwise)),
+        (
+            chords(),
+            chords_with(&[
+                ("{fingertip: a, middle: a}", "{fingertip: b, middle: a}"),
+                ("{middle: a, thumb: b}", "{middle: b, thumb: a}"),
+            ]),
+        ),
         (limited(), limited_with(&[("step_limit_s: 0.25", "step_limit_s: 0.15")])),
     ] {
         let model = arm(&task);
@@ -210,6 +224,10 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
         ("- drive: {stick: lever, vehicle: car, into: place, slower_than: 1}", "- dwell: {in: end, for_s: 0.1}"),
     ];
     assert!(refused(&driven_with(&both), &driven()).ends_with("it asks to drive something, and the other did not"));
+    let pointed = fingers_with(&[("for_s: 0.1, with: thumb, also", "for_s: 0.1, also")]);
+    assert!(refused(&pointed, &fingers()).ends_with("it asks other fingers to lead, and the other did not"));
+    let ringed = fingers_with(&[("middle", "ring")]);
+    assert!(refused(&ringed, &fingers()).ends_with("it asks for other fingers"));
     let patient = Task { step_limit_s: None, ..limited() };
     let whole = "its steps may take only so long where they could take any time, or the other way round (step_limit_s)";
     assert!(refused(&patient, &limited()).ends_with(whole) && refused(&limited(), &patient).ends_with(whole));

@@ -1,8 +1,8 @@
 //! How closely the graphics card follows the reference in double precision.
 
 use crate::common::{
-    actions, arm, assert_follows, assert_same_summary, column, drifting, driven, dwell_for, entry, fast, following,
-    gpu, limited, rollout, short, shuffled, sphere, steered, swung, without_gpu,
+    actions, arm, assert_follows, assert_same_summary, chords, column, drifting, driven, dwell_for, entry, fast,
+    fingers, following, gpu, limited, rollout, short, shuffled, sphere, steered, swung, without_gpu,
 };
 use myo_env::gpu::{GpuOptions, PhysicsBench};
 use myo_env::{EnvConfig, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv};
@@ -47,7 +47,7 @@ fn episodes_have_the_same_targets_rewards_and_ends() {
     if without_gpu() {
         return;
     }
-    let made = [following(), shuffled(), drifting(), steered(), swung(), driven(), limited()];
+    let made = [following(), shuffled(), drifting(), steered(), swung(), driven(), limited(), fingers(), chords()];
     for task in ["pointing-uitb", "public-display", "slider", "wall-ray"].map(short).into_iter().chain(made) {
         let name = &task.name;
         let (mut card, mut reference) = both(&task, EnvConfig { num_envs: 20, exploring: 9, ..Default::default() });

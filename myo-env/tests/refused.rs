@@ -41,6 +41,7 @@ fn a_task_made_by_code_is_checked_like_one_of_a_file() {
     refused(Task { version: 7, ..task.clone() }, "`version` is 7; versions 1 to 2 are known");
     let mut blind = task.clone();
     blind.observation = Observation {
+        fingers: false,
         joint_position: false,
         joint_velocity: false,
         joint_acceleration: false,

@@ -1,13 +1,31 @@
 //! The bridge between the body and the checks of a task: what it reaches, what it can hold, how fast it is.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+use myo_dynamics::plan::Point;
 use myo_dynamics::{BodyPlaces, CouplingMode, Plan, PlanError, ReachableSpace, Strength};
 use myo_model::Model;
 use myo_tasks::logic::{CompiledTask, Landmarks, Pointer};
-use myo_tasks::{Reach, Task};
+use myo_tasks::{FlatTask, Reach, Task};
 
 use crate::advice::Body;
+
+/// What another finger of a model reaches.
+#[derive(Clone, Debug)]
+struct FingerReach(ReachableSpace);
+
+impl Reach for FingerReach {
+    fn nearest_in_reach(&self, point_rel_shoulder: [f64; 3]) -> [f64; 3] {
+        nearest(&self.0, point_rel_shoulder)
+    }
+}
+
+/// The point in a space that is nearest to a point; that point itself when it is in it.
+fn nearest(space: &ReachableSpace, point: [f64; 3]) -> [f64; 3] {
+    let nearest = space.nearest(point);
+    if nearest.distance_m == 0.0 { point } else { nearest.point }
+}
 
 /// What a model can reach with its fingertip, or what a task points with, for [`myo_tasks::check()`], and hold there, for [`likely_cause`].
 ///
@@ -17,6 +35,8 @@ pub struct ModelReach {
     space: Arc<ReachableSpace>,
     /// Of the fingertip, where what points comes everywhere in time.
     hand: Option<ReachableSpace>,
+    /// Of other fingers that the task asks for, by name.
+    fingers: BTreeMap<String, FingerReach>,
     /// Made when it is first asked for.
     strength: OnceLock<Strength>,
     physics_dt_s: f64,
@@ -30,23 +50,31 @@ impl ModelReach {
     /// # Errors
     /// The model cannot be simulated.
     pub fn new(model: &Model) -> Result<Self, PlanError> {
-        Self::of_pointer(model, Pointer::Fingertip)
+        Self::of_pointer(model, Pointer::Fingertip, &FlatTask::default())
     }
 
     /// The same for what a task points with; for the fingertip where the task has errors.
     ///
     /// # Errors
-    /// The model cannot be simulated, or does not tell where the arm is that a ray comes from.
+    /// The model cannot be simulated, does not tell where the arm is that a ray comes from, or has not the fingers that the task asks for.
     pub fn for_task(model: &Model, task: &Task) -> Result<Self, PlanError> {
-        Self::of_pointer(model, CompiledTask::new(task).map_or(Pointer::Fingertip, |task| task.pointer))
+        match task.flat() {
+            Ok(flat) => Self::of_pointer(model, CompiledTask::of(task, &flat).pointer, &flat),
+            Err(_) => Self::new(model),
+        }
     }
 
-    fn of_pointer(model: &Model, pointer: Pointer<f64>) -> Result<Self, PlanError> {
+    fn of_pointer(model: &Model, pointer: Pointer<f64>, flat: &FlatTask) -> Result<Self, PlanError> {
         let mut plan = Plan::exact(model, CouplingMode::Reduced)?;
         plan.check_held()?;
         plan.try_out()?;
         if pointer.is_ray() {
             plan = plan.with_arm(model)?;
+        }
+        let fingers = &flat.fingers;
+        let plan = plan.with_fingers(model, fingers)?;
+        for finger in flat.pressing_fingers() {
+            plan.check_presses(finger, &fingers[finger])?;
         }
         let (plan, is_fingertip) = (plan.specialised(), pointer.is_fingertip());
         let hand = pointer.is_rate_cursor().then(|| ReachableSpace::new(&plan));
@@ -55,11 +83,23 @@ impl ModelReach {
         } else {
             let place = move |body: &BodyPlaces, goal: [f64; 3]| {
                 let [elbow, wrist] = body.arm;
-                pointer.place_in_time(&Landmarks { fingertip: body.fingertip, elbow, wrist, cursor: [0.0; 2] }, goal)
+                pointer
+                    .place_in_time(&Landmarks { fingertip: body.fingertip, elbow, wrist, ..Landmarks::unknown() }, goal)
             };
             ReachableSpace::of_pointer(&plan, Arc::new(place))
         };
-        Ok(Self { space: Arc::new(space), hand, strength: OnceLock::new(), physics_dt_s: plan.timestep, is_fingertip })
+        let of_finger = |(name, &fingertip): (&String, &Point<f64>)| {
+            let plan = Plan { fingertip, ..plan.clone() };
+            (name.clone(), FingerReach(ReachableSpace::new(&plan)))
+        };
+        Ok(Self {
+            space: Arc::new(space),
+            hand,
+            fingers: fingers.iter().zip(&plan.fingers).map(of_finger).collect(),
+            strength: OnceLock::new(),
+            physics_dt_s: plan.timestep,
+            is_fingertip,
+        })
     }
 
     fn strength(&self) -> &Strength {
@@ -69,13 +109,16 @@ impl ModelReach {
 
 impl Reach for ModelReach {
     fn nearest_in_reach(&self, point_rel_shoulder: [f64; 3]) -> [f64; 3] {
-        let nearest = self.space.nearest(point_rel_shoulder);
-        if nearest.distance_m == 0.0 { point_rel_shoulder } else { nearest.point }
+        nearest(&self.space, point_rel_shoulder)
     }
 
     fn fingertip_out_of_reach(&self, point_rel_shoulder: [f64; 3]) -> f64 {
         let space = self.hand.as_ref().unwrap_or(&self.space);
         space.nearest(point_rel_shoulder).distance_m
+    }
+
+    fn of_finger(&self, name: &str) -> Option<&dyn Reach> {
+        self.fingers.get(name).map(|reach| reach as &dyn Reach)
     }
 
     fn can_hold(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {
@@ -201,9 +244,10 @@ mod tests {
     /// All presets were learnt by both bodies, so whatever is blamed is innocent.
     #[test]
     fn no_preset_is_blamed_for_a_training_that_fails() {
-        for name in ["mobl-arms", "mobl-arms-uitb"] {
+        for name in ["mobl-arms", "mobl-arms-uitb", "myo-hand"] {
             let model = Model::new(&builtin(name).unwrap()).unwrap();
-            for preset in preset_names().into_iter().map(|name| preset(name).unwrap()) {
+            let presets = preset_names().into_iter().map(|name| preset(name).unwrap());
+            for preset in presets.filter(|preset| (preset.model == "myo-hand") == (name == "myo-hand")) {
                 let reach = ModelReach::for_task(&model, &preset).unwrap();
                 let flat = preset.flat().unwrap();
                 // Copies of a sphere are one description's.

@@ -3,6 +3,7 @@
 //! All of it is asked of the reward that training uses ([`myo_tasks::logic`]), tried out over what an episode may draw, every step of
 //! the script, and places that the arm reaches.
 
+use myo_model::StaticBox;
 use myo_scalar::{Counter, Scalar, Word, seed_words};
 use myo_tasks::logic::{
     self, CompiledTask, Efforts, Goal, Landmarks, Progress, Sensed, Stay, TaskState, begin_step, distance_to_goal,
@@ -61,13 +62,24 @@ impl Trial {
         Ok(Self { task, episodes })
     }
 
-    /// How far (m) the pointer must still go, as the reward counts it.
+    /// How far (m) the pointer must still go, as the reward counts it, with all other fingers where they should be.
     fn distance(&self, state: &TaskState<f64>, goal: &Goal<f64>, pointer: [f64; 3]) -> f64 {
-        let (stay, now) = (Stay::new(state, goal), 0.0);
-        let sensed = Sensed { body: Landmarks::unknown(), pointer, stay, now };
+        let mut stay = Stay::new(state, goal);
+        stay.open = 1.0;
+        let sensed = Sensed { body: others_at_their_goals(goal), pointer, stay, now: 0.0 };
         let distance = distance_to_goal(&self.task, &sensed, goal);
         if self.task.weights.remaining_path { distance + remaining_path(&self.task, state) } else { distance }
     }
+}
+
+/// A body of which nothing is known but that its other fingers are where the step wants them, a pinch closed.
+fn others_at_their_goals(goal: &Goal<f64>) -> Landmarks<f64> {
+    let mut body = Landmarks::unknown();
+    for (place, finger) in body.fingers.iter_mut().zip(&goal.fingers).filter(|(_, finger)| finger.is_asked) {
+        let button = finger.button.as_ref().filter(|_| goal.is_press);
+        *place = button.map_or(finger.centre, |button| middle_of_face(&button.shape));
+    }
+    body
 }
 
 /// An episode of this number before its first step.
@@ -188,8 +200,11 @@ fn distances(trial: &Trial, reach: &dyn Reach) -> [f64; 2] {
 
 /// Middle of the face that is to be pressed.
 fn face(goal: &Goal<f64>) -> Option<[f64; 3]> {
-    let shape = &goal.button.as_ref().filter(|_| goal.is_press)?.shape;
-    Some(std::array::from_fn(|k| shape.centre[k] + shape.axes[2][k] * shape.half_size[2]))
+    Some(middle_of_face(&goal.button.as_ref().filter(|_| goal.is_press)?.shape))
+}
+
+fn middle_of_face(shape: &StaticBox<f64>) -> [f64; 3] {
+    std::array::from_fn(|k| shape.centre[k] + shape.axes[2][k] * shape.half_size[2])
 }
 
 /// Directions spread evenly over a sphere (Vogel 1979, doi 10.1016/0025-5564(79)90080-4).

@@ -325,7 +325,8 @@ impl Scribe {
             columns.push(column(&format!("object_{letter}_m"), of_object(&|object| object.at[axis])));
         }
         columns.push(column("object_width_m", of_object(&|object| object.width)));
-        let points_itself = self.skeletons[0].task().pointer == Pointer::Fingertip;
+        let task = self.skeletons[0].task();
+        let points_itself = task.pointer == Pointer::Fingertip && task.steps.iter().all(|step| step.lead.is_none());
         for (index, point) in ["fingertip", "pointer"].iter().enumerate().take(if points_itself { 1 } else { 2 }) {
             for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
                 columns.push(column(&format!("{point}_{letter}_m"), numbers(&|sample| sample.pose[index][axis])));

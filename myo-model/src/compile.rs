@@ -11,6 +11,9 @@ use std::collections::HashMap;
 /// Version of the model format that this crate reads.
 pub const FORMAT_VERSION: u32 = 1;
 
+/// Fingers that a model may name beside the one that points: with it those of a hand.
+pub const MOST_FINGERS: usize = 4;
+
 /// Time steps (s) that models may ask for.
 const TIMESTEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.02;
 
@@ -57,12 +60,14 @@ impl Model {
         let muscles = muscles(description, &site_index, &wrap_index)?;
         let landmarks = Element::new(ElementKind::Landmarks, "");
         let body = |name: &Option<String>| name.as_deref().map(|name| body_index.find(name, &landmarks)).transpose();
+        let fingers = fingers(description, &site_index)?;
         Ok(Self {
             name: description.name.clone(),
             changes: description.changes.clone(),
             stature_m: description.anthropometry.as_ref().map(|whose| whose.height_m),
             options: description.options.clone(),
             fingertip_site: site_index.find(&description.landmarks.fingertip, &landmarks)?,
+            fingers,
             shoulder_body: body_index.find(&description.landmarks.shoulder, &landmarks)?,
             elbow_body: body(&description.landmarks.elbow)?,
             wrist_body: body(&description.landmarks.wrist)?,
@@ -108,6 +113,29 @@ impl<'a> Index<'a> {
             nearest: Nearest::to(name, &self.names),
         })
     }
+}
+
+/// Sites of other fingers, by name.
+fn fingers(description: &ModelDescription, sites: &Index<'_>) -> Result<Vec<(String, usize)>, ModelError> {
+    let (fingers, landmarks) = (&description.landmarks.fingers, Element::new(ElementKind::Landmarks, ""));
+    if fingers.len() > MOST_FINGERS {
+        return Err(ModelError::TooManyFingers { count: fingers.len(), most: MOST_FINGERS });
+    }
+    if let Some(position) = fingers.keys().position(|name| name.trim().is_empty()) {
+        return Err(ModelError::EmptyName { kind: ElementKind::Landmarks, position: position + 1 });
+    }
+    if let Some(name) = fingers.keys().find(|name| name.as_str() == "fingertip") {
+        return Err(ModelError::ReservedFinger { name: name.clone() });
+    }
+    let mut tips = vec![("fingertip", &description.landmarks.fingertip)];
+    for (name, site) in fingers {
+        if let Some((one, _)) = tips.iter().find(|(_, tip)| *tip == site) {
+            let [site, one, other] = [site, *one, name].map(str::to_owned);
+            return Err(ModelError::SharedTip { site, one, other });
+        }
+        tips.push((name, site));
+    }
+    fingers.iter().map(|(name, site)| Ok((name.clone(), sites.find(site, &landmarks)?))).collect()
 }
 
 fn check_options(description: &ModelDescription) -> Result<(), ModelError> {

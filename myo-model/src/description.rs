@@ -10,6 +10,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 #[cfg(feature = "files")]
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 #[cfg(feature = "files")]
 mod flat;
@@ -98,6 +99,17 @@ pub struct Landmarks {
     /// Body whose origin is the wrist; rays ask for it.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
     pub wrist: Option<String>,
+    /// Sites of other fingers, by the names that tasks have for them, such as `thumb`; at most four.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "BTreeMap::is_empty"))]
+    pub fingers: BTreeMap<String, String>,
+}
+
+impl Landmarks {
+    /// A site that points, and a body that is the origin of target coordinates; nothing else.
+    pub fn new(fingertip: &str, shoulder: &str) -> Self {
+        let (fingertip, shoulder) = (fingertip.to_owned(), shoulder.to_owned());
+        Self { fingertip, shoulder, elbow: None, wrist: None, fingers: BTreeMap::new() }
+    }
 }
 
 /// A rigid body; its frame is placed in its parent's frame.

@@ -50,6 +50,34 @@ pub enum ModelError {
         /// Position in its list, from 1.
         position: usize,
     },
+    /// More fingers than tasks can ask for at once.
+    #[error(
+        "landmarks: `fingers` names {count} fingers beside the fingertip; at most {most} are followed, leave out the others"
+    )]
+    TooManyFingers {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// Two fingers with one tip.
+    #[error("landmarks: site `{site}` is the tip of `{one}` and of `{other}`; every finger has its own")]
+    SharedTip {
+        /// The site.
+        site: String,
+        /// A finger, or `fingertip`.
+        one: String,
+        /// Another.
+        other: String,
+    },
+    /// A finger with the name of what points anyway.
+    #[error(
+        "landmarks: a finger is named `{name}`, which tasks take for what points; choose another name, such as `thumb`"
+    )]
+    ReservedFinger {
+        /// The name.
+        name: String,
+    },
     /// A body took the name of the fixed root.
     #[error("a body is named `world`, which is reserved for the fixed root; choose another name")]
     ReservedName,

@@ -35,7 +35,7 @@ mod text;
 
 #[cfg(feature = "files")]
 pub use builtin::{builtin, builtin_names};
-pub use compile::FORMAT_VERSION;
+pub use compile::{FORMAT_VERSION, MOST_FINGERS};
 pub use description::ModelDescription;
 pub use error::{Element, ElementKind, ModelError};
 pub use model::Model;

@@ -36,6 +36,8 @@ pub struct Model {
     pub muscles: Vec<Muscle>,
     /// Index of the site that points and presses.
     pub fingertip_site: usize,
+    /// Names of other fingers and indices of their sites, in alphabetical order.
+    pub fingers: Vec<(String, usize)>,
     /// Index of the body whose origin in the zero pose is the origin of target coordinates.
     pub shoulder_body: usize,
     /// Index of the body whose origin is the elbow, where the description names one.

@@ -14,7 +14,7 @@ fn read(text: &str) -> Mjcf {
 }
 
 fn options(fingertip: &str, shoulder: &str) -> ImportOptions {
-    let landmarks = Landmarks { fingertip: fingertip.into(), shoulder: shoulder.into(), elbow: None, wrist: None };
+    let landmarks = Landmarks::new(fingertip, shoulder);
     ImportOptions { landmarks, without_contacts: false, locked: vec![] }
 }
 
@@ -50,7 +50,10 @@ fn what_was_exported_comes_back() {
         let model = Model::new(&builtin(name).unwrap()).unwrap();
         let text = to_mjcf(&model, &MjcfOptions::default());
         let site = &model.sites[model.fingertip_site].name;
-        let back = from_mjcf(&read(&text), &options(site, &model.bodies[model.shoulder_body].name)).unwrap();
+        let mut options = options(site, &model.bodies[model.shoulder_body].name);
+        let site = |&(ref finger, site): &(String, usize)| (finger.clone(), model.sites[site].name.clone());
+        options.landmarks.fingers = model.fingers.iter().map(site).collect();
+        let back = from_mjcf(&read(&text), &options).unwrap();
         let mut back = Model::new(&back).unwrap();
         // What MJCF does not know.
         (back.elbow_body, back.wrist_body, back.stature_m) = (model.elbow_body, model.wrist_body, model.stature_m);
@@ -66,6 +69,10 @@ fn what_was_exported_comes_back() {
         for (own, joint) in model.joints.iter().zip(&mut back.joints) {
             assert!((own.axis - joint.axis).norm() < 1e-12, "{name}: {}", own.name);
             joint.axis = own.axis;
+        }
+        for (own, geom) in model.geoms.iter().zip(&mut back.geoms) {
+            assert!(own.quat.angle_to(&geom.quat) < 1e-12, "{name}: {}", own.name);
+            geom.quat = own.quat;
         }
         for (own, wrap) in model.wraps.iter().zip(&mut back.wraps) {
             assert!(own.quat.angle_to(&wrap.quat) < 1e-12, "{name}: {}", own.name);

@@ -109,6 +109,23 @@ fn unknown_names_come_with_the_nearest_valid_ones() {
         |arm| arm.landmarks.fingertip = "finger".into(),
         "landmarks: unknown site `finger`; did you mean `fingertip`?",
     );
+    let fingers = |names: &[&str]| names.iter().map(|&name| (name.to_owned(), "fingertip".to_owned())).collect();
+    check(
+        |arm| arm.landmarks.fingers = [("thumb".to_owned(), "finger".to_owned())].into(),
+        "landmarks: unknown site `finger`; did you mean `fingertip`?",
+    );
+    check(
+        |arm| arm.landmarks.fingers = fingers(&["a", "b", "c", "d", "e"]),
+        "landmarks: `fingers` names 5 fingers beside the fingertip; at most 4 are followed, leave out the others",
+    );
+    check(
+        |arm| arm.landmarks.fingers = fingers(&["thumb"]),
+        "landmarks: site `fingertip` is the tip of `fingertip` and of `thumb`; every finger has its own",
+    );
+    check(
+        |arm| arm.landmarks.fingers = fingers(&["fingertip"]),
+        "landmarks: a finger is named `fingertip`, which tasks take for what points; choose another name, such as `thumb`",
+    );
 }
 
 #[test]

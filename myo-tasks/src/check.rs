@@ -57,6 +57,13 @@ pub trait Reach {
         self.distance_out_of_reach(point_rel_shoulder)
     }
 
+    /// What another finger reaches, by the name that the model has for it. `None`, the default, where that is not known: then it is not
+    /// checked.
+    fn of_finger(&self, name: &str) -> Option<&dyn Reach> {
+        let _ = name;
+        None
+    }
+
     /// Whether muscles can hold the fingertip still in some pose that was tried, in a sphere of this radius (m). `true`, the
     /// default, where nothing is known of muscles.
     fn can_hold(&self, centre_rel_shoulder: [f64; 3], radius: f64) -> bool {
@@ -98,9 +105,14 @@ pub fn check(task: &Task, reach: &dyn Reach) -> Report {
     rest_of_cursor(&flat, reach, &mut report);
     distances(&flat, &mut report);
     overlaps(&flat, &mut report);
-    reachability(&flat, reach, &mut report);
-    report.warnings.extend(runs(&flat).filter_map(|(element, object)| {
-        let steps = flat.steps_of(element.first).filter(|step| step.needs_hold());
+    reachability(&flat, reach, None, &mut report);
+    for (number, name) in flat.fingers.iter().enumerate() {
+        if let Some(reach) = reach.of_finger(name) {
+            reachability(&flat, reach, Some(number), &mut report);
+        }
+    }
+    report.warnings.extend(runs(&flat, None).filter_map(|(element, object)| {
+        let steps = flat.steps_of(element.first).filter(|step| step.lead.is_none() && step.needs_hold());
         let dwell_s = steps.filter_map(Step::dwell_s).reduce(f64::max)?;
         // What moves is not held still.
         let sphere = object.sphere().filter(|sphere| sphere.path.is_none())?;
@@ -231,12 +243,15 @@ fn overlaps(flat: &FlatTask, report: &mut Report) {
     }
 }
 
-/// What the script asks for against the model's reach.
-fn reachability(flat: &FlatTask, reach: &dyn Reach, report: &mut Report) {
-    for (target, object) in runs(flat) {
+/// What the script asks of a finger, or of what points without one, against its reach.
+fn reachability(flat: &FlatTask, reach: &dyn Reach, finger: Option<usize>, report: &mut Report) {
+    for (mut target, object) in runs(flat, finger) {
         let found = look(flat, target.first, object, reach);
         if found.missed().next().is_none() {
             continue;
+        }
+        if let Some(finger) = finger {
+            target.label = format!("{} (for the finger `{}`)", target.label, flat.fingers[finger]);
         }
         let (fraction, (worst, beyond_m)) = (found.fraction(), found.worst());
         let remedy = Box::new(remedy(object, &found, reach));
@@ -460,14 +475,16 @@ fn share<const N: usize>(test: impl Fn([f64; N]) -> bool) -> f64 {
     (0..SAMPLES).filter(|k| test(spread(*k))).count() as f64 / f64::from(SAMPLES)
 }
 
-/// Objects that the script asks for, and what corrects, equal ones in a row taken together.
-fn runs(flat: &FlatTask) -> impl Iterator<Item = (Element, &Object)> {
+/// Objects that the script asks a finger for, or without one what points, and then what corrects, too; equal ones in a row taken together.
+fn runs(flat: &FlatTask, finger: Option<usize>) -> impl Iterator<Item = (Element, &Object)> {
     let mut first = 0;
     flat.objects.chunk_by(is_alike).filter_map(move |run| {
         let (from, last) = (first, first + run.len() - 1);
         first += run.len();
-        let asks_for = |object| flat.steps.iter().any(|step| step.asks_for(object));
-        let is_wanted = (from..=last).any(|object| asks_for(object) || flat.correction == Some(object));
+        let is_wanted = (from..=last).any(|object| {
+            let corrects = finger.is_none() && flat.correction == Some(object);
+            corrects || flat.steps.iter().any(|step| step.asks_finger_for(finger, object))
+        });
         is_wanted.then(|| (Element::objects(flat, from, last), &run[0]))
     })
 }
@@ -476,7 +493,8 @@ fn runs(flat: &FlatTask) -> impl Iterator<Item = (Element, &Object)> {
 fn step_runs(flat: &FlatTask) -> impl Iterator<Item = (Element, &Step)> {
     let mut first = 0;
     let is_same = |a: &Step, b: &Step| {
-        (a.action, a.cue) == (b.action, b.cue) && is_alike(&flat.objects[a.object], &flat.objects[b.object])
+        let is_same = (a.action, a.cue, a.lead, a.pinch) == (b.action, b.cue, b.lead, b.pinch) && a.also == b.also;
+        is_same && is_alike(&flat.objects[a.object], &flat.objects[b.object])
     };
     flat.steps.chunk_by(is_same).map(move |run| {
         let last = first + run.len() - 1;

@@ -87,7 +87,7 @@ fn item(target: &Target) -> Item {
 fn instruction(target: &Target, name: &str) -> Instruction {
     let names = Names(vec![Name(name.to_owned())]);
     match target {
-        Target::Pointing(sphere) => Instruction::Dwell(Dwell { within: names, for_s: sphere.dwell_s }),
+        Target::Pointing(sphere) => Instruction::Dwell(Dwell::new(names, sphere.dwell_s)),
         Target::Pressing(_) => Instruction::Press(names),
     }
 }

@@ -390,6 +390,9 @@ pub struct Observation {
     /// From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and whether it is within the
     /// way: 1 or 0; in tasks with ways. Default true.
     pub steer: bool,
+    /// Whether the fingertip holds its button of several that are to be pressed at once: 1 or 0. From every other finger that the task asks for to where it must be, in m, how large that is, in m, whether the current step asks for it, and whether
+    /// it is ready: holds the button that it is to press with others, or is open for a pinch; 1 or 0, in tasks that ask for other fingers. Default true.
+    pub fingers: bool,
     /// From the fingertip to the nearest place of the surface of any box but the current target, in m, shortened to 1 where it is farther, and
     /// 1 downwards where there is none; in tasks with boxes. Default false.
     pub nearest_obstacle: bool,
@@ -528,7 +531,7 @@ impl Stimulus {
 
 impl Observation {
     /// Name of every part and whether it is wanted, in order.
-    pub fn parts(&self) -> [(&'static str, bool); 27] {
+    pub fn parts(&self) -> [(&'static str, bool); 29] {
         [
             ("joint_position", self.joint_position),
             ("joint_velocity", self.joint_velocity),
@@ -536,6 +539,7 @@ impl Observation {
             ("fingertip_position", self.fingertip_position),
             ("pointer_position", self.pointer_position),
             ("activation", self.activation),
+            ("fatigue", self.fatigue),
             ("control", self.control),
             ("target_position", self.target_position),
             ("target_size", self.target_size),
@@ -555,6 +559,7 @@ impl Observation {
             ("drag", self.drag),
             ("drive", self.drive),
             ("steer", self.steer),
+            ("fingers", self.fingers),
             ("nearest_obstacle", self.nearest_obstacle),
             ("traits", self.traits),
         ]
@@ -653,6 +658,7 @@ impl Default for Observation {
             drag: true,
             drive: true,
             steer: true,
+            fingers: true,
             nearest_obstacle: false,
             traits: false,
         }

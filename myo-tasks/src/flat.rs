@@ -32,6 +32,8 @@ pub struct FlatTask {
     pub correction: Option<usize>,
     /// What is shown.
     pub stimulus: Stimulus,
+    /// Names of fingers, beside the one that points, that steps ask for.
+    pub fingers: Vec<String>,
 }
 
 /// Steps in a row that are done in another order than they are written.
@@ -166,10 +168,36 @@ pub struct Step {
     pub among: Vec<usize>,
     /// What is to do with it.
     pub action: Action,
+    /// Number among [`FlatTask::fingers`] of the one that points or presses; none where the fingertip does, or what the technique makes of it.
+    pub lead: Option<usize>,
+    /// Where other fingers must be, or what they must press, at the same time.
+    pub also: Vec<Also>,
+    /// How another finger must come to the fingertip.
+    pub pinch: Option<Pinch>,
     /// What must be waited for.
     pub cue: Option<Cue>,
     /// Path of what asks for it in the file, such as `script[1].press[2]`.
     pub path: String,
+}
+
+/// Where another finger must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Also {
+    /// Its number among [`FlatTask::fingers`].
+    pub finger: usize,
+    /// Index of its sphere, or of the button that it must press.
+    pub object: usize,
+}
+
+/// How another finger must come to the fingertip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pinch {
+    /// Its number among [`FlatTask::fingers`].
+    pub finger: usize,
+    /// Nearer than this (m) they are together.
+    pub closer_than: f64,
+    /// Farther apart than this (m) they must have been before.
+    pub apart: f64,
 }
 
 /// What is to do with an object.
@@ -255,20 +283,31 @@ impl Task {
 impl FlatTask {
     /// How people call what a step asks for, such as `press keyboard.h`, or `target 3 (pressing)`.
     pub fn label(&self, step: usize) -> String {
-        let Object { name, shape, .. } = self.object(step);
-        let Step { action, among, .. } = &self.steps[step];
+        let (Object { name, .. }, Step { among, .. }) = (self.object(step), &self.steps[step]);
         let name = match among.last() {
             None => name.clone(),
             Some(&last) => format!("one of {name} to {}", self.objects[last].name),
         };
-        match (*action, shape) {
-            _ if self.object(step).is_target() => name,
+        if self.object(step).is_target() { name } else { self.words(step, &name) }
+    }
+
+    /// What is to do in a step, with what has this name.
+    pub(crate) fn words(&self, step: usize, name: &str) -> String {
+        let Step { action, pinch, lead, also, .. } = &self.steps[step];
+        match (*action, &self.object(step).shape) {
+            _ if pinch.is_some() => format!("pinch {name}"),
+            (action, _) if lead.is_some() || !also.is_empty() => {
+                let with = |finger: usize| format!(" with {}", self.fingers[finger]);
+                let others =
+                    also.iter().map(|also| format!(" and {}{}", self.objects[also.object].name, with(also.finger)));
+                format!("{}{}{}", action.with(name), lead.map(with).unwrap_or_default(), others.collect::<String>())
+            }
             (Action::Drag { to, .. }, Shape::Slider(slider)) => format!("drag {name} to {}", rounded(slider.value(to))),
             (Action::Swing { to, .. }, _) => format!("swing {name} to {} degrees", rounded(to.to_degrees())),
             (Action::Drive { vehicle, into, .. }, _) => {
                 format!("drive {} into {}", self.objects[vehicle].name, self.objects[into].name)
             }
-            (action, _) => action.with(&name),
+            (action, _) => action.with(name),
         }
     }
 
@@ -296,6 +335,25 @@ impl FlatTask {
         shifts
     }
 
+    /// Brings fingers into alphabetical order: scripts that ask for the same ones have one structure, whichever comes first.
+    pub(crate) fn sort_fingers(&mut self) {
+        let names = self.fingers.clone();
+        self.fingers.sort_unstable();
+        let now = |finger: &mut usize| {
+            *finger = self.fingers.iter().position(|name| *name == names[*finger]).unwrap_or(*finger);
+        };
+        for Step { lead, also, pinch, .. } in &mut self.steps {
+            let also = also.iter_mut().map(|also| &mut also.finger);
+            lead.iter_mut().chain(also).chain(pinch.iter_mut().map(|pinch| &mut pinch.finger)).for_each(now);
+        }
+    }
+
+    /// Numbers of the other fingers that are asked to press something.
+    pub fn pressing_fingers(&self) -> impl Iterator<Item = usize> {
+        let presses = self.steps.iter().filter(|step| step.dwell_s().is_none());
+        presses.flat_map(|step| step.lead.into_iter().chain(step.also.iter().map(|also| also.finger)))
+    }
+
     /// The steps that ask for an object.
     pub fn steps_of(&self, object: usize) -> impl Iterator<Item = &Step> {
         self.steps.iter().filter(move |step| step.asks_for(object))
@@ -320,6 +378,11 @@ impl Action {
 }
 
 impl Step {
+    /// One that asks the same of one object, and nothing of other fingers.
+    pub(crate) const fn new(object: usize, action: Action, cue: Option<Cue>, path: String) -> Self {
+        Self { object, among: vec![], action, lead: None, also: vec![], pinch: None, cue, path }
+    }
+
     /// All objects that it may ask for.
     pub fn objects(&self) -> impl Iterator<Item = usize> + '_ {
         let alone = self.among.is_empty().then_some(self.object);
@@ -329,6 +392,17 @@ impl Step {
     /// Whether it asks for an object, or may.
     pub fn asks_for(&self, object: usize) -> bool {
         self.objects().any(|own| own == object)
+    }
+
+    /// Whether it asks any finger for an object, or may.
+    pub fn involves(&self, object: usize) -> bool {
+        self.asks_for(object) || self.also.iter().any(|also| also.object == object)
+    }
+
+    /// Whether it asks for an object, or may, with a finger of this number; none is what points without one.
+    pub fn asks_finger_for(&self, finger: Option<usize>, object: usize) -> bool {
+        let also = || self.also.iter().any(|also| (Some(also.finger), also.object) == (finger, object));
+        self.lead == finger && self.asks_for(object) || also()
     }
 
     /// Seconds to stay; none where it is no dwell.
@@ -542,7 +616,7 @@ pub(crate) fn of_targets(targets: &[Target]) -> FlatTask {
                 shift: None,
                 growth: None,
             });
-            flat.steps.push(Step { object, among: vec![], action, cue: None, path });
+            flat.steps.push(Step::new(object, action, None, path));
         }
     }
     flat

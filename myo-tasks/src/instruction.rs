@@ -31,7 +31,9 @@ macro_rules! instructions {
 
 instructions! {
     "dwell" => Dwell, "{in: NAME, for_s: 0.3}";
+    "pinch" => Pinch, "{in: NAME}";
     "press" => Press, "NAME";
+    "press_with" => PressWith, "{fingertip: NAME, thumb: NAME}";
     "press_and_release" => PressAndRelease, "NAME";
     "drag" => Drag, "{slider: NAME, to: 70, within: 2}";
     "swing" => Swing, "{stick: NAME, to_deg: 30, within_deg: 3}";

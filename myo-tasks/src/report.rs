@@ -63,7 +63,7 @@ impl Element {
         } else if first == last {
             format!("step {} ({})", first + 1, flat.label(first))
         } else {
-            format!("steps {} to {} ({})", first + 1, last + 1, from.action.with(&objects.label))
+            format!("steps {} to {} ({})", first + 1, last + 1, flat.words(first, &objects.label))
         };
         Self { first, last, label, path: from.path.clone(), ..objects }
     }

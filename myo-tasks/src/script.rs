@@ -5,6 +5,7 @@ use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_saphyr::FlowSeq;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::notation::Name;
@@ -16,9 +17,14 @@ use crate::range::Range;
 pub enum Instruction {
     /// Stay in spheres: `dwell: {in: slot, for_s: 0.3}`.
     Dwell(Dwell),
+    /// Bring another finger to the fingertip while what points is in spheres: `pinch: {in: item}`.
+    Pinch(Pinch),
     /// Press buttons: `press: [1, 3, 3, 5]`. A button is done as soon as it is pressed hard enough; one that is pressed twice
     /// in a row must be let go in between.
     Press(Names),
+    /// Press a button with each of these fingers, all at the same time: `press_with: {fingertip: c, thumb: e}`. It is done once all are down;
+    /// each must be lifted before it can press again.
+    PressWith(BTreeMap<String, Name>),
     /// Press buttons and let go of them: `press_and_release: [1, 3, 3, 5]`. A button is done when it is let go.
     PressAndRelease(Names),
     /// Drag the handle of a slider to a value and let go of it there: `drag: {slider: volume, to: 70, within: 2}`.
@@ -59,6 +65,34 @@ pub struct Dwell {
     pub within: Names,
     /// How long in each without a break, in s, from 0 to 600; to the physics step, at least one.
     pub for_s: f64,
+    /// The finger that must be inside, by the name that the body's model has for it. Without it: the fingertip, or what points in its place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with: Option<String>,
+    /// Spheres in which other fingers must be at the same time, by the names that the body's model has for them: `{thumb: left}`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub also: BTreeMap<String, Name>,
+}
+
+/// Spheres in which to pinch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pinch {
+    /// Names of the spheres, or of groups of them, in the order in which to pinch in them. What points must be inside as fingers close: a ray
+    /// pinches from afar.
+    #[serde(rename = "in")]
+    pub within: Names,
+    /// The finger that comes to the fingertip, by the name that the body's model has for it. Default `thumb`.
+    #[serde(default = "thumb")]
+    pub with: String,
+    /// How long both stay together in each, in s, from 0 to 600; to the physics step, at least one. Default 0.
+    #[serde(default)]
+    pub for_s: f64,
+    /// How near tips are together, in m, from 0.001 to 0.2. Default 0.02.
+    #[serde(default = "together")]
+    pub closer_than: f64,
+    /// How far they must have been apart before, in m, from `closer_than` to 0.4. Default 0.035.
+    #[serde(default = "apart")]
+    pub apart: f64,
 }
 
 /// A slider to be moved.
@@ -169,6 +203,25 @@ pub struct Repeat {
 /// One or several names, in a file `slot`, `3` or `[1, 3, 3, 5]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names(pub Vec<Name>);
+
+impl Dwell {
+    /// To stay in spheres, whatever other fingers do.
+    pub const fn new(within: Names, for_s: f64) -> Self {
+        Self { within, for_s, with: None, also: BTreeMap::new() }
+    }
+}
+
+fn thumb() -> String {
+    "thumb".to_owned()
+}
+
+fn together() -> f64 {
+    0.02
+}
+
+fn apart() -> f64 {
+    0.035
+}
 
 fn nearly_still() -> f64 {
     0.05

@@ -1,15 +1,17 @@
 //! From the script of a file to every step.
 
-use myo_model::Nearest;
+use myo_model::{MOST_FINGERS, Nearest};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 
+use crate::description::Stimulus;
 use crate::expand::{Builder, STEPS_MAX, join, with_article};
-use crate::flat::{Action, Cue, Object, Order, Shape, Sphere, Step};
+use crate::flat::{self, Action, Also, Cue, Object, Order, Shape, Sphere, Step};
 use crate::motion::Path;
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::range::Range;
-use crate::script::{Drag, Drive, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
+use crate::script::{self, Drag, Drive, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
 use crate::spoken::spoken;
 use crate::target::DWELL;
 use crate::technique::Technique;
@@ -17,6 +19,10 @@ use crate::technique::Technique;
 /// Most steps that change places with each other: each is told from every other in one line of code.
 const ORDER_MAX: usize = 32;
 const WIDTH: Quantity = Quantity::between(0.002, 4.0, "m");
+const TOGETHER: Quantity = Quantity::between(0.001, 0.2, "m");
+/// What points, where fingers are named.
+const FINGERTIP: &str = "fingertip";
+const APART_MAX: f64 = 0.4;
 const SPEED: Quantity = Quantity::between(0.001, 10.0, "m/s");
 const WAIT: Quantity = Quantity::between(0.0, 600.0, "s");
 
@@ -27,6 +33,7 @@ impl Builder {
         if !self.errors.is_empty() {
             return;
         }
+        self.flat.sort_fingers();
         if self.flat.steps.is_empty() {
             let problem = "has no step; write what is to do, such as `- press: [1, 2]`";
             return self.refuse("script", "the script", problem.into());
@@ -40,17 +47,30 @@ impl Builder {
         }
         if !technique.is_fingertip() {
             self.no_press(technique);
+            self.no_lead(technique);
+        }
+        if self.flat.stimulus == Stimulus::BeforeMovement
+            && let Some(step) = self.flat.steps.iter().find(|step| !step.also.is_empty())
+        {
+            let problem = "asks for several fingers at once, whose places are not remembered; take another `stimulus`";
+            self.refuse(&step.path.clone(), "the step", problem.into());
         }
     }
 
-    /// Only the fingertip can press.
+    /// Only fingers can press.
     fn no_press(&mut self, technique: &Technique) {
         let Some(step) = self.flat.steps.iter().find(|step| step.dwell_s().is_none()) else { return };
         let (path, word) =
             (step.path.clone(), if matches!(step.action, Action::Drag { .. }) { "drag" } else { "press" });
-        let problem =
-            format!("cannot {word}, only the fingertip can; take spheres to dwell in, or `technique: fingertip`");
+        let problem = format!("cannot {word}, only fingers can; take spheres to dwell in, or `technique: fingertip`");
         self.refuse(&path, technique.name(), problem);
+    }
+
+    /// Where something else points no finger leads.
+    fn no_lead(&mut self, technique: &Technique) {
+        let Some(step) = self.flat.steps.iter().find(|step| step.lead.is_some()) else { return };
+        let problem = "points, and no finger can do so in its place (`with`); take `technique: fingertip`";
+        self.refuse(&step.path.clone(), technique.name(), problem.into());
     }
 
     fn script(&mut self, script: &[Instruction], path: &str) {
@@ -58,7 +78,9 @@ impl Builder {
             let path = format!("{path}[{k}]");
             match instruction {
                 Instruction::Dwell(dwell) => self.dwell(dwell, &format!("{path}.dwell")),
+                Instruction::Pinch(pinch) => self.pinch(pinch, &format!("{path}.pinch")),
                 Instruction::Press(names) => self.press(&names.0, Action::Press, &format!("{path}.press")),
+                Instruction::PressWith(fingers) => self.press_with(fingers, &format!("{path}.press_with")),
                 Instruction::PressAndRelease(names) => {
                     self.press(&names.0, Action::PressAndRelease, &format!("{path}.press_and_release"));
                 }
@@ -94,25 +116,122 @@ impl Builder {
             return;
         }
         let cue = self.cue.take();
-        self.flat.steps.push(Step { object, among: vec![], action, cue, path: path.to_owned() });
+        self.flat.steps.push(Step::new(object, action, cue, path.to_owned()));
     }
 
     fn dwell(&mut self, dwell: &Dwell, path: &str) {
-        if let Err(problem) = DWELL.check(dwell.for_s) {
+        let first = self.flat.steps.len();
+        self.stay(&dwell.within, dwell.for_s, path, |kind| {
+            format!("is {kind}; the fingertip can dwell in spheres only")
+        });
+        let lead = dwell.with.as_ref().filter(|name| *name != FINGERTIP);
+        let lead = lead.and_then(|name| self.finger(name, &format!("{path}.with")));
+        let also = self.also(&dwell.also, path);
+        if also.iter().any(|also| Some(also.finger) == lead) {
+            let problem = "asks twice for one finger; leave it out of `also`".into();
+            return self.refuse(&format!("{path}.also"), "the dwell", problem);
+        }
+        for step in &mut self.flat.steps[first..] {
+            step.also.clone_from(&also);
+            step.lead = lead;
+        }
+    }
+
+    fn press_with(&mut self, fingers: &BTreeMap<String, Name>, path: &str) {
+        // The fingertip points where it is asked for, else the first.
+        let first = |name: &&String| *name != FINGERTIP;
+        let mut order: Vec<(&String, &Name)> = fingers.iter().collect();
+        order.sort_by_key(|(name, _)| first(name));
+        let mut all = vec![];
+        for (name, button) in order {
+            let path = format!("{path}.{name}");
+            let finger = if name == FINGERTIP { Some(None) } else { self.finger(name, &path).map(Some) };
+            let (Some(finger), Some(object)) = (finger, self.only(&button.0, &path)) else { return };
+            if !matches!(self.flat.objects[object].shape, Shape::Button(_)) {
+                return self.refuse_object(&path, object, |kind| format!("is {kind}; only buttons can be pressed"));
+            }
+            all.push((finger, object));
+        }
+        let Some(&(lead, object)) = all.first() else {
+            let problem = "names no finger; write what each presses, such as `{fingertip: c, thumb: e}`".into();
+            return self.refuse_value(path, problem);
+        };
+        let steps = self.flat.steps.len();
+        self.step(object, Action::Press, path);
+        let also = all[1..].iter().filter_map(|&(finger, object)| Some(Also { finger: finger?, object })).collect();
+        if let Some(step) = self.flat.steps.get_mut(steps) {
+            (step.lead, step.also) = (lead, also);
+        }
+    }
+
+    fn pinch(&mut self, pinch: &script::Pinch, path: &str) {
+        let (closer_than, apart) = (pinch.closer_than, pinch.apart);
+        if let Err(problem) = TOGETHER.check(closer_than) {
+            return self.refuse_value(&format!("{path}.closer_than"), problem.message().to_owned());
+        }
+        if !(closer_than..=APART_MAX).contains(&apart) {
+            let problem = format!("is {apart}; it must be from {closer_than} (`closer_than`) to {APART_MAX} m");
+            return self.refuse_value(&format!("{path}.apart"), problem);
+        }
+        let Some(finger) = self.finger(&pinch.with, &format!("{path}.with")) else { return };
+        let first = self.flat.steps.len();
+        self.stay(&pinch.within, pinch.for_s, path, |kind| format!("is {kind}; take a sphere to pinch in"));
+        for step in &mut self.flat.steps[first..] {
+            step.pinch = Some(flat::Pinch { finger, closer_than, apart });
+        }
+    }
+
+    /// Steps to stay in spheres; `problem` is what is wrong with objects of another kind.
+    fn stay(&mut self, within: &Names, for_s: f64, path: &str, problem: fn(&str) -> String) {
+        if let Err(problem) = DWELL.check(for_s) {
             self.refuse(&format!("{path}.for_s"), "the dwell", problem.message().to_owned());
         }
-        for name in &dwell.within.0 {
+        for name in &within.0 {
             let path_in = format!("{path}.in");
             for object in self.find(&name.0, &path_in) {
                 if self.flat.objects[object].sphere().is_some() {
-                    self.step(object, Action::Dwell(dwell.for_s), path);
+                    self.step(object, Action::Dwell(for_s), path);
                 } else {
-                    self.refuse_object(&path_in, object, |kind| {
-                        format!("is {kind}; the fingertip can dwell in spheres only")
-                    });
+                    self.refuse_object(&path_in, object, problem);
                 }
             }
         }
+    }
+
+    /// Where other fingers must be.
+    fn also(&mut self, also: &BTreeMap<String, Name>, path: &str) -> Vec<Also> {
+        let mut all = vec![];
+        for (name, sphere) in also {
+            let path = format!("{path}.also.{name}");
+            let (finger, object) = (self.finger(name, &path), self.only(&sphere.0, &path));
+            let (Some(finger), Some(object)) = (finger, object) else { continue };
+            if self.flat.objects[object].sphere().is_none() {
+                self.refuse_object(&path, object, |kind| format!("is {kind}; fingers can be in spheres only"));
+            }
+            all.push(Also { finger, object });
+        }
+        all
+    }
+
+    /// Number of a finger among those that steps ask for; none, and an error, where it cannot be one.
+    fn finger(&mut self, name: &str, path: &str) -> Option<usize> {
+        if name.trim().is_empty() || name == FINGERTIP {
+            let problem = "is no other finger; take the name of one in the landmarks of the model, such as `thumb`";
+            self.refuse(path, &format!("`{name}`"), problem.into());
+            return None;
+        }
+        let fingers = &mut self.flat.fingers;
+        if let Some(known) = fingers.iter().position(|known| known == name) {
+            return Some(known);
+        }
+        if fingers.len() == MOST_FINGERS {
+            let problem =
+                format!("is one more than {MOST_FINGERS} other fingers, which are all that a script can ask for");
+            self.refuse(path, &format!("`{name}`"), problem);
+            return None;
+        }
+        fingers.push(name.to_owned());
+        Some(fingers.len() - 1)
     }
 
     /// Steps to follow or to track moving spheres.
@@ -450,6 +569,11 @@ impl Builder {
 
     /// Steps that the user may take in any order, from step `first` on, are those that are told by where the pointer is.
     fn only_free_steps(&mut self, first: usize, path: &str) {
+        if let Some(step) = self.flat.steps[first..].iter().find(|step| !step.also.is_empty()) {
+            let problem = "asks for several fingers at once, of which none tells by where it is which step is meant; write it outside";
+            let (at, subject) = (step.path.clone(), spoken(path));
+            return self.refuse(&at, &subject, problem.into());
+        }
         let is_free = |step: &Step| {
             step.cue.is_none() && matches!(step.action, Action::Dwell(_) | Action::Press | Action::PressAndRelease)
         };

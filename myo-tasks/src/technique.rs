@@ -17,8 +17,8 @@ const GAIN: Quantity = Quantity::between(0.01, 100.0, "");
 const RATE: Quantity = Quantity::between(0.01, 100.0, "1/s");
 const GROWTH: Quantity = Quantity::between(0.0, 100.0, "1/m");
 
-/// What points: every step of the script goes by one pointer, which the technique makes of the body's posture. Only the
-/// fingertip can press and drag.
+/// What points: every step of the script goes by one pointer, which the technique makes of the body's posture. Only
+/// fingers can press and drag.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[schemars(transform = or_a_word)]

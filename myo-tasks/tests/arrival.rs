@@ -8,7 +8,7 @@ use myo_tasks::{Pointing, Pressing, Range, Region, Target, Task};
 const SUBSTEPS: usize = 25;
 /// A point that is in no target and on no button.
 const AWAY: Point<f64> = [0.0; 3];
-const NO_CONTACT: Contact<f64> = Contact { exists: false, number: 0.0, force: 0.0, facing: 1.0 };
+const NO_CONTACT: Contact<f64> = Contact { exists: false, finger: 0, number: 0.0, force: 0.0, facing: 1.0 };
 
 /// A sphere of 5 cm around a point `x` m ahead; its dwell in control steps.
 fn sphere(x: f64, dwell: u32) -> Target {
@@ -30,7 +30,7 @@ fn button() -> Target {
 
 /// A contact with a button.
 fn touch(button: usize, force: f64) -> Contact<f64> {
-    Contact { exists: true, number: button as f64, force, facing: 1.0 }
+    Contact { exists: true, finger: 0, number: button as f64, force, facing: 1.0 }
 }
 
 /// Moves through the targets; `body` says where the fingertip is and what it touches at a physics step since the reset.
@@ -58,7 +58,7 @@ fn run_at(
         let mut stay = Stay::new(&state, &goal);
         for now in step * substeps..(step + 1) * substeps {
             let (fingertip, contact) = body(now);
-            stay.follow(&compiled, &goal, fingertip, share, std::iter::once(contact));
+            stay.follow(&compiled, &goal, &Landmarks::unknown(), fingertip, share, std::iter::once(contact));
         }
         let end = (step + 1) * substeps;
         let sensed = Sensed { body: Landmarks::unknown(), pointer: body(end).0, stay, now: end as f64 };
@@ -196,7 +196,7 @@ fn no_rounding_adds_up() {
             let goal = Goal::of(&compiled, &state);
             let mut stay = Stay::new(&state, &goal);
             let inside = |stay: &mut Stay<f32>| {
-                stay.follow(&compiled, &goal, [0.0; 3], share, std::iter::empty());
+                stay.follow(&compiled, &goal, &Landmarks::unknown(), [0.0; 3], share, std::iter::empty());
                 stay.pressed
             };
             assert_eq!(inside(&mut stay), 0.0, "{steps} steps, {substeps} a control step");

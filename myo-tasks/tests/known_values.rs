@@ -2,8 +2,8 @@
 
 use crate::common::version_1;
 use myo_tasks::logic::{
-    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, Progress, Ride, Sensed, Stay, Steering, TaskState, Tracking,
-    advance, distance_to_goal, inside, remaining_path, reward,
+    CompiledTask, Contact, Efforts, Goal, Hold, Landmarks, PRESSERS, Progress, Ride, Sensed, Stay, Steering, TaskState,
+    Tracking, advance, distance_to_goal, inside, remaining_path, reward,
 };
 use myo_tasks::{Pointing, Pressing, Range, Region, Reward, Target, Task};
 
@@ -49,13 +49,14 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
         pressed,
         let_go,
         down: 0.0,
-        landed: -1.0,
-        grounded: 0.0,
+        pressing: [myo_tasks::logic::Pressing::in_the_air(); PRESSERS],
+        holds: [0.0; PRESSERS],
         wrong_presses: 0.0,
         value: 0.0,
         steering: Steering::new(),
         hold: Hold { angle: 0.0, held: 0.0 },
         ride: Ride { along: 0.0, speed: 0.0 },
+        open: 0.0,
         passed: 0.0,
         cursor: [0.0; 2],
     };
@@ -65,9 +66,16 @@ fn at(fingertip: [f64; 3]) -> Sensed<f64> {
 /// The fingertip pressing a button for some physics steps, as it was followed.
 fn pressing(task: &CompiledTask<f64>, state: &TaskState<f64>, button: usize, force: f64) -> Sensed<f64> {
     let mut sensed = at([0.0; 3]);
-    let contact = Contact { exists: true, number: button as f64, force, facing: 1.0 };
+    let contact = Contact { exists: true, finger: 0, number: button as f64, force, facing: 1.0 };
     for _ in 0..5 {
-        sensed.stay.follow(task, &Goal::of(task, state), [0.0; 3], SHARE, std::iter::once(contact));
+        sensed.stay.follow(
+            task,
+            &Goal::of(task, state),
+            &Landmarks::unknown(),
+            [0.0; 3],
+            SHARE,
+            std::iter::once(contact),
+        );
     }
     sensed
 }
@@ -77,7 +85,7 @@ fn staying(task: &CompiledTask<f64>, state: &TaskState<f64>, fingertip: [f64; 3]
     let (mut sensed, goal) = (at(fingertip), Goal::of(task, state));
     sensed.stay = Stay::new(state, &goal);
     for _ in 0..25 {
-        sensed.stay.follow(task, &goal, fingertip, SHARE, std::iter::empty());
+        sensed.stay.follow(task, &goal, &Landmarks::unknown(), fingertip, SHARE, std::iter::empty());
     }
     sensed
 }

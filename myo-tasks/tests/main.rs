@@ -5,6 +5,7 @@ mod common;
 mod arrival;
 mod bad_input;
 mod driving;
+mod fingers;
 mod known_values;
 mod limits;
 mod motions;

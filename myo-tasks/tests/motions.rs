@@ -302,7 +302,7 @@ fn the_farthest_places_of_a_random_way_are_looked_at() {
 
 /// A body with these places.
 fn body(elbow: [f64; 3], wrist: [f64; 3], fingertip: [f64; 3]) -> Landmarks<f64> {
-    Landmarks { fingertip, elbow, wrist, cursor: [0.0; 2] }
+    Landmarks { fingertip, elbow, wrist, ..Landmarks::unknown() }
 }
 
 fn pointer(technique: &str) -> Pointer<f64> {
@@ -503,11 +503,11 @@ fn what_cannot_be_is_refused_by_name_and_place() {
         (with(ray, WALL, "  - press: wall"), "`wall` is an obstacle; only buttons can be pressed"),
         (
             with(ray, &format!("{WALL}\n{LAMPS}"), "  - press: lamps.1"),
-            "t.yaml:8:12: a ray cannot press, only the fingertip can; take spheres to dwell in, or `technique: fingertip`",
+            "t.yaml:8:12: a ray cannot press, only fingers can; take spheres to dwell in, or `technique: fingertip`",
         ),
         (
             with(ray, &format!("{WALL}\n{SLIDER}"), "  - drag: {slider: s, to: 70, within: 5}"),
-            "a ray cannot drag, only the fingertip can",
+            "a ray cannot drag, only fingers can",
         ),
         (
             with("{kind: ray, from: hand, onto: wal}", WALL, spots),

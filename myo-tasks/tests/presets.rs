@@ -15,7 +15,12 @@ fn presets_are_sound() {
         let task = preset(name).unwrap();
         assert_eq!(task.name, name);
         let published = ["pointing-single", "pointing-replication"].contains(&name) || name.ends_with("-uitb");
-        let who = if published { ("mobl-arms-uitb", User::Fastest) } else { ("myo-arm", User::Human) };
+        let of_hands = ["pinch", "chord"].contains(&name) || name.starts_with("hand-");
+        let who = match (published, of_hands) {
+            (true, _) => ("mobl-arms-uitb", User::Fastest),
+            (_, true) => ("myo-hand", User::Human),
+            _ => ("myo-arm", User::Human),
+        };
         assert_eq!((task.model.as_str(), task.user), who, "{name}");
         assert_eq!(check(&task, &Anywhere), Default::default(), "{name}");
         assert!(preset_text(name).unwrap().starts_with(SCHEMA_HINT), "{name}");

@@ -252,7 +252,7 @@ fn a_word_that_stands_alone_is_told_what_it_lacks() {
     refused(
         ball,
         "  - pres",
-        "t.yaml:6:5: unknown value `pres` in `script`; did you mean `press` or `press_and_release`?",
+        "t.yaml:6:5: unknown value `pres` in `script`; did you mean `press`, `press_with` or `press_and_release`?",
     );
     refused(
         ball,
@@ -362,8 +362,9 @@ fn press(script: &str, contact: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)
         let mut stay = Stay::new(&state, &goal);
         for now in step * SUBSTEPS..(step + 1) * SUBSTEPS {
             let touch = contact(now);
-            let contact = Contact { exists: touch.is_some(), number: 0.0, force: touch.unwrap_or(0.0), facing: 1.0 };
-            stay.follow(&task, &goal, [0.0; 3], 1.0 / SUBSTEPS as f64, std::iter::once(contact));
+            let contact =
+                Contact { exists: touch.is_some(), finger: 0, number: 0.0, force: touch.unwrap_or(0.0), facing: 1.0 };
+            stay.follow(&task, &goal, &Landmarks::unknown(), [0.0; 3], 1.0 / SUBSTEPS as f64, std::iter::once(contact));
         }
         let sensed =
             Sensed { body: Landmarks::unknown(), pointer: [0.0; 3], stay, now: ((step + 1) * SUBSTEPS) as f64 };
@@ -430,12 +431,12 @@ fn wrong_presses(contact: impl Fn(usize) -> Vec<(f64, f64)>) -> Vec<f64> {
         let goal = Goal::of(&task, &state);
         let mut stay = Stay::new(&state, &goal);
         for now in step * 25..(step + 1) * 25 {
-            let none = Contact { exists: false, number: 0.0, force: 0.0, facing: 1.0 };
+            let none = Contact { exists: false, finger: 0, number: 0.0, force: 0.0, facing: 1.0 };
             let mut contacts = [none; 2];
             for (slot, (number, force)) in contacts.iter_mut().zip(contact(now)) {
-                *slot = Contact { exists: true, number, force, facing: 1.0 };
+                *slot = Contact { exists: true, finger: 0, number, force, facing: 1.0 };
             }
-            stay.follow(&task, &goal, [0.0; 3], 0.04, contacts.into_iter());
+            stay.follow(&task, &goal, &Landmarks::unknown(), [0.0; 3], 0.04, contacts.into_iter());
         }
         let sensed = Sensed { body: Landmarks::unknown(), pointer: [0.0; 3], stay, now: ((step + 1) * 25) as f64 };
         counted.push(advance(&task, &goal, &sensed, &mut state, 0.04).wrong_presses);

@@ -37,12 +37,13 @@ fn touched(task: &Task, contacts: &[(usize, usize, f64, f64, f64)]) -> Told {
         let mut stay = Stay::new(&state, &goal);
         for now in step * SUBSTEPS..(step + 1) * SUBSTEPS {
             let here = contacts.iter().map(|&(from, to, number, force, facing)| Contact {
+                finger: 0,
                 exists: (from..to).contains(&now),
                 number,
                 force,
                 facing,
             });
-            stay.follow(&task, &goal, [0.0; 3], SHARE, here);
+            stay.follow(&task, &goal, &Landmarks::unknown(), [0.0; 3], SHARE, here);
         }
         told.squared_force += stay.squared_force;
         let now = ((step + 1) * SUBSTEPS) as f64;

@@ -1,6 +1,6 @@
 """The compiled half of `myoenv`. Arrays are NumPy's; lengths m, times s, forces N, angles rad."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Self, final
 
@@ -208,6 +208,7 @@ class Model:
     def from_mjcf(
         file: str | PathLike[str],
         landmarks: tuple[str, str, str | None, str | None],
+        fingers: Mapping[str, str],
         without_contacts: bool,
         locked: Sequence[str],
         root: str | PathLike[str] | None,

@@ -81,6 +81,7 @@ def import_model(
     shoulder: str,
     elbow: str | None = None,
     wrist: str | None = None,
+    fingers: Mapping[str, str] | None = None,
     without_contacts: bool = False,
     lock: Sequence[str] = (),
     root: str | PathLike[str] | None = None,
@@ -99,6 +100,8 @@ def import_model(
         shoulder: Body whose origin is the centre of the shoulder, from which places are measured.
         elbow: Body whose origin is the elbow, for rays from the forearm.
         wrist: Body whose origin is the wrist, for rays.
+        fingers: Sites of other fingers by the names that tasks have for them, such as `{"thumb": "THtip_r"}`; at most
+            four.
         without_contacts: Whether parts of the body pass through each other.
         lock: Joints that stand still as in the pose of the file, with those that follow them.
         root: Folder outside of which no file is opened; by default that of the file.
@@ -109,9 +112,14 @@ def import_model(
             raise TypeError(f"{name} is {value!r}; it must be a name")
     if isinstance(lock, str) or not all(isinstance(name, str) for name in lock):
         raise TypeError(f"lock is {lock!r}; it must be a list of names")
+    others = dict(fingers or {})
+    if not all(isinstance(name, str) for name in [*others, *others.values()]):
+        raise TypeError(f"fingers is {fingers!r}; it must have names of sites by names of fingers")
     below = None if root is None else as_path("root", root)
     landmarks = (fingertip, shoulder, elbow, wrist)
-    model, passed_over = Model.from_mjcf(as_path("file", file), landmarks, bool(without_contacts), list(lock), below)
+    model, passed_over = Model.from_mjcf(
+        as_path("file", file), landmarks, others, bool(without_contacts), list(lock), below
+    )
     if passed_over:
         what = ", ".join(passed_over)
         warnings.warn(f"passed over, as they have no part in the simulation: {what}", UserWarning, stacklevel=2)

@@ -10,6 +10,7 @@ use crate::impedance::Impedance;
 use myo_model::Model;
 use myo_model::description::{JointKind, Shape};
 use myo_muscle::Muscle;
+use myo_nearest::Nearest;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::collections::BTreeSet;
 
@@ -33,9 +34,41 @@ impl Plan<f64> {
         Ok(self)
     }
 
+    /// The same, and it keeps where these of the model's fingers are, in this order, and what they press with; the others press nothing. To be asked of an exact plan, before it is
+    /// specialised.
+    ///
+    /// # Errors
+    /// [`PlanError::NoFinger`]: the model has none of a name.
+    pub fn with_fingers(mut self, model: &Model, names: &[String]) -> Result<Self, PlanError> {
+        let known: Vec<&str> = model.fingers.iter().map(|(name, _)| name.as_str()).collect();
+        let number = |name: &String| match known.iter().position(|known| known == name) {
+            Some(number) => Ok(number),
+            None => Err(PlanError::NoFinger { name: name.clone(), nearest: Nearest::to(name, &known) }),
+        };
+        let kept = names.iter().map(number).collect::<Result<Vec<usize>, _>>()?;
+        self.fingers = kept.iter().map(|&number| self.elements.sites[model.fingers[number].1]).collect();
+        self.contact_spheres.retain_mut(|sphere| {
+            let now = sphere.finger.checked_sub(1).map(|number| kept.iter().position(|&kept| kept == number));
+            sphere.finger = now.flatten().map_or(0, |place| place + 1);
+            now.is_none_or(|place| place.is_some())
+        });
+        self.contact_spheres.sort_by_key(|sphere| sphere.finger);
+        // Coordinates feel each other through what is left.
+        self.connect();
+        Ok(self)
+    }
+
+    /// Refuses to press with one of the fingers that it keeps, by its number, if nothing of it does.
+    ///
+    /// # Errors
+    /// [`PlanError::PressesNothing`].
+    pub fn check_presses(&self, finger: usize, name: &str) -> Result<(), PlanError> {
+        let presses = self.contact_spheres.iter().any(|sphere| sphere.finger == finger + 1);
+        if presses { Ok(()) } else { Err(PlanError::PressesNothing { name: name.to_owned() }) }
+    }
+
     /// Compiles a model without any shortcut: the reference that everything else is compared with.
     pub fn exact(model: &Model, coupling: CouplingMode) -> Result<Self, PlanError> {
-        check_geoms(model)?;
         if model.muscles.is_empty() {
             return Err(PlanError::NoMuscles);
         }
@@ -47,7 +80,7 @@ impl Plan<f64> {
         let tendons = tendons(model, &tree)?;
         let tendon_limits = tendon_limits(model, &tree);
         let bodies = tree.bodies(model);
-        let sphere = model.pressing_geoms().next().map(|geom| contact_sphere(model, &tree, geom));
+        let contact_spheres = contact_spheres(model, &tree)?;
         let pairs = pairs::pairs(model, &tree)?;
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
@@ -79,7 +112,8 @@ impl Plan<f64> {
             tendon_limits,
             fingertip,
             arm: None,
-            contact_sphere: sphere,
+            fingers: vec![],
+            contact_spheres,
             pairs,
             joints: coordinates.joints,
             elements,
@@ -103,13 +137,13 @@ impl Plan<f64> {
     pub(super) fn connect(&mut self) {
         let mut used: BTreeSet<usize> = self.bodies.iter().map(|b| b.link).collect();
         used.extend(self.tendons.pairs.iter().flat_map(|pair| [pair.a, pair.b]));
-        used.extend(self.contact_sphere.iter().map(|sphere| sphere.centre.link));
+        used.extend(self.contact_spheres.iter().map(|sphere| sphere.centre.link));
         used.extend(self.pairs.iter().flat_map(ContactPair::links));
         used.extend(self.tendons.stretches().flat_map(Stretch::pulled_links));
         used.remove(&0);
         sets::connect(self, &used);
         self.elimination = Elimination::of(self);
-        if let Some(sphere) = &mut self.contact_sphere {
+        for sphere in &mut self.contact_spheres {
             sphere.movers = Movers::of([0, sphere.centre.link], &self.links, &self.elimination);
         }
         for pair in &mut self.pairs {
@@ -149,8 +183,8 @@ impl Plan<f64> {
         for (equality, coupling) in self.equalities.iter_mut().zip(&model.couplings) {
             equality.diagonal = of(coupling.dependent) + coupling.independent.map_or(0.0, of);
         }
-        if let Some(sphere) = &mut self.contact_sphere {
-            sphere.diagonal = reference.sphere_inverse_mass;
+        for (sphere, &mass) in self.contact_spheres.iter_mut().zip(&reference.sphere_inverse_masses) {
+            sphere.diagonal = mass;
         }
         for (limit, &mass) in self.tendon_limits.iter_mut().zip(&reference.tendon_inverse_masses) {
             if !limit.dofs.is_empty() && mass < LEAST_FELT {
@@ -162,18 +196,6 @@ impl Plan<f64> {
             pair.weigh(masses);
         }
         Ok(())
-    }
-}
-
-fn check_geoms(model: &Model) -> Result<(), PlanError> {
-    if let Some(second) = model.pressing_geoms().nth(1) {
-        return Err(PlanError::TooManyGeoms { name: second.name.clone() });
-    }
-    match model.pressing_geoms().next() {
-        Some(geom) if !matches!(geom.shape, Shape::Sphere { .. }) => {
-            Err(PlanError::NotASphere { name: geom.name.clone() })
-        }
-        _ => Ok(()),
     }
 }
 
@@ -431,21 +453,35 @@ fn frame_along(axis: Vector3<f64>) -> Option<Matrix3<f64>> {
     ((turn.matrix() - Matrix3::identity()).amax() > PARALLEL).then(|| *turn.matrix())
 }
 
-fn contact_sphere(model: &Model, tree: &Tree, geom: &myo_model::model::Geom) -> ContactSphere<f64> {
-    let radius = match geom.shape {
-        Shape::Sphere { radius } => radius,
-        _ => unreachable!("other shapes were refused by check_geoms"),
-    };
-    ContactSphere {
-        centre: tree.point(geom.body, geom.pos),
-        body_com: tree.point(geom.body, model.bodies[geom.body].com),
-        radius,
-        margin: geom.margin,
-        friction: geom.friction[0],
-        softness: geom.softness,
-        diagonal: 0.0,
-        movers: Movers::default(),
+/// The spheres that press: that of the fingertip, then those of the model's fingers, in their order, as far as they have one.
+fn contact_spheres(model: &Model, tree: &Tree) -> Result<Vec<ContactSphere<f64>>, PlanError> {
+    let mut spheres: Vec<ContactSphere<f64>> = vec![];
+    for geom in model.pressing_geoms() {
+        let Shape::Sphere { radius } = geom.shape else {
+            return Err(PlanError::NotASphere { name: geom.name.clone() });
+        };
+        // Of fingers on one body it is that of the nearest; what presses may be anywhere, as long as there is nothing else.
+        let sites = [model.fingertip_site].into_iter().chain(model.fingers.iter().map(|&(_, site)| site));
+        let away = |site: usize| (model.sites[site].pos - geom.pos).norm();
+        let own = sites.enumerate().filter(|&(_, site)| model.sites[site].body == geom.body);
+        let finger = own.min_by(|a, b| away(a.1).total_cmp(&away(b.1))).map_or(0, |(finger, _)| finger);
+        if spheres.iter().any(|sphere| sphere.finger == finger) {
+            return Err(PlanError::TooManyGeoms { name: geom.name.clone() });
+        }
+        spheres.push(ContactSphere {
+            finger,
+            centre: tree.point(geom.body, geom.pos),
+            body_com: tree.point(geom.body, model.bodies[geom.body].com),
+            radius,
+            margin: geom.margin,
+            friction: geom.friction[0],
+            softness: geom.softness,
+            diagonal: 0.0,
+            movers: Movers::default(),
+        });
     }
+    spheres.sort_by_key(|sphere| sphere.finger);
+    Ok(spheres)
 }
 
 /// All path segments as straight lines between two points; segments within one link are constant.

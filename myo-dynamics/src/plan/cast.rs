@@ -19,7 +19,7 @@ impl Plan<f64> {
 cast! {
     Plan {
         timestep, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
-        equalities, fingertip, arm, contact_sphere, pairs, joints, elements;
+        equalities, fingertip, arm, fingers, contact_spheres, pairs, joints, elements;
         implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, smooth_activation
     }
     Elements { bodies, sites, wraps }
@@ -46,7 +46,7 @@ cast! {
     TendonLimit { range, margin, impedance, diagonal; muscle, dofs }
     Equality { drive, impedance, diagonal; dependent, at }
     BallAxis { placement; at, axis }
-    ContactSphere { centre, body_com, radius; margin, friction, softness, diagonal, movers }
+    ContactSphere { centre, body_com, radius; finger, margin, friction, softness, diagonal, movers }
     ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, is_along_axis, is_slippery, movers }
     Part { frame, form, body_com }
 }

@@ -59,12 +59,12 @@ impl Elimination {
             pairs.extend(term.rows.iter().map(|&(_, dof)| (dof, term.column)));
         }
         pairs.extend(plan.equalities.iter().filter_map(|row| Some((row.dependent, row.drive.dof?))));
-        let sphere = plan.contact_sphere.iter().map(|sphere| [0, sphere.centre.link]);
+        let spheres = plan.contact_spheres.iter().map(|sphere| [0, sphere.centre.link]);
         let of_links = |links: [usize; 2]| {
             let moves = |dof: &usize| links.iter().any(|&link| plan.links[link].screw_of_dof[*dof].is_some());
             (0..ndof).filter(moves).collect::<Vec<_>>()
         };
-        let parts = sphere.chain(plan.pairs.iter().map(ContactPair::links)).map(of_links);
+        let parts = spheres.chain(plan.pairs.iter().map(ContactPair::links)).map(of_links);
         for moving in parts.chain(plan.tendon_limits.iter().map(|limit| limit.dofs.clone())) {
             pairs.extend(moving.iter().flat_map(|&a| moving.iter().map(move |&b| (a, b))));
         }

@@ -1,11 +1,15 @@
 //! Why there is no plan of a model.
 
+use myo_nearest::Nearest;
+
 /// Why a model cannot be simulated faithfully.
 #[derive(Debug, thiserror::Error, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum PlanError {
     /// More than one collision shape that presses.
-    #[error("geom '{name}': only one sphere touches the boxes of a task; remove this geom, or name it in a contact")]
+    #[error(
+        "geom '{name}': one sphere of each finger touches the boxes of a task, and there is another; remove this geom, name it in a contact, or let a finger have it (`fingers` of the landmarks)"
+    )]
     TooManyGeoms {
         /// The geom.
         name: String,
@@ -23,6 +27,24 @@ pub enum PlanError {
     NoArm {
         /// What is missing.
         missing: &'static str,
+    },
+    /// A finger is asked for that the model does not have.
+    #[error(
+        "the model has no finger `{name}`; {nearest}; fingers are named in its landmarks (`fingers: {{{name}: SITE}}`)"
+    )]
+    NoFinger {
+        /// Its name.
+        name: String,
+        /// Names that there are.
+        nearest: Nearest,
+    },
+    /// A finger is to press that has nothing to press with.
+    #[error(
+        "the finger `{name}` has no ball at its tip that presses; give its body a geom (a sphere) that no contact names"
+    )]
+    PressesNothing {
+        /// Its name.
+        name: String,
     },
     /// A contact of shapes that are not compared.
     #[error(

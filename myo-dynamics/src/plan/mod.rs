@@ -95,8 +95,10 @@ pub struct Plan<C> {
     pub fingertip: Point<C>,
     /// Elbow and wrist, where they were asked for, see [`Plan::with_arm`].
     pub arm: Option<[Point<C>; 2]>,
-    /// The colliding sphere at the fingertip, if the model has one.
-    pub contact_sphere: Option<ContactSphere<C>>,
+    /// Other fingers, where they were asked for, see [`Plan::with_fingers`].
+    pub fingers: Vec<Point<C>>,
+    /// The spheres that press: that at the fingertip first, then those of other fingers, as far as the model has any.
+    pub contact_spheres: Vec<ContactSphere<C>>,
     /// Parts of the body that do not pass through each other.
     pub pairs: Vec<ContactPair<C>>,
     /// Where each joint of the model finds its position.
@@ -503,9 +505,12 @@ pub struct Equality<C> {
     pub diagonal: C,
 }
 
-/// The colliding sphere.
+/// A sphere that presses boxes.
 #[derive(Clone, Debug)]
 pub struct ContactSphere<C> {
+    /// Whose it is: 0, the fingertip's, or one more than the number of a [finger](Plan::fingers); of plans that were not asked for fingers, of one
+    /// of the model's.
+    pub finger: usize,
     /// Its centre.
     pub centre: Point<C>,
     /// Centre of mass of the model's body that it is fixed to: where `diagonal` is measured.

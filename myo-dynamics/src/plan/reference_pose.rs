@@ -11,8 +11,8 @@ use crate::workspace::{State, Workspace};
 pub(super) struct ReferencePose {
     /// Diagonal of the inverse mass matrix, per coordinate.
     pub inverse_inertia: Vec<f64>,
-    /// Mean inverse mass of the body that carries the contact sphere (1/kg).
-    pub sphere_inverse_mass: f64,
+    /// Per sphere that presses, mean inverse mass of the body that carries it (1/kg).
+    pub sphere_inverse_masses: Vec<f64>,
     /// The same of both bodies of each pair of parts that touch.
     pub pair_inverse_masses: Vec<[f64; 2]>,
     /// Inverse inertia that each limited tendon feels (1/kg).
@@ -52,10 +52,10 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     };
     let tendon_inverse_masses = plan.tendon_limits.iter().map(felt).collect();
     let mass_at = |point: &Point<f64>| inverse_mass(plan, &ws, point, solve);
-    let sphere_inverse_mass = plan.contact_sphere.as_ref().map_or(0.0, |sphere| mass_at(&sphere.body_com));
+    let sphere_inverse_masses = plan.contact_spheres.iter().map(|sphere| mass_at(&sphere.body_com)).collect();
     let of_pair = |pair: &ContactPair<f64>| [mass_at(&pair.parts[0].body_com), mass_at(&pair.parts[1].body_com)];
     let pair_inverse_masses = plan.pairs.iter().map(of_pair).collect();
-    Ok(ReferencePose { inverse_inertia, sphere_inverse_mass, pair_inverse_masses, tendon_inverse_masses, acc0 })
+    Ok(ReferencePose { inverse_inertia, sphere_inverse_masses, pair_inverse_masses, tendon_inverse_masses, acc0 })
 }
 
 /// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).

@@ -86,8 +86,8 @@ impl Plan<f64> {
         used.extend(self.bodies.iter().map(|body| body.link));
         used.extend(self.tendons.points.iter().map(|point| point.link));
         used.extend(self.tendons.stretches().flat_map(Stretch::links));
-        used.extend(self.arm.iter().flatten().map(|point| point.link));
-        used.extend(self.contact_sphere.iter().flat_map(|s| [s.centre.link, s.body_com.link]));
+        used.extend(self.arm.iter().flatten().chain(&self.fingers).map(|point| point.link));
+        used.extend(self.contact_spheres.iter().flat_map(|s| [s.centre.link, s.body_com.link]));
         used.extend(self.pairs.iter().flat_map(|pair| &pair.parts).flat_map(Part::links));
         // Parents of links that cannot themselves be dropped.
         let alone = |k: usize| self.links[k].screw_of_dof.iter().flatten().count() == 1;
@@ -104,11 +104,12 @@ impl Plan<f64> {
             link.parent = new[&link.parent];
         }
         let points = self.tendons.points.iter_mut().chain([&mut self.fingertip]).chain(self.arm.iter_mut().flatten());
+        let points = points.chain(&mut self.fingers);
         let points = points.chain(
             self.tendons.wraps.iter_mut().flat_map(|bundle| &mut bundle.stretches).flat_map(Stretch::points_mut),
         );
         let points = points.chain(self.pairs.iter_mut().flat_map(|pair| &mut pair.parts).flat_map(Part::points_mut));
-        for point in points.chain(self.contact_sphere.iter_mut().flat_map(|s| [&mut s.centre, &mut s.body_com])) {
+        for point in points.chain(self.contact_spheres.iter_mut().flat_map(|s| [&mut s.centre, &mut s.body_com])) {
             point.link = new[&point.link];
         }
         for pair in &mut self.tendons.pairs {

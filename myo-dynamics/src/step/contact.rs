@@ -1,4 +1,4 @@
-//! Contact of the fingertip's sphere with boxes: MuJoCo's sphere-box geometry and its pyramidal friction cone, one contact per
+//! Contact of fingers' spheres with boxes: MuJoCo's sphere-box geometry and its pyramidal friction cone, one contact per
 //! box that is near enough.
 //!
 //! Most of the time the fingertip is far from everything, so the distance to the nearest box is remembered as a clearance:
@@ -9,7 +9,7 @@
 use super::boxes::{Boxes, Which};
 use super::nearby::{self, List};
 use crate::impedance::Impedance;
-use crate::obstacles::Obstacles;
+use crate::obstacles::{Obstacles, Touch};
 use crate::plan::{ContactSphere, Mover, Plan};
 use crate::spatial::{Rotation, Vec3};
 use crate::workspace::{self, Clearance, Contact, Nearby, PYRAMID, State, Workspace};
@@ -35,36 +35,57 @@ pub fn contact<S: Scalar>(
     for contact in &mut ws.contacts {
         contact.clear();
     }
-    if let Some(sphere) = &plan.contact_sphere
-        && !obstacles.boxes.is_empty()
-    {
-        press(plan, sphere, obstacles, state, ws);
+    if obstacles.boxes.is_empty() {
+        return;
+    }
+    for (number, (sphere, touch)) in plan.contact_spheres.iter().zip(&obstacles.touches).enumerate() {
+        press(plan, Finger { number, sphere, touch }, obstacles, state, ws);
     }
 }
 
-/// What the fingertip touches.
+/// What presses.
+struct Finger<'a, C> {
+    /// Its number among those that press.
+    number: usize,
+    sphere: &'a ContactSphere<C>,
+    touch: &'a Touch<C>,
+}
+
+// By hand: derived, they would ask the same of the number.
+impl<C> Clone for Finger<'_, C> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<C> Copy for Finger<'_, C> {}
+
+/// What a finger touches.
 #[inline(always)]
 fn press<S: Scalar>(
     plan: &Plan<S::Const>,
-    sphere: &ContactSphere<S::Const>,
+    finger: Finger<'_, S::Const>,
     obstacles: &Obstacles<S::Const, S>,
     state: &State<S>,
     ws: &mut Workspace<S>,
 ) {
+    let Finger { number: one, sphere, .. } = finger;
     let centre = ws.uncarried(ws.place(&sphere.centre));
-    let moved = centre - ws.clearance.from;
-    let near = !moved.dot(moved).lt(ws.clearance.free.sq());
-    let Workspace { contacts, box_slots, clearance, nearby, offsets, .. } = &mut *ws;
-    let contacts = &mut contacts[..*box_slots];
+    let moved = centre - ws.clearance[one].from;
+    let near = !moved.dot(moved).lt(ws.clearance[one].free.sq());
+    let slots = ws.slots_of(one);
+    let Workspace { contacts, clearance, nearby, offsets, .. } = &mut *ws;
+    let (contacts, clearance, nearby) = (&mut contacts[slots.clone()], &mut clearance[one], &mut nearby[one]);
     let boxes = Boxes { obstacles, offsets };
     let mut around =
         Around { contacts, clearance, nearby, found: S::zero(), lists: nearby::lists::<S>(obstacles.boxes.len()) };
-    S::when(near, &mut around, |around| S::outline(LookAround { sphere, boxes, centre, around }));
-    for number in 0..ws.box_slots {
+    S::when(near, &mut around, |around| S::outline(LookAround { finger, boxes, centre, around }));
+    for number in slots {
         let exists = ws.contacts[number].exists;
         let mut edges = Edges { ws, number, movers: &sphere.movers.each };
         S::when(exists, &mut edges, |Edges { ws, .. }| {
-            S::outline(Pressed { plan, sphere, obstacles, state, centre, number, ws });
+            S::outline(Pressed { plan, finger, state, centre, number, ws });
         });
     }
 }
@@ -72,7 +93,7 @@ fn press<S: Scalar>(
 /// See [`look_around`]. Branches of this size are stages: a closure that is not inlined would be compiled without its level's
 /// instructions.
 struct LookAround<'a, 'b, S: Scalar> {
-    sphere: &'a ContactSphere<S::Const>,
+    finger: Finger<'a, S::Const>,
     boxes: Boxes<'a, S>,
     centre: Vec3<S>,
     around: &'a mut Around<'b, S>,
@@ -83,15 +104,14 @@ impl<S: Scalar> Stage<S> for LookAround<'_, '_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        look_around(self.sphere, self.boxes, self.centre, self.around);
+        look_around(self.finger, self.boxes, self.centre, self.around);
     }
 }
 
-/// What the fingertip presses, as rows.
+/// What a finger presses, as rows.
 struct Pressed<'a, S: Scalar> {
     plan: &'a Plan<S::Const>,
-    sphere: &'a ContactSphere<S::Const>,
-    obstacles: &'a Obstacles<S::Const, S>,
+    finger: Finger<'a, S::Const>,
     state: &'a State<S>,
     centre: Vec3<S>,
     number: usize,
@@ -103,7 +123,7 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { plan, sphere, obstacles, state, centre, number, ws } = self;
+        let Self { plan, finger: Finger { sphere, touch, .. }, state, centre, number, ws } = self;
         let Contact { distance, normal, .. } = ws.contacts[number];
         // Midway between the two surfaces.
         let depth = distance.mul_add(S::lit(0.5), S::splat(sphere.radius));
@@ -111,10 +131,10 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
             at: ws.carried(centre - normal.scale(depth)),
             normal,
             along: None,
-            violation: distance - S::splat(obstacles.margin),
-            friction: obstacles.friction,
-            impedance: &obstacles.impedance,
-            diagonal: obstacles.diagonal,
+            violation: distance - S::splat(touch.margin),
+            friction: touch.friction,
+            impedance: &touch.impedance,
+            diagonal: touch.diagonal,
             movers: &sphere.movers.each,
         };
         pyramid(plan, &meeting, state, number, ws);
@@ -154,12 +174,12 @@ impl<S: Scalar> Carried<S> for Around<'_, S> {
 /// is not used up, nothing is touched, and a new one does no harm.
 #[inline(always)]
 fn look_around<S: Scalar>(
-    sphere: &ContactSphere<S::Const>,
+    Finger { sphere, touch, .. }: Finger<'_, S::Const>,
     boxes: Boxes<'_, S>,
     centre: Vec3<S>,
     around: &mut Around<'_, S>,
 ) {
-    let reach = S::splat(sphere.radius) + S::splat(boxes.obstacles.margin);
+    let reach = S::splat(sphere.radius) + S::splat(touch.margin);
     *around.clearance = Clearance { from: centre, free: S::lit(FAR) };
     if around.lists {
         let moved = centre - around.nearby.from;

@@ -209,6 +209,12 @@ fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
     cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
 }
 
+/// Positions of the fingers that the plan [keeps](Plan::with_fingers) (m, from the shoulder centre), after [`kinematics::kinematics`].
+#[inline(always)]
+pub fn fingers<S: Scalar>(plan: &Plan<S::Const>, ws: &Workspace<S>) -> impl Iterator<Item = [S; 3]> {
+    plan.fingers.iter().map(|point| ws.uncarried(ws.place(point)).array())
+}
+
 /// Position of the fingertip (m, from the shoulder centre), after [`kinematics::kinematics`].
 #[inline(always)]
 pub fn fingertip<S: Scalar>(plan: &Plan<S::Const>, ws: &Workspace<S>) -> [S; 3] {

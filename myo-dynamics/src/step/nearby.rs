@@ -155,14 +155,14 @@ mod tests {
     fn whatever_can_be_touched_is_listed_beside_boxes_of_any_size() {
         let plan = Plan::exact(&Model::new(&builtin("mobl-arms").unwrap()).unwrap(), CouplingMode::Reduced).unwrap();
         let obstacles = Obstacles::<f64>::new(&plan, &furnished(), Surface::default());
-        let reach = plan.contact_sphere.as_ref().unwrap().radius + obstacles.margin;
+        let reach = plan.contact_spheres[0].radius + obstacles.touches[0].margin;
         let count = obstacles.most_at_once(&plan);
         let boxes = Boxes { obstacles: &obstacles, offsets: &[] };
         let mut touched = 0;
         for k in 0..2000 {
             let along = |step: f64| (f64::from(k) * step).fract();
             let centre = Vec3::new(0.38 + 0.03 * along(0.618), 0.6 * along(0.414) - 0.3, 0.5 * along(0.732) - 0.55);
-            let mut nearby = Workspace::<f64>::with_contacts(&plan, count).nearby;
+            let mut nearby = Workspace::<f64>::with_contacts(&plan, count).nearby.remove(0);
             List { boxes, centre, reach, nearby: &mut nearby }.run();
             let unlisted = (0..obstacles.boxes.len()).filter(|&row| !nearby.boxes.contains(&(row as f64)));
             let distance = |row: usize| {
@@ -187,7 +187,7 @@ mod tests {
             // From before the wall to behind it, over its edges.
             let along = |step: f64| (f64::from(k) * step).fract();
             let centre = Vec3::new(0.3 + 0.15 * along(0.618), 0.6 * along(0.414) - 0.3, 0.5 * along(0.732) - 0.5);
-            let mut nearby = Workspace::<f64>::with_contacts(&plan, 4).nearby;
+            let mut nearby = Workspace::<f64>::with_contacts(&plan, 4).nearby.remove(0);
             List { boxes, centre, reach, nearby: &mut nearby }.run();
 
             let distance = |row: usize| {

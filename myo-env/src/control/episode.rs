@@ -35,10 +35,10 @@ pub fn reset<S: Scalar>(world: &World<'_, S>, mask: S::Mask, env: &mut EnvState<
         S::outline(stages::Explore { world, mask, done_before, env, physics: &mut ws.physics });
     }
     let mut goal = Goal::of(&world.parameters.task, &env.task);
-    let mut sensed = sense(world, goal.centre, env, Stay::new(&env.task, &goal), &mut ws.physics);
+    let mut sensed = sense(world, &goal, goal.centre, env, Stay::new(&env.task, &goal), &mut ws.physics);
     if choose(world, &sensed.body, env) {
         goal = Goal::of(&world.parameters.task, &env.task);
-        sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
+        sensed.pointer = goal.pointer(&world.parameters.task, &sensed.body, goal.centre);
     }
     let known = logic::remember(&goal, sensed.pointer, mask, &mut env.task);
     let known = known.as_ref().unwrap_or(&goal);

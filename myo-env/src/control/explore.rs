@@ -98,7 +98,7 @@ fn search_poses<S: Scalar>(world: &World<'_, S>, mask: S::Mask, poses: usize, se
         S::outline(stages::DrawPose { world, draw: *draw, env });
         let mut body = Landmarks::unknown();
         S::outline(stages::Look { world, env, physics, cursor: [S::zero(); 2], out: &mut body });
-        let distance = world.parameters.task.pointer.gap(&body, target);
+        let distance = logic::gap(&world.parameters.task, &env.task, &body, target);
         let nearer = mask & distance.lt(*nearest);
         *nearest = S::select(nearer, distance, *nearest);
         for (best, &position) in best.iter_mut().zip(&env.body.qpos) {

@@ -85,7 +85,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     let goal = Goal::of(&world.parameters.task, &env.task);
     let mut stay = Stay::new(&env.task, &goal);
     S::outline(stages::Physics { world, env, ws, watch: &mut Following { goal: &goal, stay: &mut stay } });
-    let mut sensed = sense(world, goal.centre_after(S::lit(1.0)), env, stay, &mut ws.physics);
+    let mut sensed = sense(world, &goal, goal.centre_after(S::lit(1.0)), env, stay, &mut ws.physics);
     let (distance, progress) = judge(world, &goal, env, &sensed);
     // After the last step is over it stays the current one.
     let begins = progress.target_over & !progress.task_over;
@@ -93,7 +93,7 @@ pub fn control_step<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: 
     misjudge::look_again(world, begins, env);
     choose(world, &sensed.body, env);
     let goal = Goal::of(&world.parameters.task, &env.task);
-    sensed.pointer = world.parameters.task.pointer.place(&sensed.body, goal.centre);
+    sensed.pointer = goal.pointer(&world.parameters.task, &sensed.body, goal.centre);
     let effort = ws.squared_control;
     let efforts = Efforts {
         squared_control: effort,
@@ -122,19 +122,20 @@ fn choose<S: Scalar>(world: &World<'_, S>, body: &Landmarks<S>, env: &mut EnvSta
     is_free
 }
 
-/// Where body and pointer are at the state reached, with the current object at `goal`, and what happened on the way. The
+/// Where body and pointer are at the state reached, with the current object at `at`, and what happened on the way. The
 /// control step is not counted yet.
 #[inline(always)]
 fn sense<S: Scalar>(
     world: &World<'_, S>,
-    goal: Point<S>,
+    goal: &Goal<S>,
+    at: Point<S>,
     env: &EnvState<S>,
     stay: Stay<S>,
     physics: &mut Workspace<S>,
 ) -> Sensed<S> {
     let mut body = Landmarks::unknown();
     S::outline(stages::Look { world, env, physics, cursor: stay.cursor, out: &mut body });
-    let pointer = world.parameters.task.pointer.place(&body, goal);
+    let pointer = goal.pointer(&world.parameters.task, &body, at);
     let now = (env.task.step + S::lit(1.0)) * S::lit(f64::from(world.tables.substeps));
     Sensed { body, pointer, stay, now }
 }

@@ -7,7 +7,7 @@ use crate::trace::record;
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Clearance, SolverTally, Workspace, step};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
-use myo_tasks::logic::{self, Goal, Hold, Landmarks, Ride, Stay, Steering, TaskState};
+use myo_tasks::logic::{self, Goal, Hold, Landmarks, Pressing, Ride, Stay, Steering, TaskState};
 
 /// Looks at every physics step of a control step.
 pub trait Watch<S: Scalar> {
@@ -28,8 +28,7 @@ pub fn simulate<S: Scalar>(
     let Scratch { physics, ctrl, trace, .. } = ws;
     trace.iter_mut().for_each(Vec::clear);
     physics.tally = SolverTally::new();
-    physics.clearance = Clearance::unknown();
-    physics.nearby.forget();
+    physics.forget_boxes();
     physics.offsets.clear();
     physics.offsets.extend(offsets(&env.task));
     let mut carried = Substep { world, env, physics, watch, trace };
@@ -76,13 +75,14 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             pressed,
             let_go,
             down,
-            landed,
-            grounded,
+            pressing,
+            holds,
             wrong_presses,
             value,
             steering,
             hold,
             ride,
+            open,
             passed,
             cursor,
         } = &mut self.stay;
@@ -109,10 +109,18 @@ impl<S: Scalar> Watch<S> for Following<'_, S> {
             visitor.numbers([along, speed]);
         }
         if kinds.release {
-            visitor.numbers([let_go, down, landed, grounded, wrong_presses]);
+            let pressers = world.parameters.task.pressers();
+            visitor.numbers([let_go, down, wrong_presses]);
+            visitor.numbers(pressing[..pressers].iter_mut().flat_map(Pressing::numbers));
+            if kinds.chord {
+                visitor.numbers(&mut holds[..pressers]);
+            }
         }
         if kinds.drag {
             visitor.number(value);
+        }
+        if kinds.pinch {
+            visitor.number(open);
         }
         if kinds.motion {
             visitor.number(passed);
@@ -152,11 +160,18 @@ impl<S: Scalar> Stage<S> for Follow<'_, S> {
         let share = world.tables.share();
         let at = goal.centre_after(stay.passed * S::lit(share));
         let body = landmarks(world, physics, stay.cursor);
-        let pointer = task.pointer.place(&body, at);
-        let contacts = physics.box_contacts().iter();
-        let contacts =
-            contacts.map(|c| logic::Contact { exists: c.exists, number: c.index, force: c.force, facing: c.facing });
-        stay.follow(task, goal, pointer, share, contacts);
+        let pointer = goal.pointer(task, &body, at);
+        let contacts = physics.box_contacts().zip(&world.tables.plan.contact_spheres).flat_map(|(contacts, sphere)| {
+            let finger = sphere.finger;
+            contacts.iter().map(move |c| logic::Contact {
+                exists: c.exists,
+                finger,
+                number: c.index,
+                force: c.force,
+                facing: c.facing,
+            })
+        });
+        stay.follow(task, goal, &body, pointer, share, contacts);
         stay.cursor = task.pointer.moved(&body, share);
     }
 }
@@ -168,7 +183,11 @@ pub fn landmarks<S: Scalar>(world: &World<'_, S>, physics: &Workspace<S>, cursor
     let fingertip = step::fingertip(plan, physics);
     let [elbow, wrist] =
         plan.arm.as_ref().map_or([fingertip; 2], |arm| arm.each_ref().map(|point| physics.place(point).array()));
-    Landmarks { fingertip, elbow, wrist, cursor }
+    let mut fingers = Landmarks::unknown().fingers;
+    for (finger, place) in fingers.iter_mut().zip(step::fingers(plan, physics)) {
+        *finger = place;
+    }
+    Landmarks { fingertip, elbow, wrist, fingers, cursor }
 }
 
 /// What a physics step hands on.
@@ -192,11 +211,12 @@ impl<S: Scalar, W: Watch<S>> Carried<S> for Substep<'_, S, W> {
         visitor.numbers(&mut self.physics.qacc);
         let boxes = self.world.parameters.task.boxes.len();
         if step::nearby::lists::<S>(boxes) {
-            self.physics.nearby.visit(visitor);
+            self.physics.nearby.iter_mut().for_each(|nearby| nearby.visit(visitor));
         }
         if boxes > 0 {
-            let Clearance { from, free } = &mut self.physics.clearance;
-            visitor.numbers([&mut from.x, &mut from.y, &mut from.z, free]);
+            for Clearance { from, free } in &mut self.physics.clearance {
+                visitor.numbers([&mut from.x, &mut from.y, &mut from.z, free]);
+            }
         }
         visitor.word(&mut self.physics.tally.rounds);
         visitor.word(&mut self.physics.tally.unsolved);

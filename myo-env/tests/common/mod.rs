@@ -159,6 +159,37 @@ pub fn driven_with(changes: &[(&str, &str)]) -> Task {
     changed("driven", text, changes)
 }
 
+/// A hand whose fingers are wherever they should be now and then, by themselves, in turn and together.
+pub fn fingers() -> Task {
+    fingers_with(&[])
+}
+
+/// The same with other numbers.
+pub fn fingers_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nuser: fastest\nmodel: myo-hand\nname: fingers\nscene:\n  \
+                wide: {kind: sphere, at: [0.4, 0, [-0.35, -0.25]], radius: 0.2}\n  \
+                near: {kind: sphere, at: [0.37, 0.02, -0.25], radius: [0.07, 0.09], min_distance_from_previous: 0, moves: {kind: line, by: [0, 0.03, 0], period_s: 0.5}}\nscript:\n  \
+                - dwell: {in: wide, for_s: 0.1, with: thumb, also: {middle: near}}\n  - pinch: {in: wide, closer_than: 0.08, apart: 0.08}\n  \
+                - dwell: {in: near, for_s: 0.05, also: {thumb: wide}}\n  - pinch: {in: [wide, near], with: middle, for_s: 0.05, closer_than: 0.027, apart: 0.028}\n\
+                time_limit_s: 0.8\n";
+    changed("fingers", text, changes)
+}
+
+/// A hand that falls on two large keys, with all fingers that it is asked for.
+pub fn chords() -> Task {
+    chords_with(&[])
+}
+
+/// The same with other numbers.
+pub fn chords_with(changes: &[(&str, &str)]) -> Task {
+    let text = "version: 2\nuser: fastest\nmodel: myo-hand\nname: chords\nscene:\n  \
+                a: {kind: button, at: [0.4, [0, 0.01], -0.29], size: [0.2, 0.2, 0.02], min_force_n: 0.01}\n  \
+                b: {kind: button, at: [0.4, 0.22, -0.29], size: [0.2, 0.2, 0.02], min_force_n: 0.01}\nscript:\n  \
+                - press_with: {fingertip: a, middle: a}\n  - press_with: {thumb: a}\n  - press: a\n  - press_with: {middle: a, thumb: b}\n  - press_with: {middle: a}\n\
+                time_limit_s: 0.8\n";
+    changed("chords", text, changes)
+}
+
 /// A sphere of a task's scene, to be changed.
 pub fn sphere<'a>(task: &'a mut Task, name: &str) -> &'a mut SphereItem {
     match task.scene.0.get_mut(name) {

@@ -10,6 +10,8 @@ use super::{Colour, Drawing, Shape};
 /// A point in space (m, from the shoulder centre).
 type Point = [f64; 3];
 
+/// How thick the bones of a hand are drawn whose fingers move (m).
+const FINGER: f64 = 0.012;
 /// Size of the page (m) on which the user and everything in reach has room.
 const PAGE: [f64; 2] = [2.08, 1.56];
 
@@ -116,7 +118,7 @@ impl Painter {
 
     /// An object with the numbers of the steps that ask for it.
     fn numbered(&self, page: &mut Page, index: usize, pose: &SkeletonPose) {
-        let asks = (1..).zip(&self.skeleton.task().steps).filter(|(_, step)| step.asks_for(index));
+        let asks = (1..).zip(&self.skeleton.task().steps).filter(|(_, step)| step.involves(index));
         let numbers: Vec<String> = asks.map(|(number, _)| number.to_string()).collect();
         let (tone, strength) = if numbers.is_empty() { (DONE, 0.25) } else { (TARGET, 0.5) };
         self.object(page, index, pose, tone, strength);
@@ -153,14 +155,22 @@ impl Painter {
     fn arm(&self, page: &mut Page, pose: &SkeletonPose) {
         let joints = self.skeleton.limb().iter().map(|&body| pose.bodies[body].position.array());
         let bones: Vec<Point> = joints.chain([pose.fingertip]).collect();
+        let model = self.skeleton.model();
+        let hand = self.skeleton.limb().iter().position(|&body| Some(body) == model.wrist_body);
+        // Where fingers move a hand is drawn by its bones.
+        let hand = hand.filter(|_| !model.fingers.is_empty()).unwrap_or(bones.len());
         for (k, bone) in bones.windows(2).enumerate() {
             // Thinner towards the hand.
-            page.line(bone, 0.058 * 0.72_f64.powi(k as i32), BONE);
+            page.line(bone, if k < hand { 0.058 * 0.72_f64.powi(k as i32) } else { FINGER }, BONE);
+        }
+        for (chain, &tip) in self.skeleton.fingers().iter().zip(&pose.fingers) {
+            let joints = chain.iter().map(|&body| pose.bodies[body].position.array());
+            page.line(&joints.chain([tip]).collect::<Vec<Point>>(), FINGER, BONE);
         }
         for MusclePose { points, activation } in &pose.muscles {
             page.line(points, 0.003 + 0.007 * activation, shade(MUSCLE, 0.35 + 0.6 * activation));
         }
-        page.disc(pose.fingertip, 0.013, MUSCLE);
+        page.disc(pose.fingertip, if model.fingers.is_empty() { 0.013 } else { 0.6 * FINGER }, MUSCLE);
         if let Some(from) = pose.ray_from {
             page.line(&[from, pose.pointer], 0.003, shade(PATH, 0.5));
         }

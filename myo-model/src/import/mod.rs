@@ -63,7 +63,9 @@ pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescriptio
     import.unsupported.extend(mjcf.refused.iter().map(refused));
     let (mut geoms, contacts) = if options.without_contacts { (vec![], vec![]) } else { import.contacts() };
     let landmarks = options.landmarks.clone();
-    geoms.extend(import.fingertip(&landmarks, &geoms));
+    for site in [&landmarks.fingertip].into_iter().chain(landmarks.fingers.values()) {
+        geoms.extend(import.fingertip(site, &geoms));
+    }
     let description = ModelDescription {
         version: FORMAT_VERSION,
         name: mjcf.model.clone().unwrap_or_else(|| "model".into()),
@@ -196,10 +198,10 @@ impl Import<'_> {
         self.mjcf.sites().zip(&self.names.sites).map(site).collect()
     }
 
-    /// The ball about the site that points, if there is one: it is what presses. One that touches parts of the body, too, is
+    /// The ball about the site of a fingertip, if there is one: it is what presses. One that touches parts of the body, too, is
     /// there twice, as a geom of a contact presses nothing.
-    fn fingertip(&self, landmarks: &Landmarks, touching: &[Geom]) -> Option<Geom> {
-        let site = self.names.sites.iter().position(|name| *name == landmarks.fingertip)?;
+    fn fingertip(&self, site: &str, touching: &[Geom]) -> Option<Geom> {
+        let site = self.names.sites.iter().position(|name| name == site)?;
         let (body, site) = self.mjcf.sites().nth(site)?;
         let is_it = |geom: &&myo_mjcf::Geom| {
             geom.kind() == myo_mjcf::Shape::Sphere

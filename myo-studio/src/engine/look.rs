@@ -127,7 +127,7 @@ struct Form {
 fn object(flat: &FlatTask, index: usize) -> ObjectView {
     let object = &flat.objects[index];
     let Form { kind, at, rotation, half_size, drawn, hinge, handle } = form(object);
-    let asks = |step: &usize| flat.steps[*step].asks_for(index);
+    let asks = |step: &usize| flat.steps[*step].involves(index);
     ObjectView {
         name: object.name.clone(),
         path: object.path.clone(),

@@ -3,7 +3,10 @@
 //! When the fingertip got there, how long it stayed, and whether it pressed and let go, is followed at every physics step. So what
 //! counts, and when the fingertip came for it, knows nothing of the control step; only the next step of the task waits for its end.
 
-use super::{CompiledTask, Contact, Goal, Hold, Point, Ride, Steering, TaskState, Tracking, difference, dot};
+use super::{
+    CompiledTask, Contact, Goal, Hold, Landmarks, PRESSERS, Point, Pressing, Ride, Steering, TaskState, Tracking,
+    difference, dot, fingers,
+};
 use myo_scalar::{Mask, Scalar};
 
 /// What the fingertip did with the current object, up to a physics step.
@@ -26,10 +29,10 @@ pub struct Stay<S> {
     pub let_go: S,
     /// See [`TaskState::down`].
     pub down: S,
-    /// See [`TaskState::landed`].
-    pub landed: S,
-    /// See [`TaskState::grounded`].
-    pub grounded: S,
+    /// See [`TaskState::pressing`]; in the air where there are fewer.
+    pub pressing: [Pressing<S>; PRESSERS],
+    /// See [`TaskState::holds`]; zeros where there are fewer.
+    pub holds: [S; PRESSERS],
     /// Presses of buttons that were not asked for, within the control step.
     pub wrong_presses: S,
     /// Where the current handle stands, as a share of its way.
@@ -40,6 +43,8 @@ pub struct Stay<S> {
     pub hold: Hold<S>,
     /// Where the current vehicle is.
     pub ride: Ride<S>,
+    /// See [`TaskState::open`]; zero where nothing is to be pinched.
+    pub open: S,
     /// Physics steps of the control step that have passed.
     pub passed: S,
     /// See [`TaskState::cursor`]; zeros where there is none.
@@ -51,7 +56,15 @@ impl<S: Scalar> Stay<S> {
     #[inline(always)]
     pub fn new(state: &TaskState<S>, goal: &Goal<S>) -> Self {
         let o = S::zero();
-        let TaskState { held, down, landed, grounded, .. } = *state;
+        let TaskState { held, down, .. } = *state;
+        let mut pressing = [Pressing::in_the_air(); PRESSERS];
+        for (now, before) in pressing.iter_mut().zip(&state.pressing) {
+            *now = *before;
+        }
+        let mut holds = [o; PRESSERS];
+        for (now, before) in holds.iter_mut().zip(&state.holds) {
+            *now = *before;
+        }
         let value = goal.drag().map_or(o, |drag| drag.value);
         let steering = state.steering.map_or_else(Steering::new, |steering| Steering { exits: o, ..steering });
         Self {
@@ -62,24 +75,26 @@ impl<S: Scalar> Stay<S> {
             pressed: o,
             let_go: o,
             down,
-            landed,
-            grounded,
+            pressing,
+            holds,
             wrong_presses: o,
             value,
             steering,
             hold: Hold::new(state, goal.swing.as_ref()),
             ride: Ride::new(goal.drive.as_ref()),
+            open: state.open.unwrap_or(o),
             passed: o,
             cursor: state.cursor.unwrap_or([o; 2]),
         }
     }
 
-    /// Counts a physics step that began with the pointer here and these contacts; `share` of a control step is a physics step.
+    /// Counts a physics step that began with the body and the pointer here and these contacts; `share` of a control step is a physics step.
     #[inline(always)]
     pub fn follow(
         &mut self,
         task: &CompiledTask<S>,
         goal: &Goal<S>,
+        body: &Landmarks<S>,
         pointer: Point<S>,
         share: f64,
         contacts: impl Iterator<Item = Contact<S>> + Clone,
@@ -100,6 +115,7 @@ impl<S: Scalar> Stay<S> {
                 tracks_now = tracks & goal.lit();
                 self.tracking.count(tracks_now, inside, dot(off, off));
             }
+            inside = inside & self.fingers(task, goal, body, inside, share);
         }
         if task.kinds.motion {
             self.passed += one;
@@ -127,13 +143,34 @@ impl<S: Scalar> Stay<S> {
         }
         let mut comes = S::Mask::splat(false);
         if let Some(button) = &goal.button {
-            let touched = self.press_button(task, goal, button, pointer, task.bounce * S::lit(share).recip(), contacts);
+            let bounce = task.bounce * S::lit(share).recip();
+            let touched = self.press_buttons(task, goal, button, pointer, bounce, contacts);
             on = on | touched.on_face;
             comes = touched.comes;
         }
         self.stay(goal, on);
         let counts = comes | (inside & self.counts(goal, share));
         self.press(S::select(arrives, one, self.held.only(counts)));
+    }
+
+    /// Where other fingers do what they are asked for, and follows whether they are open for a pinch; `inside` is where the pointer is.
+    #[inline(always)]
+    fn fingers(
+        &mut self,
+        task: &CompiledTask<S>,
+        goal: &Goal<S>,
+        body: &Landmarks<S>,
+        inside: S::Mask,
+        share: f64,
+    ) -> S::Mask {
+        let mut all = fingers::others_inside(goal, body, self.passed * S::lit(share));
+        if let Some(pinch) = &goal.pinch {
+            let away = pinch.away(body, task.fingers.len());
+            let gap = dot(away, away).sqrt();
+            self.open = fingers::opened(pinch, gap, self.open, inside);
+            all = all & fingers::is_pinched(pinch, gap, self.open);
+        }
+        all
     }
 
     /// Counts a physics step on the object; being off it starts the count anew, but where all the time inside is added up.

@@ -1,7 +1,9 @@
 //! The task in numbers.
 
 use super::drive;
-use super::{DragStep, DriveStep, Handle, Pointer, Shifts, Sines, SteerStep, StepCue, Swing, SwingStep, Waves};
+use super::{
+    DragStep, DriveStep, Handle, PinchStep, Pointer, Shifts, Sines, SteerStep, StepCue, Swing, SwingStep, Waves,
+};
 use crate::flat::{Action, Block, FlatTask, Object, Order, Shape, Step};
 use crate::{InvalidTask, Reward, Stimulus, Task};
 use myo_model::StaticBox;
@@ -64,6 +66,14 @@ pub struct CompiledTask<T> {
     pub control_s: Option<T>,
     /// The way of each step; none where no step has one.
     pub steers: Vec<SteerStep<T>>,
+    /// Names of other fingers that steps ask for.
+    pub fingers: Vec<String>,
+    /// Of each step, which of these points instead of the fingertip, or -1; none where always the fingertip does.
+    pub leads: Vec<T>,
+    /// Of each step and each of these fingers, the number of the sphere where it must be, of the box that it must press, or -1; none where no step asks for that.
+    pub also: Vec<Vec<T>>,
+    /// Of each step, how fingers must come together; none where no step asks for that.
+    pub pinches: Vec<PinchStep<T>>,
     /// Steps that change places with each other; empty where all stand where they are written.
     pub orders: Vec<Order>,
     /// Number of the box that corrects a wrong press, where each must be corrected.
@@ -110,6 +120,14 @@ pub struct Kinds {
     pub sines: bool,
     /// Some step is a way.
     pub steer: bool,
+    /// Some step asks another finger to point or press instead of the fingertip.
+    pub lead: bool,
+    /// Some step asks other fingers to be somewhere, or to press, at the same time.
+    pub also: bool,
+    /// There are presses, and other fingers that may press.
+    pub chord: bool,
+    /// Some step is a pinch.
+    pub pinch: bool,
     /// What comes next is shown.
     pub next: bool,
     /// Once a movement has begun, its object is not seen any more, but remembered.
@@ -232,6 +250,14 @@ impl<C: Real> CompiledTask<C> {
             follows: if kinds.follow { follows(flat) } else { vec![] },
             control_s: (kinds.track || kinds.drive).then(|| C::from_f64(task.control_dt_s)),
             steers: if kinds.steer { steers(flat, &numbers) } else { vec![] },
+            fingers: flat.fingers.clone(),
+            leads: if kinds.lead { flat.steps.iter().map(lead).collect() } else { vec![] },
+            also: if kinds.also { flat.steps.iter().map(|step| also(step, flat, &numbers)).collect() } else { vec![] },
+            pinches: if kinds.pinch {
+                flat.steps.iter().map(|step| PinchStep::new(step.pinch.as_ref())).collect()
+            } else {
+                vec![]
+            },
             orders: flat.orders.clone(),
             correction: flat.correction.map(|object| numbers.number(object)),
             error_pause: (kinds.release && task.perception.error_pause_s > 0.0)
@@ -257,6 +283,11 @@ impl<T> CompiledTask<T> {
     /// Whether it must be remembered since when the current step counts: it is not always since the step before was done.
     pub(super) fn has_cues(&self) -> bool {
         self.kinds.cue || !self.orders.is_empty() || self.step_limit.is_some()
+    }
+
+    /// How many fingers may press.
+    pub fn pressers(&self) -> usize {
+        if self.kinds.chord { 1 + self.fingers.len() } else { 1 }
     }
 
     /// Whether it matters how hard the fingertip touches: something is pressed, or touching costs something.
@@ -287,6 +318,10 @@ impl<T> CompiledTask<T> {
             follows: self.follows.iter().map(&mut *f).collect(),
             control_s: self.control_s.as_ref().map(&mut *f),
             steers: self.steers.iter().map(|steer| steer.map(f)).collect(),
+            fingers: self.fingers.clone(),
+            leads: self.leads.iter().map(&mut *f).collect(),
+            also: self.also.iter().map(|step| step.iter().map(&mut *f).collect()).collect(),
+            pinches: self.pinches.iter().map(|step| step.map(f)).collect(),
             orders: self.orders.clone(),
             correction: self.correction.as_ref().map(&mut *f),
             error_pause: self.error_pause.as_ref().map(&mut *f),
@@ -307,7 +342,8 @@ impl Kinds {
         let (drag, cue) = (any(|step| matches!(step.action, Action::Drag { .. })), any(|step| step.cue.is_some()));
         let corrects = flat.correction.is_some();
         let moving = || flat.objects.iter().filter_map(|object| object.sphere()?.path.as_ref());
-        let asks_for_release = drag || corrects || any(|step| step.action == Action::PressAndRelease);
+        let chord = (presses > 0 || corrects) && !flat.fingers.is_empty();
+        let asks_for_release = chord || drag || corrects || any(|step| step.action == Action::PressAndRelease);
         Self {
             dwell: any(|step| step.dwell_s().is_some()),
             press: presses > 0 || corrects,
@@ -321,6 +357,10 @@ impl Kinds {
             motion: moving().any(|path| path.driven.is_none()),
             sines: moving().any(|path| path.sines.is_some()),
             steer: any(|step| matches!(step.action, Action::Steer { .. })),
+            lead: any(|step| step.lead.is_some()),
+            also: any(|step| !step.also.is_empty()),
+            chord,
+            pinch: any(|step| step.pinch.is_some()),
             next: flat.stimulus == Stimulus::All,
             memory: flat.stimulus == Stimulus::BeforeMovement,
         }
@@ -409,6 +449,20 @@ fn drive_steps<C: Real>(flat: &FlatTask, numbers: &Numbers) -> Vec<DriveStep<C>>
 
 fn steers<C: Real>(flat: &FlatTask, numbers: &Numbers) -> Vec<SteerStep<C>> {
     flat.steps.iter().map(|step| SteerStep::new(step, |object| numbers.number(object))).collect()
+}
+
+/// Which finger points in a step, or -1.
+fn lead<C: Real>(step: &Step) -> C {
+    C::from_f64(step.lead.map_or(-1.0, |finger| finger as f64))
+}
+
+/// Of each finger of a task, the number of the sphere or box where a step wants it, or -1.
+fn also<C: Real>(step: &Step, flat: &FlatTask, numbers: &Numbers) -> Vec<C> {
+    let of = |finger: usize| {
+        let asked = step.also.iter().find(|also| also.finger == finger);
+        asked.map_or(C::from_f64(-1.0), |also| numbers.number(also.object))
+    };
+    (0..flat.fingers.len()).map(of).collect()
 }
 
 fn sphere<C: Real>(object: &Object, number: usize, numbers: &Numbers) -> Option<DrawnSphere<C>> {

@@ -2,8 +2,8 @@
 
 use super::waves::moved;
 use super::{
-    CompiledTask, GoalDrag, GoalDrive, GoalSteer, GoalSwing, Point, TaskState, TaskStep, TouchBox, cue, drive, order,
-    select_point, slide, swing,
+    CompiledTask, GoalDrag, GoalDrive, GoalFinger, GoalPinch, GoalSteer, GoalSwing, Point, TaskState, TaskStep,
+    TouchBox, cue, drive, fingers, order, select_point, slide, swing,
 };
 use myo_model::StaticBox;
 use myo_scalar::{Mask, Scalar};
@@ -37,6 +37,12 @@ pub struct Goal<S: Scalar> {
     pub swing: Option<GoalSwing<S>>,
     /// The vehicle to drive, in tasks with vehicles.
     pub drive: Option<GoalDrive<S>>,
+    /// Number of the finger that points instead of the fingertip, or -1; none in tasks where it always is the fingertip, or what the technique makes of it.
+    pub lead: Option<S>,
+    /// Where other fingers must be, in tasks that ask for that.
+    pub fingers: Vec<GoalFinger<S>>,
+    /// The pinch that is asked for, in tasks with pinches.
+    pub pinch: Option<GoalPinch<S>>,
     /// Where a wrong press is to be corrected; none where none must be.
     pub corrects: Option<S::Mask>,
     /// The button to press, where there are presses; meaningless where this is none.
@@ -223,10 +229,18 @@ impl<S: Scalar> Goal<S> {
             steer: None,
             swing: None,
             drive: None,
+            lead: fingers::lead_of(task, number),
+            fingers: vec![],
+            pinch: GoalPinch::of(task, number, corrects),
             corrects,
             button: None,
             remembered: None,
         };
+        if let (Some(lead), Some(corrects)) = (&mut goal.lead, corrects) {
+            // The fingertip corrects.
+            *lead = S::select(corrects, S::lit(-1.0), *lead);
+        }
+        goal.fingers = GoalFinger::all(task, state, number, &goal);
         if task.kinds.dwell {
             (goal.centre, goal.size, goal.moves) = sphere(task, state, object);
         }

@@ -7,6 +7,7 @@ mod arrival;
 mod compile;
 mod cue;
 mod drive;
+mod fingers;
 mod goal;
 mod memory;
 mod order;
@@ -26,6 +27,7 @@ pub use arrival::Stay;
 pub use compile::{CompiledTask, DrawnSphere, Kinds, TaskStep, TouchBox, Weights, Which};
 pub use cue::{CueState, StepCue, begin_step};
 pub use drive::{DriveStep, GoalDrive, Ride, Vehicles};
+pub use fingers::{GoalFinger, GoalPinch, PinchStep, gap, is_pinched_with};
 pub use goal::{Goal, GoalButton, begins_at, centre_ahead, sphere};
 pub use memory::{Seen, remember};
 pub use order::choose_nearest;
@@ -38,7 +40,7 @@ pub use slide::{DragStep, GoalDrag, Handle};
 pub use steer::{GoalSteer, SteerStep, Steering};
 pub(crate) use swing::arm;
 pub use swing::{GoalSwing, Hold, Sticks, Swing, SwingStep};
-pub use touch::Contact;
+pub use touch::{Contact, PRESSERS, Pressing};
 pub use track::Tracking;
 pub use waves::{DrawnSines, Sines, Wave, Waves};
 
@@ -83,6 +85,8 @@ pub struct TaskState<S> {
     pub sticks: Option<Sticks<S>>,
     /// Where vehicles are; none where no step drives one.
     pub vehicles: Option<Vehicles<S>>,
+    /// One where fingers are open for a pinch; none where nothing is to be pinched.
+    pub open: Option<S>,
     /// What is remembered of the current object; none where it is seen all the time.
     pub seen: Option<Seen<S>>,
     /// Where a cursor that moves by itself stands, see [`Landmarks::cursor`]; none where there is none.
@@ -97,11 +101,11 @@ pub struct TaskState<S> {
     pub held: S,
     /// Physics steps until the button of the current step's press counts as let go, see [`CompiledTask::bounce`]; zero where it is, or was not pressed.
     pub down: S,
-    /// Number of the box that the fingertip came down on and may press; negative while it is in the air, and where it must be lifted first:
-    /// it pressed that box since, rightly or wrongly, or touched it when presses did not count.
-    pub landed: S,
-    /// Physics steps without contact until the fingertip counts as lifted; zero while it is.
-    pub grounded: S,
+    /// What each finger that may press does to boxes, the fingertip first.
+    pub pressing: Vec<Pressing<S>>,
+    /// Of each of them, one from when it pressed the button that it was asked to until it is off it or the step is over; none where no other finger
+    /// presses.
+    pub holds: Vec<S>,
     /// Control steps since the episode began.
     pub step: S,
     /// Per step: the control step at which it was done; negative if it was not.
@@ -132,14 +136,15 @@ impl<S: Scalar> TaskState<S> {
             vehicles: task.kinds.drive.then(|| Vehicles::new(spheres)),
             errors: task.correction.is_some().then(S::zero),
             pause: task.error_pause.is_some().then(S::zero),
+            open: task.kinds.pinch.then(S::zero),
             seen: task.kinds.memory.then(Seen::new),
             cursor: task.pointer.is_rate_cursor().then_some([o; 2]),
             phase: o,
             dwell: o,
             held: o,
             down: o,
-            landed: S::lit(-1.0),
-            grounded: o,
+            pressing: vec![Pressing::in_the_air(); task.pressers()],
+            holds: vec![o; if task.kinds.chord { task.pressers() } else { 0 }],
             step: o,
             done_at: vec![o; steps],
             reached_at: vec![o; steps],
@@ -149,7 +154,7 @@ impl<S: Scalar> TaskState<S> {
     /// Starts the counters of a new episode where the mask is true.
     #[inline(always)]
     pub fn restart(&mut self, mask: S::Mask) {
-        let marks = [&mut self.held, &mut self.down, &mut self.grounded];
+        let marks = [&mut self.held, &mut self.down];
         let counters = marks.into_iter().chain([&mut self.phase, &mut self.dwell, &mut self.step]);
         let steering = self.steering.iter_mut().flat_map(Steering::kept);
         let steering = steering.chain(self.tracking.iter_mut().flat_map(Tracking::numbers));
@@ -159,14 +164,19 @@ impl<S: Scalar> TaskState<S> {
             .chain(&mut self.given_up)
             .chain(&mut self.errors)
             .chain(&mut self.pause)
+            .chain(&mut self.open)
+            .chain(&mut self.holds)
             .chain(steering)
             .chain(pointed)
         {
             *counter = S::select(mask, S::zero(), *counter);
         }
         let shown_at = self.cue.iter_mut().flat_map(|cue| &mut cue.shown_at);
-        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain(shown_at).chain([&mut self.landed]) {
+        for at in self.done_at.iter_mut().chain(&mut self.reached_at).chain(shown_at) {
             *at = S::select(mask, S::lit(-1.0), *at);
+        }
+        for pressing in &mut self.pressing {
+            pressing.forget(mask);
         }
     }
 
@@ -223,6 +233,7 @@ impl<S: Scalar> TaskState<S> {
             vehicles,
             errors,
             pause,
+            open,
             seen,
             cursor,
             given_up,
@@ -230,8 +241,8 @@ impl<S: Scalar> TaskState<S> {
             dwell,
             held,
             down,
-            landed,
-            grounded,
+            pressing,
+            holds,
             step,
             done_at,
             reached_at,
@@ -244,10 +255,19 @@ impl<S: Scalar> TaskState<S> {
             .flat_map(|CueState { object, lit_at, shown_at }| [object, lit_at].into_iter().chain(shown_at));
         let times = done_at.iter_mut().chain(reached_at);
         let steering = steering.iter_mut().flat_map(Steering::kept);
-        let counters = [phase, dwell, held, down, landed, grounded, step];
+        let pressing = pressing.iter_mut().flat_map(Pressing::numbers);
+        let counters = [phase, dwell, held, down].into_iter().chain(pressing).chain([step]);
         let pointed = seen.iter_mut().flat_map(Seen::numbers).chain(cursor.iter_mut().flatten());
-        let script =
-            order.iter_mut().chain(cue).chain(times).chain(counters).chain(given_up).chain(errors).chain(pause);
+        let script = order
+            .iter_mut()
+            .chain(cue)
+            .chain(times)
+            .chain(counters)
+            .chain(given_up)
+            .chain(errors)
+            .chain(pause)
+            .chain(open)
+            .chain(holds);
         let sticks = sticks.iter_mut().flat_map(Sticks::numbers);
         let sticks = sticks.chain(vehicles.iter_mut().flat_map(Vehicles::numbers));
         let ways = steering.chain(tracking.iter_mut().flat_map(Tracking::numbers));

@@ -3,7 +3,7 @@
 //! An order is which step stands at each place of the script. A random one is drawn when an episode begins. Where any order
 //! counts, what is nearest to the pointer comes to the place that is due, as long as nothing was begun.
 
-use super::{CompiledTask, Landmarks, TaskState, difference, goal, is_same, norm};
+use super::{CompiledTask, Landmarks, TaskState, difference, fingers, goal, is_same, norm};
 use crate::flat::Order;
 use myo_scalar::{Counter, Mask, Scalar, Word, philox, unit};
 
@@ -44,7 +44,8 @@ pub fn choose_nearest<S: Scalar>(task: &CompiledTask<S>, body: &Landmarks<S>, st
         for (place, is_open) in open_places(order, state) {
             let step = state.order[place];
             let centre = goal::centre_of_step(task, state, step, None);
-            let distance = norm(difference(task.pointer.place(body, centre), centre));
+            let pointer = fingers::place_of(task, body, fingers::lead_of(task, step), centre);
+            let distance = norm(difference(pointer, centre));
             let is_nearer = is_open & is_idle & distance.lt(nearest);
             nearest = S::select(is_nearer, distance, nearest);
             chosen = S::select(is_nearer, S::lit(place as f64), chosen);

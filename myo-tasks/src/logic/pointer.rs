@@ -3,6 +3,7 @@
 use super::{Point, difference, norm};
 use crate::flat::{self, FlatTask};
 use crate::technique::RayFrom;
+use myo_model::MOST_FINGERS;
 use myo_scalar::{Real, Scalar};
 use nalgebra::Rotation3;
 
@@ -76,6 +77,8 @@ pub struct Landmarks<S> {
     pub elbow: Point<S>,
     /// See `elbow`.
     pub wrist: Point<S>,
+    /// Other fingers that the task asks for; the origin where there are fewer.
+    pub fingers: [Point<S>; MOST_FINGERS],
     /// Where a cursor that moves by itself stands, from the middle of its face: up, and across; zeros where there is none.
     pub cursor: [S; 2],
 }
@@ -85,7 +88,13 @@ impl<S: Scalar> Landmarks<S> {
     #[inline(always)]
     pub fn unknown() -> Self {
         let origin = [S::zero(); 3];
-        Self { fingertip: origin, elbow: origin, wrist: origin, cursor: [S::zero(); 2] }
+        Self {
+            fingertip: origin,
+            elbow: origin,
+            wrist: origin,
+            fingers: [origin; MOST_FINGERS],
+            cursor: [S::zero(); 2],
+        }
     }
 }
 

@@ -94,9 +94,13 @@ pub fn advance<S: Scalar>(
         state.dwell = (state.held * S::lit(share)).only(is_stay(goal));
     }
     if task.kinds.release {
-        let Stay { down, landed, grounded, .. } = sensed.stay;
-        (state.landed, state.grounded) = (landed, grounded);
-        state.down = S::select(is_over, S::zero(), down);
+        state.down = S::select(is_over, S::zero(), sensed.stay.down);
+        for (pressing, now) in state.pressing.iter_mut().zip(&sensed.stay.pressing) {
+            *pressing = *now;
+        }
+        for (holds, now) in state.holds.iter_mut().zip(&sensed.stay.holds) {
+            *holds = now.only(!is_over);
+        }
     }
     if let Some(drag) = goal.drag() {
         for (number, value) in state.values.iter_mut().enumerate() {
@@ -118,6 +122,10 @@ pub fn advance<S: Scalar>(
     }
     if let (Some(vehicles), Some(drive)) = (&mut state.vehicles, &goal.drive) {
         vehicles.update(drive, &sensed.stay.ride, target_over);
+    }
+    if let Some(open) = &mut state.open {
+        // What is pinched next asks for fingers that opened before.
+        *open = sensed.stay.open.only(!target_over);
     }
     if let Some(cursor) = &mut state.cursor {
         *cursor = sensed.stay.cursor;

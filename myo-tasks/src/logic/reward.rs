@@ -1,6 +1,8 @@
 //! The reward of a control step.
 
-use super::{CompiledTask, Goal, Hold, Progress, Sensed, TaskState, Weights, centre_ahead, difference, dot, norm};
+use super::{
+    CompiledTask, Goal, Hold, Point, Progress, Sensed, TaskState, Weights, centre_ahead, difference, dot, fingers, norm,
+};
 use myo_model::StaticBox;
 use myo_scalar::Scalar;
 
@@ -68,7 +70,7 @@ pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, g
     let mut distance = if inside_is_zero { (to_centre - goal.size).max(S::zero()) } else { to_centre };
     if let Some(button) = &goal.button {
         if inside_is_zero {
-            distance = S::select(goal.is_press, distance_to_face(&button.shape, sensed), distance);
+            distance = S::select(goal.is_press, distance_to_face(&button.shape, sensed.pointer), distance);
         }
         if let Some(drag) = &button.drag {
             let is_held = drag.is_drag & S::lit(0.5).lt(sensed.stay.down);
@@ -87,6 +89,10 @@ pub fn distance_to_goal<S: Scalar>(task: &CompiledTask<S>, sensed: &Sensed<S>, g
     if let Some(steer) = &goal.steer {
         distance = S::select(steer.is_steer, steer.left(sensed.pointer, &sensed.stay.steering), distance);
     }
+    if task.kinds.also || task.kinds.pinch {
+        let inside = to_centre.lt(goal.size);
+        distance += fingers::fingers_left(task, goal, &sensed.body, &sensed.stay, inside);
+    }
     goal.is_lit.map_or(distance, |is_lit| distance.only(is_lit))
 }
 
@@ -96,8 +102,8 @@ const ROUND: f64 = 3.0;
 /// Distance (m) to the nearest point of the pressed face. Behind its plane, depth counts [`ROUND`] times: on the straight way there is the
 /// button, and whatever it stands on, where a fingertip would stay that is drawn there.
 #[inline(always)]
-fn distance_to_face<S: Scalar>(button: &StaticBox<S>, sensed: &Sensed<S>) -> S {
-    let from_centre = difference(sensed.pointer, button.centre);
+pub(super) fn distance_to_face<S: Scalar>(button: &StaticBox<S>, finger: Point<S>) -> S {
+    let from_centre = difference(finger, button.centre);
     let mut excess = [S::zero(); 3];
     for (k, e) in excess.iter_mut().enumerate() {
         let along = dot(from_centre, button.axes[k]);

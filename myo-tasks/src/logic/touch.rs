@@ -1,17 +1,70 @@
-//! What the fingertip does to buttons, in a physics step.
+//! What fingers do to buttons, in a physics step.
 //!
 //! A finger presses what it comes down on. Where it slides to afterwards, over a desk or from key to key, it presses nothing until it was
 //! lifted: so it is on glass, and people lift their fingers.
 
 use super::compile::NEVER_PRESSED_N;
 use super::{CompiledTask, Goal, GoalButton, Point, Stay, is_same};
+use myo_model::MOST_FINGERS;
 use myo_scalar::{Carried, Mask, Scalar, Visitor};
 
-/// Contact of the fingertip with a box in a physics step.
+/// Fingers that may press: the fingertip, and others.
+pub const PRESSERS: usize = 1 + MOST_FINGERS;
+
+/// What a finger does to boxes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pressing<S> {
+    /// Number of the box that it came down on and may press; negative while it is in the air, and where it must be lifted first: it
+    /// pressed that box since, rightly or wrongly, or touched it when presses did not count.
+    pub landed: S,
+    /// Physics steps without contact until it counts as lifted; zero while it is.
+    pub grounded: S,
+}
+
+impl<S: Scalar> Pressing<S> {
+    /// Nothing is touched.
+    #[inline(always)]
+    pub fn in_the_air() -> Self {
+        Self { landed: S::lit(-1.0), grounded: S::zero() }
+    }
+
+    /// In the air again where the mask is true.
+    #[inline(always)]
+    pub(super) fn forget(&mut self, mask: S::Mask) {
+        self.forget_landing(mask);
+        self.grounded = self.grounded.only(!mask);
+    }
+
+    /// Must be lifted first where the mask is true.
+    #[inline(always)]
+    fn forget_landing(&mut self, mask: S::Mask) {
+        self.landed = S::select(mask, S::lit(-1.0), self.landed);
+    }
+
+    /// Every number, in a fixed order.
+    #[inline(always)]
+    pub fn numbers(&mut self) -> [&mut S; 2] {
+        let Self { landed, grounded } = self;
+        [landed, grounded]
+    }
+}
+
+/// The button that a finger is asked to press, by its number, negative for none, and its force (N).
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a, S: Scalar> {
+    pub number: S,
+    pub min_force: S,
+    /// That of the step.
+    pub button: &'a GoalButton<S>,
+}
+
+/// Contact of a finger with a box in a physics step.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<S: Scalar> {
     /// Where there is one.
     pub exists: S::Mask,
+    /// Whose it is: 0, the fingertip's, or one more than the number of another finger.
+    pub finger: usize,
     /// Number of the box.
     pub number: S,
     /// Its force (N).
@@ -50,10 +103,10 @@ impl<S: Scalar> Stay<S> {
         }
     }
 
-    /// Counts what these contacts mean for the button to be pressed and for all others; `bounce` is how many physics steps without contact it
+    /// Counts what these contacts mean for the buttons to be pressed and for all others; `bounce` is how many physics steps without contact it
     /// takes to let go.
     #[inline(always)]
-    pub(super) fn press_button(
+    pub(super) fn press_buttons(
         &mut self,
         task: &CompiledTask<S>,
         goal: &Goal<S>,
@@ -62,41 +115,85 @@ impl<S: Scalar> Stay<S> {
         bounce: S,
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) -> Touched<S> {
-        let (touches, on_face, force) = touch(contacts.clone(), button.number);
-        let mut comes = touches & button.min_force.le(force);
         if !task.kinds.release {
-            return Touched { on_face, comes };
+            let (touches, on_face, force) = touch(contacts.filter(|contact| contact.finger == 0), button.number);
+            return Touched { on_face, comes: touches & button.min_force.le(force) };
         }
-        self.land(task, bounce, contacts.clone());
+        let no = S::Mask::splat(false);
+        let (mut any_asked, mut any_comes) = (no, no);
+        let (mut all_on_face, mut all_hold) = (!no, !no);
+        for finger in 0..task.pressers() {
+            let own = contacts.clone().filter(move |contact| contact.finger == finger);
+            let asked = goal.asked_of(button, finger, task.kinds.chord);
+            let Touched { on_face, comes } = self.press_one(task, goal, (finger, asked), pointer, bounce, own);
+            if !task.kinds.chord {
+                return Touched { on_face, comes };
+            }
+            let is_asked = S::lit(-0.5).lt(asked.number);
+            any_asked = any_asked | is_asked;
+            any_comes = any_comes | comes;
+            all_on_face = all_on_face & (on_face | !is_asked);
+            all_hold = all_hold & (S::lit(0.5).lt(self.holds[finger]) | !is_asked);
+        }
+        Touched { on_face: all_on_face & any_asked, comes: any_comes & all_hold }
+    }
+
+    /// The same of one finger and the button that it is asked to press.
+    #[inline(always)]
+    fn press_one(
+        &mut self,
+        task: &CompiledTask<S>,
+        goal: &Goal<S>,
+        (finger, asked): (usize, Asked<'_, S>),
+        pointer: Point<S>,
+        bounce: S,
+        contacts: impl Iterator<Item = Contact<S>> + Clone,
+    ) -> Touched<S> {
+        let (touches, on_face, force) = touch(contacts.clone(), asked.number);
+        self.land(task, finger, bounce, contacts.clone());
         if let Some(pauses) = goal.pauses {
             // What is touched before presses count must be let go before it can be pressed.
-            self.landed = S::select(pauses, S::lit(-1.0), self.landed);
+            self.pressing[finger].forget_landing(pauses);
         }
-        comes = comes & is_same(button.number, self.landed);
-        if let Some(drag) = &button.drag {
+        let mut comes = touches & asked.min_force.le(force) & is_same(asked.number, self.pressing[finger].landed);
+        let drag = asked.button.drag.as_ref().filter(|_| finger == 0);
+        if let Some(drag) = drag {
             let is_on_handle = (drag.share(pointer) - self.value).abs().le(drag.half);
             comes = comes & (is_on_handle | !drag.is_drag);
         }
-        self.landed = S::select(comes, S::lit(-1.0), self.landed);
-        self.down = S::select(comes, bounce, self.down);
-        self.release(button, pointer, touches, bounce);
-        self.watch_others(task, button, contacts);
+        self.pressing[finger].forget_landing(comes);
+        if task.kinds.chord {
+            self.holds[finger] = S::select(comes, S::lit(1.0), self.holds[finger].only(touches));
+        }
+        if finger == 0 {
+            self.down = S::select(comes, bounce, self.down);
+            self.release(asked.button, pointer, touches, bounce);
+        }
+        self.watch_others(task, goal, (finger, asked.button), contacts);
         Touched { on_face, comes }
     }
 
-    /// Follows whether the fingertip is in the air, and on which box it comes down.
+    /// Follows whether a finger is in the air, and on which box it comes down.
     #[inline(always)]
-    fn land(&mut self, task: &CompiledTask<S>, bounce: S, contacts: impl Iterator<Item = Contact<S>> + Clone) {
+    fn land(
+        &mut self,
+        task: &CompiledTask<S>,
+        finger: usize,
+        bounce: S,
+        contacts: impl Iterator<Item = Contact<S>> + Clone,
+    ) {
         let mut touches = S::Mask::splat(false);
         for contact in contacts.clone() {
             touches = touches | contact.exists;
         }
-        let lands = touches & self.grounded.lt(S::lit(0.5));
-        S::when(lands, &mut Landing(self), |Landing(stay)| {
-            stay.landed = S::select(lands, first_touched(task, contacts), stay.landed);
+        let lands = touches & self.pressing[finger].grounded.lt(S::lit(0.5));
+        S::when(lands, &mut Landing(self, finger), |Landing(stay, finger)| {
+            let landed = &mut stay.pressing[*finger].landed;
+            *landed = S::select(lands, first_touched(task, contacts), *landed);
         });
-        self.grounded = S::select(touches, bounce, self.grounded - S::lit(1.0)).max(S::zero());
-        self.landed = S::select(S::lit(0.5).lt(self.grounded), self.landed, S::lit(-1.0));
+        let pressing = &mut self.pressing[finger];
+        pressing.grounded = S::select(touches, bounce, pressing.grounded - S::lit(1.0)).max(S::zero());
+        pressing.forget_landing(!S::lit(0.5).lt(pressing.grounded));
     }
 
     /// What is down may be moved, and may be let go.
@@ -118,27 +215,30 @@ impl<S: Scalar> Stay<S> {
     fn watch_others(
         &mut self,
         task: &CompiledTask<S>,
-        button: &GoalButton<S>,
+        goal: &Goal<S>,
+        (finger, button): (usize, &GoalButton<S>),
         contacts: impl Iterator<Item = Contact<S>> + Clone,
     ) {
-        let may_err = S::zero().le(self.landed) & !is_meant(task, button, self.landed);
-        S::when(may_err, &mut Landing(self), |Landing(stay)| {
-            let [min_force] = S::gather(task.boxes.len(), |k| [task.boxes[k].min_force], stay.landed);
-            let (touches, _, force) = touch(contacts, stay.landed);
+        let landed = self.pressing[finger].landed;
+        let may_err = S::zero().le(landed) & !is_meant(task, goal, button, landed);
+        S::when(may_err, &mut Landing(self, finger), |Landing(stay, finger)| {
+            let landed = stay.pressing[*finger].landed;
+            let [min_force] = S::gather(task.boxes.len(), |k| [task.boxes[k].min_force], landed);
+            let (touches, _, force) = touch(contacts, landed);
             let errs = may_err & touches & min_force.le(force);
             stay.wrong_presses += S::indicator(errs);
-            stay.landed = S::select(errs, S::lit(-1.0), stay.landed);
+            stay.pressing[*finger].forget_landing(errs);
         });
     }
 }
 
-/// What the contacts of a fingertip that came down, or came down on what it should not, change.
-struct Landing<'a, S>(&'a mut Stay<S>);
+/// What the contacts of a finger that came down, or came down on what it should not, change.
+struct Landing<'a, S>(&'a mut Stay<S>, usize);
 
 impl<S: Scalar> Carried<S> for Landing<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Stay { landed, wrong_presses, .. } = &mut *self.0;
-        visitor.numbers([landed, wrong_presses]);
+        let Self(Stay { pressing, wrong_presses, .. }, finger) = self;
+        visitor.numbers([&mut pressing[*finger].landed, wrong_presses]);
     }
 }
 
@@ -160,8 +260,11 @@ fn first_touched<S: Scalar>(task: &CompiledTask<S>, contacts: impl Iterator<Item
 /// Whether the box of this number may be pressed: it is the one to be pressed, one that may be pressed as well, or the one that
 /// corrects.
 #[inline(always)]
-fn is_meant<S: Scalar>(task: &CompiledTask<S>, button: &GoalButton<S>, number: S) -> S::Mask {
+fn is_meant<S: Scalar>(task: &CompiledTask<S>, goal: &Goal<S>, button: &GoalButton<S>, number: S) -> S::Mask {
     let mut is_meant = is_same(number, button.number);
+    for other in goal.fingers.iter().filter_map(|finger| finger.button.as_ref()) {
+        is_meant = is_meant | is_same(number, other.number);
+    }
     for &open in &button.open {
         is_meant = is_meant | is_same(number, open);
     }

@@ -1,5 +1,6 @@
 //! Tasks that run without a body.
 
+use myo_model::MOST_FINGERS;
 use myo_scalar::{Counter, Scalar, Word};
 use myo_tasks::logic::{
     CompiledTask, Contact, Goal, Landmarks, Sensed, Stay, TaskState, advance, begin_step, choose_nearest, draw_objects,
@@ -71,25 +72,61 @@ impl Run {
 
     /// What is seen of a pointer that is here at the beginning of a control step.
     pub fn sensed_at(&self, pointer: [f64; 3]) -> Sensed<f64> {
-        let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, cursor: [0.0; 2] };
+        let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, ..Landmarks::unknown() };
         let stay = Stay::new(&self.state, &self.goal());
         Sensed { body, pointer, stay, now: (self.step * SUBSTEPS) as f64 }
     }
 
     /// Runs control steps until the task is done or `steps` are over; returns whether it is done.
     pub fn run(&mut self, steps: usize, at: impl Fn(&Goal<f64>, usize) -> Deed) -> bool {
+        self.run_hand(steps, |goal, now| (at(goal, now), [[0.0; 3]; MOST_FINGERS]))
+    }
+
+    /// The same with other fingers, which are there.
+    pub fn run_hand(
+        &mut self,
+        steps: usize,
+        at: impl Fn(&Goal<f64>, usize) -> (Deed, [[f64; 3]; MOST_FINGERS]),
+    ) -> bool {
+        self.run_touching(steps, |goal, now| {
+            let ((pointer, touch), fingers) = at(goal, now);
+            (pointer, fingers, touch.map(|(number, force)| (0, number, force)).into_iter().collect())
+        })
+    }
+
+    /// The same with all that fingers touch: which finger (0 is the fingertip), which box, how hard.
+    pub fn run_touching(
+        &mut self,
+        steps: usize,
+        at: impl Fn(&Goal<f64>, usize) -> ([f64; 3], [[f64; 3]; MOST_FINGERS], Vec<(usize, usize, f64)>),
+    ) -> bool {
+        let body = |pointer, fingers| Landmarks {
+            fingertip: pointer,
+            elbow: pointer,
+            wrist: pointer,
+            fingers,
+            ..Landmarks::unknown()
+        };
         for _ in 0..steps {
             let goal = self.goal();
             let mut stay = Stay::new(&self.state, &goal);
             for now in self.step * SUBSTEPS..(self.step + 1) * SUBSTEPS {
-                let (pointer, touch) = at(&goal, now);
-                let (number, force) = touch.unwrap_or((0, 0.0));
-                let contact = Contact { exists: touch.is_some(), number: number as f64, force, facing: 1.0 };
-                stay.follow(&self.task, &goal, pointer, SHARE, std::iter::once(contact));
+                let (fingertip, fingers, touches) = at(&goal, now);
+                let contacts = touches.into_iter().map(|(finger, number, force)| Contact {
+                    exists: true,
+                    finger,
+                    number: number as f64,
+                    force,
+                    facing: 1.0,
+                });
+                let body = body(fingertip, fingers);
+                let pointer = goal.pointer(&self.task, &body, goal.centre);
+                stay.follow(&self.task, &goal, &body, pointer, SHARE, contacts.collect::<Vec<_>>().into_iter());
             }
             self.step += 1;
-            let (pointer, _) = at(&goal, self.step * SUBSTEPS);
-            let body = Landmarks { fingertip: pointer, elbow: pointer, wrist: pointer, cursor: [0.0; 2] };
+            let (fingertip, fingers, _) = at(&goal, self.step * SUBSTEPS);
+            let body = body(fingertip, fingers);
+            let pointer = goal.pointer(&self.task, &body, goal.centre);
             let sensed = Sensed { body, pointer, stay, now: (self.step * SUBSTEPS) as f64 };
             let progress = advance(&self.task, &goal, &sensed, &mut self.state, SHARE);
             let begins = progress.target_over && !progress.task_over;

@@ -87,7 +87,7 @@ Evaluates the deterministic policy of the newest checkpoint, or of the one befor
 With --task the user does a layout that it was not trained on, with what it learned elsewhere. There may be other objects in other places,
 more steps and of other kinds. It is done by the user of the run with its body, where the file does not say `body`. Model, hand, technique, control step and what is perceived must be those of the training, else all that
 differs is named: `pointer_position` is perceived only where the technique is not the fingertip, `target_velocity` where something
-moves, `cue` where a step must be waited for, `drag` where there is a slider to drag or a stick to swing, `drive` where something is driven. The result says that the user was not trained there.
+moves, `cue` where a step must be waited for, `drag` where there is a slider to drag or a stick to swing, `drive` where something is driven, `fingers` where other fingers are asked for. The result says that the user was not trained there.
 A user of several layouts (`myo train --together`) does each of them; the table has them and their mean.
 
 Movement time is from the start of a target (the end of the one before, or the reset) to the last entry into it or the touch of

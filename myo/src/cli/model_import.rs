@@ -30,6 +30,9 @@ pub struct Import {
     /// Body whose origin is the wrist, for rays
     #[arg(long, value_name = "BODY")]
     wrist: Option<String>,
+    /// Another finger, by the name that tasks have for it; once for each, at most four [example: thumb=THtip_r]
+    #[arg(long, value_name = "NAME=SITE", value_parser = named)]
+    finger: Vec<(String, String)>,
     /// Let parts of the body pass through each other
     #[arg(long)]
     without_contacts: bool,
@@ -61,6 +64,7 @@ impl Import {
             shoulder: self.shoulder.clone(),
             elbow: self.elbow.clone(),
             wrist: self.wrist.clone(),
+            fingers: self.finger.iter().cloned().collect(),
         };
         let (without_contacts, locked) = (self.without_contacts, self.lock.clone());
         let options = ImportOptions { landmarks, without_contacts, locked };
@@ -81,6 +85,12 @@ impl Import {
             None => print_file(&text),
         }
     }
+}
+
+/// A name and what has it.
+fn named(text: &str) -> std::result::Result<(String, String), String> {
+    let (name, site) = text.split_once('=').ok_or("it is a name and a site, such as thumb=THtip_r")?;
+    Ok((name.to_owned(), site.to_owned()))
 }
 
 /// All that cannot be simulated, each where it stands.
