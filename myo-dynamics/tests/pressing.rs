@@ -190,7 +190,9 @@ fn on_plate(plan: &Plan<f64>, pose: usize, below: f64) -> (Vec<(usize, f64)>, Ve
     let mut ws = Workspace::<f64>::new(plan);
     step::kinematics::kinematics(plan, &state.qpos, &state.qvel, &mut ws);
     let [x, y, z] = step::fingertip(plan, &ws);
-    let plate = StaticBox::new([x, y, z - below - 0.02], AXES, [0.2, 0.2, 0.02]);
+    // A table, or a key that is too small for two.
+    let [wide, thick] = if pose.is_multiple_of(2) { [0.2, 0.02] } else { [0.008, 0.002] };
+    let plate = StaticBox::new([x, y, z - below - thick], AXES, [wide, wide, thick]);
     step::forward(plan, &Obstacles::new(plan, &[plate], Surface::default()), &state, &mut ws);
     let touches = plan.contact_spheres.iter().zip(ws.box_contacts());
     let touches = touches.filter(|(_, contacts)| contacts[0].exists);
