@@ -86,6 +86,7 @@ PLAIN_PARTS = ("Body", "Reward", "Observation", "Reset", "Perception", "Noise", 
 # Where it makes a difference that there is no file.
 IN_PYTHON = [
     ("looked for in the folder of the task file", "looked for in the working directory"),
+    ("`{thumb: left}`", '`{"thumb": "left"}`'),
     ("Which parts the observation has, in this order;", "Which parts the observation has;"),
 ]
 
@@ -138,6 +139,8 @@ class Writer:
         if of.get("items", {}).get("$ref", "").endswith("/Instruction"):
             return {"steps": {**of, "description": "The steps."}}, ["steps"], True
         part = self.resolve(of)
+        if "additionalProperties" in part and "properties" not in part:
+            return {"fingers": {**of, "description": "Name of a button by each finger."}}, ["fingers"], True
         long = next((one for one in map(self.resolve, [part, *part.get("anyOf", [])]) if "properties" in one), None)
         if long is None:
             return {"for_s": {**of, "description": "How long, in s, a number or `[min, max]`."}}, ["for_s"], True
@@ -169,6 +172,8 @@ class Writer:
         fields = self.steps[key].fields
         if next(iter(fields)) == "steps":
             return f"{camel(key)}([{', '.join(map(self.literal, value))}])"
+        if next(iter(fields)) == "fingers":
+            return f"{camel(key)}({json.dumps(value)})"
         if not isinstance(value, dict):
             arguments = value if isinstance(value, list) else [value]
             return f"{camel(key)}({', '.join(map(self.literal, arguments))})"

@@ -63,6 +63,38 @@ PRESETS = {
         "script": [s.Dwell("ring", for_s=0.25)],
         "time_limit_s": 12,
     },
+    "pinch": {
+        "model": "myo-hand",
+        "scene": {
+            "item": s.Sphere(
+                at=s.Region(x=(0.33, 0.37), y=(-0.03, 0.06), z=(-0.28, -0.22)),
+                radius=0.025,
+                copies=3,
+            )
+        },
+        "script": [s.Pinch("item")],
+        "time_limit_s": 6,
+    },
+    "chord": {
+        "model": "myo-hand",
+        "scene": {
+            "keys": s.Grid(
+                at=(0.38, 0.004, -0.318),
+                rows=1,
+                columns=3,
+                pitch=0.0235,
+                names=["c", "d", "e"],
+                of=s.Button(size=(0.0225, 0.06, 0.006), min_force_n=0.6),
+            ),
+            "desk": s.Obstacle(at=(0.38, 0.004, -0.331), size=(0.2, 0.16, 0.02)),
+        },
+        "script": [
+            s.PressWith({"fingertip": "c", "middle": "d"}),
+            s.PressWith({"fingertip": "d", "middle": "e"}),
+            s.PressWith({"fingertip": "c", "middle": "d"}),
+        ],
+        "time_limit_s": 8,
+    },
 }
 
 
@@ -98,6 +130,7 @@ def test_classes_have_the_fields_of_the_schema():
                 expected[name] = {key: key in kind["required"] for key in keys}
     same = (
         "Dwell",
+        "Pinch",
         "Drag",
         "Swing",
         "Drive",
@@ -120,7 +153,7 @@ def test_classes_have_the_fields_of_the_schema():
     for name, part in [*((name, parts[name]) for name in same), ("Type", parts["Text"])]:
         expected[name] = {key: key in part.get("required", ()) for key in part["properties"]}
     bare = {"Press": {"names": True}, "PressAndRelease": {"names": True}, "Wait": {"for_s": True}}
-    bare |= {"RandomOrder": {"steps": True}, "AnyOrder": {"steps": True}}
+    bare |= {"PressWith": {"fingers": True}, "RandomOrder": {"steps": True}, "AnyOrder": {"steps": True}}
     assert found == expected | bare
     steps = {next(iter(step["properties"])) for step in parts["Instruction"]["oneOf"]}
     assert steps == {part.action for part in map(vars(s).get, s.__all__) if hasattr(part, "action")}
@@ -143,7 +176,9 @@ def test_examples_in_the_documentation_are_right():
     assert doctest.testmod(s) == (0, 2)
     examples = {
         'Dwell("slot", for_s=0.3)': {"dwell": {"in": "slot", "for_s": 0.3}},
+        'Pinch("item")': {"pinch": {"in": "item"}},
         "Press(1, 3, 3, 5)": {"press": [1, 3, 3, 5]},
+        'PressWith({"fingertip": "c", "thumb": "e"})': {"press_with": {"fingertip": "c", "thumb": "e"}},
         "PressAndRelease(1, 3, 3, 5)": {"press_and_release": [1, 3, 3, 5]},
         'Drag("volume", to=70, within=2)': {"drag": {"slider": "volume", "to": 70, "within": 2}},
         'Swing("lever", to_deg=30, within_deg=3)': {"swing": {"stick": "lever", "to_deg": 30, "within_deg": 3}},

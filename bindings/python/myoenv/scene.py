@@ -65,9 +65,11 @@ __all__ = [
     "Observation",
     "Obstacle",
     "Perception",
+    "Pinch",
     "Place",
     "Press",
     "PressAndRelease",
+    "PressWith",
     "RandomMotion",
     "RandomOrder",
     "RateCursor",
@@ -541,12 +543,40 @@ class Dwell(Step):
     Args:
         in_: Names of the spheres, or of groups of them, in the order in which to stay in them.
         for_s: How long in each without a break, in s, from 0 to 600; to the physics step, at least one.
+        with_: The finger that must be inside, by the name that the body's model has for it. Without it: the fingertip,
+            or what points in its place.
+        also: Spheres in which other fingers must be at the same time, by the names that the body's model has for them:
+            `{"thumb": "left"}`.
     """
 
     action: ClassVar[str] = "dwell"
     in_: Names
     _: KW_ONLY
     for_s: float
+    with_: str | None = None
+    also: Mapping[str, Name] | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Pinch(Step):
+    """Bring another finger to the fingertip while what points is in spheres: `Pinch("item")`.
+
+    Args:
+        in_: Names of the spheres, or of groups of them, in the order in which to pinch in them. What points must be
+            inside as fingers close: a ray pinches from afar.
+        with_: The finger that comes to the fingertip, by the name that the body's model has for it. Default `thumb`.
+        for_s: How long both stay together in each, in s, from 0 to 600; to the physics step, at least one. Default 0.
+        closer_than: How near tips are together, in m, from 0.001 to 0.2. Default 0.02.
+        apart: How far they must have been apart before, in m, from `closer_than` to 0.4. Default 0.035.
+    """
+
+    action: ClassVar[str] = "pinch"
+    in_: Names
+    _: KW_ONLY
+    with_: str | None = None
+    for_s: float | None = None
+    closer_than: float | None = None
+    apart: float | None = None
 
 
 class Press(OfNames, Step):
@@ -558,6 +588,20 @@ class Press(OfNames, Step):
     """
 
     action: ClassVar[str] = "press"
+
+
+@dataclass(frozen=True, repr=False)
+class PressWith(Step):
+    """Press a button with each of these fingers, all at the same time: `PressWith({"fingertip": "c", "thumb": "e"})`.
+    It is done once all are down; each must be lifted before it can press again.
+
+    Args:
+        fingers: Name of a button by each finger.
+    """
+
+    action: ClassVar[str] = "press_with"
+    has_short_form: ClassVar[bool] = True
+    fingers: Mapping[str, Name]
 
 
 class PressAndRelease(OfNames, Step):
@@ -766,7 +810,7 @@ class Repeat(Step):
 
 class Technique(OfKind):
     """What points: every step of the script goes by one pointer, which the technique makes of the body's posture. Only
-    the fingertip can press and drag."""
+    fingers can press and drag."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -996,6 +1040,10 @@ class Observation(Described):
             is driven. Default True.
         steer: From the fingertip, or the pointer, to the farthest place of the current way that was come to, in m, and
             whether it is within the way: 1 or 0; in tasks with ways. Default True.
+        fingers: Whether the fingertip holds its button of several that are to be pressed at once: 1 or 0. From every
+            other finger that the task asks for to where it must be, in m, how large that is, in m, whether the current
+            step asks for it, and whether it is ready: holds the button that it is to press with others, or is open for
+            a pinch; 1 or 0, in tasks that ask for other fingers. Default True.
         nearest_obstacle: From the fingertip to the nearest place of the surface of any box but the current target, in
             m, shortened to 1 where it is farther, and 1 downwards where there is none; in tasks with boxes. Default
             False.
@@ -1030,6 +1078,7 @@ class Observation(Described):
     drag: bool | None = None
     drive: bool | None = None
     steer: bool | None = None
+    fingers: bool | None = None
     nearest_obstacle: bool | None = None
     traits: bool | None = None
 
