@@ -241,7 +241,7 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
     let second = myo_model::model::Geom { name: "thumb".into(), ..model.geoms[0].clone() };
     model.geoms.push(second);
     let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
-    assert!(refused.to_string().starts_with("geom 'thumb': only one sphere touches the boxes"), "{refused}");
+    assert!(refused.to_string().starts_with("geom 'thumb': one sphere of each finger touches the boxes"), "{refused}");
     // One that touches the first presses nothing, nor does that then.
     let contact =
         myo_model::model::Contact { geoms: [0, 1], margin: 0.0, friction: 1.0, softness: Softness::default() };

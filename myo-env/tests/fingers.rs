@@ -46,10 +46,10 @@ fn where_fingers_must_go_is_observed() {
         // The thumb leads, so that the way to the target is its own.
         assert_eq!(thumb.map(|k| row[k]), target.map(|k| row[k]));
         assert_eq!(["thumb", "middle"].map(|finger| row[of(finger, "asked")]), [1.0, 1.0]);
-        assert_eq!((row[of("thumb", "size")], row[of("thumb", "ready")]), (0.2, 0.0));
+        assert_eq!((row[of("thumb", "size")], row[of("thumb", "ready")]), (0.5, 0.0));
         let near = row[of("middle", "size")];
-        assert!((0.07..=0.09).contains(&near), "{near}");
-        // Both from where the fingers are: a hand is no longer than 20 cm.
+        assert!((0.4..=0.5).contains(&near), "{near}");
+        // Both from where the fingers are, one before the wrist and one behind.
         let apart = |k: usize| row[thumb[k]] - row[middle[k]];
         let distance = (0..3).map(|k| apart(k) * apart(k)).sum::<f32>().sqrt();
         assert!(distance < 0.35, "{distance}");
@@ -64,6 +64,13 @@ fn a_body_without_the_finger_is_refused_with_those_that_it_has() {
     };
     assert_eq!(on("myo-hand"), None);
     let refused = on("mobl-arms").unwrap();
-    assert!(refused.starts_with("the model has no finger `thumb`; "), "{refused}");
-    assert!(refused.ends_with("fingers are named in its landmarks (`fingers: {thumb: SITE}`)"), "{refused}");
+    assert!(refused.starts_with("the model has no finger `middle`; "), "{refused}");
+    assert!(refused.ends_with("fingers are named in its landmarks (`fingers: {middle: SITE}`)"), "{refused}");
+    // What presses must have something to press with.
+    let mut description = builtin("myo-arm").unwrap();
+    let tips = [("middle", "PL-P3"), ("thumb", "ECRL-P3")];
+    description.landmarks.fingers = tips.map(|(name, tip)| (name.to_owned(), tip.to_owned())).into();
+    let model = Model::new(&description).unwrap();
+    let refused = CpuEnv::new(&model, &chords(), &EnvConfig::default()).err().unwrap().to_string();
+    assert!(refused.starts_with("the finger `middle` has no ball at its tip that presses"), "{refused}");
 }

@@ -3,11 +3,26 @@
 
 use myo_env::{StepStorage, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu};
-use myo_model::{Model, builtin};
+use myo_model::description::{Geom, Site};
+use myo_model::{Model, ModelDescription, builtin};
 use myo_tasks::{Instruction, Item, Source, SphereItem, Task, User, preset_text};
 
 pub fn arm(task: &Task) -> Model {
-    Model::new(&builtin(&task.model).unwrap()).unwrap()
+    let mut description = builtin(&task.model).unwrap();
+    if ["fingers", "chords"].contains(&&*task.name) {
+        give_fingers(&mut description);
+    }
+    Model::new(&description).unwrap()
+}
+
+/// Places of an arm as fingers that point and press: one before the wrist, so that a bent wrist is a pinch, and one behind. Hands of many joints,
+/// thrown about, come to their limits so fast that single precision tells nothing after some steps.
+fn give_fingers(description: &mut ModelDescription) {
+    for (name, tip) in [("thumb", "ECRL-P3"), ("middle", "PL-P3")] {
+        let Site { body, pos, .. } = description.sites.iter().find(|site| site.name == tip).unwrap().clone();
+        description.geoms.push(Geom { name: name.into(), body, pos, ..description.geoms[0].clone() });
+        description.landmarks.fingers.insert(name.into(), tip.into());
+    }
 }
 
 /// The best graphics card, or a software driver.
@@ -159,34 +174,36 @@ pub fn driven_with(changes: &[(&str, &str)]) -> Task {
     changed("driven", text, changes)
 }
 
-/// A hand whose fingers are wherever they should be now and then, by themselves, in turn and together.
+/// An arm whose fingers are wherever they should be now and then, by themselves, in turn and together.
 pub fn fingers() -> Task {
     fingers_with(&[])
 }
 
 /// The same with other numbers.
 pub fn fingers_with(changes: &[(&str, &str)]) -> Task {
-    let text = "version: 2\nuser: fastest\nmodel: myo-hand\nname: fingers\nscene:\n  \
-                wide: {kind: sphere, at: [0.4, 0, [-0.35, -0.25]], radius: 0.2}\n  \
-                near: {kind: sphere, at: [0.37, 0.02, -0.25], radius: [0.07, 0.09], min_distance_from_previous: 0, moves: {kind: line, by: [0, 0.03, 0], period_s: 0.5}}\nscript:\n  \
-                - dwell: {in: wide, for_s: 0.1, with: thumb, also: {middle: near}}\n  - pinch: {in: wide, closer_than: 0.08, apart: 0.08}\n  \
-                - dwell: {in: near, for_s: 0.05, also: {thumb: wide}}\n  - pinch: {in: [wide, near], with: middle, for_s: 0.05, closer_than: 0.027, apart: 0.028}\n\
-                time_limit_s: 0.8\n";
+    let text = "version: 2\nuser: fastest\nname: fingers\nscene:\n  \
+                wide: {kind: sphere, at: [0.15, -0.05, [-0.65, -0.55]], radius: 0.5}\n  \
+                near: {kind: sphere, at: [0.15, -0.05, -0.6], radius: [0.4, 0.5], min_distance_from_previous: 0, moves: {kind: line, by: [0, 0.03, 0], period_s: 0.5}}\nscript:\n  \
+                - dwell: {in: wide, for_s: 0.1, with: thumb, also: {middle: near}}\n  - pinch: {in: wide, closer_than: 0.172, apart: 0.173}\n  \
+                - dwell: {in: near, for_s: 0.05, also: {thumb: wide}}\n  - pinch: {in: [wide, near], for_s: 0.01, closer_than: 0.172, apart: 0.172}\n\
+                time_limit_s: 2\n";
     changed("fingers", text, changes)
 }
 
-/// A hand that falls on two large keys, with all fingers that it is asked for.
+/// An arm that hangs before a plate which its fingers press, one by one and together, and another plate to press wrongly.
 pub fn chords() -> Task {
     chords_with(&[])
 }
 
 /// The same with other numbers.
 pub fn chords_with(changes: &[(&str, &str)]) -> Task {
-    let text = "version: 2\nuser: fastest\nmodel: myo-hand\nname: chords\nscene:\n  \
-                a: {kind: button, at: [0.4, [0, 0.01], -0.29], size: [0.2, 0.2, 0.02], min_force_n: 0.01}\n  \
-                b: {kind: button, at: [0.4, 0.22, -0.29], size: [0.2, 0.2, 0.02], min_force_n: 0.01}\nscript:\n  \
-                - press_with: {fingertip: a, middle: a}\n  - press_with: {thumb: a}\n  - press: a\n  - press_with: {middle: a, thumb: b}\n  - press_with: {middle: a}\n\
-                time_limit_s: 0.8\n";
+    let text = "version: 2\nuser: fastest\nname: chords\nscene:\n  \
+                a: {kind: button, at: [[0.12, 0.13], 0.2, -0.6], tilt_deg: 90, size: [0.6, 0.6, 0.02], min_force_n: 0.01}\n  \
+                b: {kind: button, at: [0.12, -0.42, -0.6], tilt_deg: 90, size: [0.6, 0.6, 0.02], min_force_n: 0.01}\n  \
+                wide: {kind: sphere, at: [0.1, -0.05, -0.6], radius: 0.5}\nscript:\n  \
+                - press_with: {fingertip: b, middle: b}\n  - wait: [0, 0.1]\n  - press_with: {thumb: b}\n  \
+                - dwell: {in: wide, for_s: 0.05, also: {thumb: wide}}\n  - press: b\n\
+                time_limit_s: 1.2\n";
     changed("chords", text, changes)
 }
 

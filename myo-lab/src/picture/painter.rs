@@ -3,6 +3,7 @@
 use myo_dynamics::spatial::{Frame, Vec3};
 use myo_env::{BuildError, EnvError, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose, Snapshot};
 use myo_model::Model;
+use myo_model::model::WORLD;
 use myo_tasks::{Action, Shape as Form, Task};
 
 use super::{Colour, Drawing, Shape};
@@ -167,8 +168,10 @@ impl Painter {
             let joints = chain.iter().map(|&body| pose.bodies[body].position.array());
             page.line(&joints.chain([tip]).collect::<Vec<Point>>(), FINGER, BONE);
         }
+        // As wide on the page whether a whole person is on it or a hand.
+        let near = page.scale.max(1.0).recip();
         for MusclePose { points, activation } in &pose.muscles {
-            page.line(points, 0.003 + 0.007 * activation, shade(MUSCLE, 0.35 + 0.6 * activation));
+            page.line(points, near * (0.003 + 0.007 * activation), shade(MUSCLE, 0.35 + 0.6 * activation));
         }
         page.disc(pose.fingertip, if model.fingers.is_empty() { 0.013 } else { 0.6 * FINGER }, MUSCLE);
         if let Some(from) = pose.ray_from {
@@ -183,8 +186,10 @@ impl Painter {
 /// A drawing in the making, with points given in space.
 struct Page {
     drawing: Drawing,
-    /// How much smaller than life things are drawn, so that all of a scene has room.
+    /// How large things are drawn, 1 as in life.
     scale: f64,
+    /// What is in the middle of the page, in life size.
+    middle: [f64; 2],
 }
 
 impl Page {
@@ -193,7 +198,8 @@ impl Page {
         let size = skeleton.model().stature_m.unwrap_or(DRAWN_STATURE) / DRAWN_STATURE;
         let side = if skeleton.model().has_left_arm() { -size } else { size };
         let drawing = Drawing { size: PAGE, paper: PAPER, shapes: vec![] };
-        let mut page = Self { drawing, scale: scale(skeleton) };
+        let (middle, most) = view(skeleton.model());
+        let mut page = Self { drawing, scale: scale(skeleton, middle, most), middle };
         let at = |y: f64, z: f64| [0.0, side * y, size * z];
         page.line(&[at(0.17, -0.02), at(0.17, -0.36)], 0.283 * size, SKIN);
         page.line(&[at(0.0, 0.0), at(0.34, 0.0)], 0.105 * size, SKIN);
@@ -203,7 +209,8 @@ impl Page {
     }
 
     fn at(&self, point: Point) -> [f64; 2] {
-        on_page(point).map(|x| x * self.scale)
+        let place = on_page(point);
+        [0, 1].map(|axis| (place[axis] - self.middle[axis]) * self.scale)
     }
 
     fn sphere(&mut self, centre: Point, radius: f64, tone: Colour, strength: f64) {
@@ -254,14 +261,35 @@ impl Page {
     }
 }
 
-/// Life size where a scene has room on the page, as nearly all have, and else as large as it has.
-fn scale(skeleton: &Skeleton) -> f64 {
+/// How large a hand is drawn of a person who moves nothing else.
+const CLOSE: f64 = 4.0;
+/// From the wrist to the middle of such a picture: half a hand forward (m).
+const HALF_HAND: f64 = 0.08;
+
+/// What is in the middle of the page, and how large things are drawn at most: a whole person as large as in life, and a hand alone from nearby.
+fn view(model: &Model) -> ([f64; 2], f64) {
+    let person = ([0.0; 2], 1.0);
+    let (Some(elbow), Some(wrist)) = (model.elbow_body, model.wrist_body) else { return person };
+    let is_before = |body: usize| {
+        let mut ancestors = std::iter::successors(Some(elbow), |&at| (at != WORLD).then(|| model.bodies[at].parent));
+        ancestors.any(|ancestor| ancestor == body)
+    };
+    if model.fingers.is_empty() || model.joints.iter().any(|joint| is_before(joint.body)) {
+        return person;
+    }
+    let place = model.frames_in_zero_pose()[wrist].translation.vector - model.shoulder_in_zero_pose();
+    (on_page([place.x + HALF_HAND, place.y, place.z]), CLOSE)
+}
+
+/// As large as may be where a scene has room on the page, as nearly all have, and else as large as it has.
+fn scale(skeleton: &Skeleton, middle: [f64; 2], most: f64) -> f64 {
     let corners = skeleton.task().objects.iter().flat_map(|object| {
         let half = object.block().map_or(0.0, |block| 0.5 * block.size[0].max(block.size[1]));
         object.extent().corners().map(|corner| (on_page(corner), half))
     });
-    let room = corners.flat_map(|(corner, half)| [0, 1].map(|axis| 0.5 * PAGE[axis] / (corner[axis].abs() + half)));
-    room.fold(1.0, f64::min)
+    let room = corners
+        .flat_map(|(corner, half)| [0, 1].map(|axis| 0.5 * PAGE[axis] / ((corner[axis] - middle[axis]).abs() + half)));
+    room.fold(most, f64::min)
 }
 
 /// Oblique projection.
