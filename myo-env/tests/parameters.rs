@@ -142,7 +142,7 @@ fn ways_handles_waits_and_pointers_are_numbers_too() {
     ];
     let pointed_otherwise = [
         ("with: thumb, also: {middle: near}", "with: middle, also: {thumb: near}"),
-        ("closer_than: 0.172, apart: 0.173", "with: middle, closer_than: 0.15, apart: 0.18"),
+        ("closer_than: 0.17, apart: 0.1705", "with: middle, closer_than: 0.15, apart: 0.18"),
         ("radius: [0.4, 0.5]", "radius: 0.45"),
     ];
     let chorded = [

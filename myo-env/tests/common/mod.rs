@@ -3,7 +3,7 @@
 
 use myo_env::{StepStorage, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu};
-use myo_model::description::{Geom, Site};
+use myo_model::description::{Geom, Shape, Site};
 use myo_model::{Model, ModelDescription, builtin};
 use myo_tasks::{Instruction, Item, Source, SphereItem, Task, User, preset_text};
 
@@ -20,7 +20,8 @@ pub fn arm(task: &Task) -> Model {
 fn give_fingers(description: &mut ModelDescription) {
     for (name, tip) in [("thumb", "ECRL-P3"), ("middle", "PL-P3")] {
         let Site { body, pos, .. } = description.sites.iter().find(|site| site.name == tip).unwrap().clone();
-        description.geoms.push(Geom { name: name.into(), body, pos, ..description.geoms[0].clone() });
+        let shape = Shape::Sphere { radius: 0.04 };
+        description.geoms.push(Geom { name: name.into(), body, pos, shape, ..description.geoms[0].clone() });
         description.landmarks.fingers.insert(name.into(), tip.into());
     }
 }
@@ -184,8 +185,8 @@ pub fn fingers_with(changes: &[(&str, &str)]) -> Task {
     let text = "version: 2\nuser: fastest\nname: fingers\nscene:\n  \
                 wide: {kind: sphere, at: [0.15, -0.05, [-0.65, -0.55]], radius: 0.5}\n  \
                 near: {kind: sphere, at: [0.15, -0.05, -0.6], radius: [0.4, 0.5], min_distance_from_previous: 0, moves: {kind: line, by: [0, 0.03, 0], period_s: 0.5}}\nscript:\n  \
-                - dwell: {in: wide, for_s: 0.1, with: thumb, also: {middle: near}}\n  - pinch: {in: wide, closer_than: 0.172, apart: 0.173}\n  \
-                - dwell: {in: near, for_s: 0.05, also: {thumb: wide}}\n  - pinch: {in: [wide, near], for_s: 0.01, closer_than: 0.172, apart: 0.172}\n\
+                - dwell: {in: wide, for_s: 0.1, with: thumb, also: {middle: near}}\n  - pinch: {in: wide, closer_than: 0.17, apart: 0.1705}\n  \
+                - dwell: {in: near, for_s: 0.05, also: {thumb: wide}}\n  - pinch: {in: near, for_s: 0.01, closer_than: 0.17, apart: 0.17}\n\
                 time_limit_s: 2\n";
     changed("fingers", text, changes)
 }
@@ -198,12 +199,12 @@ pub fn chords() -> Task {
 /// The same with other numbers.
 pub fn chords_with(changes: &[(&str, &str)]) -> Task {
     let text = "version: 2\nuser: fastest\nname: chords\nscene:\n  \
-                a: {kind: button, at: [[0.12, 0.13], 0.2, -0.6], tilt_deg: 90, size: [0.6, 0.6, 0.02], min_force_n: 0.01}\n  \
-                b: {kind: button, at: [0.12, -0.42, -0.6], tilt_deg: 90, size: [0.6, 0.6, 0.02], min_force_n: 0.01}\n  \
+                a: {kind: button, at: [[0.11, 0.12], 0.42, -0.6], tilt_deg: 90, size: [0.6, 0.6, 0.02], min_force_n: 0.01}\n  \
+                b: {kind: button, at: [0.11, -0.2, -0.6], tilt_deg: 90, size: [0.6, 0.6, 0.02], min_force_n: 0.01}\n  \
                 wide: {kind: sphere, at: [0.1, -0.05, -0.6], radius: 0.5}\nscript:\n  \
-                - press_with: {fingertip: b, middle: b}\n  - wait: [0, 0.1]\n  - press_with: {thumb: b}\n  \
-                - dwell: {in: wide, for_s: 0.05, also: {thumb: wide}}\n  - press: b\n\
-                time_limit_s: 1.2\n";
+                - dwell: {in: wide, for_s: 0.05, also: {thumb: wide}}\n  - press_with: {thumb: b}\n  - wait: [0, 0.1]\n  \
+                - press_with: {fingertip: b, middle: b}\n  - press: b\n\
+                time_limit_s: 2.4\n";
     changed("chords", text, changes)
 }
 

@@ -158,21 +158,23 @@ impl Painter {
         let bones: Vec<Point> = joints.chain([pose.fingertip]).collect();
         let model = self.skeleton.model();
         let hand = self.skeleton.limb().iter().position(|&body| Some(body) == model.wrist_body);
-        // Where fingers move a hand is drawn by its bones.
+        // Where fingers move a hand is drawn by its bones, over its muscles.
         let hand = hand.filter(|_| !model.fingers.is_empty()).unwrap_or(bones.len());
-        for (k, bone) in bones.windows(2).enumerate() {
+        for (k, bone) in bones.windows(2).enumerate().take(hand) {
             // Thinner towards the hand.
-            page.line(bone, if k < hand { 0.058 * 0.72_f64.powi(k as i32) } else { FINGER }, BONE);
-        }
-        for (chain, &tip) in self.skeleton.fingers().iter().zip(&pose.fingers) {
-            let joints = chain.iter().map(|&body| pose.bodies[body].position.array());
-            page.line(&joints.chain([tip]).collect::<Vec<Point>>(), FINGER, BONE);
+            page.line(bone, 0.058 * 0.72_f64.powi(k as i32), BONE);
         }
         // As wide on the page whether a whole person is on it or a hand.
         let near = page.scale.max(1.0).recip();
         for MusclePose { points, activation } in &pose.muscles {
             page.line(points, near * (0.003 + 0.007 * activation), shade(MUSCLE, 0.35 + 0.6 * activation));
         }
+        for (chain, &tip) in self.skeleton.fingers().iter().zip(&pose.fingers) {
+            let joints = chain.iter().map(|&body| pose.bodies[body].position.array());
+            page.line(&joints.chain([tip]).collect::<Vec<Point>>(), FINGER, shade(BONE, 0.9));
+            page.disc(tip, 0.5 * FINGER, PATH);
+        }
+        page.line(bones.get(hand..).unwrap_or_default(), FINGER, shade(BONE, 0.9));
         page.disc(pose.fingertip, if model.fingers.is_empty() { 0.013 } else { 0.6 * FINGER }, MUSCLE);
         if let Some(from) = pose.ray_from {
             page.line(&[from, pose.pointer], 0.003, shade(PATH, 0.5));
