@@ -1,6 +1,6 @@
 //! Other fingers: in spheres of their own, and coming to the fingertip.
 
-use crate::common::run::{Deed, Run, SUBSTEPS, refusal, task, text};
+use crate::common::run::{Deed, Run, SUBSTEPS, Touching, refusal, task, text};
 use myo_model::MOST_FINGERS;
 use myo_tasks::Task;
 use myo_tasks::logic::{Goal, distance_to_goal};
@@ -159,7 +159,7 @@ const KEYS: &str = "  keys: {kind: grid, at: [0.4, 0, 0], rows: 1, columns: 3, p
 const HARD: f64 = 3.0;
 
 /// Fingers in the air, and what they touch: which finger (0 is the fingertip), which key, how hard.
-fn touching(touches: &[(usize, usize, f64)]) -> ([f64; 3], [[f64; 3]; MOST_FINGERS], Vec<(usize, usize, f64)>) {
+fn touching(touches: &[(usize, usize, f64)]) -> Touching {
     ([0.3, 0.0, 0.0], first([0.3, 0.0, 0.0]), touches.to_vec())
 }
 

@@ -13,6 +13,8 @@ pub const SUBSTEPS: usize = 25;
 const SHARE: f64 = 1.0 / SUBSTEPS as f64;
 /// What the fingertip does: where it is, and which box it touches how hard.
 pub type Deed = ([f64; 3], Option<(usize, f64)>);
+/// The fingertip, other fingers, and all that they touch: which finger (0 is the fingertip), which box, how hard.
+pub type Touching = ([f64; 3], [[f64; 3]; MOST_FINGERS], Vec<(usize, usize, f64)>);
 /// In the air.
 pub const OFF: Deed = ([0.3, 0.0, 0.1], None);
 
@@ -94,12 +96,8 @@ impl Run {
         })
     }
 
-    /// The same with all that fingers touch: which finger (0 is the fingertip), which box, how hard.
-    pub fn run_touching(
-        &mut self,
-        steps: usize,
-        at: impl Fn(&Goal<f64>, usize) -> ([f64; 3], [[f64; 3]; MOST_FINGERS], Vec<(usize, usize, f64)>),
-    ) -> bool {
+    /// The same with all that fingers touch.
+    pub fn run_touching(&mut self, steps: usize, at: impl Fn(&Goal<f64>, usize) -> Touching) -> bool {
         let body = |pointer, fingers| Landmarks {
             fingertip: pointer,
             elbow: pointer,
