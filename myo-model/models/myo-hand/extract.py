@@ -29,7 +29,7 @@ import numpy as np
 import yaml
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "myo-arm"))
-from extract import FINGER, plain, to_yaml  # noqa: E402
+from extract import FINGER, plain, to_yaml
 
 HEADER = """\
 # A human right hand and its wrist on a forearm that is held: all fingers move, each may point, press and pinch.
