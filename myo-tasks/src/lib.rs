@@ -32,6 +32,7 @@ mod convert;
 mod description;
 mod expand;
 mod explain;
+mod fingers;
 mod flat;
 mod geometry;
 mod instruction;

@@ -1,17 +1,17 @@
 //! From the script of a file to every step.
 
-use myo_model::{MOST_FINGERS, Nearest};
+use myo_model::Nearest;
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
 
 use crate::description::Stimulus;
 use crate::expand::{Builder, STEPS_MAX, join, with_article};
-use crate::flat::{self, Action, Also, Cue, Object, Order, Shape, Sphere, Step};
+use crate::fingers::FINGERTIP;
+use crate::flat::{Action, Cue, Object, Order, Shape, Sphere, Step};
 use crate::motion::Path;
 use crate::notation::Name;
 use crate::quantity::Quantity;
 use crate::range::Range;
-use crate::script::{self, Drag, Drive, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
+use crate::script::{Drag, Drive, Dwell, Follow, Instruction, Names, React, Repeat, Steer, Swing, Track, Typing};
 use crate::spoken::spoken;
 use crate::target::DWELL;
 use crate::technique::Technique;
@@ -19,10 +19,6 @@ use crate::technique::Technique;
 /// Most steps that change places with each other: each is told from every other in one line of code.
 const ORDER_MAX: usize = 32;
 const WIDTH: Quantity = Quantity::between(0.002, 4.0, "m");
-const TOGETHER: Quantity = Quantity::between(0.001, 0.2, "m");
-/// What points, where fingers are named.
-const FINGERTIP: &str = "fingertip";
-const APART_MAX: f64 = 0.4;
 const SPEED: Quantity = Quantity::between(0.001, 10.0, "m/s");
 const WAIT: Quantity = Quantity::between(0.0, 600.0, "s");
 
@@ -66,13 +62,6 @@ impl Builder {
         self.refuse(&path, technique.name(), problem);
     }
 
-    /// Where something else points no finger leads.
-    fn no_lead(&mut self, technique: &Technique) {
-        let Some(step) = self.flat.steps.iter().find(|step| step.lead.is_some()) else { return };
-        let problem = "points, and no finger can do so in its place (`with`); take `technique: fingertip`";
-        self.refuse(&step.path.clone(), technique.name(), problem.into());
-    }
-
     fn script(&mut self, script: &[Instruction], path: &str) {
         for (k, instruction) in script.iter().enumerate() {
             let path = format!("{path}[{k}]");
@@ -107,7 +96,7 @@ impl Builder {
         }
     }
 
-    fn step(&mut self, object: usize, action: Action, path: &str) {
+    pub(crate) fn step(&mut self, object: usize, action: Action, path: &str) {
         if self.flat.steps.len() == STEPS_MAX {
             if !self.errors.iter().any(|error| error.path() == "script") {
                 let problem = format!("has more than {STEPS_MAX} steps, repetitions counted");
@@ -137,52 +126,8 @@ impl Builder {
         }
     }
 
-    fn press_with(&mut self, fingers: &BTreeMap<String, Name>, path: &str) {
-        // The fingertip points where it is asked for, else the first.
-        let first = |name: &&String| *name != FINGERTIP;
-        let mut order: Vec<(&String, &Name)> = fingers.iter().collect();
-        order.sort_by_key(|(name, _)| first(name));
-        let mut all = vec![];
-        for (name, button) in order {
-            let path = format!("{path}.{name}");
-            let finger = if name == FINGERTIP { Some(None) } else { self.finger(name, &path).map(Some) };
-            let (Some(finger), Some(object)) = (finger, self.only(&button.0, &path)) else { return };
-            if !matches!(self.flat.objects[object].shape, Shape::Button(_)) {
-                return self.refuse_object(&path, object, |kind| format!("is {kind}; only buttons can be pressed"));
-            }
-            all.push((finger, object));
-        }
-        let Some(&(lead, object)) = all.first() else {
-            let problem = "names no finger; write what each presses, such as `{fingertip: c, thumb: e}`".into();
-            return self.refuse_value(path, problem);
-        };
-        let steps = self.flat.steps.len();
-        self.step(object, Action::Press, path);
-        let also = all[1..].iter().filter_map(|&(finger, object)| Some(Also { finger: finger?, object })).collect();
-        if let Some(step) = self.flat.steps.get_mut(steps) {
-            (step.lead, step.also) = (lead, also);
-        }
-    }
-
-    fn pinch(&mut self, pinch: &script::Pinch, path: &str) {
-        let (closer_than, apart) = (pinch.closer_than, pinch.apart);
-        if let Err(problem) = TOGETHER.check(closer_than) {
-            return self.refuse_value(&format!("{path}.closer_than"), problem.message().to_owned());
-        }
-        if !(closer_than..=APART_MAX).contains(&apart) {
-            let problem = format!("is {apart}; it must be from {closer_than} (`closer_than`) to {APART_MAX} m");
-            return self.refuse_value(&format!("{path}.apart"), problem);
-        }
-        let Some(finger) = self.finger(&pinch.with, &format!("{path}.with")) else { return };
-        let first = self.flat.steps.len();
-        self.stay(&pinch.within, pinch.for_s, path, |kind| format!("is {kind}; take a sphere to pinch in"));
-        for step in &mut self.flat.steps[first..] {
-            step.pinch = Some(flat::Pinch { finger, closer_than, apart });
-        }
-    }
-
     /// Steps to stay in spheres; `problem` is what is wrong with objects of another kind.
-    fn stay(&mut self, within: &Names, for_s: f64, path: &str, problem: fn(&str) -> String) {
+    pub(crate) fn stay(&mut self, within: &Names, for_s: f64, path: &str, problem: fn(&str) -> String) {
         if let Err(problem) = DWELL.check(for_s) {
             self.refuse(&format!("{path}.for_s"), "the dwell", problem.message().to_owned());
         }
@@ -196,42 +141,6 @@ impl Builder {
                 }
             }
         }
-    }
-
-    /// Where other fingers must be.
-    fn also(&mut self, also: &BTreeMap<String, Name>, path: &str) -> Vec<Also> {
-        let mut all = vec![];
-        for (name, sphere) in also {
-            let path = format!("{path}.also.{name}");
-            let (finger, object) = (self.finger(name, &path), self.only(&sphere.0, &path));
-            let (Some(finger), Some(object)) = (finger, object) else { continue };
-            if self.flat.objects[object].sphere().is_none() {
-                self.refuse_object(&path, object, |kind| format!("is {kind}; fingers can be in spheres only"));
-            }
-            all.push(Also { finger, object });
-        }
-        all
-    }
-
-    /// Number of a finger among those that steps ask for; none, and an error, where it cannot be one.
-    fn finger(&mut self, name: &str, path: &str) -> Option<usize> {
-        if name.trim().is_empty() || name == FINGERTIP {
-            let problem = "is no other finger; take the name of one in the landmarks of the model, such as `thumb`";
-            self.refuse(path, &format!("`{name}`"), problem.into());
-            return None;
-        }
-        let fingers = &mut self.flat.fingers;
-        if let Some(known) = fingers.iter().position(|known| known == name) {
-            return Some(known);
-        }
-        if fingers.len() == MOST_FINGERS {
-            let problem =
-                format!("is one more than {MOST_FINGERS} other fingers, which are all that a script can ask for");
-            self.refuse(path, &format!("`{name}`"), problem);
-            return None;
-        }
-        fingers.push(name.to_owned());
-        Some(fingers.len() - 1)
     }
 
     /// Steps to follow or to track moving spheres.
@@ -328,7 +237,7 @@ impl Builder {
     }
 
     /// The object of this name, which must be one alone.
-    fn only(&mut self, name: &str, path: &str) -> Option<usize> {
+    pub(crate) fn only(&mut self, name: &str, path: &str) -> Option<usize> {
         let found = self.find(name, path);
         if found.len() > 1 {
             let problem = format!("is {} objects; name one of them", found.len());
@@ -449,7 +358,7 @@ impl Builder {
     }
 
     /// Refuses a value, which its path tells in words.
-    fn refuse_value(&mut self, path: &str, problem: String) {
+    pub(crate) fn refuse_value(&mut self, path: &str, problem: String) {
         self.refuse(path, &spoken(path), problem);
     }
 
