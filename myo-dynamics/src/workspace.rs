@@ -395,7 +395,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// Contacts with boxes of each sphere that presses, in the order of [`Plan::contact_spheres`].
     pub fn box_contacts(&self) -> impl Iterator<Item = &[Contact<S>]> + Clone {
-        self.contacts[..self.box_slots].chunks_exact((self.box_slots / self.clearance.len().max(1)).max(1))
+        (0..self.clearance.len()).map(|sphere| &self.contacts[self.slots_of(sphere)])
     }
 
     /// Which contacts are those with boxes of the sphere of this number.

@@ -102,10 +102,7 @@ impl<S: Scalar> GoalFinger<S> {
             (this.centre, this.size, this.moves) = goal::sphere(task, state, which);
         }
         if task.kinds.chord {
-            let TouchBox { mut shape, min_force } =
-                TouchBox::from_row(S::gather(task.boxes.len(), |k| task.boxes[k].row(), which));
-            shape.centre = task.shifts.move_box(state, which, shape.centre);
-            shape.half_size = task.shifts.grow_box(state, which, shape.half_size);
+            let TouchBox { shape, min_force } = goal::touch_box(task, state, which);
             this.centre = select_point(is_press, shape.centre, this.centre);
             this.size = S::select(is_press, shape.half_size[1], this.size);
             this.moves = this.moves.map(|moves| moves.map(|x| x.only(!is_press)));
@@ -145,8 +142,7 @@ impl<S: Scalar> GoalPinch<S> {
     /// From the finger to the fingertip (m).
     #[inline(always)]
     pub fn away(&self, body: &Landmarks<S>, fingers: usize) -> Point<S> {
-        let finger = S::gather(fingers, |k| body.fingers[k], self.step.finger.max(S::zero()));
-        difference(body.fingertip, finger)
+        difference(body.fingertip, body.finger(fingers, self.step.finger))
     }
 
     /// How far (m) fingers still have to go, opening them counted where they must be opened first; before the pointer is there they need
@@ -242,8 +238,7 @@ pub(super) fn place_of<S: Scalar>(
 ) -> Point<S> {
     let place = task.pointer.place(body, at);
     let Some(lead) = lead else { return place };
-    let finger = S::gather(task.fingers.len(), |k| body.fingers[k], lead.max(S::zero()));
-    select_point(S::lit(-0.5).lt(lead), finger, place)
+    select_point(S::lit(-0.5).lt(lead), body.finger(task.fingers.len(), lead), place)
 }
 
 impl<S: Scalar> Goal<S> {

@@ -165,6 +165,15 @@ pub fn sphere<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, number: S
     (centre, radius, Some(moves))
 }
 
+/// The box of this number where it stands, and as large as it is, in this episode.
+#[inline(always)]
+pub(super) fn touch_box<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, number: S) -> TouchBox<S> {
+    let mut it = TouchBox::from_row(S::gather(task.boxes.len(), |k| task.boxes[k].row(), number));
+    it.shape.centre = task.shifts.move_box(state, number, it.shape.centre);
+    it.shape.half_size = task.shifts.grow_box(state, number, it.shape.half_size);
+    it
+}
+
 /// See [`GoalButton::open`].
 #[inline(always)]
 fn open_boxes<S: Scalar>(task: &CompiledTask<S>, state: &TaskState<S>, corrects: Option<S::Mask>) -> Vec<S> {
@@ -271,10 +280,7 @@ impl<S: Scalar> Goal<S> {
     #[inline(always)]
     fn press(&mut self, task: &CompiledTask<S>, state: &TaskState<S>, object: S, releases: S) {
         let is_press = self.is_press;
-        let row = S::gather(task.boxes.len(), |k| task.boxes[k].row(), object);
-        let TouchBox { mut shape, min_force } = TouchBox::from_row(row);
-        shape.centre = task.shifts.move_box(state, object, shape.centre);
-        shape.half_size = task.shifts.grow_box(state, object, shape.half_size);
+        let TouchBox { mut shape, min_force } = touch_box(task, state, object);
         let drag = if task.kinds.drag { Some(GoalDrag::of(task, state, &mut shape)) } else { None };
         self.centre = select_point(is_press, shape.centre, self.centre);
         self.size = S::select(is_press, shape.half_size[1], self.size);

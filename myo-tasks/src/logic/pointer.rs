@@ -98,6 +98,14 @@ impl<S: Scalar> Landmarks<S> {
     }
 }
 
+impl<S: Scalar> Landmarks<S> {
+    /// The finger of this number of so many, the first where there is no such one.
+    #[inline(always)]
+    pub(super) fn finger(&self, count: usize, number: S) -> Point<S> {
+        S::gather(count, |k| self.fingers[k], number.max(S::zero()))
+    }
+}
+
 impl<C: Real> Pointer<C> {
     pub(super) fn new(flat: &FlatTask, control_dt_s: f64) -> Self {
         let c = C::from_f64;

@@ -83,7 +83,7 @@ impl<S: Scalar> Contact<S> {
 
 /// What a physics step meant for the button that is asked for.
 pub(super) struct Touched<S: Scalar> {
-    /// The fingertip is on its face.
+    /// The finger, or all that are asked for, is on its face.
     pub on_face: S::Mask,
     /// It is pressed, and was not before.
     pub comes: S::Mask,
