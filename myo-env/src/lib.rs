@@ -32,6 +32,7 @@ mod check;
 mod columns;
 mod config;
 mod control;
+mod digits;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod job;
@@ -58,6 +59,7 @@ pub use batch::{BatchEnv, CpuEnv, ReferenceEnv};
 pub use columns::Column;
 pub use config::{BuildError, EnvConfig, MOST_THREADS};
 pub use control::{EPISODE_COLUMNS, TARGET_COLUMNS, excitation};
+pub use digits::Digit;
 #[cfg(feature = "gpu")]
 pub use gpu::GpuEnv;
 pub use memory::MOST_ENVS;

@@ -1,6 +1,7 @@
 //! From the state of one environment to poses: where bodies, muscles, fingertip and objects are.
 
 use crate::config::BuildError;
+use crate::digits::{Digit, digits};
 use crate::snapshot::Snapshot;
 use crate::vector::EnvError;
 use myo_dynamics::spatial::{Frame, Rotation, Vec3};
@@ -40,7 +41,7 @@ pub struct Skeleton {
     model: Model,
     plan: Plan<f64>,
     limb: Vec<usize>,
-    fingers: Vec<Vec<usize>>,
+    digits: Vec<Digit>,
     flat: FlatTask,
     task: CompiledTask<f64>,
     /// Of each object, its number among the spheres, or among the boxes.
@@ -132,11 +133,12 @@ impl Skeleton {
         let number = |index: usize| (0..index).filter(|&other| is_round(other) == is_round(index)).count();
         let task = CompiledTask::of(task, &flat);
         let plan = Plan::exact(model, CouplingMode::Reduced)?.with_fingers(model, &task.fingers)?;
+        let limb = limb(model);
         Ok(Self {
             model: model.clone(),
             plan: if task.pointer.is_ray() { plan.with_arm(model)? } else { plan },
-            limb: limb(model),
-            fingers: model.fingers.iter().map(|&(_, site)| beyond_wrist(model, site)).collect(),
+            digits: limb.last().map_or_else(Vec::new, |&hand| digits(model, hand)),
+            limb,
             numbers: (0..flat.objects.len()).map(number).collect(),
             flat,
             task,
@@ -163,9 +165,17 @@ impl Skeleton {
         &self.limb
     }
 
-    /// Of each of the model's [fingers](Model::fingers), indices of the bodies with mass on the way from the wrist to its tip; all from the upper arm on where the model tells no wrist.
-    pub fn fingers(&self) -> &[Vec<usize>] {
-        &self.fingers
+    /// Fingers and thumb that move beyond the last body of the [limb](Self::limb).
+    pub fn digits(&self) -> &[Digit] {
+        &self.digits
+    }
+
+    /// Whether fingers move and nothing from the trunk to the elbow does.
+    pub fn moves_hand_only(&self) -> bool {
+        let Some(elbow) = self.model.elbow_body.filter(|_| !self.digits.is_empty()) else { return false };
+        let up = |&body: &usize| (body != WORLD).then(|| self.model.bodies[body].parent);
+        let is_held = |body: usize| self.model.joints.iter().all(|joint| joint.body != body);
+        std::iter::successors(Some(elbow), up).all(is_held)
     }
 
     /// Of each point of a muscle's path, the body that it lies on.
@@ -392,22 +402,10 @@ fn way_handle(slider: &Slider, share: f64, moved: impl Fn(Point<f64>) -> Point<f
     (frame(moved(slider.handle_at(share)), axes(&slider.block)), [height, width, depth])
 }
 
-/// Bodies with mass on the way to the fingertip.
+/// Bodies with mass on the way from the upper arm to the fingertip.
 fn limb(model: &Model) -> Vec<usize> {
-    way_to(model, model.fingertip_site)
-}
-
-/// The same to a site, behind the wrist.
-fn beyond_wrist(model: &Model, site: usize) -> Vec<usize> {
-    let mut chain = way_to(model, site);
-    let wrist = chain.iter().position(|&body| Some(body) == model.wrist_body).unwrap_or(0);
-    chain.split_off(wrist)
-}
-
-/// Bodies with mass on the way from the upper arm to a site.
-fn way_to(model: &Model, site: usize) -> Vec<usize> {
     let mut chain = vec![];
-    let mut body = model.sites[site].body;
+    let mut body = model.sites[model.fingertip_site].body;
     while body != WORLD {
         let here = &model.bodies[body];
         if here.mass > LEAST_MASS {

@@ -4,8 +4,8 @@ use crate::common::{arm, entry, rollout, short, shuffled};
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Obstacles, Workspace, step};
 use myo_env::{EnvConfig, EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, StepStorage, VectorEnv};
-use myo_model::Model;
 use myo_model::description::{Over, PathElement, Wrap, WrapShape};
+use myo_model::Model;
 use myo_tasks::{Pose, Task, preset_names};
 
 fn env(task: &Task, num_envs: usize) -> ReferenceEnv {
@@ -276,4 +276,39 @@ fn a_hanging_arm_can_be_drawn_back() {
     }
     let before = drawn_back(&Model::new(&description).unwrap());
     assert!(back > 0.15 && back > 3.0 * before, "{back} m, it was {before} m");
+}
+
+#[test]
+fn fingers_that_move_are_told_with_their_tips() {
+    let task = myo_tasks::preset("pinch").unwrap();
+    let model = Model::new(&myo_model::builtin("myo-hand").unwrap()).unwrap();
+    let skeleton = Skeleton::new(&model, &task).unwrap();
+    let mut env = ReferenceEnv::new(&model, &task, &EnvConfig { num_envs: 1, seed: 4, ..Default::default() }).unwrap();
+    rollout(&mut env, 4);
+    let pose = skeleton.pose(&env.peek(0..1).unwrap()[0]).unwrap();
+    let names = |bodies: &[usize]| bodies.iter().map(|&body| model.bodies[body].name.clone()).collect::<Vec<_>>();
+    let mut found: Vec<(Vec<String>, [f64; 3])> = skeleton
+        .digits()
+        .iter()
+        .map(|digit| {
+            let last = digit.bodies.last().unwrap();
+            let [x, y, z] = digit.tip;
+            (names(&digit.bodies), pose.bodies[*last].place(Vec3::new(x, y, z)).array())
+        })
+        .collect();
+    assert_eq!(found.len(), 5);
+    assert_eq!(found[0].0, ["firstmc_r", "proximal_thumb_r", "distal_thumb_r"]);
+    assert_eq!(found[1].0, ["2proxph_r", "midph2_r", "distph2_r"]);
+    let index = found.remove(1).1;
+    assert_eq!(index, pose.fingertip);
+    let mut tips: Vec<[f64; 3]> = found.into_iter().map(|(_, tip)| tip).collect();
+    let mut fingers = pose.fingers;
+    tips.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    fingers.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    assert_eq!(tips, fingers);
+    assert!(skeleton.moves_hand_only());
+
+    let task = short("pointing");
+    let skeleton = Skeleton::new(&arm(&task), &task).unwrap();
+    assert!(skeleton.digits().is_empty() && !skeleton.moves_hand_only(), "fingers of an arm are held");
 }

@@ -1,9 +1,8 @@
 //! From moments of one environment to a drawing.
 
 use myo_dynamics::spatial::{Frame, Vec3};
-use myo_env::{BuildError, EnvError, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose, Snapshot};
+use myo_env::{BuildError, Digit, EnvError, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose, Snapshot};
 use myo_model::Model;
-use myo_model::model::WORLD;
 use myo_tasks::{Action, Shape as Form, Task};
 
 use super::{Colour, Drawing, Shape};
@@ -156,10 +155,9 @@ impl Painter {
     fn arm(&self, page: &mut Page, pose: &SkeletonPose) {
         let joints = self.skeleton.limb().iter().map(|&body| pose.bodies[body].position.array());
         let bones: Vec<Point> = joints.chain([pose.fingertip]).collect();
-        let model = self.skeleton.model();
-        let hand = self.skeleton.limb().iter().position(|&body| Some(body) == model.wrist_body);
+        let digits = self.skeleton.digits();
         // Where fingers move a hand is drawn by its bones, over its muscles.
-        let hand = hand.filter(|_| !model.fingers.is_empty()).unwrap_or(bones.len());
+        let hand = if digits.is_empty() { bones.len() } else { bones.len() - 2 };
         for (k, bone) in bones.windows(2).enumerate().take(hand) {
             // Thinner towards the hand.
             page.line(bone, 0.058 * 0.72_f64.powi(k as i32), BONE);
@@ -169,13 +167,11 @@ impl Painter {
         for MusclePose { points, activation } in &pose.muscles {
             page.line(points, near * (0.003 + 0.007 * activation), shade(MUSCLE, 0.35 + 0.6 * activation));
         }
-        for (chain, &tip) in self.skeleton.fingers().iter().zip(&pose.fingers) {
-            let joints = chain.iter().map(|&body| pose.bodies[body].position.array());
-            page.line(&joints.chain([tip]).collect::<Vec<Point>>(), FINGER, shade(BONE, 0.9));
-            page.disc(tip, 0.5 * FINGER, PATH);
+        for digit in digits {
+            page.line(&along(digit, bones[hand], pose), FINGER, shade(BONE, 0.9));
         }
-        page.line(bones.get(hand..).unwrap_or_default(), FINGER, shade(BONE, 0.9));
-        page.disc(pose.fingertip, if model.fingers.is_empty() { 0.013 } else { 0.6 * FINGER }, MUSCLE);
+        pose.fingers.iter().for_each(|&tip| page.disc(tip, 0.5 * FINGER, PATH));
+        page.disc(pose.fingertip, if digits.is_empty() { 0.013 } else { 0.6 * FINGER }, MUSCLE);
         if let Some(from) = pose.ray_from {
             page.line(&[from, pose.pointer], 0.003, shade(PATH, 0.5));
         }
@@ -183,6 +179,14 @@ impl Painter {
             page.disc(pose.pointer, 0.013, PATH);
         }
     }
+}
+
+/// A finger from the wrist to its tip.
+fn along(digit: &Digit, wrist: Point, pose: &SkeletonPose) -> Vec<Point> {
+    let [x, y, z] = digit.tip;
+    let joints = digit.bodies.iter().map(|&body| pose.bodies[body].position.array());
+    let tip = digit.bodies.last().map(|&body| pose.bodies[body].place(Vec3::new(x, y, z)).array());
+    [wrist].into_iter().chain(joints).chain(tip).collect()
 }
 
 /// A drawing in the making, with points given in space.
@@ -200,7 +204,7 @@ impl Page {
         let size = skeleton.model().stature_m.unwrap_or(DRAWN_STATURE) / DRAWN_STATURE;
         let side = if skeleton.model().has_left_arm() { -size } else { size };
         let drawing = Drawing { size: PAGE, paper: PAPER, shapes: vec![] };
-        let (middle, most) = view(skeleton.model());
+        let (middle, most) = view(skeleton);
         let mut page = Self { drawing, scale: scale(skeleton, middle, most), middle };
         let at = |y: f64, z: f64| [0.0, side * y, size * z];
         page.line(&[at(0.17, -0.02), at(0.17, -0.36)], 0.283 * size, SKIN);
@@ -269,17 +273,10 @@ const CLOSE: f64 = 4.0;
 const HALF_HAND: f64 = 0.08;
 
 /// What is in the middle of the page, and how large things are drawn at most: a whole person as large as in life, and a hand alone from nearby.
-fn view(model: &Model) -> ([f64; 2], f64) {
-    let person = ([0.0; 2], 1.0);
-    let (Some(elbow), Some(wrist)) = (model.elbow_body, model.wrist_body) else { return person };
-    let is_before = |body: usize| {
-        let mut ancestors = std::iter::successors(Some(elbow), |&at| (at != WORLD).then(|| model.bodies[at].parent));
-        ancestors.any(|ancestor| ancestor == body)
-    };
-    if model.fingers.is_empty() || model.joints.iter().any(|joint| is_before(joint.body)) {
-        return person;
-    }
-    let place = model.frames_in_zero_pose()[wrist].translation.vector - model.shoulder_in_zero_pose();
+fn view(skeleton: &Skeleton) -> ([f64; 2], f64) {
+    let (model, limb) = (skeleton.model(), skeleton.limb());
+    let Some(&hand) = limb.last().filter(|_| skeleton.moves_hand_only()) else { return ([0.0; 2], 1.0) };
+    let place = model.frames_in_zero_pose()[hand].translation.vector - model.shoulder_in_zero_pose();
     (on_page([place.x + HALF_HAND, place.y, place.z]), CLOSE)
 }
 

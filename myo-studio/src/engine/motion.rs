@@ -1,10 +1,10 @@
 //! From moments of an environment to the numbers of a motion.
 
 use myo_dynamics::spatial::Rotation;
-use myo_env::{EnvError, Role, Skeleton, SkeletonPose, Snapshot};
+use myo_env::{Digit, EnvError, Role, Skeleton, SkeletonPose, Snapshot};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
-use crate::protocol::{BodyPart, BodyShape, MotionLayout, MuscleShape};
+use crate::protocol::{BodyPart, BodyShape, DigitShape, MotionLayout, MuscleShape};
 
 /// What of the body of a skeleton stays the same.
 pub fn shape(skeleton: &Skeleton) -> BodyShape {
@@ -20,11 +20,17 @@ pub fn shape(skeleton: &Skeleton) -> BodyShape {
         name: model.name.clone(),
         parts: model.bodies.iter().map(part).collect(),
         limb: skeleton.limb().to_vec(),
+        digits: skeleton.digits().iter().map(digit).collect(),
         muscles: model.muscles.iter().enumerate().map(muscle).collect(),
         is_left: model.has_left_arm(),
+        moves_hand_only: skeleton.moves_hand_only(),
         stature_m: model.stature_m,
         joints: skeleton.joint_names().map(str::to_owned).collect(),
     }
+}
+
+fn digit(digit: &Digit) -> DigitShape {
+    DigitShape { parts: digit.bodies.clone(), tip: digit.tip }
 }
 
 /// How the numbers of a frame lie.

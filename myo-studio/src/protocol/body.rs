@@ -12,14 +12,28 @@ pub struct BodyShape {
     pub parts: Vec<BodyPart>,
     /// Indices of the parts from the upper arm down to the hand.
     pub limb: Vec<usize>,
+    /// Fingers and thumb that move; none of a hand whose fingers are held.
+    pub digits: Vec<DigitShape>,
     /// Its muscles.
     pub muscles: Vec<MuscleShape>,
     /// Whether it is a left arm.
     pub is_left: bool,
+    /// Whether nothing moves from the trunk to the elbow.
+    pub moves_hand_only: bool,
     /// Stature of the person (m), where it is known.
     pub stature_m: Option<f64>,
     /// Names of the independent joints, in the order of [`MotionLayout::joints`].
     pub joints: Vec<String>,
+}
+
+/// A finger or thumb.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct DigitShape {
+    /// Indices of its parts, the one next to the palm first.
+    pub parts: Vec<usize>,
+    /// Its tip, as seen in the last of them (m).
+    pub tip: [f64; 3],
 }
 
 /// A rigid body.

@@ -1,6 +1,7 @@
 import { expect, test } from '@playwright/test';
 import { existsSync, readFileSync } from 'node:fs';
 import { curveSvg } from '../src/lib/curve-svg';
+import type { Stage } from '../src/view/stage';
 import { add, barriers, begin, hurry, PATIENCE, taskName } from './page';
 
 /** Nothing on the page may fail unnoticed. */
@@ -263,4 +264,17 @@ time_limit_s: 5
   await page.keyboard.press('Delete');
   await expect(steps.getByRole('listitem')).toHaveText([/dwell/]);
   await expect(page.getByRole('alert')).toHaveCount(0);
+});
+
+test('a hand that alone moves is seen from nearby', async ({ page }) => {
+  const away = () =>
+    page.evaluate(() => {
+      const { camera, controls } = (window as unknown as { myoStage: Stage }).myoStage;
+      return camera.position.distanceTo(controls.target);
+    });
+  await begin(page, 'pinch');
+  await expect.poll(away).toBeLessThan(0.7);
+  // With the whole arm, from where all of it is seen.
+  await page.getByLabel('Body').selectOption('myo-arm');
+  await expect.poll(away).toBeGreaterThan(1);
 });

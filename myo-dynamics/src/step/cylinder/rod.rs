@@ -51,19 +51,49 @@ fn out<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>, normal: Vec3<S>) -> 
 /// The point of an axis that is nearest to a cylinder, if it is out of it. There the distance is a smooth convex function along the axis.
 #[inline(always)]
 fn outermost<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>) -> Apart<S> {
-    let mut part = Part { first: S::lit(-1.0), last: S::lit(1.0) };
-    let always = S::Mask::splat(true);
-    // As many halvings as a number has binary digits.
-    let halvings = -S::EPSILON.log2() as usize;
-    S::repeat_while(halvings, &mut part, |part| {
-        S::outline(Halve { cylinder, rod: *rod, part });
-        always
-    });
+    let (o, one) = (S::zero(), S::lit(1.0));
+    // Over an end the lower of both ends of the axis is nearest.
+    let [a, b] = [rod.middle - rod.half, rod.middle + rod.half];
+    let is_over = over_end(cylinder, a) & over_end(cylinder, b) & o.lt(a.z * b.z);
+    let lower = S::select(a.z.abs().lt(b.z.abs()), -one, one);
+    let mut part = Part { first: S::select(is_over, lower, -one), last: S::select(is_over, lower, one) };
+    let searched = !is_over;
+    S::when(searched, &mut part, |part| S::outline(Search { cylinder, rod: *rod, searched, part }));
     // Where it never rises the last point is nearest, and where it always does the first.
     let at = rod.at((part.first + part.last) * S::lit(0.5));
     let Beside { distance, normal } = cylinder.beside(at);
     let is_in = distance.lt(S::zero());
     Apart { distance: S::select(is_in, S::lit(-FAR), distance), normal, at }
+}
+
+/// Whether a point is over an end of a cylinder, or under the other.
+#[inline(always)]
+fn over_end<S: Scalar>(cylinder: &Cylinder<S>, point: Vec3<S>) -> S::Mask {
+    let square = point.x.mul_add(point.x, point.y * point.y);
+    cylinder.half_length.lt(point.z.abs()) & square.lt(cylinder.radius.sq())
+}
+
+/// The search for the nearest point where one has to be made.
+struct Search<'a, S: Scalar> {
+    cylinder: &'a Cylinder<S>,
+    rod: Segment<S>,
+    searched: S::Mask,
+    part: &'a mut Part<S>,
+}
+
+impl<S: Scalar> Stage<S> for Search<'_, S> {
+    const NAME: &'static str = "nearest point of a rod";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { cylinder, rod, searched, part } = self;
+        // As many halvings as a number has binary digits.
+        let halvings = -S::EPSILON.log2() as usize;
+        S::repeat_while(halvings, part, |part| {
+            S::outline(Halve { cylinder, rod, part });
+            searched
+        });
+    }
 }
 
 /// A half of a segment that holds its nearest point, from -1 to 1.

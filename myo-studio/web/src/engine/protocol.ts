@@ -295,6 +295,19 @@ on: Array<number>,
 peak_force_n: number | null, };
 
 /**
+ * A finger or thumb.
+ */
+export type DigitShape = { 
+/**
+ * Indices of its parts, the one next to the palm first.
+ */
+parts: Array<number>, 
+/**
+ * Its tip, as seen in the last of them (m).
+ */
+tip: [number, number, number], };
+
+/**
  * What of a body stays the same whatever it does.
  */
 export type BodyShape = { 
@@ -311,6 +324,10 @@ parts: Array<BodyPart>,
  */
 limb: Array<number>, 
 /**
+ * Fingers and thumb that move; none of a hand whose fingers are held.
+ */
+digits: Array<DigitShape>, 
+/**
  * Its muscles.
  */
 muscles: Array<MuscleShape>, 
@@ -318,6 +335,10 @@ muscles: Array<MuscleShape>,
  * Whether it is a left arm.
  */
 is_left: boolean, 
+/**
+ * Whether nothing moves from the trunk to the elbow.
+ */
+moves_hand_only: boolean, 
 /**
  * Stature of the person (m), where it is known.
  */

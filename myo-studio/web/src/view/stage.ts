@@ -9,7 +9,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three';
-import { floorHeight } from './person';
+import { type Person, floorHeight } from './person';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 export type View = 'behind' | 'side' | 'front' | 'above' | 'eyes';
@@ -33,6 +33,9 @@ const VIEWS: Record<Exclude<View, 'eyes'>, [[number, number, number], [number, n
     [0.25, 0.05, -0.1],
   ],
 };
+
+/** How much nearer the camera stands where nothing moves but a hand. */
+const CLOSE = 0.36;
 
 /** Where the user's eyes are, and what they look at (m). */
 export interface Eye {
@@ -98,6 +101,7 @@ export class Stage {
   private sitting = false;
   private stature = 1;
   private isLeft = false;
+  private hand: [number, number, number] | undefined;
   /** how it looked last */
   private view: View = 'behind';
   private isEye = false;
@@ -148,14 +152,18 @@ export class Stage {
     this.layFloor();
   }
 
-  /** The floor under somebody so many times as tall as the figure is made, and views at the arm that moves. */
-  setPerson({ size, isLeft }: { size: number; isLeft: boolean }) {
-    if (size === this.stature && isLeft === this.isLeft) return;
-    const isOtherArm = isLeft !== this.isLeft;
+  /**
+   * The floor under somebody so many times as tall as the figure is made, and views at the arm that moves, or from nearby at the
+   * hand that alone does.
+   */
+  setPerson({ size, isLeft, hand }: Pick<Person, 'size' | 'isLeft' | 'hand'>) {
+    const isOtherView = isLeft !== this.isLeft || hand?.join() !== this.hand?.join();
+    if (size === this.stature && !isOtherView) return;
     this.stature = size;
     this.isLeft = isLeft;
+    this.hand = hand;
     this.layFloor();
-    if (isOtherArm) this.look(this.view);
+    if (isOtherView) this.look(this.view);
   }
 
   private layFloor() {
@@ -193,7 +201,10 @@ export class Stage {
     if (view !== 'eyes') {
       const [from, to] = VIEWS[view];
       const side = ([x, y, z]: [number, number, number]): [number, number, number] => [x, this.isLeft ? -y : y, z];
-      return [side(from), side(to)];
+      if (!this.hand) return [side(from), side(to)];
+      const [x, y, z] = this.hand;
+      const away = side([from[0] - to[0], from[1] - to[1], from[2] - to[2]]);
+      return [[x + CLOSE * away[0], y + CLOSE * away[1], z + CLOSE * away[2]], this.hand];
     }
     return this.eye && [this.eye.position, this.eye.target];
   }

@@ -37,6 +37,7 @@ export async function draw(
       const person = people.get(whose) ?? new Person(await engine.ask('body', { model, body }), { dark });
       people.set(whose, person);
       person.pose(Film.of(pose).frame(0));
+      stage.setPerson(person);
       const objects = new Objects(dark);
       objects.show(views, () => ({ selected: false, wrong: false }));
       stage.scene.add(person.group, objects.group);

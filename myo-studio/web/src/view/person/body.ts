@@ -3,12 +3,22 @@ import { type BufferGeometry, CylinderGeometry, Matrix4, Vector3 } from 'three';
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
 import { mirrored } from './field';
 import { HEAD_REGION, LEFT_WRIST, MIDDLE, bodyRegions, figure, floorHeight } from './figure';
-import { HAND_REGION, pointingHand, restingHand } from './hand';
+import { HAND_REGION, type HandFrame, openHand, pointingHand, restingHand } from './hand';
+import type { Digits } from './digits';
 import { type Region, sculpt } from './sculpt';
+import type { Vec } from './types';
 
 export const headGeometry = (): BufferGeometry => sculpt(figure(false), [HEAD_REGION]);
 
 export const handGeometry = (): BufferGeometry => sculpt(pointingHand(), [HAND_REGION]);
+
+/** The palm of a hand whose fingers move, as they have it at the moment. */
+export function palmGeometry({ matrix }: HandFrame, { all, order, thumb }: Digits): BufferGeometry {
+  const back = matrix.clone().invert();
+  const base = (digit: number): Vec => all[digit]![0]!.clone().applyMatrix4(back).toArray();
+  const knuckles = order.filter((digit) => digit !== thumb).map(base);
+  return sculpt(openHand(knuckles, thumb === undefined ? undefined : base(thumb)), [HAND_REGION]);
+}
 
 /** `coarse`: how much larger the triangles are than at their finest */
 export function bodyGeometry(sitting: boolean, coarse = 1): BufferGeometry {

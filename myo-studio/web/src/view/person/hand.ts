@@ -1,6 +1,7 @@
 // The hand, as clay in its own frame: origin at the wrist, x towards the fingers, y towards the thumb, z out of its back
 // (a right hand; mirror it for the left). It is sculpted once for a hand length of 1 = wrist to tip of the index finger.
 import { Matrix4, Quaternion, Vector3 } from 'three';
+import type { Digits } from './digits';
 import { Blob } from './field';
 import type { Region } from './sculpt';
 import type { Vec } from './types';
@@ -17,15 +18,17 @@ const KNUCKLES: readonly Vec[] = [
   [0.07, -0.031, -0.003],
 ];
 
-function palm(): Blob[] {
-  const ends = [KNUCKLE, ...KNUCKLES];
+/** From the wrist to these knuckles, that of the index finger first. */
+function palm(ends: readonly Vec[] = [KNUCKLE, ...KNUCKLES]): Blob[] {
   return [
     new Blob([-0.06, 0.004, 0], [0.008, 0.009, 0], 0.0165, 0.0185, 0.01),
     new Blob([-0.06, -0.004, 0], [0.008, -0.009, 0], 0.0165, 0.0185, 0.01),
     ...ends.map((end, i) => new Blob([0.004, 0.012 - 0.008 * i, 0], end, 0.0165, 0.0125 - 0.0008 * i, 0.018)),
-    new Blob([0.016, 0.016, -0.008], [0.05, 0.038, -0.02], 0.0165, 0.0135, 0.02),
   ];
 }
+
+/** The ball of a thumb that lies still. */
+const thenar = (): Blob => new Blob([0.016, 0.016, -0.008], [0.05, 0.038, -0.02], 0.0165, 0.0135, 0.02);
 
 /** Curled under the palm, the thumb laid against them. */
 function curledFingers(): Blob[] {
@@ -69,14 +72,23 @@ function restingFingers(): Blob[] {
   ];
 }
 
-export const pointingHand = (): Blob[] => [...palm(), ...curledFingers()];
-export const restingHand = (): Blob[] => [...palm(), ...restingFingers()];
+export const pointingHand = (): Blob[] => [...palm(), thenar(), ...curledFingers()];
+export const restingHand = (): Blob[] => [...palm(), thenar(), ...restingFingers()];
+
+/** A palm alone, with knuckles where they are given, that of the index finger first, and where its thumb begins. */
+export const openHand = (knuckles: readonly Vec[], thumb: Vec | undefined): Blob[] => [
+  ...palm(knuckles),
+  ...(thumb ? [new Blob([0.004, 0.01, -0.002], thumb, 0.0165, 0.0155, 0.02)] : []),
+];
 
 export const HAND_REGION: Region = { low: [-0.05, -0.07, -0.08], high: [0.18, 0.08, 0.04], cell: 0.009 };
 
 // Hands of the models this was made for hang down along -y, with the thumb towards +x, at rest.
 const USUAL_DISTAL = new Vector3(0, -1, 0);
 const USUAL_RADIAL = new Vector3(1, 0, 0);
+
+/** how far knuckles are from the wrist in the hand as it is written (m) */
+const WRITTEN_PALM = 0.081;
 
 /** Finds, at the first moment, how the hand lies in its part, and from then on where it is. */
 export class HandFrame {
@@ -92,9 +104,13 @@ export class HandFrame {
   private readonly localRadial = new Vector3();
   private readonly turn = new Quaternion();
 
-  update(parts: Float32Array, part: number, wrist: Vector3, fingertip: Vector3): void {
+  update(parts: Float32Array, part: number, wrist: Vector3, fingertip: Vector3, digits: Digits): void {
     this.turn.fromArray(parts, part * 7 + 3);
-    if (!this.scale) this.settle(wrist, fingertip);
+    if (!this.scale) {
+      if (digits.length)
+        this.scale = digits.settle(wrist, this.turn, this.localDistal, this.localRadial) / WRITTEN_PALM;
+      else this.settle(wrist, fingertip);
+    }
     this.distal.copy(this.localDistal).applyQuaternion(this.turn);
     this.radial.copy(this.localRadial).applyQuaternion(this.turn);
     this.dorsal.crossVectors(this.distal, this.radial);

@@ -2,8 +2,9 @@
 // It brings no lights; it is tuned for one hemisphere light and one directional light (about 1.6 and 1.9 strong).
 import { type BufferGeometry, Group, Mesh, MeshLambertMaterial } from 'three';
 import { Bones, BONE_TUBES } from './bones';
-import { bodyGeometry, handGeometry, headGeometry, stoolGeometry } from './body';
+import { bodyGeometry, handGeometry, headGeometry, palmGeometry, stoolGeometry } from './body';
 import { EYE, FIGURE } from './figure';
+import { type Fingers, MovingFingers, PointingFinger, fingerTubes } from './fingers';
 import { Mirror } from './mirror';
 import { Limb } from './limb';
 import { Muscles } from './muscles';
@@ -17,6 +18,9 @@ import type { PersonPose, PersonShape, Theme } from './types';
 export type { PersonPose, PersonShape, Theme } from './types';
 export { floorHeight } from './figure';
 
+/** from the wrist to the middle of a hand (m) */
+const HALF_HAND = 0.08;
+
 /** how much larger the triangles of a rough body are */
 const ROUGH = 1.7;
 
@@ -25,6 +29,8 @@ export class Person {
   /** how many times as tall as the figure as it is made */
   readonly size: number;
   readonly isLeft: boolean;
+  /** the middle of a hand that alone moves, at its first pose */
+  hand: [number, number, number] | undefined;
 
   /** what does not move, as large as the person is */
   private readonly still = new Group();
@@ -35,7 +41,9 @@ export class Person {
   private readonly wood = new MeshLambertMaterial();
   private readonly body = new Mesh(bodyGeometry(false), this.clay);
   private readonly head = new Mesh(headGeometry(), this.clay);
-  private readonly hand = new Mesh(handGeometry(), this.clay);
+  /** of a hand whose fingers move, made at the first pose */
+  private readonly palm: Mesh;
+  private isPalmMade: boolean;
   private readonly stool = new Mesh(stoolGeometry(), this.wood);
   private readonly shadow = new Shadow();
   private readonly skin: Skin;
@@ -44,6 +52,7 @@ export class Person {
   private readonly limb: Limb;
   private readonly tubes: Tubes;
   private readonly bones: Bones;
+  private readonly fingers: Fingers;
   private readonly muscles: Muscles;
   private colors: Palette;
   private sitting = false;
@@ -51,13 +60,21 @@ export class Person {
   /** for each posture, made when it is needed first: fine, and rough */
   private readonly bodies = new Map<string, BufferGeometry>();
 
-  constructor(shape: PersonShape, theme: Theme) {
+  constructor(
+    private readonly shape: PersonShape,
+    theme: Theme,
+  ) {
     const bellies = Array<number>(shape.muscles.length).fill(ringsPerMuscle(shape.muscles.length));
-    const before = BONE_TUBES.reduce((sum, count) => sum + count, 0);
-    this.limb = new Limb(shape.limb);
-    this.tubes = new Tubes([...BONE_TUBES, ...bellies], BONE_TUBES.length);
+    this.limb = new Limb(shape);
+    const { digits } = this.limb;
+    const fingers = fingerTubes(digits.length);
+    this.tubes = new Tubes([...BONE_TUBES, ...fingers, ...bellies], BONE_TUBES.length + fingers.length);
     this.bones = new Bones(this.tubes);
-    this.muscles = new Muscles(shape, this.tubes, before);
+    const first = sum(BONE_TUBES);
+    this.fingers = digits.length ? new MovingFingers(this.tubes, first, digits) : new PointingFinger(this.tubes, first);
+    this.isPalmMade = !digits.length;
+    this.palm = new Mesh(this.isPalmMade ? handGeometry() : undefined, this.clay);
+    this.muscles = new Muscles(shape, this.tubes, first + sum(fingers));
     this.skin = new Skin([...this.limb.skin, ...this.muscles.bulges]);
     this.size = (shape.stature_m ?? FIGURE) / FIGURE;
     this.still.scale.setScalar(this.size);
@@ -70,8 +87,8 @@ export class Person {
 
     const inside = new Mesh(this.tubes.geometry, this.painted);
     inside.frustumCulled = false;
-    this.hand.matrixAutoUpdate = false;
-    this.arm.add(inside, this.hand, this.skin.group);
+    this.palm.matrixAutoUpdate = false;
+    this.arm.add(inside, this.palm, this.skin.group);
     this.arm.visible = false;
     this.still.add(this.body, this.head, this.stool, this.shadow.mesh);
     this.group.add(this.still, this.arm);
@@ -83,13 +100,26 @@ export class Person {
   pose(given: PersonPose): void {
     const pose = this.mirror?.of(given) ?? given;
     this.limb.update(pose);
-    this.hand.matrix.copy(this.limb.hand.matrix);
-    this.hand.matrixWorldNeedsUpdate = true;
+    this.palm.matrix.copy(this.limb.hand.matrix);
+    this.palm.matrixWorldNeedsUpdate = true;
+    if (!this.isPalmMade) this.palm.geometry = palmGeometry(this.limb.hand, this.limb.digits);
+    this.isPalmMade = true;
     this.bones.update(this.limb);
+    this.fingers.update(this.limb);
     this.muscles.update(pose.muscles, this.limb, this.colors);
     this.tubes.moved();
     this.skin.update(this.limb);
+    if (this.shape.moves_hand_only) this.hand ??= this.middleOfHand();
     this.arm.visible = true;
+  }
+
+  private middleOfHand(): [number, number, number] {
+    const { wrist, hand } = this.limb;
+    const [x, y, z] = wrist
+      .clone()
+      .addScaledVector(hand.distal, HALF_HAND * hand.scale)
+      .toArray();
+    return [x, this.mirror ? -y : y, z];
   }
 
   setTheme(theme: Theme): void {
@@ -99,6 +129,7 @@ export class Person {
     this.shadow.setPalette(this.colors);
     this.skin.setPalette(this.colors);
     this.bones.paint(this.colors);
+    this.fingers.paint(this.colors);
     this.muscles.paint(this.colors);
   }
 
@@ -109,7 +140,7 @@ export class Person {
   setSitting(on: boolean): void {
     if (this.sitting === on) return;
     this.sitting = on;
-    this.shape();
+    this.reshape();
     this.stool.visible = on;
     this.shadow.setSitting(on);
   }
@@ -120,10 +151,10 @@ export class Person {
     this.isRough = on;
     this.tubes.setRough(on);
     this.skin.setRough(on);
-    this.shape();
+    this.reshape();
   }
 
-  private shape(): void {
+  private reshape(): void {
     const key = `${this.sitting} ${this.isRough}`;
     const made = this.bodies.get(key) ?? bodyGeometry(this.sitting, this.isRough ? ROUGH : 1);
     this.bodies.set(key, made);
@@ -140,7 +171,7 @@ export class Person {
   }
 
   dispose(): void {
-    for (const mesh of [this.head, this.hand, this.stool]) mesh.geometry.dispose();
+    for (const mesh of [this.head, this.palm, this.stool]) mesh.geometry.dispose();
     for (const geometry of this.bodies.values()) geometry.dispose();
     for (const material of [this.clay, this.painted, this.wood]) material.dispose();
     this.tubes.geometry.dispose();
@@ -148,3 +179,5 @@ export class Person {
     this.shadow.dispose();
   }
 }
+
+const sum = (numbers: readonly number[]): number => numbers.reduce((total, number) => total + number, 0);

@@ -1,10 +1,11 @@
 // The simulated arm of one moment: where its joints are, and the soft clay made from them. `core` is what muscles lie
 // on (the chest and the bones), `skin` is what covers them (the chest and the flesh of the arm).
 import { Vector3 } from 'three';
+import { Digits } from './digits';
 import { Blob } from './field';
 import { MIDDLE, chest } from './figure';
 import { HandFrame } from './hand';
-import type { PersonPose } from './types';
+import type { PersonPose, PersonShape } from './types';
 
 /** how far the skin lies above the clay of the chest */
 const SKIN = 0.007;
@@ -50,6 +51,7 @@ export class Limb {
   /** a little way into the palm, where the skin ends */
   readonly palm = new Vector3();
   readonly hand = new HandFrame();
+  readonly digits: Digits;
 
   private readonly upperBones = [stretch(0, 0, 0.025, 0.025, 0.02), stretch(0, 1, 0.014, 0.014, 0.02)];
   private readonly lowerBones = [stretch(0, 1, 0.014, 0.01, 0.02)];
@@ -70,7 +72,12 @@ export class Limb {
     ...[...this.upperFlesh, ...this.lowerFlesh, ...this.wristFlesh, this.palmFlesh].map((flesh) => flesh.blob),
   ];
 
-  constructor(private readonly parts: readonly number[]) {}
+  private readonly parts: readonly number[];
+
+  constructor(shape: PersonShape) {
+    this.parts = shape.limb;
+    this.digits = new Digits(shape);
+  }
 
   update(pose: PersonPose): void {
     const hand = this.parts[this.parts.length - 1]!;
@@ -78,7 +85,8 @@ export class Limb {
     this.elbow.fromArray(pose.parts, this.parts[1]! * 7);
     this.wrist.fromArray(pose.parts, hand * 7);
     this.fingertip.fromArray(pose.fingertip);
-    this.hand.update(pose.parts, hand, this.wrist, this.fingertip);
+    this.digits.update(pose);
+    this.hand.update(pose.parts, hand, this.wrist, this.fingertip, this.digits);
     this.palm.copy(this.wrist).addScaledVector(this.hand.distal, 0.03 * this.hand.scale);
     this.placeBlobs();
   }

@@ -1,5 +1,5 @@
-// Many tubes that change their form every moment, in one geometry: muscles, bones and the pointing finger.
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from 'three';
+// Many tubes that change their form every moment, in one geometry: muscles, bones and fingers.
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, type Vector3 } from 'three';
 
 export const SIDES = 8;
 const COS = Float64Array.from({ length: SIDES }, (_, i) => Math.cos((2 * Math.PI * i) / SIDES));
@@ -110,4 +110,25 @@ function faces(rings: readonly number[], fine: number): BufferAttribute {
     first += count;
   });
   return new BufferAttribute(new Uint32Array(list), 1);
+}
+
+/** Sets `along` and any direction `out` at a right angle to it; round tubes do not mind which. */
+export function aim(from: Vector3, to: Vector3, along: Float64Array, out: Float64Array): void {
+  const x = to.x - from.x;
+  const y = to.y - from.y;
+  const z = to.z - from.z;
+  const length = Math.sqrt(x * x + y * y + z * z) + 1e-9;
+  along[0] = x / length;
+  along[1] = y / length;
+  along[2] = z / length;
+  const level = Math.hypot(x, y);
+  if (level < 1e-4 * length) {
+    out[0] = 1;
+    out[1] = 0;
+    out[2] = 0;
+    return;
+  }
+  out[0] = (-along[2] * x) / level;
+  out[1] = (-along[2] * y) / level;
+  out[2] = level / length;
 }

@@ -2,7 +2,10 @@
 
 import type { BodyShape } from '../../engine/protocol';
 
-export type PersonShape = Pick<BodyShape, 'parts' | 'limb' | 'muscles' | 'is_left' | 'stature_m'>;
+export type PersonShape = Pick<
+  BodyShape,
+  'parts' | 'limb' | 'digits' | 'muscles' | 'is_left' | 'stature_m' | 'moves_hand_only'
+>;
 
 export interface Theme {
   dark: boolean;
