@@ -9,6 +9,7 @@ use myo::model::import::ImportOptions;
 use myo::model::{ModelDescription, builtin, builtin_names};
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{IntoPyArray, PyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -74,12 +75,14 @@ impl Model {
         landmarks: (String, String, Option<String>, Option<String>),
         fingers: BTreeMap<String, String>,
         without_contacts: bool,
+        side_rule: &str,
         locked: Vec<String>,
         root: Option<PathBuf>,
     ) -> PyResult<(Self, Vec<String>)> {
         let (fingertip, shoulder, elbow, wrist) = landmarks;
         let landmarks = Landmarks { fingertip, shoulder, elbow, wrist, fingers };
-        let options = ImportOptions { landmarks, without_contacts, locked };
+        let side_rule = side_rule.parse().map_err(PyValueError::new_err::<String>)?;
+        let options = ImportOptions { landmarks, without_contacts, side_rule, locked };
         let imported = compute(py, || import_model(&file, root.as_deref(), &options))?.map_err(error::task)?;
         Ok((Self::checked(imported.description)?, imported.passed_over))
     }

@@ -5,7 +5,7 @@
 //! evaluation in 1,000 random states, `rollouts.json` joint positions over one second of random excitations, `press.json`
 //! the force on the button; `keys.xml` and `keys.json` are a thick fingertip on several keys at once; `gadget.xml`, `gadget.json`, `balloon.xml` and
 //! `balloon.json` are single steps of bodies with what the arm lacks;
-//! `wraps.xml` and `wraps.json` are a body whose muscles run over spheres and cylinders, in random states and around those where
+//! `wraps.xml`, `wraps.json` and (by the rule of sides before MuJoCo 4.0) `wraps_mujoco3.json` are a body whose muscles run over spheres and cylinders, in random states and around those where
 //! paths begin to bend. Positions are those of all joints; forces have MuJoCo's sign.
 
 use myo_dynamics::step::{self, force, kinematics::kinematics};
@@ -79,13 +79,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         let steps = (0..GADGETS).map(|k| single_step(&plan, Draws::new(4, k)));
         write(&format!("{name}.json"), Value::from_iter(steps).to_string())?;
     }
-    let description = ModelDescription::from_yaml(include_str!("wraps.yaml"), "wraps.yaml")?;
-    let wraps = Model::new(&description)?;
-    write("wraps.xml", to_mjcf(&wraps, &MjcfOptions::default()))?;
-    let plan = Plan::exact(&wraps, CouplingMode::Soft)?;
-    let random = (0..WRAPS).map(|k| paths(&plan, random_state(&plan, &mut Draws::new(6, k)), None));
-    let onsets = (0..SWEEPS).flat_map(|k| onsets(&plan, Draws::new(7, k)));
-    write("wraps.json", Value::from_iter(random.chain(onsets)).to_string())?;
+    let mut description = ModelDescription::from_yaml(include_str!("wraps.yaml"), "wraps.yaml")?;
+    write("wraps.xml", to_mjcf(&Model::new(&description)?, &MjcfOptions::default()))?;
+    for (name, rule) in [("wraps", description::SideRule::Mujoco4), ("wraps_mujoco3", description::SideRule::Mujoco3)] {
+        description.options.side_rule = rule;
+        let plan = Plan::exact(&Model::new(&description)?, CouplingMode::Soft)?;
+        let random = (0..WRAPS).map(|k| paths(&plan, random_state(&plan, &mut Draws::new(6, k)), None));
+        let onsets = (0..SWEEPS).flat_map(|k| onsets(&plan, Draws::new(7, k)));
+        write(&format!("{name}.json"), Value::from_iter(random.chain(onsets)).to_string())?;
+    }
     Ok(())
 }
 

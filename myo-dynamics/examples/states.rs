@@ -1,5 +1,6 @@
 //! Writes what this crate computes of an MJCF model in random states, to be compared with MuJoCo:
-//! `cargo run -p myo-dynamics --example states -- FILE SITE BODY COUNT`, with the names of a fingertip and of a shoulder.
+//! `cargo run -p myo-dynamics --example states -- FILE SITE BODY COUNT RULE`, with the names of a fingertip and of a shoulder, and the rule of
+//! sides of this version of MuJoCo, `mujoco4` or `mujoco3`.
 //!
 //! Coordinates are those of all joints, from within their limits to a little beyond; couplings hold more or less.
 
@@ -28,12 +29,12 @@ const TILT: f64 = 0.2;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [file, fingertip, shoulder, count] = &arguments[..] else {
-        return Err("usage: states FILE SITE BODY COUNT".into());
+    let [file, fingertip, shoulder, count, side_rule] = &arguments[..] else {
+        return Err("usage: states FILE SITE BODY COUNT RULE".into());
     };
     let mjcf = myo_mjcf::read(Path::new(file))?;
     let landmarks = Landmarks::new(fingertip, shoulder);
-    let options = ImportOptions { landmarks, without_contacts: false, locked: vec![] };
+    let options = ImportOptions { side_rule: side_rule.parse()?, ..ImportOptions::new(landmarks) };
     let list = |all: Vec<_>| all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     let model = Model::new(&from_mjcf(&mjcf, &options).map_err(list)?)?;
     let (soft, reduced) = (Plan::exact(&model, CouplingMode::Soft)?, Plan::exact(&model, CouplingMode::Reduced)?);

@@ -125,7 +125,7 @@ fn a_limit_that_nothing_comes_to_in_the_zero_pose_is_refused() {
         let files = std::collections::BTreeMap::from([("arm.xml".to_owned(), text.to_owned())]);
         let mjcf = myo_mjcf::read_from(&files, "arm.xml", myo_mjcf::Limits::default()).unwrap();
         let landmarks = Landmarks::new("below", "arm");
-        let options = ImportOptions { landmarks, without_contacts: false, locked: vec![] };
+        let options = ImportOptions::new(landmarks);
         Plan::exact(&Model::new(&from_mjcf(&mjcf, &options).unwrap()).unwrap(), CouplingMode::Reduced)
     };
     let refused = plan(text).unwrap_err().to_string();

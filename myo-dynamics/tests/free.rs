@@ -22,7 +22,7 @@ fn model_of(text: &str, locked: &[&str]) -> Model {
     let mjcf = myo_mjcf::read_from(&files, "tumbler.xml", myo_mjcf::Limits::default()).unwrap();
     let landmarks = Landmarks::new("tip", "arm");
     let locked = locked.iter().map(|&name| name.into()).collect();
-    let options = ImportOptions { landmarks, without_contacts: false, locked };
+    let options = ImportOptions { locked, ..ImportOptions::new(landmarks) };
     Model::new(&from_mjcf(&mjcf, &options).unwrap()).unwrap()
 }
 

@@ -8,16 +8,21 @@ use myo_dynamics::spatial::{Frame, Rotation, Vec3};
 use myo_dynamics::step::wrap::{Course, OnSide, Round, course, points};
 use myo_dynamics::step::{self, force, kinematics::kinematics, tendon};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
-use myo_model::description::{Over, PathElement, Wrap, WrapShape};
+use myo_model::description::{Over, PathElement, SideRule, Wrap, WrapShape};
 use myo_model::{Model, ModelDescription, builtin};
 use myo_scalar::symbolic::{Buffer, Contents, Form, Program, Sharing, Sym, trace_as};
 use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 
 /// A body with every kind of path.
 fn wraps() -> Plan<f64> {
-    let text = include_str!("../examples/wraps.yaml");
-    let model = Model::new(&ModelDescription::from_yaml(text, "wraps.yaml").unwrap()).unwrap();
-    Plan::exact(&model, CouplingMode::Reduced).unwrap()
+    wraps_by(SideRule::Mujoco4)
+}
+
+/// The same by a rule of sides.
+fn wraps_by(rule: SideRule) -> Plan<f64> {
+    let mut description = ModelDescription::from_yaml(include_str!("../examples/wraps.yaml"), "wraps.yaml").unwrap();
+    description.options.side_rule = rule;
+    Plan::exact(&Model::new(&description).unwrap(), CouplingMode::Reduced).unwrap()
 }
 
 fn over(wrap: &str, side: Option<&str>) -> PathElement {
@@ -88,23 +93,26 @@ fn every_stretch_bends_in_some_states_and_not_in_others() {
 
 #[test]
 fn forces_are_the_derivatives_of_lengths() {
+    RULES.into_iter().for_each(|rule| check_derivatives(&wraps_by(rule)));
+}
+
+fn check_derivatives(plan: &Plan<f64>) {
     const H: f64 = 1e-6;
-    let plan = wraps();
-    let mut ws = [0, 1, 2].map(|_| Workspace::<f64>::new(&plan));
+    let mut ws = [0, 1, 2].map(|_| Workspace::<f64>::new(plan));
     let (mut compared, mut left_out) = (0, 0);
     for number in 0..500 {
-        let state = random_state(&plan, number);
-        paths(&plan, &state, &mut ws[1]);
+        let state = random_state(plan, number);
+        paths(plan, &state, &mut ws[1]);
         for muscle in 0..plan.nmuscle() {
             let now = &mut ws[1];
-            let moments = force::moment_arms::<f64>(&plan, muscle, now);
+            let moments = force::moment_arms::<f64>(plan, muscle, now);
             let rate: f64 = moments.iter().zip(&state.qvel).map(|(moment, speed)| moment * speed).sum();
             assert!((rate - now.tendon_velocity[muscle]).abs() < 1e-12, "state {number}, muscle {muscle}");
             for (dof, &moment) in moments.iter().enumerate() {
                 for (ws, by) in ws.iter_mut().zip([-H, 0.0, H]) {
                     let mut state = state.clone();
                     state.qpos[dof] += by;
-                    paths(&plan, &state, ws);
+                    paths(plan, &state, ws);
                 }
                 if bends(&ws[0]) != bends(&ws[2]) {
                     left_out += 1;
@@ -122,7 +130,7 @@ fn forces_are_the_derivatives_of_lengths() {
 #[test]
 fn the_specialised_plan_equals_the_exact_one() {
     // Lengths (m), rates (m/s) and forces as in `specialised.rs`.
-    let plans = [wraps(), Plan::exact(&wrapped_arm(), CouplingMode::Reduced).unwrap()];
+    let plans = [wraps(), wraps_by(SideRule::Mujoco3), Plan::exact(&wrapped_arm(), CouplingMode::Reduced).unwrap()];
     for (plan, exact) in plans.iter().enumerate() {
         let fast = exact.specialised();
         assert!(!fast.tendons.wraps.is_empty());
@@ -253,7 +261,8 @@ fn compare(plan: &Plan<f64>, states: &[State<f64>], found: &[Vec<f64>]) -> ([f64
 #[test]
 fn lanes_equal_the_reference_also_where_paths_begin_to_bend() {
     let (exact, arm) = (wraps(), Plan::exact(&wrapped_arm(), CouplingMode::Reduced).unwrap());
-    for (plan, onsets) in [(&exact, onsets(&exact)), (&arm, vec![])] {
+    let before = wraps_by(SideRule::Mujoco3);
+    for (plan, onsets) in [(&exact, onsets(&exact)), (&before, onsets(&before)), (&arm, vec![])] {
         let random: Vec<State<f64>> = (0..2000).map(|number| random_state(plan, number)).collect();
         for level in Level::available() {
             for (states, what) in [(&random, "random"), (&onsets, "onset")] {
@@ -290,10 +299,13 @@ fn lanes_do_not_depend_on_what_is_beside_them() {
 
 #[test]
 fn the_recorded_program_computes_what_the_reference_computes() {
-    let plan = wraps();
-    let states: Vec<State<f64>> = (0..300).map(|number| random_state(&plan, number)).chain(onsets(&plan)).collect();
+    RULES.into_iter().for_each(|rule| check_recorded(&wraps_by(rule)));
+}
+
+fn check_recorded(plan: &Plan<f64>) {
+    let states: Vec<State<f64>> = (0..300).map(|number| random_state(plan, number)).chain(onsets(plan)).collect();
     for form in [Form::Straight, Form::Paths] {
-        let (program, count) = recorded(&plan, form);
+        let (program, count) = recorded(plan, form);
         let found: Vec<Vec<f64>> = states
             .iter()
             .map(|state| {
@@ -304,7 +316,7 @@ fn the_recorded_program_computes_what_the_reference_computes() {
                 found
             })
             .collect();
-        let (worst, other_ways) = compare(&plan, &states, &found);
+        let (worst, other_ways) = compare(plan, &states, &found);
         let operations = program.operations();
         println!("{form:?}: {} states: {worst:?}, {other_ways} other ways, {operations} operations", states.len());
         // The program's numbers are those of the tables, and the short series of the angle, interpreted in double precision.
@@ -355,9 +367,10 @@ fn path<S: Scalar>(shape: RoundShape, radius: f64, side: Option<[f64; 3]>, a: [f
         Some(side) if side.iter().map(|x| x * x).sum::<f64>().sqrt() < radius => OnSide::Inside,
         Some(side) => OnSide::Of(vector(side)),
     };
-    course(shape, S::lit(radius), side, ends)
+    course(shape, SideRule::Mujoco4, S::lit(radius), side, ends)
 }
 
+const RULES: [SideRule; 2] = [SideRule::Mujoco4, SideRule::Mujoco3];
 const SHAPES: [RoundShape; 2] = [RoundShape::Sphere, RoundShape::Cylinder];
 
 #[test]
@@ -496,6 +509,21 @@ fn wraps_change_nothing_where_they_are_out_of_the_way() {
 }
 
 #[test]
+fn the_rule_before_4_goes_by_the_side_of_a_site_once_the_line_is_on_the_other() {
+    let side = vector::<f64>([0.0, 2.0, 0.0]);
+    let length = |rule, height: f64| {
+        let ends = [vector([-2.0, height, 0.0]), vector([2.0, height, 0.0])];
+        course(RoundShape::Cylinder, rule, 1.0, OnSide::Of(side), ends).length
+    };
+    // Above and below the cylinder: by 4.0 a line under it goes by the side only if it is that way round.
+    for rule in RULES {
+        assert_eq!(length(rule, 1.5), 4.0, "clear of it on its side");
+        assert!(length(rule, 0.5) > 4.0 && length(rule, -0.5) > length(rule, 0.5), "through it");
+    }
+    assert!(length(SideRule::Mujoco3, -1.5) > 6.0, "clear of it on the other side");
+}
+
+#[test]
 fn points_lie_on_the_path() {
     let near = |found: f64, wanted: f64, bound: f64| assert!((found - wanted).abs() < bound, "{found} for {wanted}");
     let distance = |a: Vec3<f64>, b: Vec3<f64>| (b - a).dot(b - a).sqrt();
@@ -507,10 +535,10 @@ fn points_lie_on_the_path() {
         let axes = [0, 1, 2].map(|k| Vec3::splat(turn.matrix().column(k).into_owned().into()));
         let frame = Frame { rotation: Rotation { x: axes[0], y: axes[1], z: axes[2] }, position: place(3, 0.1) };
         let (a, b, side) = (place(6, 0.3), place(9, 0.3), (case % 3 > 0).then(|| place(12, 0.1)));
-        let round = Round { shape: SHAPES[case as usize % 2], radius: 0.05, frame };
+        let round = Round { shape: SHAPES[case as usize % 2], rule: RULES[case as usize / 2 % 2], radius: 0.05, frame };
         let local = |p: Vec3<f64>| frame.rotation.apply_inverse(p - frame.position);
         let told = side.map_or(OnSide::Any, |side| OnSide::told_by(local(side), round.shape, round.radius));
-        let path = course(round.shape, round.radius, told, [local(a), local(b)]);
+        let path = course(round.shape, round.rule, round.radius, told, [local(a), local(b)]);
         let found = points(&round, side, [a, b], 200);
         let all: Vec<Vec3<f64>> = [a].into_iter().chain(found.iter().copied()).chain([b]).collect();
         let length: f64 = all.windows(2).map(|ends| distance(ends[0], ends[1])).sum();

@@ -295,7 +295,8 @@ impl Skeleton {
         let bend = |over: &Over, ends: [usize; 2]| {
             let shape = &self.model.wraps[over.wrap].shape;
             let frame = ws.fixed(&self.plan.elements.wraps[over.wrap]);
-            let round = Round { shape: shape.into(), radius: shape.radius(), frame };
+            let rule = self.model.options.side_rule;
+            let round = Round { shape: shape.into(), rule, radius: shape.radius(), frame };
             let bent = points(&round, over.side.map(site), ends.map(site), BEND_POINTS);
             bent.into_iter().map(Vec3::array).collect()
         };

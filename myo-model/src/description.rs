@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 #[cfg(feature = "files")]
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::str::FromStr;
 
 #[cfg(feature = "files")]
 mod flat;
@@ -82,6 +83,42 @@ pub struct Options {
     pub gravity: [f64; 3],
     /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`).
     pub implicit_joint_damping: bool,
+    /// How side sites tell which way a muscle path takes around a wrap.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "SideRule::is_default"))]
+    pub side_rule: SideRule,
+}
+
+/// How the side site of a muscle path tells which way the path takes around a sphere or cylinder. MuJoCo changed that in 4.0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+pub enum SideRule {
+    /// As in MuJoCo since 4.0: the way that the line from its one end by the side site to its other end takes.
+    #[default]
+    #[cfg_attr(feature = "files", serde(rename = "mujoco4"))]
+    Mujoco4,
+    /// As in MuJoCo before 4.0: past the side site, as soon as the straight line is nearest to the middle on its other side. There
+    /// lengths jump.
+    #[cfg_attr(feature = "files", serde(rename = "mujoco3"))]
+    Mujoco3,
+}
+
+impl FromStr for SideRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "mujoco4" => Ok(Self::Mujoco4),
+            "mujoco3" => Ok(Self::Mujoco3),
+            _ => Err(format!("no rule of sides is `{text}`; there are `mujoco4` and `mujoco3`")),
+        }
+    }
+}
+
+impl SideRule {
+    #[cfg(feature = "files")]
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Names of the elements that tasks refer to.

@@ -4,7 +4,7 @@
 //! the same. Numbers are printed so that they read back bit for bit. What MuJoCo derives (inverse weights, automatic muscle
 //! force) is left to MuJoCo.
 
-use crate::description::{Shape, Softness, WrapShape};
+use crate::description::{Shape, SideRule, Softness, WrapShape};
 use crate::model::{Body, Geom, Joint, Model, Muscle, WORLD, Wrap};
 use myo_muscle::CurveParameters;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -57,6 +57,7 @@ pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
     let mut xml = Xml::default();
     xml.open("mujoco", &[("model", text(&model.name))]);
     settings(&mut xml, model, options);
+    rule_of_sides(&mut xml, model.options.side_rule);
     xml.open("worldbody", &[]);
     points_and_shapes(&mut xml, model, WORLD);
     bodies_below(&mut xml, model, WORLD);
@@ -102,6 +103,15 @@ fn settings(xml: &mut Xml, model: &Model, options: &MjcfOptions) {
     let eulerdamp = if model.options.implicit_joint_damping { "enable" } else { "disable" };
     xml.leaf("flag", &[("eulerdamp", text(eulerdamp))]);
     xml.close("option");
+}
+
+/// A file cannot choose the rule by which it is understood; it says which one it was made for.
+fn rule_of_sides(xml: &mut Xml, rule: SideRule) {
+    if rule == SideRule::Mujoco3 {
+        xml.open("custom", &[]);
+        xml.leaf("text", &[("name", text("side_rule")), ("data", text("as in MuJoCo before 4.0"))]);
+        xml.close("custom");
+    }
 }
 
 fn bodies_below(xml: &mut Xml, model: &Model, parent: usize) {

@@ -15,7 +15,7 @@ fn read(text: &str) -> Mjcf {
 
 fn options(fingertip: &str, shoulder: &str) -> ImportOptions {
     let landmarks = Landmarks::new(fingertip, shoulder);
-    ImportOptions { landmarks, without_contacts: false, locked: vec![] }
+    ImportOptions::new(landmarks)
 }
 
 /// An arm of one joint and one muscle, with more in its head, its joint, its body, its tendon and its muscle.

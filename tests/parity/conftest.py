@@ -17,6 +17,7 @@ where that has been done already. The directory holds
     wraps.xml      a small body with muscles over spheres and cylinders
     wraps.json     [{qpos, qvel, act, ctrl, tendon_length, tendon_velocity, moments: one row per muscle, muscle_force, qacc,
                     bends: of each stretch over something, onset: index of the one that begins to bend nearby, or null}]
+    wraps_mujoco3.json  the same by the rule of sides that MuJoCo had before 4.0
 
 Positions are in full coordinates, joints in the order of the model; forces have MuJoCo's sign (a pull is negative).
 """
@@ -30,6 +31,7 @@ import mujoco
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+MUJOCO = int(mujoco.__version__.split(".")[0])
 
 
 def output(*command):
@@ -120,4 +122,4 @@ def wraps(data):
 
 @pytest.fixture(scope="session")
 def wrap_states(data):
-    return read(data / "wraps.json")
+    return read(data / ("wraps.json" if MUJOCO >= 4 else "wraps_mujoco3.json"))

@@ -210,6 +210,7 @@ class Model:
         landmarks: tuple[str, str, str | None, str | None],
         fingers: Mapping[str, str],
         without_contacts: bool,
+        side_rule: str,
         locked: Sequence[str],
         root: str | PathLike[str] | None,
     ) -> tuple[Model, list[str]]:

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from myoenv import _native
 from myoenv._native import Model, Task, TaskError
@@ -83,6 +83,7 @@ def import_model(
     wrist: str | None = None,
     fingers: Mapping[str, str] | None = None,
     without_contacts: bool = False,
+    side_rule: Literal["mujoco4", "mujoco3"] = "mujoco4",
     lock: Sequence[str] = (),
     root: str | PathLike[str] | None = None,
 ) -> Model:
@@ -103,6 +104,7 @@ def import_model(
         fingers: Sites of other fingers by the names that tasks have for them, such as `{"thumb": "THtip_r"}`; at most
             four.
         without_contacts: Whether parts of the body pass through each other.
+        side_rule: How side sites tell ways around wraps: as MuJoCo since 4.0, or as before, for what was made with that.
         lock: Joints that stand still as in the pose of the file, with those that follow them.
         root: Folder outside of which no file is opened; by default that of the file.
     """
@@ -118,7 +120,7 @@ def import_model(
     below = None if root is None else as_path("root", root)
     landmarks = (fingertip, shoulder, elbow, wrist)
     model, passed_over = Model.from_mjcf(
-        as_path("file", file), landmarks, others, bool(without_contacts), list(lock), below
+        as_path("file", file), landmarks, others, bool(without_contacts), str(side_rule), list(lock), below
     )
     if passed_over:
         what = ", ".join(passed_over)

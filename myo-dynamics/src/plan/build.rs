@@ -510,7 +510,7 @@ fn tendons(model: &Model, tree: &Tree) -> Result<Tendons<f64>, PlanError> {
             let [a, b] = [after, after + 1].map(|element| tree.site(model, m.path[element]));
             if let Some(over) = m.over.iter().find(|over| over.after == after) {
                 let (wrap, side) = (&model.wraps[over.wrap], over.side.map(|site| tree.site(model, site)));
-                out.add_stretch(muscle, [a, b], RoundThing::new(wrap, tree.wrap(wrap)), side);
+                out.add_stretch(muscle, [a, b], RoundThing::new(wrap, model.options.side_rule, tree.wrap(wrap)), side);
             } else if a.link == b.link {
                 out.constant[muscle] += (Vector3::from(b.position) - Vector3::from(a.position)).norm();
             } else {

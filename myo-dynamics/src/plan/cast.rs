@@ -39,8 +39,8 @@ cast! {
     HingeSegment { square, half; muscle, link }
     DoubleHingeSegment { square; muscle, links }
     ProfileSegment { square, half_slope; muscle, coordinate }
-    RoundThing { frame, radius; shape }
-    Bundle { stretches; shape, way, is_moored }
+    RoundThing { frame, radius; shape, rule }
+    Bundle { stretches; shape, rule, way, is_moored }
     Stretch { round, ends, local, side; muscle }
     Limit { drive, range, impedance, diagonal }
     TendonLimit { range, margin, impedance, diagonal; muscle, dofs }

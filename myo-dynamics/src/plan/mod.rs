@@ -25,6 +25,7 @@ pub use pairs::{ContactPair, Part, PartForm};
 use crate::impedance::Impedance;
 use crate::polynomial::{Domain, Polynomial};
 use crate::step::kinematics::joint_state;
+use myo_model::description::SideRule;
 use myo_muscle::Muscle;
 use myo_scalar::{Real, Scalar};
 
@@ -362,6 +363,8 @@ pub struct RoundThing<C> {
     pub frame: FixedFrame<C>,
     /// Its kind.
     pub shape: RoundShape,
+    /// How a side tells the way around it.
+    pub rule: SideRule,
     /// Its radius (m).
     pub radius: C,
 }
@@ -382,6 +385,8 @@ pub enum Way {
 pub struct Bundle<C> {
     /// What they may bend round.
     pub shape: RoundShape,
+    /// How sides tell ways around it.
+    pub rule: SideRule,
     /// How.
     pub way: Way,
     /// Whether their first ends are on the links of the round things. Nothing then moves but the last ends.

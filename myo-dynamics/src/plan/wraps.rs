@@ -3,7 +3,7 @@
 use super::{Bundle, FixedFrame, Point, RoundShape, RoundThing, Side, Stretch, Tendons, Way};
 use crate::spatial::Vec3;
 use crate::step::wrap::{OnSide, course};
-use myo_model::description::WrapShape;
+use myo_model::description::{SideRule, WrapShape};
 use myo_model::model::Wrap;
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,13 +18,13 @@ impl From<&WrapShape> for RoundShape {
 
 impl RoundThing<f64> {
     /// A wrap of a model.
-    pub(super) fn new(wrap: &Wrap, frame: FixedFrame<f64>) -> Self {
+    pub(super) fn new(wrap: &Wrap, rule: SideRule, frame: FixedFrame<f64>) -> Self {
         let shape = RoundShape::from(&wrap.shape);
         let axes = match shape {
             RoundShape::Sphere => Matrix3::identity().into(),
             RoundShape::Cylinder => frame.axes,
         };
-        Self { frame: FixedFrame { axes, ..frame }, shape, radius: wrap.shape.radius() }
+        Self { frame: FixedFrame { axes, ..frame }, shape, rule, radius: wrap.shape.radius() }
     }
 
     /// A point of the same link, from the centre and in the own axes (m).
@@ -90,7 +90,8 @@ impl Stretch<f64> {
             Side::Moving(_) => return None,
         };
         let ends = [Vec3::splat(self.local?), Vec3::splat(local)];
-        Some(course(self.round.shape, self.round.radius, side, ends).length)
+        let RoundThing { shape, rule, radius, .. } = self.round;
+        Some(course(shape, rule, radius, side, ends).length)
     }
 }
 
@@ -122,6 +123,7 @@ impl Tendons<f64> {
             Some(bundle) => bundle.stretches.push(stretch),
             None => self.wraps.push(Bundle {
                 shape: round.shape,
+                rule: round.rule,
                 way: stretch.side.way(),
                 is_moored: local.is_some(),
                 stretches: vec![stretch],

@@ -14,7 +14,7 @@ mod settings;
 
 use crate::ModelDescription;
 use crate::compile::FORMAT_VERSION;
-use crate::description::{Body, Geom, Landmarks, Shape, Site, Softness};
+use crate::description::{Body, Geom, Landmarks, Shape, SideRule, Site, Softness};
 use myo_mjcf::{Mjcf, Place};
 use std::fmt;
 
@@ -25,8 +25,17 @@ pub struct ImportOptions {
     pub landmarks: Landmarks,
     /// Whether parts of the body pass through each other, whatever the file says.
     pub without_contacts: bool,
+    /// How side sites tell ways around wraps: what MJCF does not say, and versions of MuJoCo do in two ways.
+    pub side_rule: SideRule,
     /// Joints that stand still as in the pose of the file, with those that follow them.
     pub locked: Vec<String>,
+}
+
+impl ImportOptions {
+    /// With all that the file says, as MuJoCo 4.0 understands it.
+    pub fn new(landmarks: Landmarks) -> Self {
+        Self { landmarks, without_contacts: false, side_rule: SideRule::default(), locked: vec![] }
+    }
 }
 
 /// Something in a file that cannot be simulated as MuJoCo does.
@@ -54,7 +63,7 @@ impl fmt::Display for Unsupported {
 /// Everything in it that cannot be simulated as MuJoCo does.
 pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescription, Vec<Unsupported>> {
     let mjcf = &*lock::locked(mjcf, &options.locked)?;
-    let mut import = Import { mjcf, names: Names::of(mjcf), unsupported: vec![] };
+    let mut import = Import { mjcf, names: Names::of(mjcf), side_rule: options.side_rule, unsupported: vec![] };
     let refused = |one: &myo_mjcf::Refused| Unsupported {
         place: one.place.clone(),
         element: format!("<{}>", one.element),
@@ -135,6 +144,7 @@ fn free(name: &str, taken: &[Option<&String>]) -> String {
 struct Import<'a> {
     mjcf: &'a Mjcf,
     names: Names,
+    side_rule: SideRule,
     unsupported: Vec<Unsupported>,
 }
 

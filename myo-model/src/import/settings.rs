@@ -53,6 +53,7 @@ impl Import<'_> {
             timestep: option.timestep(),
             gravity: if is_on(flags.gravity()) { option.gravity() } else { [0.0; 3] },
             implicit_joint_damping: is_on(flags.eulerdamp()),
+            side_rule: self.side_rule,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use myo::model::description::Landmarks;
+use myo::model::description::{Landmarks, SideRule};
 use myo::model::import::{ImportOptions, Unsupported};
 use myo::tasks::SourceLocation;
 use myo::train::write_whole;
@@ -36,6 +36,9 @@ pub struct Import {
     /// Let parts of the body pass through each other
     #[arg(long)]
     without_contacts: bool,
+    /// How side sites tell ways around wraps: as MuJoCo since 4.0, or as before (`mujoco3`), for what was made with that
+    #[arg(long, value_name = "RULE", default_value = "mujoco4")]
+    side_rule: SideRule,
     /// Joint that stands still as in the pose of the file, with those that follow it; once for each [example: the free joint of a pelvis]
     #[arg(long, value_name = "JOINT")]
     lock: Vec<String>,
@@ -67,7 +70,7 @@ impl Import {
             fingers: self.finger.iter().cloned().collect(),
         };
         let (without_contacts, locked) = (self.without_contacts, self.lock.clone());
-        let options = ImportOptions { landmarks, without_contacts, locked };
+        let options = ImportOptions { landmarks, without_contacts, side_rule: self.side_rule, locked };
         let root = self.root.as_deref();
         let Imported { description, passed_over } =
             import_model(&self.file, root, &options).map_err(|error| match error {

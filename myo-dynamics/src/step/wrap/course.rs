@@ -8,6 +8,7 @@ use super::flat::{Bend, Flat};
 use super::within::touching;
 use crate::plan::RoundShape;
 use crate::spatial::{Frame, Vec3};
+use myo_model::description::SideRule;
 use myo_scalar::{Mask, Scalar};
 
 /// Shorter lines have no direction to speak of (m^2); keeps the reciprocal root finite.
@@ -21,6 +22,8 @@ const PARALLEL: (f64, f64) = (8.0, 1e-30);
 pub struct Round<S> {
     /// Its kind.
     pub shape: RoundShape,
+    /// How a side tells the way around it.
+    pub rule: SideRule,
     /// Its radius (m).
     pub radius: S,
     /// Its centre, and its axes: z is that of a cylinder.
@@ -117,8 +120,14 @@ fn any_normal<S: Scalar>(x: Vec3<S>) -> Vec3<S> {
 
 /// The path from `a` to `b`, both from the centre of the round thing and in its axes (m).
 #[inline(always)]
-pub fn course<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> Course<S> {
-    let (plane, bend) = bent(shape, radius, side, [a, b]);
+pub fn course<S: Scalar>(
+    shape: RoundShape,
+    rule: SideRule,
+    radius: S,
+    side: OnSide<S>,
+    [a, b]: [Vec3<S>; 2],
+) -> Course<S> {
+    let (plane, bend) = bent(shape, rule, radius, side, [a, b]);
     let [before, along, after] = bend.lengths;
     let flat = before + along + after;
     let between = b - a;
@@ -153,7 +162,13 @@ fn lifted<S: Scalar>(shape: RoundShape, plane: &Plane<S>, flat: Flat<S>, level: 
 
 /// The plane in which the path bends, and how it does.
 #[inline(always)]
-fn bent<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, [a, b]: [Vec3<S>; 2]) -> (Plane<S>, Bend<S>) {
+fn bent<S: Scalar>(
+    shape: RoundShape,
+    rule: SideRule,
+    radius: S,
+    side: OnSide<S>,
+    [a, b]: [Vec3<S>; 2],
+) -> (Plane<S>, Bend<S>) {
     let plane = match shape {
         RoundShape::Sphere => Plane::through(a, b),
         RoundShape::Cylinder => Plane::across(),
@@ -168,7 +183,7 @@ fn bent<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, [a, b]: [Vec3<
     // One call each: called from several places, the loop in `touching` would not be inlined.
     let past = past.map(|side| {
         let side = side.map(|side| in_plane(shape, &plane, side));
-        around(side, from, to, radius)
+        around(side, rule, from, to, radius)
     });
     let through = through.map(|is_inside| (is_inside, touching(from, to, radius)));
     let bend = match (past, through) {
@@ -194,7 +209,7 @@ pub fn points(round: &Round<f64>, side: Option<Vec3<f64>>, [a, b]: [Vec3<f64>; 2
     let to_local = |p: Vec3<f64>| round.frame.rotation.apply_inverse(p - round.frame.position);
     let side = side.map_or(OnSide::Any, |side| OnSide::told_by(to_local(side), round.shape, round.radius));
     let local = [to_local(a), to_local(b)];
-    let (plane, bend) = bent(round.shape, round.radius, side, local);
+    let (plane, bend) = bent(round.shape, round.rule, round.radius, side, local);
     let share = |k: usize| (k as f64 + 0.5) / count as f64;
     if !bend.bends {
         return (0..count).map(|k| (b - a).mul_add(share(k), a)).collect();

@@ -220,7 +220,7 @@ fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> Found<S> {
             OnSide::Either(side, side.dot(side).lt(*radius * *radius))
         }
     };
-    let course = course(shape, *radius, side, [a, b]);
+    let course = course(shape, bundle.rule, *radius, side, [a, b]);
     let arriving = Wrench::at(*last, world(shape, given, course.arriving));
     let leaving = match bundle.is_moored {
         true => Wrench::zero(),
