@@ -15,6 +15,9 @@ use myo_tasks::{Block, Direction, FlatTask, Object, Pointer, RayFrom, Shape, Sli
 /// Bodies lighter than this (kg) only carry joints.
 const LEAST_MASS: f64 = 0.05;
 
+/// Bodies that carry no more than this (kg) are points of muscles that move with a joint.
+const MARKER: f64 = 1.2e-3;
+
 /// Points that stand for the bend of a muscle path over something.
 const BEND_POINTS: usize = 7;
 
@@ -168,6 +171,25 @@ impl Skeleton {
     /// Fingers and thumb that move beyond the last body of the [limb](Self::limb).
     pub fn digits(&self) -> &[Digit] {
         &self.digits
+    }
+
+    /// Whether it is the arm of a person who faces along x: that of one whose size is known, or one that tells its elbow and wrist. Of any
+    /// other body only its own bones and muscles can be drawn.
+    pub fn is_person(&self) -> bool {
+        self.model.stature_m.is_some() || (self.model.elbow_body.is_some() && self.model.wrist_body.is_some())
+    }
+
+    /// Its bones as they can be drawn: of each body that carries mass, the one that it hangs on and itself.
+    pub fn bones(&self) -> Vec<[usize; 2]> {
+        let bodies = &self.model.bodies;
+        let mut carried: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+        for body in (1..bodies.len()).rev() {
+            let below = carried[body];
+            carried[bodies[body].parent] += below;
+        }
+        let is_of_finger = |body: usize| self.digits.iter().any(|digit| digit.bodies.contains(&body));
+        let is_bone = |&body: &usize| bodies[body].parent != WORLD && (carried[body] > MARKER || is_of_finger(body));
+        (1..bodies.len()).filter(is_bone).map(|body| [bodies[body].parent, body]).collect()
     }
 
     /// Whether fingers move and nothing from the trunk to the elbow does.

@@ -4,8 +4,8 @@ use crate::common::{arm, entry, rollout, short, shuffled};
 use myo_dynamics::spatial::Vec3;
 use myo_dynamics::{Obstacles, Workspace, step};
 use myo_env::{EnvConfig, EnvError, ReferenceEnv, Role, Skeleton, SkeletonPose, Snapshot, StepStorage, VectorEnv};
-use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_model::Model;
+use myo_model::description::{Over, PathElement, Wrap, WrapShape};
 use myo_tasks::{Pose, Task, preset_names};
 
 fn env(task: &Task, num_envs: usize) -> ReferenceEnv {
@@ -311,4 +311,20 @@ fn fingers_that_move_are_told_with_their_tips() {
     let task = short("pointing");
     let skeleton = Skeleton::new(&arm(&task), &task).unwrap();
     assert!(skeleton.digits().is_empty() && !skeleton.moves_hand_only(), "fingers of an arm are held");
+}
+
+#[test]
+fn a_body_that_is_no_persons_arm_is_its_bones() {
+    let task = short("pointing");
+    assert!(Skeleton::new(&arm(&task), &task).unwrap().is_person());
+    let mut description = myo_model::builtin("mobl-arms").unwrap();
+    (description.anthropometry, description.landmarks.wrist) = (None, None);
+    let model = Model::new(&description).unwrap();
+    let skeleton = Skeleton::new(&model, &task).unwrap();
+    assert!(!skeleton.is_person());
+    let bones = skeleton.bones();
+    let name = |body: usize| &*model.bodies[body].name;
+    let found: Vec<[&str; 2]> = bones.iter().map(|ends| ends.map(name)).collect();
+    assert!(found.contains(&["humerus", "ulna"]) && found.contains(&["ulna", "radius"]), "{found:?}");
+    assert!(bones.iter().all(|&[parent, body]| model.bodies[body].parent == parent && parent != 0));
 }

@@ -151,6 +151,15 @@ impl Painter {
         }
     }
 
+    /// All bones of a body that is no person's arm.
+    fn bones(&self, page: &mut Page, pose: &SkeletonPose) {
+        for ends in self.skeleton.bones() {
+            let [a, b] = ends.map(|body| pose.bodies[body].position);
+            let length = (b - a).dot(b - a).sqrt();
+            page.line(&[a.array(), b.array()], (SLENDER * length).min(THICKEST), BONE);
+        }
+    }
+
     /// Bones and muscles; redder and thicker muscles are more active.
     fn arm(&self, page: &mut Page, pose: &SkeletonPose) {
         let joints = self.skeleton.limb().iter().map(|&body| pose.bodies[body].position.array());
@@ -158,9 +167,13 @@ impl Painter {
         let digits = self.skeleton.digits();
         // Where fingers move a hand is drawn by its bones, over its muscles.
         let hand = if digits.is_empty() { bones.len() } else { bones.len() - 2 };
-        for (k, bone) in bones.windows(2).enumerate().take(hand) {
-            // Thinner towards the hand.
-            page.line(bone, 0.058 * 0.72_f64.powi(k as i32), BONE);
+        if self.skeleton.is_person() {
+            for (k, bone) in bones.windows(2).enumerate().take(hand) {
+                // Thinner towards the hand.
+                page.line(bone, 0.058 * 0.72_f64.powi(k as i32), BONE);
+            }
+        } else {
+            self.bones(page, pose);
         }
         // As wide on the page whether a whole person is on it or a hand.
         let near = page.scale.max(1.0).recip();
@@ -181,6 +194,11 @@ impl Painter {
     }
 }
 
+/// How much thinner a bone is than long, where only bones are drawn.
+const SLENDER: f64 = 0.12;
+/// The thickest of them (m).
+const THICKEST: f64 = 0.03;
+
 /// A finger from the wrist to its tip.
 fn along(digit: &Digit, wrist: Point, pose: &SkeletonPose) -> Vec<Point> {
     let [x, y, z] = digit.tip;
@@ -199,13 +217,16 @@ struct Page {
 }
 
 impl Page {
-    /// Paper with head and trunk on it: the centre of a right shoulder is 17 cm right of the middle, that of a left one as far left.
+    /// Paper with head and trunk of a person on it: the centre of a right shoulder is 17 cm right of the middle, that of a left one as far left.
     fn around(skeleton: &Skeleton) -> Self {
         let size = skeleton.model().stature_m.unwrap_or(DRAWN_STATURE) / DRAWN_STATURE;
         let side = if skeleton.model().has_left_arm() { -size } else { size };
         let drawing = Drawing { size: PAGE, paper: PAPER, shapes: vec![] };
         let (middle, most) = view(skeleton);
         let mut page = Self { drawing, scale: scale(skeleton, middle, most), middle };
+        if !skeleton.is_person() {
+            return page;
+        }
         let at = |y: f64, z: f64| [0.0, side * y, size * z];
         page.line(&[at(0.17, -0.02), at(0.17, -0.36)], 0.283 * size, SKIN);
         page.line(&[at(0.0, 0.0), at(0.34, 0.0)], 0.105 * size, SKIN);
@@ -272,12 +293,38 @@ const CLOSE: f64 = 4.0;
 /// From the wrist to the middle of such a picture: half a hand forward (m).
 const HALF_HAND: f64 = 0.08;
 
-/// What is in the middle of the page, and how large things are drawn at most: a whole person as large as in life, and a hand alone from nearby.
+/// What is in the middle of the page, and how large things are drawn at most: a whole person as large as in life, a hand alone from nearby,
+/// and bones alone so that they have room.
 fn view(skeleton: &Skeleton) -> ([f64; 2], f64) {
     let (model, limb) = (skeleton.model(), skeleton.limb());
+    if !skeleton.is_person() {
+        return view_of_bones(skeleton);
+    }
     let Some(&hand) = limb.last().filter(|_| skeleton.moves_hand_only()) else { return ([0.0; 2], 1.0) };
     let place = model.frames_in_zero_pose()[hand].translation.vector - model.shoulder_in_zero_pose();
     (on_page([place.x + HALF_HAND, place.y, place.z]), CLOSE)
+}
+
+/// Share of the page that bones fill in one direction.
+const FILLED: f64 = 0.6;
+/// How much larger than in life small ones are drawn at most.
+const LARGEST: f64 = 8.0;
+
+fn view_of_bones(skeleton: &Skeleton) -> ([f64; 2], f64) {
+    let model = skeleton.model();
+    let (frames, shoulder) = (model.frames_in_zero_pose(), model.shoulder_in_zero_pose());
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for body in skeleton.bones().into_iter().flatten() {
+        let place = on_page((frames[body].translation.vector - shoulder).into());
+        for axis in 0..2 {
+            (low[axis], high[axis]) = (low[axis].min(place[axis]), high[axis].max(place[axis]));
+        }
+    }
+    if low[0] > high[0] {
+        return ([0.0; 2], 1.0);
+    }
+    let most = (0..2).map(|axis| FILLED * PAGE[axis] / (high[axis] - low[axis])).fold(LARGEST, f64::min);
+    ([0, 1].map(|axis| 0.5 * (low[axis] + high[axis])), most)
 }
 
 /// As large as may be where a scene has room on the page, as nearly all have, and else as large as it has.

@@ -23,6 +23,8 @@ pub fn shape(skeleton: &Skeleton) -> BodyShape {
         digits: skeleton.digits().iter().map(digit).collect(),
         muscles: model.muscles.iter().enumerate().map(muscle).collect(),
         is_left: model.has_left_arm(),
+        is_person: skeleton.is_person(),
+        bones: skeleton.bones(),
         moves_hand_only: skeleton.moves_hand_only(),
         stature_m: model.stature_m,
         joints: skeleton.joint_names().map(str::to_owned).collect(),

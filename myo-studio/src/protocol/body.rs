@@ -18,6 +18,10 @@ pub struct BodyShape {
     pub muscles: Vec<MuscleShape>,
     /// Whether it is a left arm.
     pub is_left: bool,
+    /// Whether it is the arm of a person who faces along x, who is drawn around it; of any other body its bones are.
+    pub is_person: bool,
+    /// Bones: of each the parts at both ends.
+    pub bones: Vec<[usize; 2]>,
     /// Whether nothing moves from the trunk to the elbow.
     pub moves_hand_only: bool,
     /// Stature of the person (m), where it is known.

@@ -336,6 +336,14 @@ muscles: Array<MuscleShape>,
  */
 is_left: boolean, 
 /**
+ * Whether it is the arm of a person who faces along x, who is drawn around it; of any other body its bones are.
+ */
+is_person: boolean, 
+/**
+ * Bones: of each the parts at both ends.
+ */
+bones: Array<[number, number]>, 
+/**
  * Whether nothing moves from the trunk to the elbow.
  */
 moves_hand_only: boolean, 

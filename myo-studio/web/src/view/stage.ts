@@ -9,7 +9,7 @@ import {
   Vector3,
   WebGLRenderer,
 } from 'three';
-import { type Person, floorHeight } from './person';
+import { type Figure, floorHeight } from './person';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 export type View = 'behind' | 'side' | 'front' | 'above' | 'eyes';
@@ -34,8 +34,8 @@ const VIEWS: Record<Exclude<View, 'eyes'>, [[number, number, number], [number, n
   ],
 };
 
-/** How much nearer the camera stands where nothing moves but a hand. */
-const CLOSE = 0.36;
+/** How far the camera stands from what it is near to, in its radii, as a share of how far it stands from a person. */
+const CLOSE = 2.8;
 
 /** Where the user's eyes are, and what they look at (m). */
 export interface Eye {
@@ -101,7 +101,8 @@ export class Stage {
   private sitting = false;
   private stature = 1;
   private isLeft = false;
-  private hand: [number, number, number] | undefined;
+  private near: Figure['near'];
+  private floorAt: number | undefined;
   /** how it looked last */
   private view: View = 'behind';
   private isEye = false;
@@ -122,7 +123,7 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => this.draw());
     this.controls.enableDamping = false;
-    this.controls.minDistance = 0.25;
+    this.controls.minDistance = 0.1;
     this.controls.maxDistance = 6;
     this.sky.position.set(0, 0, 1);
     this.scene.add(this.sky, this.sun, this.sun.target);
@@ -156,12 +157,13 @@ export class Stage {
    * The floor under somebody so many times as tall as the figure is made, and views at the arm that moves, or from nearby at the
    * hand that alone does.
    */
-  setPerson({ size, isLeft, hand }: Pick<Person, 'size' | 'isLeft' | 'hand'>) {
-    const isOtherView = isLeft !== this.isLeft || hand?.join() !== this.hand?.join();
+  setPerson({ size, isLeft, near, floor }: Pick<Figure, 'size' | 'isLeft' | 'near' | 'floor'>) {
+    const isOtherView = isLeft !== this.isLeft || near !== this.near;
     if (size === this.stature && !isOtherView) return;
     this.stature = size;
     this.isLeft = isLeft;
-    this.hand = hand;
+    this.near = near;
+    this.floorAt = floor;
     this.layFloor();
     if (isOtherView) this.look(this.view);
   }
@@ -177,7 +179,7 @@ export class Stage {
     const [major, minor] = this.dark ? [0x343a44, 0x262b33] : [0xc9ced6, 0xdfe3e8];
     const grid = new GridHelper(4, 16, major, minor);
     grid.rotation.x = Math.PI / 2;
-    grid.position.set(0.5, this.isLeft ? -0.17 : 0.17, this.stature * floorHeight(this.sitting));
+    grid.position.set(0.5, this.isLeft ? -0.17 : 0.17, this.floorAt ?? this.stature * floorHeight(this.sitting));
     // Before all that leaves no depth.
     grid.renderOrder = -2;
     this.scene.add(grid);
@@ -201,10 +203,11 @@ export class Stage {
     if (view !== 'eyes') {
       const [from, to] = VIEWS[view];
       const side = ([x, y, z]: [number, number, number]): [number, number, number] => [x, this.isLeft ? -y : y, z];
-      if (!this.hand) return [side(from), side(to)];
-      const [x, y, z] = this.hand;
+      if (!this.near) return [side(from), side(to)];
+      const { at, radius } = this.near;
       const away = side([from[0] - to[0], from[1] - to[1], from[2] - to[2]]);
-      return [[x + CLOSE * away[0], y + CLOSE * away[1], z + CLOSE * away[2]], this.hand];
+      const [x, y, z] = away.map((far, axis) => at[axis] + CLOSE * radius * far);
+      return [[x, y, z], at];
     }
     return this.eye && [this.eye.position, this.eye.target];
   }

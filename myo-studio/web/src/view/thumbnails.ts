@@ -2,7 +2,7 @@ import type { Engine } from '../engine/engine';
 import type { PresetCard } from '../engine/protocol';
 import { Film } from './motion';
 import { Objects } from './objects';
-import { Person } from './person';
+import { type Figure, figureOf } from './person';
 import { Stage } from './stage';
 
 const [WIDTH, HEIGHT] = [440, 300];
@@ -26,7 +26,7 @@ export async function draw(
   const canvas = document.createElement('canvas');
   const stage = new Stage(canvas, dark);
   stage.resize(WIDTH, HEIGHT);
-  const people = new Map<string, Person>();
+  const people = new Map<string, Figure>();
   try {
     for (const preset of presets) {
       const [look, pose] = [await engine.ask('look', { text: preset.text }), await engine.pose({ text: preset.text })];
@@ -34,7 +34,7 @@ export async function draw(
       if (!look.view) continue;
       const { model, body, objects: views } = look.view;
       const whose = JSON.stringify([model, body]);
-      const person = people.get(whose) ?? new Person(await engine.ask('body', { model, body }), { dark });
+      const person = people.get(whose) ?? figureOf(await engine.ask('body', { model, body }), { dark });
       people.set(whose, person);
       person.pose(Film.of(pose).frame(0));
       stage.setPerson(person);

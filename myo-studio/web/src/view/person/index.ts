@@ -1,6 +1,7 @@
 // The person: a calm clay figure whose right arm is moved by the simulation and shows its muscles through its skin.
 // It brings no lights; it is tuned for one hemisphere light and one directional light (about 1.6 and 1.9 strong).
 import { type BufferGeometry, Group, Mesh, MeshLambertMaterial } from 'three';
+import { Bare } from './bare';
 import { Bones, BONE_TUBES } from './bones';
 import { bodyGeometry, handGeometry, headGeometry, palmGeometry, stoolGeometry } from './body';
 import { EYE, FIGURE } from './figure';
@@ -13,10 +14,14 @@ import { Shadow } from './shadow';
 import { Skin } from './skin';
 import { ringsPerMuscle } from './spindle';
 import { Tubes } from './tubes';
-import type { PersonPose, PersonShape, Theme } from './types';
+import type { Figure, Near, PersonPose, PersonShape, Theme } from './types';
 
-export type { PersonPose, PersonShape, Theme } from './types';
+export type { Figure, PersonPose, PersonShape, Theme } from './types';
 export { floorHeight } from './figure';
+
+/** A person around an arm, or what there is of another body. */
+export const figureOf = (shape: PersonShape, theme: Theme): Figure =>
+  shape.is_person ? new Person(shape, theme) : new Bare(shape, theme);
 
 /** from the wrist to the middle of a hand (m) */
 const HALF_HAND = 0.08;
@@ -24,13 +29,13 @@ const HALF_HAND = 0.08;
 /** how much larger the triangles of a rough body are */
 const ROUGH = 1.7;
 
-export class Person {
+class Person implements Figure {
   readonly group = new Group();
   /** how many times as tall as the figure as it is made */
   readonly size: number;
   readonly isLeft: boolean;
-  /** the middle of a hand that alone moves, at its first pose */
-  hand: [number, number, number] | undefined;
+  near: Near | undefined;
+  readonly floor = undefined;
 
   /** what does not move, as large as the person is */
   private readonly still = new Group();
@@ -109,17 +114,17 @@ export class Person {
     this.muscles.update(pose.muscles, this.limb, this.colors);
     this.tubes.moved();
     this.skin.update(this.limb);
-    if (this.shape.moves_hand_only) this.hand ??= this.middleOfHand();
+    if (this.shape.moves_hand_only) this.near ??= this.aroundHand();
     this.arm.visible = true;
   }
 
-  private middleOfHand(): [number, number, number] {
+  private aroundHand(): Near {
     const { wrist, hand } = this.limb;
     const [x, y, z] = wrist
       .clone()
       .addScaledVector(hand.distal, HALF_HAND * hand.scale)
       .toArray();
-    return [x, this.mirror ? -y : y, z];
+    return { at: [x, this.mirror ? -y : y, z], radius: 1.6 * HALF_HAND * hand.scale };
   }
 
   setTheme(theme: Theme): void {
@@ -145,7 +150,6 @@ export class Person {
     this.shadow.setSitting(on);
   }
 
-  /** With fewer triangles: for as long as it moves and has no graphics card. */
   setRough(on: boolean): void {
     if (this.isRough === on) return;
     this.isRough = on;

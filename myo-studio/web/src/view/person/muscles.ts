@@ -1,7 +1,6 @@
 // The muscles: spindles along the model's straight paths. A path is rounded, lifted off the bones and the chest, kept
 // under the skin, and given a belly that keeps its volume: it thickens as it shortens, and a little more as it works.
 import { Blob, field, gather, slope } from './field';
-import type { Limb } from './limb';
 import type { Palette } from './palette';
 import { type Spindle, type Where, limbTest, ringsPerMuscle, spindleOf } from './spindle';
 import type { Tubes } from './tubes';
@@ -25,6 +24,12 @@ const LANE = 0.9;
 const MEMORY = 2.5;
 /** clay farther from a muscle than this does not concern it */
 const AROUND = 0.04;
+
+/** What muscles lie on, and what covers them. */
+export interface Clay {
+  readonly core: readonly Blob[];
+  readonly skin: readonly Blob[];
+}
 
 export class Muscles {
   readonly bulges: Blob[];
@@ -54,8 +59,8 @@ export class Muscles {
     shape: PersonShape,
     private readonly tubes: Tubes,
     private readonly firstRing: number,
+    onLimb: (part: number) => Where = limbTest(shape),
   ) {
-    const onLimb = limbTest(shape);
     this.rings = ringsPerMuscle(shape.muscles.length);
     this.last = this.rings - 1;
     this.path = new Float64Array(this.rings * 3);
@@ -76,7 +81,7 @@ export class Muscles {
     return strongest.map((spindle) => (spindle.bulge = new Blob([0, 0, 0], [0, 0, 0], 0, 0, 0.03)));
   }
 
-  update(numbers: Float32Array, limb: Limb, colors: Palette): void {
+  update(numbers: Float32Array, limb: Clay, colors: Palette): void {
     if (!this.settled) this.settleLanes(numbers);
     for (let i = 0; i < this.spindles.length; i++) {
       const spindle = this.spindles[i]!;
@@ -165,7 +170,7 @@ export class Muscles {
     for (let p = 3; p < this.last * 3; p++) path[p] = 0.25 * path[p - 3]! + 0.5 * path[p]! + 0.25 * path[p + 3]!;
   }
 
-  private layTube(spindle: Spindle, first: number, radius: number, length: number, limb: Limb): void {
+  private layTube(spindle: Spindle, first: number, radius: number, length: number, limb: Clay): void {
     // Short muscles are patches: as wide as their force asks, but not thicker than their length allows.
     this.thin = Math.min(radius / spindle.flatness, 0.12 * spindle.length);
     this.broad = Math.min(radius * spindle.flatness, 0.19 * spindle.length);
@@ -204,7 +209,7 @@ export class Muscles {
   }
 
   /** A path lies within half its length of its middle. */
-  private gatherBlobs(limb: Limb, length: number): void {
+  private gatherBlobs(limb: Clay, length: number): void {
     const { path } = this;
     const x = 0.5 * (path[0]! + path[this.last * 3]!);
     const y = 0.5 * (path[1]! + path[this.last * 3 + 1]!);
@@ -256,6 +261,13 @@ export class Muscles {
     out[2]! += MEMORY * oz;
     const lean = out[0]! * along[0]! + out[1]! * along[1]! + out[2]! * along[2]!;
     for (let axis = 0; axis < 3; axis++) out[axis]! -= lean * along[axis]!;
+    // Where nothing is to lie on, any direction across will do.
+    if (out[0]! * out[0]! + out[1]! * out[1]! + out[2]! * out[2]! < 1e-12) {
+      const level = Math.abs(along[2]!) < 0.9;
+      out[0] = level ? -along[1]! : 0;
+      out[1] = level ? along[0]! : -along[2]!;
+      out[2] = level ? 0 : along[1]!;
+    }
     unit(out);
   }
 }

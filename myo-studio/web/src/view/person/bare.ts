@@ -1,0 +1,104 @@
+// A body of which nothing is known but its parts and its muscles, such as a pair of legs: its bones and muscles alone.
+import { Group, Mesh, MeshLambertMaterial, Vector3 } from 'three';
+import { BONE_RINGS, layBone, paintBones } from './bones';
+import { type Clay, Muscles } from './muscles';
+import { type Palette, palette } from './palette';
+import { ringsPerMuscle } from './spindle';
+import { Tubes } from './tubes';
+import type { Figure, Near, PersonPose, PersonShape, Theme } from './types';
+
+const PART = 7;
+/** how much thinner a bone is than long, and how thick it may be (m) */
+const SLENDER = 0.06;
+const THICKEST = 0.016;
+/** nothing is farther in than this of what the camera stands near to (m) */
+const SMALLEST = 0.05;
+/** from the lowest bone down to the floor (m): what is around a foot's joints */
+const SOLE = 0.03;
+
+const NOTHING: Clay = { core: [], skin: [] };
+
+export class Bare implements Figure {
+  readonly group = new Group();
+  readonly size = 1;
+  readonly isLeft: boolean;
+  near: Near | undefined;
+  floor: number | undefined;
+
+  private readonly painted = new MeshLambertMaterial({ vertexColors: true });
+  private readonly tubes: Tubes;
+  private readonly muscles: Muscles;
+  private colors: Palette;
+  private readonly from = new Vector3();
+  private readonly to = new Vector3();
+
+  constructor(
+    private readonly shape: PersonShape,
+    theme: Theme,
+  ) {
+    const { bones, muscles, is_left } = shape;
+    this.isLeft = is_left;
+    const bellies = Array<number>(muscles.length).fill(ringsPerMuscle(muscles.length));
+    this.tubes = new Tubes([...Array<number>(bones.length).fill(BONE_RINGS), ...bellies], bones.length);
+    this.muscles = new Muscles(shape, this.tubes, bones.length * BONE_RINGS, () => 'arm');
+    this.colors = palette(theme);
+    const all = new Mesh(this.tubes.geometry, this.painted);
+    all.frustumCulled = false;
+    this.group.add(all);
+    this.group.visible = false;
+    this.setTheme(theme);
+  }
+
+  pose({ parts, muscles }: PersonPose): void {
+    const { from, to } = this;
+    this.shape.bones.forEach(([a, b], bone) => {
+      from.fromArray(parts, a * PART);
+      to.fromArray(parts, b * PART);
+      const radius = Math.min(THICKEST, SLENDER * from.distanceTo(to));
+      layBone(this.tubes, bone * BONE_RINGS, from, to, radius);
+    });
+    this.muscles.update(muscles, NOTHING, this.colors);
+    this.tubes.moved();
+    this.near ??= this.around(parts);
+    this.group.visible = true;
+  }
+
+  /** The ball around its bones; the floor is under the lowest. */
+  private around(parts: Float32Array): Near {
+    const places = this.shape.bones.flat().map((part) => new Vector3().fromArray(parts, part * PART));
+    const middle = places.reduce((sum, place) => sum.add(place), new Vector3());
+    middle.divideScalar(Math.max(1, places.length));
+    const radius = Math.max(SMALLEST, ...places.map((place) => place.distanceTo(middle)));
+    this.floor = Math.min(...places.map(({ z }) => z), middle.z) - SOLE;
+    return { at: middle.toArray(), radius };
+  }
+
+  setTheme(theme: Theme): void {
+    this.colors = palette(theme);
+    paintBones(this.tubes, this.shape.bones.length, this.colors);
+    this.muscles.paint(this.colors);
+  }
+
+  setFirstPerson(): void {
+    // It has no eyes of its own.
+  }
+
+  setSitting(): void {
+    // It stands as it stands.
+  }
+
+  setRough(on: boolean): void {
+    this.tubes.setRough(on);
+  }
+
+  /** From behind and above. */
+  eye(): { position: [number, number, number]; forward: [number, number, number] } {
+    const { at, radius } = this.near ?? { at: [0, 0, 0], radius: 1 };
+    return { position: [at[0] - 2 * radius, at[1], at[2] + radius], forward: [0.9, 0, -0.44] };
+  }
+
+  dispose(): void {
+    this.painted.dispose();
+    this.tubes.geometry.dispose();
+  }
+}
