@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use myo_dynamics::{CouplingMode, Plan, PlanError};
-use myo_mjcf::{MjcfError, read_below};
-use myo_model::import::{ImportOptions, Unsupported, from_mjcf, unused};
+use myo_mjcf::{FileError, Folder, MeshError, Mjcf, MjcfError, read_below};
+use myo_model::description::Look;
+use myo_model::import::{ImportOptions, Unsupported, from_mjcf, looks, unused};
 use myo_model::{Model, ModelDescription, ModelError};
 use thiserror::Error;
 
@@ -13,7 +14,7 @@ use thiserror::Error;
 pub struct Imported {
     /// What a model file says of it.
     pub description: ModelDescription,
-    /// What of the file has no part in the simulation, such as `12 meshes`.
+    /// What of the file has no part in the simulation, such as `7 cameras`.
     pub passed_over: Vec<String>,
 }
 
@@ -68,6 +69,22 @@ fn more_than_told(all: &[Unsupported]) -> Option<String> {
     Some(format!("and {more} more like these"))
 }
 
+/// What is seen of bodies. Meshes that cannot be read are told; without them a body has no less part in the simulation.
+fn seen(mjcf: &Mjcf, root: &Path, passed_over: &mut Vec<String>) -> Vec<Look> {
+    let (looks, unread) = match Folder::new(root) {
+        Ok(folder) => looks(mjcf, &folder),
+        Err(why) => (vec![], vec![MeshError::File { file: root.display().to_string(), why }]),
+    };
+    if let Some(first) = unread.first() {
+        let hint = match first {
+            MeshError::File { why: FileError::Outside, .. } => " (`--root FOLDER`, `root=` in Python)",
+            _ => "",
+        };
+        passed_over.push(format!("meshes of {} geom(s), which cannot be read: {first}{hint}", unread.len()));
+    }
+    looks
+}
+
 /// Reads a body from a file of MuJoCo's, opens no file outside of `root`, or of the file's folder without it, and tries out what it is.
 ///
 /// # Errors
@@ -76,12 +93,13 @@ pub fn import_model(file: &Path, root: Option<&Path>, options: &ImportOptions) -
     let root = root.unwrap_or_else(|| file.parent().unwrap_or(Path::new("")));
     let here = if root.as_os_str().is_empty() { Path::new(".") } else { root };
     let mjcf = read_below(here, file)?;
-    let description = from_mjcf(&mjcf, options).map_err(|all| ImportError::Unsupported { all })?;
+    let mut description = from_mjcf(&mjcf, options).map_err(|all| ImportError::Unsupported { all })?;
+    let mut passed_over: Vec<String> = unused(&mjcf).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    description.looks = seen(&mjcf, here, &mut passed_over);
     let named = || file.to_owned();
     let model = Model::new(&description).map_err(|why| ImportError::Model { file: named(), why })?;
     Plan::exact(&model, CouplingMode::Reduced)
         .and_then(|plan| plan.try_out())
         .map_err(|why| ImportError::Plan { file: named(), why })?;
-    let passed_over = unused(&mjcf).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
     Ok(Imported { description, passed_over })
 }

@@ -61,6 +61,13 @@ impl Folder {
 
 impl Files for Folder {
     fn read(&self, path: &str, most_bytes: u64) -> Result<String, FileError> {
+        String::from_utf8(self.bytes(path, most_bytes)?).map_err(|_| FileError::NotUtf8)
+    }
+}
+
+impl Folder {
+    /// The bytes of a file, unless it has more than `most_bytes`.
+    pub(crate) fn bytes(&self, path: &str, most_bytes: u64) -> Result<Vec<u8>, FileError> {
         let full = self.root.join(join("", path).ok_or(FileError::Outside)?).canonicalize().map_err(file_error)?;
         if !full.starts_with(&self.root) {
             return Err(FileError::Outside);
@@ -75,7 +82,7 @@ impl Files for Folder {
         if bytes.len() as u64 > most_bytes {
             return Err(FileError::TooLarge { limit: most_bytes });
         }
-        String::from_utf8(bytes).map_err(|_| FileError::NotUtf8)
+        Ok(bytes)
     }
 }
 

@@ -32,7 +32,9 @@
 //! MuJoCo knows and this crate does not (plugins, flexible bodies and so on) is listed in [`Mjcf::refused`]. No file can
 //! exhaust the machine: see [`Limits`]. No file outside the folder of the model is opened: see [`Folder`].
 //!
-//! This crate knows no simulation, no contents of meshes and no inertia of shapes, and does not look up what elements
+//! [`Mesh::triangles`] opens the files of meshes.
+//!
+//! This crate knows no simulation and no inertia of shapes or meshes, and does not look up what elements
 //! refer to.
 mod attach;
 mod check;
@@ -44,6 +46,7 @@ mod files;
 mod include;
 mod leaves;
 mod limits;
+mod mesh;
 mod mjcf;
 mod names;
 mod nearest;
@@ -62,6 +65,7 @@ pub use elements::*;
 pub use error::MjcfError;
 pub use files::{FileError, Files, Folder};
 pub use limits::Limits;
+pub use mesh::{MeshError, Triangles};
 pub use mjcf::{Mjcf, Refused};
 pub use myo_nearest::Nearest;
 pub use place::{Kind, Place, Spot};

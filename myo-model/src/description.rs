@@ -68,6 +68,9 @@ pub struct ModelDescription {
     #[cfg_attr(feature = "files", serde(default))]
     #[cfg_attr(feature = "files", garde(dive))]
     pub muscles: Vec<Muscle>,
+    /// What is seen of bodies, where more is known than their bones.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub looks: Vec<Look>,
 }
 
 /// Solver options.
@@ -371,6 +374,27 @@ pub struct Geom {
     /// How soft contacts are; a pair takes the mean of both.
     #[cfg_attr(feature = "files", serde(default))]
     pub softness: Softness,
+}
+
+/// What is seen of a body: triangles that are fixed to it. It has no part in the simulation.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+pub struct Look {
+    /// The body it is fixed to.
+    pub body: String,
+    /// Position of its frame in the body frame (m).
+    #[cfg_attr(feature = "files", serde(default))]
+    pub pos: [f64; 3],
+    /// Orientation of its frame in the body frame (w, x, y, z).
+    #[cfg_attr(feature = "files", serde(default = "identity_quat"))]
+    pub quat: [f64; 4],
+    /// Unit of its points (m).
+    pub step: f64,
+    /// Its points in units of `step`: whole numbers of 16 bits, the lower byte first, three for each; in base 64.
+    pub points: String,
+    /// Its triangles: indices of three points each, of 16 bits without sign, the lower byte first, counter-clockwise as seen from outside; in base 64.
+    pub faces: String,
 }
 
 /// Two geoms that do not pass through each other. Margin, friction and softness of the geoms themselves do not count.

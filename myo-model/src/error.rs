@@ -81,6 +81,14 @@ pub enum ModelError {
     /// A body took the name of the fixed root.
     #[error("a body is named `world`, which is reserved for the fixed root; choose another name")]
     ReservedName,
+    /// What is seen of a body is not there.
+    #[error("{element}: points and triangles cannot be read: {what}")]
+    BadLook {
+        /// The element.
+        element: Element,
+        /// What is wrong.
+        what: String,
+    },
     /// Two elements of one kind share a name.
     #[error("{element} is declared twice; names of one kind must differ")]
     DuplicateName {
@@ -326,6 +334,8 @@ pub enum ElementKind {
     Wrap,
     /// A muscle.
     Muscle,
+    /// What is seen of a body, by its number.
+    Look,
 }
 
 impl fmt::Display for ElementKind {
@@ -343,6 +353,7 @@ impl fmt::Display for ElementKind {
             Self::Contact => "contact",
             Self::Wrap => "wrap",
             Self::Muscle => "muscle",
+            Self::Look => "look",
         })
     }
 }

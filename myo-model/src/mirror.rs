@@ -30,6 +30,8 @@ impl ModelDescription {
             wrap.pos = point(wrap.pos);
             wrap.quat = turn(wrap.quat);
         }
+        // What is seen is seen in the mirror, too; a surface that is inside out is none.
+        self.looks.clear();
         self.options.gravity = point(self.options.gravity);
         self
     }

@@ -3,6 +3,7 @@
 use crate::description::{JointKind, Options, Shape, Softness, TendonLimit, WrapShape};
 use myo_muscle::MuscleParameters;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
 
 /// Index of the fixed root in [`Model::bodies`].
 pub const WORLD: usize = 0;
@@ -34,6 +35,8 @@ pub struct Model {
     pub wraps: Vec<Wrap>,
     /// Muscles.
     pub muscles: Vec<Muscle>,
+    /// What is seen of bodies, in their order.
+    pub looks: Vec<Look>,
     /// Index of the site that points and presses.
     pub fingertip_site: usize,
     /// Names of other fingers and indices of their sites, in alphabetical order.
@@ -147,6 +150,23 @@ pub struct Site {
     pub body: usize,
     /// Position in the body frame (m).
     pub pos: Vector3<f64>,
+}
+
+/// What is seen of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Index of the body.
+    pub body: usize,
+    /// Position of its frame in the body frame (m).
+    pub pos: Vector3<f64>,
+    /// Orientation of its frame in the body frame.
+    pub quat: UnitQuaternion<f64>,
+    /// Unit of its points (m).
+    pub step: f64,
+    /// Its points, as [`description::Look`](crate::description::Look) has them.
+    pub points: Arc<str>,
+    /// Its triangles, the same.
+    pub faces: Arc<str>,
 }
 
 /// A collision shape fixed to a body.

@@ -117,6 +117,11 @@ impl ModelDescription {
             site.pos = scales.point(site.pos, &site.body);
         }
         self.geoms.iter_mut().for_each(|geom| scales.geom(geom));
+        for look in &mut self.looks {
+            let length = scales.of(&look.body).length;
+            look.pos = look.pos.map(|x| x * length);
+            look.step *= length;
+        }
         self.wraps.iter_mut().for_each(|wrap| scales.wrap(wrap));
         let after = lengths(&Model::new(&self)?);
         for (muscle, (before, after)) in self.muscles.iter_mut().zip(before.into_iter().zip(after)) {

@@ -1,7 +1,7 @@
 //! What a person is told when a model is wrong.
 
 use myo_model::description::{
-    Contact, Joint, JointKind, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape,
+    Contact, Joint, JointKind, Look, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape,
 };
 use myo_model::{Model, ModelDescription, builtin};
 
@@ -304,6 +304,31 @@ fn friction_is_some_or_none() {
     };
     check_friction(-0.1, "-0.1");
     check_friction(1e-6, "0.000001");
+}
+
+#[test]
+fn what_is_seen_must_be_whole() {
+    // Four points, and a triangle of the first three.
+    let look = |points: &str, faces: &str, step: f64| Look {
+        body: "humerus".into(),
+        pos: [0.0; 3],
+        quat: [1.0, 0.0, 0.0, 0.0],
+        step,
+        points: points.into(),
+        faces: faces.into(),
+    };
+    let [points, faces] = ["A".repeat(32), "AAABAAIA".to_owned()];
+    let mut arm = builtin("mobl-arms").unwrap();
+    arm.looks.push(look(&points, &faces, 1e-5));
+    assert_eq!(Model::new(&arm).unwrap().looks.len(), 1);
+    let check_look = |look: Look, what: &str| {
+        check(|arm| arm.looks.push(look), &format!("look `1 of humerus`: {what}"));
+    };
+    let unread = "points and triangles cannot be read:";
+    check_look(look("A?AA", &faces, 1e-5), &format!("{unread} Invalid symbol 63, offset 1."));
+    check_look(look("AAAA", &faces, 1e-5), &format!("{unread} each point and each triangle takes six bytes"));
+    check_look(look(&points, "AAABAAQA", 1e-5), &format!("{unread} a triangle has a point that is not there"));
+    check_look(look(&points, &faces, 0.0), "`step` is 0 m; it must be above 0 m");
 }
 
 #[test]

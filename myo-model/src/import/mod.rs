@@ -1,12 +1,13 @@
 //! MJCF in: what is read of MuJoCo's files becomes a description, or is refused by name.
 //!
 //! What this crate cannot simulate as MuJoCo does is never left out: all of it is listed, with its place. What has no part in
-//! the simulation (cameras, lights, materials, meshes that are only seen, sensors, stored states) is counted, see [`unused`].
+//! the simulation (cameras, lights, materials, sensors, stored states) is counted, see [`unused`]; what is seen of bodies comes with [`looks()`].
 
 mod apart;
 mod contacts;
 mod joints;
 mod lock;
+mod looks;
 mod mass;
 mod muscles;
 mod ranges;
@@ -17,6 +18,8 @@ use crate::compile::FORMAT_VERSION;
 use crate::description::{Body, Geom, Landmarks, Shape, SideRule, Site, Softness};
 use myo_mjcf::{Mjcf, Place};
 use std::fmt;
+
+pub use looks::looks;
 
 /// What MJCF does not say, or what is to be left out of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +93,7 @@ pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescriptio
         contacts,
         wraps: import.wraps(),
         muscles: import.muscles(),
+        looks: vec![],
         landmarks,
     };
     if import.unsupported.is_empty() { Ok(description) } else { Err(import.unsupported) }
@@ -100,7 +104,6 @@ pub fn unused(mjcf: &Mjcf) -> Vec<(&'static str, usize)> {
     let all = [
         ("cameras", mjcf.cameras().count()),
         ("lights", mjcf.lights().count()),
-        ("meshes", mjcf.meshes.len()),
         ("textures", mjcf.textures.len()),
         ("materials", mjcf.materials.len()),
         ("sensors", mjcf.sensors.len()),

@@ -4,7 +4,7 @@ use myo_dynamics::spatial::Rotation;
 use myo_env::{Digit, EnvError, Role, Skeleton, SkeletonPose, Snapshot};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
-use crate::protocol::{BodyPart, BodyShape, DigitShape, MotionLayout, MuscleShape};
+use crate::protocol::{BodyPart, BodyShape, DigitShape, LookShape, MotionLayout, MuscleShape};
 
 /// What of the body of a skeleton stays the same.
 pub fn shape(skeleton: &Skeleton) -> BodyShape {
@@ -23,11 +23,23 @@ pub fn shape(skeleton: &Skeleton) -> BodyShape {
         digits: skeleton.digits().iter().map(digit).collect(),
         muscles: model.muscles.iter().enumerate().map(muscle).collect(),
         is_left: model.has_left_arm(),
+        looks: model.looks.iter().map(look).collect(),
         is_person: skeleton.is_person(),
         bones: skeleton.bones(),
         moves_hand_only: skeleton.moves_hand_only(),
         stature_m: model.stature_m,
         joints: skeleton.joint_names().map(str::to_owned).collect(),
+    }
+}
+
+fn look(look: &myo_model::model::Look) -> LookShape {
+    LookShape {
+        part: look.body,
+        pos: look.pos.into(),
+        quat: look.quat.coords.into(),
+        step: look.step,
+        points: look.points.to_string(),
+        faces: look.faces.to_string(),
     }
 }
 

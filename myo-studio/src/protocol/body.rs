@@ -18,6 +18,8 @@ pub struct BodyShape {
     pub muscles: Vec<MuscleShape>,
     /// Whether it is a left arm.
     pub is_left: bool,
+    /// What is seen of parts, where more is known than their bones.
+    pub looks: Vec<LookShape>,
     /// Whether it is the arm of a person who faces along x, who is drawn around it; of any other body its bones are.
     pub is_person: bool,
     /// Bones: of each the parts at both ends.
@@ -28,6 +30,24 @@ pub struct BodyShape {
     pub stature_m: Option<f64>,
     /// Names of the independent joints, in the order of [`MotionLayout::joints`].
     pub joints: Vec<String>,
+}
+
+/// Triangles fixed to a part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct LookShape {
+    /// Index of the part.
+    pub part: usize,
+    /// Position of their frame in that of the part (m).
+    pub pos: [f64; 3],
+    /// Its orientation there, `x y z w`.
+    pub quat: [f64; 4],
+    /// Unit of the points (m).
+    pub step: f64,
+    /// Points in that unit: whole numbers of 16 bits, the lower byte first, in base 64.
+    pub points: String,
+    /// Indices of the points of triangles, of 16 bits without sign, in base 64.
+    pub faces: String,
 }
 
 /// A finger or thumb.

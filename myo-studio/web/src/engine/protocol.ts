@@ -295,6 +295,35 @@ on: Array<number>,
 peak_force_n: number | null, };
 
 /**
+ * Triangles fixed to a part.
+ */
+export type LookShape = { 
+/**
+ * Index of the part.
+ */
+part: number, 
+/**
+ * Position of their frame in that of the part (m).
+ */
+pos: [number, number, number], 
+/**
+ * Its orientation there, `x y z w`.
+ */
+quat: [number, number, number, number], 
+/**
+ * Unit of the points (m).
+ */
+step: number, 
+/**
+ * Points in that unit: whole numbers of 16 bits, the lower byte first, in base 64.
+ */
+points: string, 
+/**
+ * Indices of the points of triangles, of 16 bits without sign, in base 64.
+ */
+faces: string, };
+
+/**
  * A finger or thumb.
  */
 export type DigitShape = { 
@@ -335,6 +364,10 @@ muscles: Array<MuscleShape>,
  * Whether it is a left arm.
  */
 is_left: boolean, 
+/**
+ * What is seen of parts, where more is known than their bones.
+ */
+looks: Array<LookShape>, 
 /**
  * Whether it is the arm of a person who faces along x, who is drawn around it; of any other body its bones are.
  */

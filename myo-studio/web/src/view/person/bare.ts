@@ -1,6 +1,8 @@
-// A body of which nothing is known but its parts and its muscles, such as a pair of legs: its bones and muscles alone.
+// A body of which nothing is known but its parts and its muscles, such as a pair of legs: its bones and muscles alone, bones as they look
+// where its model tells.
 import { Group, Mesh, MeshLambertMaterial, Vector3 } from 'three';
 import { BONE_RINGS, layBone, paintBones } from './bones';
+import { Looks } from './looks';
 import { type Clay, Muscles } from './muscles';
 import { type Palette, palette } from './palette';
 import { ringsPerMuscle } from './spindle';
@@ -28,6 +30,7 @@ export class Bare implements Figure {
   private readonly painted = new MeshLambertMaterial({ vertexColors: true });
   private readonly tubes: Tubes;
   private readonly muscles: Muscles;
+  private readonly looks: Looks;
   private colors: Palette;
   private readonly from = new Vector3();
   private readonly to = new Vector3();
@@ -36,7 +39,7 @@ export class Bare implements Figure {
     private readonly shape: PersonShape,
     theme: Theme,
   ) {
-    const { bones, muscles, is_left } = shape;
+    const { bones, looks, muscles, is_left } = shape;
     this.isLeft = is_left;
     const bellies = Array<number>(muscles.length).fill(ringsPerMuscle(muscles.length));
     this.tubes = new Tubes([...Array<number>(bones.length).fill(BONE_RINGS), ...bellies], bones.length);
@@ -44,14 +47,18 @@ export class Bare implements Figure {
     this.colors = palette(theme);
     const all = new Mesh(this.tubes.geometry, this.painted);
     all.frustumCulled = false;
-    this.group.add(all);
+    this.looks = new Looks(looks);
+    this.group.add(all, this.looks.group);
     this.group.visible = false;
     this.setTheme(theme);
   }
 
   pose({ parts, muscles }: PersonPose): void {
     const { from, to } = this;
-    this.shape.bones.forEach(([a, b], bone) => {
+    this.looks.update(parts);
+    // Where it is known how bones look, sticks are not drawn.
+    const sticks = this.shape.looks.length ? [] : this.shape.bones;
+    sticks.forEach(([a, b], bone) => {
       from.fromArray(parts, a * PART);
       to.fromArray(parts, b * PART);
       const radius = Math.min(THICKEST, SLENDER * from.distanceTo(to));
@@ -77,6 +84,7 @@ export class Bare implements Figure {
     this.colors = palette(theme);
     paintBones(this.tubes, this.shape.bones.length, this.colors);
     this.muscles.paint(this.colors);
+    this.looks.paint(this.colors);
   }
 
   setFirstPerson(): void {
@@ -100,5 +108,6 @@ export class Bare implements Figure {
   dispose(): void {
     this.painted.dispose();
     this.tubes.geometry.dispose();
+    this.looks.dispose();
   }
 }

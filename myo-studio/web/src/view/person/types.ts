@@ -5,7 +5,16 @@ import type { BodyShape } from '../../engine/protocol';
 
 export type PersonShape = Pick<
   BodyShape,
-  'parts' | 'limb' | 'bones' | 'is_person' | 'digits' | 'muscles' | 'is_left' | 'stature_m' | 'moves_hand_only'
+  | 'parts'
+  | 'limb'
+  | 'bones'
+  | 'looks'
+  | 'is_person'
+  | 'digits'
+  | 'muscles'
+  | 'is_left'
+  | 'stature_m'
+  | 'moves_hand_only'
 >;
 
 /** What is drawn of a body. */
