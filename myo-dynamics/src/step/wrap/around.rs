@@ -5,7 +5,7 @@
 
 use super::flat::{Bend, Ends, Flat, TINY};
 use myo_model::description::SideRule;
-use myo_scalar::{Mask, Scalar, atan2};
+use myo_scalar::{Mask, Scalar, Stage, atan2};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_8, TAU};
 
 /// How much (relative, in units of the precision) the square of a distance may be below that of the radius and still count
@@ -30,13 +30,13 @@ pub(super) fn around<S: Scalar>(
     let Told { is_long, winds, bends } = match (side, rule) {
         (None, _) => Told { is_long: S::Mask::splat(false), winds: None, bends: ends.is_cut },
         (Some(side), SideRule::Mujoco4) => by_winding(&ends, side, short),
-        (Some(side), SideRule::Mujoco3) => by_half_plane(&ends, side, short, radius),
+        (Some(side), SideRule::Mujoco3) => S::outline(ByHalfPlane { ends: &ends, side, short, radius }),
     };
     let turn = S::select(is_long, -short, short);
     let [before, after] = ends.tangents;
     let (first, second) = feet(&ends, radius, turn);
     let seam = seam(is_long, (before + after).lt(radius));
-    let seam = winds.map_or(seam, |winds| S::select(winds, S::zero(), seam));
+    let seam = if let Some(winds) = winds { S::select(winds, S::zero(), seam) } else { seam };
     let arc = arc(seam, turn * first.cross(second), first.dot(second));
     Bend {
         bends: bends & is_outside(&ends, radius),
@@ -62,6 +62,23 @@ fn by_winding<S: Scalar>(ends: &Ends<S>, side: Flat<S>, short: S) -> Told<S::Mas
     // That line never crosses the ray opposite the side. If this ray is on the shorter way, the line takes the longer one.
     let is_long = S::zero().lt(short * side.cross(ends.from)) & S::zero().lt(short * ends.to.cross(side));
     Told { is_long, winds: None, bends: ends.is_cut | is_long }
+}
+
+/// The rule before 4.0, as a stage: who goes by the other must not pay for the size of this one.
+struct ByHalfPlane<'a, S: Scalar> {
+    ends: &'a Ends<S>,
+    side: Flat<S>,
+    short: S,
+    radius: S,
+}
+
+impl<S: Scalar> Stage<S> for ByHalfPlane<'_, S> {
+    const NAME: &'static str = "way by a half-plane";
+    type Output = Told<S::Mask>;
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        by_half_plane(self.ends, self.side, self.short, self.radius)
+    }
 }
 
 /// As in MuJoCo before 4.0: it bends where the straight line cuts the circle, and also where it comes nearest on the half-plane away from
@@ -101,8 +118,9 @@ fn do_cross<S: Scalar>(ends: &Ends<S>, (first, second): (Flat<S>, Flat<S>), radi
     let determinant = before.cross(after);
     let size = determinant.abs();
     let sign = S::select(determinant.lt(S::zero()), S::lit(-1.0), S::lit(1.0));
-    let is_on = |share: S| S::zero().le(share) & share.le(size);
-    S::lit(NOTHING).le(size) & is_on(sign * after.cross(between)) & is_on(sign * before.cross(between))
+    let [a, b] = [sign * after.cross(between), sign * before.cross(between)];
+    let is_on_both = S::zero().le(a) & a.le(size) & S::zero().le(b) & b.le(size);
+    S::lit(NOTHING).le(size) & is_on_both
 }
 
 /// Where no end is inside.

@@ -180,19 +180,50 @@ fn bent<S: Scalar>(
         OnSide::Inside => (None, Some(S::Mask::splat(true))),
         OnSide::Either(side, is_inside) => (Some(Some(side)), Some(is_inside)),
     };
-    // One call each: called from several places, the loop in `touching` would not be inlined.
-    let past = past.map(|side| {
-        let side = side.map(|side| in_plane(shape, &plane, side));
-        around(side, rule, from, to, radius)
-    });
-    let through = through.map(|is_inside| (is_inside, touching(from, to, radius)));
-    let bend = match (past, through) {
-        (Some(past), Some((is_inside, through))) => Bend::select(is_inside, &through, &past),
-        (Some(past), None) => past,
-        (None, Some((_, through))) => through,
-        (None, None) => Bend::straight(),
-    };
-    (plane, bend)
+    (plane, Around { shape, rule, radius, plane, past, through, ends: [from, to] }.bend())
+}
+
+/// What is to be got past, and how that may be.
+struct Around<S: Scalar> {
+    shape: RoundShape,
+    rule: SideRule,
+    radius: S,
+    plane: Plane<S>,
+    /// Around it, on the side of a point.
+    past: Option<Option<Vec3<S>>>,
+    /// Through it, where the mask is true.
+    through: Option<S::Mask>,
+    ends: [Flat<S>; 2],
+}
+
+impl<S: Scalar> Around<S> {
+    // No closures: one that is not inlined would be compiled without its level's instructions. One call each: called from several places, the
+    // loop in `touching` would not be inlined.
+    #[expect(clippy::manual_map, reason = "see above")]
+    #[inline(always)]
+    fn bend(self) -> Bend<S> {
+        let Self { shape, rule, radius, plane, past, through, ends: [from, to] } = self;
+        let past = match past {
+            Some(side) => {
+                let side = match side {
+                    Some(side) => Some(in_plane(shape, &plane, side)),
+                    None => None,
+                };
+                Some(around(side, rule, from, to, radius))
+            }
+            None => None,
+        };
+        let through = match through {
+            Some(is_inside) => Some((is_inside, touching(from, to, radius))),
+            None => None,
+        };
+        match (past, through) {
+            (Some(past), Some((is_inside, through))) => Bend::select(is_inside, &through, &past),
+            (Some(past), None) => past,
+            (None, Some((_, through))) => through,
+            (None, None) => Bend::straight(),
+        }
+    }
 }
 
 #[inline(always)]

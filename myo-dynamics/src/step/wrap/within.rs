@@ -6,7 +6,7 @@
 //! from the left.
 
 use super::flat::{Bend, Ends, Flat, TINY};
-use myo_scalar::{Carried, Scalar, Visitor, atan2};
+use myo_scalar::{Carried, Scalar, Stage, Visitor, atan2};
 use std::f64::consts::FRAC_PI_2;
 
 /// Most rounds. The slope halves with each until psi is near; ends within a millionth of the circle take 15.
@@ -95,11 +95,29 @@ fn guess<S: Scalar>(ends: [End<S>; 2], between: Turn<S>) -> S {
 /// The angle psi (rad) where it is looked for.
 #[inline(always)]
 fn psi<S: Scalar>(wanted: S::Mask, ends: [End<S>; 2], between: Turn<S>) -> S {
-    let [units, least] = [LEFT_OVER.0, LEFT_OVER.1];
-    let left_over = S::lit((units * S::EPSILON).max(least));
     // Where the straight line cuts the circle there is no such angle, and no end of rounds.
     let mut search = Search { psi: guess(ends, between), goes_on: wanted };
     S::repeat_while(MOST_ROUNDS, &mut search, |search| {
+        S::outline(Nearer { ends, between, search });
+        search.goes_on
+    });
+    search.psi
+}
+
+/// A round of the search. A stage, since a closure that is not inlined would be compiled without its level's instructions.
+struct Nearer<'a, S: Scalar> {
+    ends: [End<S>; 2],
+    between: Turn<S>,
+    search: &'a mut Search<S>,
+}
+
+impl<S: Scalar> Stage<S> for Nearer<'_, S> {
+    const NAME: &'static str = "way through a circle";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { ends, between, search } = self;
+        let left_over = S::lit((LEFT_OVER.0 * S::EPSILON).max(LEFT_OVER.1));
         let (sin, cos) = search.psi.sin_cos();
         let (first, slope_first) = ends[0].turn(Turn { cos, sin });
         let (second, slope_second) = ends[1].turn(Turn { cos, sin });
@@ -112,9 +130,7 @@ fn psi<S: Scalar>(wanted: S::Mask, ends: [End<S>; 2], between: Turn<S>) -> S {
         // A lane that has arrived must stay what it is, whatever the others do.
         search.goes_on = search.goes_on & left_over.lt(error.abs());
         search.psi = S::select(search.goes_on, next, search.psi);
-        search.goes_on
-    });
-    search.psi
+    }
 }
 
 /// The path that touches the circle, where the straight line does not cut it and no end is inside.
