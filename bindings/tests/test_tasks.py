@@ -75,6 +75,11 @@ def test_a_model_of_mujoco_is_imported(tmp_path):
     path.write_text(text.replace("<worldbody>", '<worldbody><camera name="aside"/>', 1))
     with pytest.warns(UserWarning, match="passed over, as they have no part in the simulation: 1 cameras"):
         myoenv.import_model(str(path), **names)
+    path.write_text(text)
+    assert "side_rule" not in model.to_yaml()
+    assert "side_rule: mujoco3" in myoenv.import_model(path, **names, side_rule="mujoco3").to_yaml()
+    with pytest.raises(ValueError, match="no rule of sides is `mujoco2`; there are `mujoco4` and `mujoco3`"):
+        myoenv.import_model(path, **names, side_rule="mujoco2")
 
 
 def test_what_is_no_model_of_mujoco_is_refused(tmp_path):

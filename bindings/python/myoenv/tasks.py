@@ -89,8 +89,8 @@ def import_model(
 ) -> Model:
     """A model of a file of MuJoCo's (MJCF), as `myo model import` makes it.
 
-    What cannot be simulated is refused with its name and place; a warning tells what is passed over, as it is only seen
-    or sensed.
+    What cannot be simulated is refused with its name and place; a warning tells what is passed over, as it has no part
+    in the simulation. Meshes that are seen come along, coarser.
 
     >>> arm = import_model("myoarm_r.xml", fingertip="IFtip_r", shoulder="humerus_r")  # doctest: +SKIP
     >>> env = myoenv.make_vec("pointing", 64, model=arm)  # doctest: +SKIP
@@ -99,12 +99,14 @@ def import_model(
         file: The file. Others that it includes are found from it.
         fingertip: Site that points and presses.
         shoulder: Body whose origin is the centre of the shoulder, from which places are measured.
-        elbow: Body whose origin is the elbow, for rays from the forearm.
+        elbow: Body whose origin is the elbow, for rays from the forearm; with the wrist, a person is drawn around the
+            arm, who faces along x.
         wrist: Body whose origin is the wrist, for rays.
         fingers: Sites of other fingers by the names that tasks have for them, such as `{"thumb": "THtip_r"}`; at most
             four.
         without_contacts: Whether parts of the body pass through each other.
-        side_rule: How side sites tell ways around wraps: as MuJoCo since 4.0, or as before, for what was made with that.
+        side_rule: How side sites tell ways around wraps: as MuJoCo since 4.0, or as before, for what was made
+            with that.
         lock: Joints that stand still as in the pose of the file, with those that follow them.
         root: Folder outside of which no file is opened; by default that of the file.
     """

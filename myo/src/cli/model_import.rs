@@ -24,7 +24,7 @@ pub struct Import {
     /// Body whose origin is the centre of the shoulder, from which places are measured
     #[arg(long, value_name = "BODY")]
     shoulder: String,
-    /// Body whose origin is the elbow, for rays from the forearm
+    /// Body whose origin is the elbow, for rays from the forearm; with the wrist, a person is drawn around the arm, who faces along x
     #[arg(long, value_name = "BODY")]
     elbow: Option<String>,
     /// Body whose origin is the wrist, for rays
@@ -57,7 +57,7 @@ Example:
 
 Joints of all kinds, couplings of joints, tendons over sites, spheres and cylinders, muscles, and contacts of spheres, capsules and ellipsoids with each
 other, planes and cylinders are simulated as MuJoCo 4.0 does. All else that has a part in the simulation (contacts of other shapes, springs of
-tendons, motors and so on) is refused by name, file and line; what is only seen or sensed, and what can never touch, is passed over. Includes, classes, frames, copies and attached models are resolved.";
+tendons, motors and so on) is refused by name, file and line; what is only sensed, and what can never touch, is passed over. Meshes that are seen come along, coarser. Includes, classes, frames, copies and attached models are resolved.";
 
 impl Import {
     /// Runs `myo model import`.
