@@ -274,27 +274,6 @@ parent: number,
 mass_kg: number, };
 
 /**
- * A muscle.
- */
-export type MuscleShape = { 
-/**
- * Name.
- */
-name: string, 
-/**
- * Number of points of its path, from origin to insertion.
- */
-points: number, 
-/**
- * Index of the part that each point is fixed to.
- */
-on: Array<number>, 
-/**
- * Force of the muscle at full activation and its best length (N), where the model states it.
- */
-peak_force_n: number | null, };
-
-/**
  * Triangles fixed to a part.
  */
 export type LookShape = { 
@@ -335,6 +314,27 @@ parts: Array<number>,
  * Its tip, as seen in the last of them (m).
  */
 tip: [number, number, number], };
+
+/**
+ * A muscle.
+ */
+export type MuscleShape = { 
+/**
+ * Name.
+ */
+name: string, 
+/**
+ * Number of points of its path, from origin to insertion.
+ */
+points: number, 
+/**
+ * Index of the part that each point is fixed to.
+ */
+on: Array<number>, 
+/**
+ * Force of the muscle at full activation and its best length (N), where the model states it.
+ */
+peak_force_n: number | null, };
 
 /**
  * What of a body stays the same whatever it does.
