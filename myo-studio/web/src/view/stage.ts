@@ -35,7 +35,7 @@ const VIEWS: Record<Exclude<View, 'eyes'>, [[number, number, number], [number, n
 };
 
 /** How far the camera stands from what it is near to, in its radii, as a share of how far it stands from a person. */
-const CLOSE = 2.8;
+const CLOSE = 1.9;
 
 /** Where the user's eyes are, and what they look at (m). */
 export interface Eye {

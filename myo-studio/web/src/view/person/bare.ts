@@ -1,6 +1,6 @@
 // A body of which nothing is known but its parts and its muscles, such as a pair of legs: its bones and muscles alone, bones as they look
 // where its model tells.
-import { Group, Mesh, MeshLambertMaterial, Vector3 } from 'three';
+import { Box3, Group, Mesh, MeshLambertMaterial, Sphere, Vector3 } from 'three';
 import { BONE_RINGS, layBone, paintBones } from './bones';
 import { Looks } from './looks';
 import { type Clay, Muscles } from './muscles';
@@ -66,18 +66,22 @@ export class Bare implements Figure {
     });
     this.muscles.update(muscles, NOTHING, this.colors);
     this.tubes.moved();
-    this.near ??= this.around(parts);
+    this.near ??= this.around(parts, muscles);
     this.group.visible = true;
   }
 
-  /** The ball around its bones; the floor is under the lowest. */
-  private around(parts: Float32Array): Near {
+  /** The ball around its bones and muscles; the floor is under the lowest. */
+  private around(parts: Float32Array, muscles: Float32Array): Near {
     const places = this.shape.bones.flat().map((part) => new Vector3().fromArray(parts, part * PART));
-    const middle = places.reduce((sum, place) => sum.add(place), new Vector3());
-    middle.divideScalar(Math.max(1, places.length));
-    const radius = Math.max(SMALLEST, ...places.map((place) => place.distanceTo(middle)));
-    this.floor = Math.min(...places.map(({ z }) => z), middle.z) - SOLE;
-    return { at: middle.toArray(), radius };
+    let at = 0;
+    for (const { points } of this.shape.muscles) {
+      for (let point = 0; point < points; point += 1) places.push(new Vector3().fromArray(muscles, at + 3 * point));
+      at += 3 * points + 1;
+    }
+    const box = new Box3().setFromPoints(places);
+    const ball = box.isEmpty() ? new Sphere(new Vector3(), 0) : box.getBoundingSphere(new Sphere());
+    this.floor = (box.isEmpty() ? 0 : box.min.z) - SOLE;
+    return { at: ball.center.toArray(), radius: Math.max(SMALLEST, ball.radius) };
   }
 
   setTheme(theme: Theme): void {

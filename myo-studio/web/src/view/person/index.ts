@@ -124,7 +124,7 @@ class Person implements Figure {
       .clone()
       .addScaledVector(hand.distal, HALF_HAND * hand.scale)
       .toArray();
-    return { at: [x, this.mirror ? -y : y, z], radius: 1.6 * HALF_HAND * hand.scale };
+    return { at: [x, this.mirror ? -y : y, z], radius: 2.35 * HALF_HAND * hand.scale };
   }
 
   setTheme(theme: Theme): void {
