@@ -48,7 +48,12 @@ fn moving(model: &Model, hand: usize, tip: usize) -> Option<Vec<usize>> {
 }
 
 fn digit(model: &Model, bodies: Vec<usize>) -> Digit {
-    let last = bodies[bodies.len() - 1];
+    let tip = tip(model, bodies[bodies.len() - 1]);
+    Digit { bodies, tip }
+}
+
+/// Where a body ends that carries no other, as seen in it: at the tip of a finger, else where its farthest site is.
+pub(crate) fn tip(model: &Model, last: usize) -> [f64; 3] {
     let is_here = |&site: &usize| model.sites[site].body == last;
     let named = model.fingers.iter().map(|&(_, site)| site).chain([model.fingertip_site]).find(is_here);
     let place = |site: usize| model.sites[site].pos;
@@ -56,5 +61,5 @@ fn digit(model: &Model, bodies: Vec<usize>) -> Digit {
     let farthest = || (0..model.sites.len()).filter(is_here).max_by(length);
     let bone = &model.bodies[last];
     let on = bone.quat.inverse_transform_vector(&bone.pos) * LAST_BONE;
-    Digit { bodies, tip: named.or_else(farthest).map_or(on, place).into() }
+    named.or_else(farthest).map_or(on, place).into()
 }

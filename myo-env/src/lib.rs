@@ -69,7 +69,7 @@ pub use precision::{Job, Precision};
 pub use reseed::reseed;
 pub use rules::{Ball, Moment, RULES_COLUMNS, Rules, Verdict};
 pub use single::{Env, Step};
-pub use skeleton::{MusclePose, ObjectPose, Role, Skeleton, SkeletonPose};
+pub use skeleton::{Bone, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose};
 pub use snapshot::Snapshot;
 pub use tables::Tables;
 pub use trace::{TraceSample, TraceShape};

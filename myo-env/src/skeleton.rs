@@ -1,7 +1,7 @@
 //! From the state of one environment to poses: where bodies, muscles, fingertip and objects are.
 
 use crate::config::BuildError;
-use crate::digits::{Digit, digits};
+use crate::digits::{Digit, digits, tip};
 use crate::snapshot::Snapshot;
 use crate::vector::EnvError;
 use myo_dynamics::spatial::{Frame, Rotation, Vec3};
@@ -72,6 +72,15 @@ pub struct SkeletonPose {
     pub step: Option<usize>,
     /// Index of the object that it asks for; none once all steps are done, and before one of several lights up.
     pub current: Option<usize>,
+}
+
+/// A bone as it can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bone {
+    /// Bodies that its ends are fixed to.
+    pub bodies: [usize; 2],
+    /// Its ends, as seen in these (m).
+    pub ends: [[f64; 3]; 2],
 }
 
 /// A muscle at one moment.
@@ -179,8 +188,8 @@ impl Skeleton {
         self.model.stature_m.is_some() || (self.model.elbow_body.is_some() && self.model.wrist_body.is_some())
     }
 
-    /// Its bones as they can be drawn: of each body that carries mass, the one that it hangs on and itself.
-    pub fn bones(&self) -> Vec<[usize; 2]> {
+    /// Its bones as they can be drawn: from joint to joint of bodies that carry mass, and on to where the last of them end.
+    pub fn bones(&self) -> Vec<Bone> {
         let bodies = &self.model.bodies;
         let mut carried: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
         for body in (1..bodies.len()).rev() {
@@ -188,8 +197,24 @@ impl Skeleton {
             carried[bodies[body].parent] += below;
         }
         let is_of_finger = |body: usize| self.digits.iter().any(|digit| digit.bodies.contains(&body));
-        let is_bone = |&body: &usize| bodies[body].parent != WORLD && (carried[body] > MARKER || is_of_finger(body));
-        (1..bodies.len()).filter(is_bone).map(|body| [bodies[body].parent, body]).collect()
+        let is_drawn = |&body: &usize| carried[body] > MARKER || is_of_finger(body);
+        let drawn: Vec<usize> = (1..bodies.len()).filter(is_drawn).collect();
+        let hung = drawn.iter().filter(|&&body| bodies[body].parent != WORLD).map(|&body| {
+            let parent = bodies[body].parent;
+            Bone { bodies: [parent, body], ends: [self.joint(parent), self.joint(body)] }
+        });
+        let is_last = |&&body: &&usize| drawn.iter().all(|&other| bodies[other].parent != body);
+        let last = drawn
+            .iter()
+            .filter(is_last)
+            .map(|&body| Bone { bodies: [body; 2], ends: [self.joint(body), tip(&self.model, body)] });
+        hung.chain(last).collect()
+    }
+
+    /// Where a body turns, as seen in it (m): its first joint, or its origin.
+    fn joint(&self, body: usize) -> [f64; 3] {
+        let joint = self.model.joints.iter().find(|joint| joint.body == body);
+        joint.map_or([0.0; 3], |joint| joint.pos.into())
     }
 
     /// Whether fingers move and nothing from the trunk to the elbow does.

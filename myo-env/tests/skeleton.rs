@@ -324,7 +324,11 @@ fn a_body_that_is_no_persons_arm_is_its_bones() {
     assert!(!skeleton.is_person());
     let bones = skeleton.bones();
     let name = |body: usize| &*model.bodies[body].name;
-    let found: Vec<[&str; 2]> = bones.iter().map(|ends| ends.map(name)).collect();
+    let found: Vec<[&str; 2]> = bones.iter().map(|bone| bone.bodies.map(name)).collect();
     assert!(found.contains(&["humerus", "ulna"]) && found.contains(&["ulna", "radius"]), "{found:?}");
-    assert!(bones.iter().all(|&[parent, body]| model.bodies[body].parent == parent && parent != 0));
+    let is_bone = |[a, b]: [usize; 2]| a != 0 && (a == b || model.bodies[b].parent == a);
+    assert!(bones.iter().all(|bone| is_bone(bone.bodies)));
+    // The last one ends at the fingertip.
+    let tip = &model.sites[model.fingertip_site];
+    assert!(bones.iter().any(|bone| bone.bodies == [tip.body; 2] && bone.ends[1] == <[f64; 3]>::from(tip.pos)));
 }

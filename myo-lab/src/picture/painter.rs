@@ -1,9 +1,10 @@
 //! From moments of one environment to a drawing.
 
 use myo_dynamics::spatial::{Frame, Vec3};
-use myo_env::{BuildError, Digit, EnvError, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose, Snapshot};
+use myo_env::{Bone, BuildError, Digit, EnvError, MusclePose, ObjectPose, Role, Skeleton, SkeletonPose, Snapshot};
 use myo_model::Model;
 use myo_tasks::{Action, Shape as Form, Task};
+use nalgebra::Point3;
 
 use super::{Colour, Drawing, Shape};
 
@@ -153,8 +154,8 @@ impl Painter {
 
     /// All bones of a body that is no person's arm.
     fn bones(&self, page: &mut Page, pose: &SkeletonPose) {
-        for ends in self.skeleton.bones() {
-            let [a, b] = ends.map(|body| pose.bodies[body].position);
+        for Bone { bodies, ends } in self.skeleton.bones() {
+            let [a, b] = [0, 1].map(|k| pose.bodies[bodies[k]].place(Vec3::splat(ends[k])));
             let length = (b - a).dot(b - a).sqrt();
             page.line(&[a.array(), b.array()], (SLENDER * length).min(THICKEST), BONE);
         }
@@ -314,8 +315,9 @@ fn view_of_bones(skeleton: &Skeleton) -> ([f64; 2], f64) {
     let model = skeleton.model();
     let (frames, shoulder) = (model.frames_in_zero_pose(), model.shoulder_in_zero_pose());
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for body in skeleton.bones().into_iter().flatten() {
-        let place = on_page((frames[body].translation.vector - shoulder).into());
+    let ends = |bone: Bone| [0, 1].map(|k| frames[bone.bodies[k]] * Point3::from(bone.ends[k]));
+    for end in skeleton.bones().into_iter().flat_map(ends) {
+        let place = on_page((end.coords - shoulder).into());
         for axis in 0..2 {
             (low[axis], high[axis]) = (low[axis].min(place[axis]), high[axis].max(place[axis]));
         }

@@ -1,6 +1,7 @@
 //! What is seen of a body, from the meshes of its file.
 
 use super::Names;
+use super::muscles::is_run_over;
 use crate::description::Look;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use myo_mjcf::{Folder, Geom, MeshError, Mjcf, Shape, Triangles};
@@ -19,9 +20,11 @@ const COARSER: f64 = 0.85;
 pub fn looks(mjcf: &Mjcf, folder: &Folder) -> (Vec<Look>, Vec<MeshError>) {
     let names = Names::of(mjcf);
     let (mut looks, mut unread) = (vec![], vec![]);
-    for (body, geom) in mjcf.geoms().filter(|&(body, geom)| body != 0 && is_seen(geom)) {
-        let mesh = mjcf.meshes.iter().find(|mesh| mesh.name == geom.mesh);
-        match mesh.map(|mesh| mesh.triangles(folder)) {
+    // What tendons run over is drawn to be understood.
+    let is_wrap = |geom: &Geom| geom.name.as_ref().is_some_and(|name| is_run_over(mjcf, name));
+    for (body, geom) in mjcf.geoms().filter(|&(body, geom)| body != 0 && is_seen(geom) && !is_wrap(geom)) {
+        let mesh = mjcf.meshes.iter().find(|mesh| mesh.name == geom.mesh && geom.mesh.is_some());
+        match mesh.map(|mesh| mesh.triangles(folder)).or_else(|| solid(geom).map(Ok)) {
             Some(Ok(triangles)) => looks.extend(look(names.bodies[body].clone(), geom, &triangles)),
             Some(Err(why)) => unread.push(why),
             // Names are looked up where they count.
@@ -32,7 +35,63 @@ pub fn looks(mjcf: &Mjcf, folder: &Folder) -> (Vec<Look>, Vec<MeshError>) {
 }
 
 fn is_seen(geom: &Geom) -> bool {
-    geom.kind() == Shape::Mesh && geom.group() <= SEEN && geom.rgba()[3] > 0.0
+    geom.group() <= SEEN && geom.rgba()[3] > 0.0
+}
+
+/// Sides of what is round about an axis, and rings of a ball.
+const SIDES: u32 = 16;
+const RINGS: u32 = 12;
+
+/// The surface of a solid shape; none of a plane, a height field, and what is fitted to a mesh.
+fn solid(geom: &Geom) -> Option<Triangles> {
+    if geom.mesh.is_some() {
+        return None;
+    }
+    let [a, b, c] = geom.size();
+    let ball = |radius: f64, shift: f64| {
+        (0..=RINGS).map(move |ring| {
+            let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(RINGS)).sin_cos();
+            let shift = if 2 * ring < RINGS { -shift } else { shift };
+            [radius * sin, shift - radius * cos]
+        })
+    };
+    let whole = [1.0; 3];
+    match geom.kind() {
+        Shape::Sphere => Some(turned(&ball(a, 0.0).collect::<Vec<_>>(), whole)),
+        Shape::Capsule => Some(turned(&ball(a, b).collect::<Vec<_>>(), whole)),
+        Shape::Ellipsoid => Some(turned(&ball(1.0, 0.0).collect::<Vec<_>>(), [a, b, c])),
+        Shape::Cylinder => Some(turned(&[[0.0, -b], [a, -b], [a, b], [0.0, b]], whole)),
+        Shape::Box => Some(block([a, b, c])),
+        Shape::Plane | Shape::HeightField | Shape::Mesh | Shape::Sdf => None,
+    }
+}
+
+/// What a line of radii and heights (m) makes when it turns about z, from below to above, scaled along the axes.
+fn turned(line: &[[f64; 2]], scale: [f64; 3]) -> Triangles {
+    let points = line.iter().flat_map(|&[radius, height]| {
+        (0..SIDES).map(move |side| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(side) / f64::from(SIDES)).sin_cos();
+            let place = [radius * cos, radius * sin, height];
+            [0, 1, 2].map(|axis| (place[axis] * scale[axis]) as f32)
+        })
+    });
+    let at = |ring: u32, side: u32| ring * SIDES + side % SIDES;
+    let faces = (1..line.len() as u32).flat_map(|ring| {
+        (0..SIDES).flat_map(move |side| {
+            let (a, b, c, d) = (at(ring - 1, side), at(ring - 1, side + 1), at(ring, side + 1), at(ring, side));
+            [[a, b, c], [a, c, d]]
+        })
+    });
+    Triangles { points: points.collect(), faces: faces.collect() }
+}
+
+/// A box of these half sizes (m).
+fn block(half: [f64; 3]) -> Triangles {
+    let corner = |k: u32| [0, 1, 2].map(|axis| (if k >> axis & 1 == 1 { half[axis] } else { -half[axis] }) as f32);
+    // Seen from outside, counter-clockwise.
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    Triangles { points: (0..8).map(corner).collect(), faces: faces.collect() }
 }
 
 /// None of a mesh that has no extent.
@@ -108,32 +167,64 @@ mod tests {
 
     /// A ball of many triangles.
     fn ball(rings: u32) -> Triangles {
-        let sides = 2 * rings;
-        let point = |ring: u32, side: u32| {
-            let (up, around) =
-                (std::f32::consts::PI * ring as f32 / rings as f32, std::f32::consts::TAU * side as f32 / sides as f32);
-            [up.sin() * around.cos(), up.sin() * around.sin(), up.cos()]
+        let line = |ring: u32| {
+            let (sin, cos) = (std::f64::consts::PI * f64::from(ring) / f64::from(rings)).sin_cos();
+            [sin, -cos]
         };
-        let points = (0..=rings).flat_map(|ring| (0..sides).map(move |side| point(ring, side))).collect();
-        let at = |ring: u32, side: u32| ring * sides + side % sides;
-        let faces = (0..rings).flat_map(|ring| {
-            (0..sides).flat_map(move |side| {
-                let (a, b, c, d) = (at(ring, side), at(ring + 1, side), at(ring + 1, side + 1), at(ring, side + 1));
-                [[a, b, c], [a, c, d]]
-            })
-        });
-        Triangles { points, faces: faces.collect() }
+        let mut ball = turned(&(0..=rings).map(line).collect::<Vec<_>>(), [1.0; 3]);
+        // Each triangle in four, twice.
+        for _ in 0..2 {
+            let mut points = ball.points.clone();
+            let mut middle = |a: u32, b: u32| {
+                let between = [0, 1, 2].map(|axis| 0.5 * (points[a as usize][axis] + points[b as usize][axis]));
+                points.push(between);
+                points.len() as u32 - 1
+            };
+            let cut = |&[a, b, c]: &[u32; 3]| {
+                let (x, y, z) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+            };
+            let faces = ball.faces.iter().flat_map(cut).collect();
+            ball = Triangles { points, faces };
+        }
+        ball
+    }
+
+    fn volume(points: &[[f64; 3]], faces: &[[u16; 3]]) -> f64 {
+        let corner = |index: u16| nalgebra::Vector3::from(points[usize::from(index)]);
+        faces.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0).sum()
+    }
+
+    #[test]
+    fn solid_shapes_are_as_large_as_they_are() {
+        let near = |triangles: &Triangles, wanted: f64| {
+            let (points, faces) = simplified(triangles);
+            let found = volume(&points, &faces);
+            assert!(found < wanted * (1.0 + 1e-6) && found > 0.93 * wanted, "{found} for {wanted}");
+        };
+        near(&block([0.1, 0.2, 0.3]), 8.0 * 0.1 * 0.2 * 0.3);
+        near(&turned(&[[0.0, -0.3], [0.1, -0.3], [0.1, 0.3], [0.0, 0.3]], [1.0; 3]), std::f64::consts::PI * 0.01 * 0.6);
+        let text = r#"<mujoco><worldbody><body>
+            <geom type="sphere" size="0.1"/><geom type="capsule" size="0.1 0.2"/><geom type="ellipsoid" size="0.1 0.2 0.3"/>
+        </body></worldbody></mujoco>"#;
+        let files = std::collections::BTreeMap::from([("a.xml".to_owned(), text.to_owned())]);
+        let mjcf = myo_mjcf::read_from(&files, "a.xml", myo_mjcf::Limits::default()).unwrap();
+        let ball = 4.0 / 3.0 * std::f64::consts::PI;
+        let wanted = [ball * 1e-3, ball * 1e-3 + std::f64::consts::PI * 0.01 * 0.4, ball * 6e-3];
+        for ((_, geom), wanted) in mjcf.geoms().zip(wanted) {
+            near(&solid(geom).unwrap(), wanted);
+        }
     }
 
     #[test]
     fn a_surface_with_fewer_points_is_still_closed_and_as_large() {
-        let fine = ball(60);
+        let fine = ball(20);
         let (points, faces) = simplified(&fine);
         assert!(points.len() <= MOST_POINTS && points.len() > MOST_POINTS / 2, "{}", points.len());
-        let corner = |index: u16| nalgebra::Vector3::from(points[usize::from(index)]);
-        let volume: f64 = faces.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0).sum();
-        let whole = 4.0 / 3.0 * std::f64::consts::PI;
-        assert!((volume - whole).abs() < 0.05 * whole, "{volume}");
+        let fine_points: Vec<[f64; 3]> = fine.points.iter().map(|point| point.map(f64::from)).collect();
+        let fine_faces: Vec<[u16; 3]> = fine.faces.iter().map(|face| face.map(|point| point as u16)).collect();
+        let (found, whole) = (volume(&points, &faces), volume(&fine_points, &fine_faces));
+        assert!((found - whole).abs() < 0.05 * whole, "{found} of {whole}");
         let mut edges: HashMap<[u16; 2], i32> = HashMap::new();
         for &[a, b, c] in &faces {
             for [from, to] in [[a, b], [b, c], [c, a]] {

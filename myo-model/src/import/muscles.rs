@@ -2,15 +2,20 @@
 
 use super::Import;
 use crate::description::{Muscle, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
-use myo_mjcf::{Actuator, BiasKind, DynKind, GainKind, PathPoint, Shape, Switch, Tendon, TendonPath};
+use myo_mjcf::{Actuator, BiasKind, DynKind, GainKind, Mjcf, PathPoint, Shape, Switch, Tendon, TendonPath};
 use myo_muscle::{CurveParameters, MuscleParameters};
+
+/// Whether tendons run over a geom.
+pub(super) fn is_run_over(mjcf: &Mjcf, name: &str) -> bool {
+    let is_it = |point: &PathPoint| matches!(point, PathPoint::Geom(over) if over.geom == name);
+    let runs = |tendon: &Tendon| matches!(&tendon.path, TendonPath::Spatial(path) if path.iter().any(is_it));
+    mjcf.tendons.iter().any(runs)
+}
 
 impl Import<'_> {
     /// Whether a tendon runs over the geom of this name.
     pub(super) fn is_run_over(&self, name: &str) -> bool {
-        let is_it = |point: &PathPoint| matches!(point, PathPoint::Geom(over) if over.geom == name);
-        let runs = |tendon: &Tendon| matches!(&tendon.path, TendonPath::Spatial(path) if path.iter().any(is_it));
-        self.mjcf.tendons.iter().any(runs)
+        is_run_over(self.mjcf, name)
     }
 
     /// Spheres and cylinders that tendons run over.

@@ -1,10 +1,10 @@
 //! From moments of an environment to the numbers of a motion.
 
 use myo_dynamics::spatial::Rotation;
-use myo_env::{Digit, EnvError, Role, Skeleton, SkeletonPose, Snapshot};
+use myo_env::{Bone, Digit, EnvError, Role, Skeleton, SkeletonPose, Snapshot};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
-use crate::protocol::{BodyPart, BodyShape, DigitShape, LookShape, MotionLayout, MuscleShape};
+use crate::protocol::{BodyPart, BodyShape, BoneShape, DigitShape, LookShape, MotionLayout, MuscleShape};
 
 /// What of the body of a skeleton stays the same.
 pub fn shape(skeleton: &Skeleton) -> BodyShape {
@@ -25,7 +25,7 @@ pub fn shape(skeleton: &Skeleton) -> BodyShape {
         is_left: model.has_left_arm(),
         looks: model.looks.iter().map(look).collect(),
         is_person: skeleton.is_person(),
-        bones: skeleton.bones(),
+        bones: skeleton.bones().into_iter().map(|Bone { bodies: parts, ends }| BoneShape { parts, ends }).collect(),
         moves_hand_only: skeleton.moves_hand_only(),
         stature_m: model.stature_m,
         joints: skeleton.joint_names().map(str::to_owned).collect(),

@@ -22,8 +22,8 @@ pub struct BodyShape {
     pub looks: Vec<LookShape>,
     /// Whether it is the arm of a person who faces along x, who is drawn around it; of any other body its bones are.
     pub is_person: bool,
-    /// Bones: of each the parts at both ends.
-    pub bones: Vec<[usize; 2]>,
+    /// Its bones.
+    pub bones: Vec<BoneShape>,
     /// Whether nothing moves from the trunk to the elbow.
     pub moves_hand_only: bool,
     /// Stature of the person (m), where it is known.
@@ -48,6 +48,16 @@ pub struct LookShape {
     pub points: String,
     /// Indices of the points of triangles, of 16 bits without sign, in base 64.
     pub faces: String,
+}
+
+/// A bone.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct BoneShape {
+    /// Indices of the parts that its ends are fixed to.
+    pub parts: [usize; 2],
+    /// Its ends, as seen in these (m).
+    pub ends: [[f64; 3]; 2],
 }
 
 /// A finger or thumb.

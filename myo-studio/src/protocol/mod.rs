@@ -17,7 +17,9 @@ use myo_tasks::Body;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use body::{BodyPart, BodyShape, DigitShape, LookShape, MOMENT, MotionLayout, MuscleShape, OBJECT, PART};
+pub use body::{
+    BodyPart, BodyShape, BoneShape, DigitShape, LookShape, MOMENT, MotionLayout, MuscleShape, OBJECT, PART,
+};
 pub use compare::{Against, Contrast, LayoutRow, LayoutTable, LayoutUsers, LeftOut, Mean, StepRow, UserRow};
 pub use jobs::{Before, Bottleneck, Changes, Doubling, Job, JobOrder, JobProgress, JobState, LearnerSetting, Step};
 pub use report::{Recorded, RecordedMotion, RecordedRun};

@@ -30,7 +30,7 @@ fn page() -> String {
     let config = Config::new().with_large_int("number");
     let types = declarations! { config;
         Severity Finding ObjectKind ObjectView StepView ItemView TaskView Look PresetCard TaskFile TaskText Surface
-        BodyPart LookShape DigitShape MuscleShape BodyShape MotionLayout MotionHeader
+        BodyPart LookShape BoneShape DigitShape MuscleShape BodyShape MotionLayout MotionHeader
         JobOrder Bottleneck Before Doubling JobProgress JobState Job Step LearnerSetting
         RewardTerm RewardView Cut RewardMap
         RunNote RunStanding RunEntry CurvePoint TargetResult ProtocolAnswer RunDetail

@@ -303,6 +303,19 @@ points: string,
 faces: string, };
 
 /**
+ * A bone.
+ */
+export type BoneShape = { 
+/**
+ * Indices of the parts that its ends are fixed to.
+ */
+parts: [number, number], 
+/**
+ * Its ends, as seen in these (m).
+ */
+ends: [[number, number, number], [number, number, number]], };
+
+/**
  * A finger or thumb.
  */
 export type DigitShape = { 
@@ -373,9 +386,9 @@ looks: Array<LookShape>,
  */
 is_person: boolean, 
 /**
- * Bones: of each the parts at both ends.
+ * Its bones.
  */
-bones: Array<[number, number]>, 
+bones: Array<BoneShape>, 
 /**
  * Whether nothing moves from the trunk to the elbow.
  */

@@ -1,6 +1,7 @@
 // A body of which nothing is known but its parts and its muscles, such as a pair of legs: its bones and muscles alone, bones as they look
 // where its model tells.
-import { Box3, Group, Mesh, MeshLambertMaterial, Sphere, Vector3 } from 'three';
+import { Box3, Group, Mesh, MeshLambertMaterial, Quaternion, Sphere, Vector3 } from 'three';
+import type { BoneShape } from '../../engine/protocol';
 import { BONE_RINGS, layBone, paintBones } from './bones';
 import { Looks } from './looks';
 import { type Clay, Muscles } from './muscles';
@@ -28,22 +29,28 @@ export class Bare implements Figure {
   floor: number | undefined;
 
   private readonly painted = new MeshLambertMaterial({ vertexColors: true });
+  private readonly sticks: BoneShape[];
   private readonly tubes: Tubes;
   private readonly muscles: Muscles;
   private readonly looks: Looks;
   private colors: Palette;
   private readonly from = new Vector3();
   private readonly to = new Vector3();
+  private readonly origin = new Vector3();
+  private readonly turn = new Quaternion();
 
   constructor(
     private readonly shape: PersonShape,
     theme: Theme,
   ) {
     const { bones, looks, muscles, is_left } = shape;
+    // Where it is known how a part looks, no stick is drawn.
+    this.sticks = bones.filter(({ parts }) => !looks.some(({ part }) => part === parts[0]));
     this.isLeft = is_left;
     const bellies = Array<number>(muscles.length).fill(ringsPerMuscle(muscles.length));
-    this.tubes = new Tubes([...Array<number>(bones.length).fill(BONE_RINGS), ...bellies], bones.length);
-    this.muscles = new Muscles(shape, this.tubes, bones.length * BONE_RINGS, () => 'arm');
+    const count = this.sticks.length;
+    this.tubes = new Tubes([...Array<number>(count).fill(BONE_RINGS), ...bellies], count);
+    this.muscles = new Muscles(shape, this.tubes, count * BONE_RINGS, () => 'arm');
     this.colors = palette(theme);
     const all = new Mesh(this.tubes.geometry, this.painted);
     all.frustumCulled = false;
@@ -56,11 +63,9 @@ export class Bare implements Figure {
   pose({ parts, muscles }: PersonPose): void {
     const { from, to } = this;
     this.looks.update(parts);
-    // Where it is known how bones look, sticks are not drawn.
-    const sticks = this.shape.looks.length ? [] : this.shape.bones;
-    sticks.forEach(([a, b], bone) => {
-      from.fromArray(parts, a * PART);
-      to.fromArray(parts, b * PART);
+    this.sticks.forEach((stick, bone) => {
+      this.place(parts, stick, 0, from);
+      this.place(parts, stick, 1, to);
       const radius = Math.min(THICKEST, SLENDER * from.distanceTo(to));
       layBone(this.tubes, bone * BONE_RINGS, from, to, radius);
     });
@@ -70,9 +75,15 @@ export class Bare implements Figure {
     this.group.visible = true;
   }
 
+  private place(parts: Float32Array, bone: BoneShape, end: number, to: Vector3): Vector3 {
+    const at = bone.parts[end]! * PART;
+    this.turn.fromArray(parts, at + 3);
+    return to.fromArray(bone.ends[end]!).applyQuaternion(this.turn).add(this.origin.fromArray(parts, at));
+  }
+
   /** The ball around its bones and muscles; the floor is under the lowest. */
   private around(parts: Float32Array, muscles: Float32Array): Near {
-    const places = this.shape.bones.flat().map((part) => new Vector3().fromArray(parts, part * PART));
+    const places = this.shape.bones.flatMap((bone) => [0, 1].map((end) => this.place(parts, bone, end, new Vector3())));
     let at = 0;
     for (const { points } of this.shape.muscles) {
       for (let point = 0; point < points; point += 1) places.push(new Vector3().fromArray(muscles, at + 3 * point));
@@ -86,7 +97,7 @@ export class Bare implements Figure {
 
   setTheme(theme: Theme): void {
     this.colors = palette(theme);
-    paintBones(this.tubes, this.shape.bones.length, this.colors);
+    paintBones(this.tubes, this.sticks.length, this.colors);
     this.muscles.paint(this.colors);
     this.looks.paint(this.colors);
   }
