@@ -1,7 +1,7 @@
 //! What is seen of a body, from the meshes of its file.
 
 use super::Names;
-use super::muscles::is_run_over;
+use super::muscles::run_over;
 use crate::description::Look;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use myo_mjcf::{Folder, Geom, MeshError, Mjcf, Shape, Triangles};
@@ -15,23 +15,61 @@ const MOST_POINTS: usize = 400;
 const CELLS: f64 = 96.0;
 const COARSER: f64 = 0.85;
 
-/// Looks of all meshes that are seen on bodies, with fewer points each, and what is wrong with those that cannot be read. No file outside of a folder
-/// is opened.
+/// Most triangles that are read of a file's meshes together.
+const MOST_TRIANGLES: usize = 5_000_000;
+
+/// Looks of all shapes and meshes that are seen on bodies, with fewer points each, and what is wrong with meshes that cannot be read. No file outside
+/// of a folder is opened, and each mesh is read once.
 pub fn looks(mjcf: &Mjcf, folder: &Folder) -> (Vec<Look>, Vec<MeshError>) {
-    let names = Names::of(mjcf);
+    let (names, wraps) = (Names::of(mjcf), run_over(mjcf));
+    let mut meshes = Meshes { mjcf, folder, read: HashMap::new(), triangles: 0 };
     let (mut looks, mut unread) = (vec![], vec![]);
     // What tendons run over is drawn to be understood.
-    let is_wrap = |geom: &Geom| geom.name.as_ref().is_some_and(|name| is_run_over(mjcf, name));
+    let is_wrap = |geom: &Geom| geom.name.as_ref().is_some_and(|name| wraps.contains(name.as_str()));
     for (body, geom) in mjcf.geoms().filter(|&(body, geom)| body != 0 && is_seen(geom) && !is_wrap(geom)) {
-        let mesh = mjcf.meshes.iter().find(|mesh| mesh.name == geom.mesh && geom.mesh.is_some());
-        match mesh.map(|mesh| mesh.triangles(folder)).or_else(|| solid(geom).map(Ok)) {
-            Some(Ok(triangles)) => looks.extend(look(names.bodies[body].clone(), geom, &triangles)),
-            Some(Err(why)) => unread.push(why),
+        let surface = match &geom.mesh {
             // Names are looked up where they count.
-            None => {}
+            Some(mesh) => meshes.surface(mesh).cloned(),
+            None => solid(geom).map(|triangles| Ok(Surface::of(&triangles))),
+        };
+        match surface {
+            Some(Ok(Some(surface))) => looks.push(surface.look(&names.bodies[body], geom)),
+            Some(Err(why)) => unread.push(why),
+            Some(Ok(None)) | None => {}
         }
     }
     (looks, unread)
+}
+
+/// The meshes of a file.
+struct Meshes<'a> {
+    mjcf: &'a Mjcf,
+    folder: &'a Folder,
+    read: HashMap<usize, Result<Option<Surface>, MeshError>>,
+    /// How many have been read.
+    triangles: usize,
+}
+
+impl Meshes<'_> {
+    /// The surface of the mesh of this name; none without one.
+    fn surface(&mut self, name: &str) -> Option<&Result<Option<Surface>, MeshError>> {
+        let number = self.mjcf.meshes.iter().position(|mesh| mesh.name.as_deref() == Some(name))?;
+        if !self.read.contains_key(&number) {
+            let found = self.reads(name, number);
+            self.read.insert(number, found);
+        }
+        self.read.get(&number)
+    }
+
+    fn reads(&mut self, name: &str, number: usize) -> Result<Option<Surface>, MeshError> {
+        if self.triangles >= MOST_TRIANGLES {
+            let what = format!("comes after {MOST_TRIANGLES} triangles of other meshes; no more are read");
+            return Err(MeshError::Contents { file: name.to_owned(), what });
+        }
+        let triangles = self.mjcf.meshes[number].triangles(self.folder)?;
+        self.triangles += triangles.faces.len();
+        Ok(Surface::of(&triangles))
+    }
 }
 
 fn is_seen(geom: &Geom) -> bool {
@@ -94,24 +132,33 @@ fn block(half: [f64; 3]) -> Triangles {
     Triangles { points: (0..8).map(corner).collect(), faces: faces.collect() }
 }
 
-/// None of a mesh that has no extent.
-fn look(body: String, geom: &Geom, triangles: &Triangles) -> Option<Look> {
-    let most = triangles.points.iter().flatten().fold(0.0_f64, |most, &x| most.max(f64::from(x).abs()));
-    if most <= 0.0 {
-        return None;
+/// Triangles as a model file has them.
+#[derive(Clone)]
+struct Surface {
+    step: f64,
+    points: String,
+    faces: String,
+}
+
+impl Surface {
+    /// None of a mesh that has no extent.
+    fn of(triangles: &Triangles) -> Option<Self> {
+        let most = triangles.points.iter().flatten().fold(0.0_f64, |most, &x| most.max(f64::from(x).abs()));
+        if most <= 0.0 {
+            return None;
+        }
+        let (points, faces) = simplified(triangles);
+        let step = most / f64::from(i16::MAX);
+        let points = points.iter().flatten().flat_map(|&x| ((x / step).round() as i16).to_le_bytes());
+        let faces = faces.iter().flatten().flat_map(|index| index.to_le_bytes());
+        let written = |bytes: Vec<u8>| BASE64_STANDARD.encode(bytes);
+        Some(Self { step, points: written(points.collect()), faces: written(faces.collect()) })
     }
-    let (points, faces) = simplified(triangles);
-    let step = most / f64::from(i16::MAX);
-    let points = points.iter().flatten().flat_map(|&x| ((x / step).round() as i16).to_le_bytes());
-    let faces = faces.iter().flatten().flat_map(|index| index.to_le_bytes());
-    Some(Look {
-        body,
-        pos: geom.pose.pos(),
-        quat: geom.pose.quat(),
-        step,
-        points: BASE64_STANDARD.encode(points.collect::<Vec<u8>>()),
-        faces: BASE64_STANDARD.encode(faces.collect::<Vec<u8>>()),
-    })
+
+    fn look(self, body: &str, geom: &Geom) -> Look {
+        let Self { step, points, faces } = self;
+        Look { body: body.to_owned(), pos: geom.pose.pos(), quat: geom.pose.quat(), step, points, faces }
+    }
 }
 
 /// The same surface with few points: those that lie in one cell become their middle, and triangles that lose a side go.

@@ -4,18 +4,25 @@ use super::Import;
 use crate::description::{Muscle, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape};
 use myo_mjcf::{Actuator, BiasKind, DynKind, GainKind, Mjcf, PathPoint, Shape, Switch, Tendon, TendonPath};
 use myo_muscle::{CurveParameters, MuscleParameters};
+use std::collections::HashSet;
 
-/// Whether tendons run over a geom.
-pub(super) fn is_run_over(mjcf: &Mjcf, name: &str) -> bool {
-    let is_it = |point: &PathPoint| matches!(point, PathPoint::Geom(over) if over.geom == name);
-    let runs = |tendon: &Tendon| matches!(&tendon.path, TendonPath::Spatial(path) if path.iter().any(is_it));
-    mjcf.tendons.iter().any(runs)
+/// Names of geoms that tendons run over.
+pub(super) fn run_over(mjcf: &Mjcf) -> HashSet<&str> {
+    let paths = mjcf.tendons.iter().filter_map(|tendon| match &tendon.path {
+        TendonPath::Spatial(path) => Some(path),
+        TendonPath::Fixed(_) => None,
+    });
+    let over = |point| match point {
+        &PathPoint::Geom(ref over) => Some(over.geom.as_str()),
+        _ => None,
+    };
+    paths.flatten().filter_map(over).collect()
 }
 
 impl Import<'_> {
     /// Whether a tendon runs over the geom of this name.
     pub(super) fn is_run_over(&self, name: &str) -> bool {
-        is_run_over(self.mjcf, name)
+        run_over(self.mjcf).contains(name)
     }
 
     /// Spheres and cylinders that tendons run over.
