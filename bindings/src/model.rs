@@ -15,6 +15,9 @@ use pyo3::types::PyDict;
 
 use crate::error::{self, compute};
 
+/// Fingertip, shoulder, elbow, wrist, other fingers.
+type LandmarkNames = (String, String, Option<String>, Option<String>, BTreeMap<String, String>);
+
 /// A body: bodies, joints, sites, muscles.
 #[pyclass(module = "myoenv", frozen)]
 pub struct Model {
@@ -67,19 +70,18 @@ impl Model {
     }
 
     /// A model of MuJoCo's file, and what of it has no part in the simulation. `landmarks` are the names of the site that points, and of the bodies whose origins are the shoulder and, where they are
-    /// told, elbow and wrist; `fingers` are sites of other fingers by their names.
+    /// told, elbow and wrist, then sites of other fingers by their names.
     #[staticmethod]
     fn from_mjcf(
         py: Python<'_>,
         file: PathBuf,
-        landmarks: (String, String, Option<String>, Option<String>),
-        fingers: BTreeMap<String, String>,
+        landmarks: LandmarkNames,
         without_contacts: bool,
         side_rule: &str,
         locked: Vec<String>,
         root: Option<PathBuf>,
     ) -> PyResult<(Self, Vec<String>)> {
-        let (fingertip, shoulder, elbow, wrist) = landmarks;
+        let (fingertip, shoulder, elbow, wrist, fingers) = landmarks;
         let landmarks = Landmarks { fingertip, shoulder, elbow, wrist, fingers };
         let side_rule = side_rule.parse().map_err(PyValueError::new_err::<String>)?;
         let options = ImportOptions { landmarks, without_contacts, side_rule, locked };

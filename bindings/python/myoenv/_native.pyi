@@ -207,8 +207,7 @@ class Model:
     @staticmethod
     def from_mjcf(
         file: str | PathLike[str],
-        landmarks: tuple[str, str, str | None, str | None],
-        fingers: Mapping[str, str],
+        landmarks: tuple[str, str, str | None, str | None, Mapping[str, str]],
         without_contacts: bool,
         side_rule: str,
         locked: Sequence[str],

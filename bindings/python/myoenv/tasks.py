@@ -120,9 +120,9 @@ def import_model(
     if not all(isinstance(name, str) for name in [*others, *others.values()]):
         raise TypeError(f"fingers is {fingers!r}; it must have names of sites by names of fingers")
     below = None if root is None else as_path("root", root)
-    landmarks = (fingertip, shoulder, elbow, wrist)
+    landmarks = (fingertip, shoulder, elbow, wrist, others)
     model, passed_over = Model.from_mjcf(
-        as_path("file", file), landmarks, others, bool(without_contacts), str(side_rule), list(lock), below
+        as_path("file", file), landmarks, bool(without_contacts), str(side_rule), list(lock), below
     )
     if passed_over:
         what = ", ".join(passed_over)

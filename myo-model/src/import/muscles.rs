@@ -12,11 +12,11 @@ pub(super) fn run_over(mjcf: &Mjcf) -> HashSet<&str> {
         TendonPath::Spatial(path) => Some(path),
         TendonPath::Fixed(_) => None,
     });
-    let over = |point| match point {
-        &PathPoint::Geom(ref over) => Some(over.geom.as_str()),
+    let over = paths.flatten().filter_map(|point| match point {
+        PathPoint::Geom(over) => Some(over.geom.as_str()),
         _ => None,
-    };
-    paths.flatten().filter_map(over).collect()
+    });
+    over.collect()
 }
 
 impl Import<'_> {
