@@ -203,7 +203,8 @@ impl Skeleton {
             let parent = bodies[body].parent;
             Bone { bodies: [parent, body], ends: [self.joint(parent), self.joint(body)] }
         });
-        let is_last = |&&body: &&usize| drawn.iter().all(|&other| bodies[other].parent != body);
+        let pointing = self.model.sites[self.model.fingertip_site].body;
+        let is_last = |&&body: &&usize| body == pointing || drawn.iter().all(|&other| bodies[other].parent != body);
         let last = drawn
             .iter()
             .filter(is_last)

@@ -11,14 +11,18 @@ const ARM: &str = r#"<mujoco>
   <asset><mesh name="bone" file="bone.obj" scale="0.001 0.001 0.001"/></asset>
   <worldbody>
     <geom type="mesh" mesh="bone" contype="0" conaffinity="0"/>
+    <site name="origin" pos="0.05 0 0.1"/>
     <body name="humerus">
       <inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.001"/>
       <joint name="elbow" axis="0 1 0" range="-60 60" damping="0.1"/>
       <geom type="mesh" mesh="bone" pos="0 0 0.01" contype="0" conaffinity="0"/>
       <geom type="mesh" mesh="bone" group="3" contype="0" conaffinity="0"/>
+      <site name="insertion" pos="0.02 0 -0.1"/>
       <site name="tip" pos="0 0 -0.2"/>
     </body>
   </worldbody>
+  <tendon><spatial name="biceps"><site site="origin"/><site site="insertion"/></spatial></tendon>
+  <actuator><muscle name="biceps" tendon="biceps" lengthrange="0.1 0.3" force="100"/></actuator>
 </mujoco>"#;
 
 /// A tetrahedron in millimetres.
