@@ -188,7 +188,7 @@ impl Skeleton {
         self.model.stature_m.is_some() || (self.model.elbow_body.is_some() && self.model.wrist_body.is_some())
     }
 
-    /// Its bones as they can be drawn: from joint to joint of bodies that carry mass, and on to where the last of them end.
+    /// Its bones as they can be drawn: from joint to joint of bodies that carry mass or lead to the fingertip, and on to where the last of them end.
     pub fn bones(&self) -> Vec<Bone> {
         let bodies = &self.model.bodies;
         let mut carried: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
@@ -197,13 +197,15 @@ impl Skeleton {
             carried[bodies[body].parent] += below;
         }
         let is_of_finger = |body: usize| self.digits.iter().any(|digit| digit.bodies.contains(&body));
-        let is_drawn = |&body: &usize| carried[body] > MARKER || is_of_finger(body);
+        let pointing = self.model.sites[self.model.fingertip_site].body;
+        let up = |&body: &usize| (body != WORLD).then(|| bodies[body].parent);
+        let pointed: Vec<usize> = std::iter::successors(Some(pointing), up).collect();
+        let is_drawn = |&body: &usize| carried[body] > MARKER || is_of_finger(body) || pointed.contains(&body);
         let drawn: Vec<usize> = (1..bodies.len()).filter(is_drawn).collect();
         let hung = drawn.iter().filter(|&&body| bodies[body].parent != WORLD).map(|&body| {
             let parent = bodies[body].parent;
             Bone { bodies: [parent, body], ends: [self.joint(parent), self.joint(body)] }
         });
-        let pointing = self.model.sites[self.model.fingertip_site].body;
         let is_last = |&&body: &&usize| body == pointing || drawn.iter().all(|&other| bodies[other].parent != body);
         let last = drawn
             .iter()
