@@ -1,10 +1,11 @@
 //! From description to model: names become indices, and what elements say about each other is checked.
 
+mod looks;
+
 use crate::check::{Bound, Check};
 use crate::description::{self as source, JointKind, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
-use crate::model::{Body, Contact, Coupling, Geom, Joint, Look, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
-use base64::Engine;
+use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
@@ -62,7 +63,7 @@ impl Model {
         let landmarks = Element::new(ElementKind::Landmarks, "");
         let body = |name: &Option<String>| name.as_deref().map(|name| body_index.find(name, &landmarks)).transpose();
         let fingers = fingers(description, &site_index)?;
-        let looks = looks(description, &body_index)?;
+        let looks = looks::looks(description, &body_index)?;
         Ok(Self {
             name: description.name.clone(),
             changes: description.changes.clone(),
@@ -116,37 +117,6 @@ impl<'a> Index<'a> {
             nearest: Nearest::to(name, &self.names),
         })
     }
-}
-
-/// What is seen of bodies, in the order of these.
-fn looks(description: &ModelDescription, bodies: &Index<'_>) -> Result<Vec<Look>, ModelError> {
-    let look = |(number, written): (usize, &source::Look)| {
-        let check = Check::new(ElementKind::Look, &format!("{} of {}", number + 1, written.body));
-        check.within("pos", &written.pos, &Bound::LENGTH)?;
-        check.above("step", written.step, 0.0, " m", "above 0 m")?;
-        check.within("step", &[written.step], &Bound::LENGTH)?;
-        let bad = |what: &str| ModelError::BadLook { element: check.element.clone(), what: what.to_owned() };
-        let bytes = |text: &str| base64::prelude::BASE64_STANDARD.decode(text).map_err(|error| bad(&error.to_string()));
-        let (points, faces) = (bytes(&written.points)?, bytes(&written.faces)?);
-        if points.len() % 6 != 0 || faces.len() % 6 != 0 {
-            return Err(bad("each point and each triangle takes six bytes"));
-        }
-        let most = faces.chunks_exact(2).map(|pair| usize::from(u16::from_le_bytes([pair[0], pair[1]]))).max();
-        if most.is_some_and(|most| most >= points.len() / 6) {
-            return Err(bad("a triangle has a point that is not there"));
-        }
-        Ok(Look {
-            body: bodies.find(&written.body, &check.element)?,
-            pos: written.pos.into(),
-            quat: check.rotation("quat", written.quat)?,
-            step: written.step,
-            points: written.points.as_str().into(),
-            faces: written.faces.as_str().into(),
-        })
-    };
-    let mut looks: Vec<Look> = description.looks.iter().enumerate().map(look).collect::<Result<_, _>>()?;
-    looks.sort_by_key(|look| look.body);
-    Ok(looks)
 }
 
 /// Sites of other fingers, by name.
