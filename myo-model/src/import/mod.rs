@@ -17,6 +17,7 @@ use crate::ModelDescription;
 use crate::compile::FORMAT_VERSION;
 use crate::description::{Body, Geom, Landmarks, Shape, SideRule, Site, Softness};
 use myo_mjcf::{Mjcf, Place};
+use std::collections::HashSet;
 use std::fmt;
 
 pub use looks::looks;
@@ -66,7 +67,13 @@ impl fmt::Display for Unsupported {
 /// Everything in it that cannot be simulated as MuJoCo does.
 pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescription, Vec<Unsupported>> {
     let mjcf = &*lock::locked(mjcf, &options.locked)?;
-    let mut import = Import { mjcf, names: Names::of(mjcf), side_rule: options.side_rule, unsupported: vec![] };
+    let mut import = Import {
+        mjcf,
+        names: Names::of(mjcf),
+        run_over: muscles::run_over(mjcf),
+        side_rule: options.side_rule,
+        unsupported: vec![],
+    };
     let refused = |one: &myo_mjcf::Refused| Unsupported {
         place: one.place.clone(),
         element: format!("<{}>", one.element),
@@ -147,6 +154,8 @@ fn free(name: &str, taken: &[Option<&String>]) -> String {
 struct Import<'a> {
     mjcf: &'a Mjcf,
     names: Names,
+    /// Names of geoms that tendons run over.
+    run_over: HashSet<&'a str>,
     side_rule: SideRule,
     unsupported: Vec<Unsupported>,
 }

@@ -22,7 +22,7 @@ pub(super) fn run_over(mjcf: &Mjcf) -> HashSet<&str> {
 impl Import<'_> {
     /// Whether a tendon runs over the geom of this name.
     pub(super) fn is_run_over(&self, name: &str) -> bool {
-        run_over(self.mjcf).contains(name)
+        self.run_over.contains(name)
     }
 
     /// Spheres and cylinders that tendons run over.
