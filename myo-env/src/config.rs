@@ -146,6 +146,18 @@ pub enum BuildError {
         /// Most that are tried.
         most: usize,
     },
+    /// The driver of the graphics card broke down over the kernel.
+    #[cfg(feature = "gpu")]
+    #[error(
+        "the driver of the graphics card broke down over the {operations} operations that model and task take in one kernel \
+         ({reason}); take the cpu backend, or simplify the model: fewer joints, muscles or contacts"
+    )]
+    DriverBrokeDown {
+        /// Operations of the kernel.
+        operations: usize,
+        /// What the driver said.
+        reason: String,
+    },
     /// No threads, or more than any machine has use for: starting them would stall it.
     #[error("threads is {threads}; it must be from 1 to {MOST_THREADS}")]
     BadThreads {

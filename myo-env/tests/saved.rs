@@ -58,8 +58,11 @@ fn whatever_the_body_and_the_task_a_state_can_be_taken_back() {
     let tasks = preset_names().into_iter().map(|name| preset(name).unwrap()).chain([shuffled()]);
     for task in tasks {
         // What fingers do takes a body that has them.
-        let bodies =
-            if task.flat().unwrap().fingers.is_empty() { &["mobl-arms", "myo-arm"][..] } else { &["myo-hand"] };
+        let bodies = if task.flat().unwrap().fingers.is_empty() {
+            &["mobl-arms", "myo-arm"][..]
+        } else {
+            &["myo-hand", "myo-arm-hand"]
+        };
         for &body in bodies {
             let task = Task { model: body.to_owned(), ..task.clone() };
             let name = &task.name;

@@ -22,6 +22,8 @@ presets!(
     "choice",
     "wall-ray",
     "pinch",
+    "ar-pinch",
+    "ar-menu",
     "chord",
     "hand-pointing",
     "hand-press",

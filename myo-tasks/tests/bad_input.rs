@@ -338,7 +338,7 @@ fn unknown_presets_get_the_nearest_valid_ones() {
     assert_eq!(message("pointng"), "there is no preset and no file called `pointng`; did you mean `pointing`?");
     assert!(message("typing").ends_with("did you mean `mobile-typing`?"));
     assert!(message("qqqq").ends_with(
-        "valid are `pointing`, `pointing-single`, `ar`, `public-display`, `mobile-typing`, `ticket`, `hello`, `slider`, `choice`, `wall-ray`, `pinch`, `chord`, `hand-pointing`, `hand-press`, `pointing-uitb`, `pointing-replication`, `tracking-uitb`, `choice-uitb`, `driving-uitb`"
+        "valid are `pointing`, `pointing-single`, `ar`, `public-display`, `mobile-typing`, `ticket`, `hello`, `slider`, `choice`, `wall-ray`, `pinch`, `ar-pinch`, `ar-menu`, `chord`, `hand-pointing`, `hand-press`, `pointing-uitb`, `pointing-replication`, `tracking-uitb`, `choice-uitb`, `driving-uitb`"
     ));
     assert!(message("no/such.yaml").starts_with("cannot read no/such.yaml: "));
 }

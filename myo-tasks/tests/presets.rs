@@ -16,9 +16,11 @@ fn presets_are_sound() {
         assert_eq!(task.name, name);
         let published = ["pointing-single", "pointing-replication"].contains(&name) || name.ends_with("-uitb");
         let of_hands = ["pinch", "chord"].contains(&name) || name.starts_with("hand-");
+        let by_arm_and_hand = ["ar-pinch", "ar-menu"].contains(&name);
         let who = match (published, of_hands) {
             (true, _) => ("mobl-arms-uitb", User::Fastest),
             (_, true) => ("myo-hand", User::Human),
+            _ if by_arm_and_hand => ("myo-arm-hand", User::Human),
             _ => ("myo-arm", User::Human),
         };
         assert_eq!((task.model.as_str(), task.user), who, "{name}");

@@ -76,19 +76,16 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let rows = Rows { limited: violated.any(), tethered, touching };
     ws.tally.rounds = ws.tally.rounds + S::Word::splat(1);
     ws.unsettled = S::Mask::splat(false);
-    S::repeat_while(BLOCK_ROUNDS, &mut Round(ws), |Round(ws)| {
+    // One loop for both rules: what a round computes stands in a card's kernel once.
+    S::repeat_while(MAX_ROUNDS, &mut Round { ws, number: S::zero() }, |Round { ws, number }| {
         accelerate(plan, ws, rows);
         if rows.limited || rows.tethered || rows.touching {
-            exchange_all(plan, ws, rows);
+            let is_early = number.lt(S::lit(BLOCK_ROUNDS as f64));
+            S::when(is_early, &mut Exchange(ws), |Exchange(ws)| exchange_all(plan, ws, rows));
+            S::when(!is_early, &mut Exchange(ws), |Exchange(ws)| exchange_first(plan, ws, rows));
+            *number += S::lit(1.0);
         }
         ws.unsettled
-    });
-    S::when(ws.unsettled, &mut Round(ws), |Round(ws)| {
-        S::repeat_while(MAX_ROUNDS - BLOCK_ROUNDS, &mut Round(ws), |Round(ws)| {
-            accelerate(plan, ws, rows);
-            exchange_first(plan, ws, rows);
-            ws.unsettled
-        });
     });
     let (none, one) = (S::Word::splat(0), S::Word::splat(1));
     ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
@@ -106,17 +103,31 @@ struct Rows {
     touching: bool,
 }
 
-/// What a round hands on: which rows push, the acceleration, and how it went.
-struct Round<'a, S: Scalar>(&'a mut Workspace<S>);
+/// What a round hands on: its number, the acceleration, and what it exchanged.
+struct Round<'a, S: Scalar> {
+    ws: &'a mut Workspace<S>,
+    number: S,
+}
 
 impl<S: Scalar> Carried<S> for Round<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Round(ws) = self;
+        let Round { ws, number } = self;
+        visitor.number(number);
+        visitor.numbers(&mut ws.qacc);
+        Exchange(ws).visit(visitor);
+    }
+}
+
+/// What an exchange of rows changes: which rows push, and how it went.
+struct Exchange<'a, S: Scalar>(&'a mut Workspace<S>);
+
+impl<S: Scalar> Carried<S> for Exchange<'_, S> {
+    fn visit(&mut self, visitor: &mut impl Visitor<S>) {
+        let Exchange(ws) = self;
         let touched = ws.contacts.iter_mut().flat_map(|contact| &mut contact.rows);
         for row in ws.limit.iter_mut().chain(&mut ws.tendon_limit).chain(touched) {
             visitor.mask(&mut row.active);
         }
-        visitor.numbers(&mut ws.qacc);
         visitor.mask(&mut ws.unsettled);
         visitor.word(&mut ws.tally.rounds);
     }

@@ -74,7 +74,7 @@ fn late<S: Scalar>(world: &World<'_, S>, draw: S) -> S {
     limit - left.floor().max(S::lit(1.0))
 }
 
-/// The pose of several from which the fingertip is nearest to the current target.
+/// The pose of several from which the fingertip is nearest to the current target: of more where it is tried `again`, which is within the mask.
 #[inline(always)]
 fn draw_pose<S: Scalar>(
     world: &World<'_, S>,
@@ -83,29 +83,25 @@ fn draw_pose<S: Scalar>(
     env: &mut EnvState<S>,
     physics: &mut Workspace<S>,
 ) {
-    let (nearest, draw) = (S::lit(f64::from(f32::MAX)), S::Word::splat(0));
-    let mut search = Search { best: env.body.qpos.clone(), nearest, draw, env, physics };
-    search_poses(world, mask, POSES, &mut search);
-    S::when(again, &mut search, |search| search_poses(world, again, MORE_POSES, search));
-    search.env.body.qpos = search.best;
-}
-
-/// Looks at so many further poses.
-#[inline(always)]
-fn search_poses<S: Scalar>(world: &World<'_, S>, mask: S::Mask, poses: usize, search: &mut Search<'_, S>) {
+    let (nearest, looked, draw) = (S::lit(f64::from(f32::MAX)), S::zero(), S::Word::splat(0));
+    let mut search = Search { best: env.body.qpos.clone(), nearest, looked, draw, env, physics };
     let target = logic::begins_at(&world.parameters.task, &search.env.task);
-    S::repeat(poses, search, |Search { best, nearest, draw, env, physics }| {
+    S::repeat_while(POSES + MORE_POSES, &mut search, |Search { best, nearest, looked, draw, env, physics }| {
         S::outline(stages::DrawPose { world, draw: *draw, env });
         let mut body = Landmarks::unknown();
         S::outline(stages::Look { world, env, physics, cursor: [S::zero(); 2], out: &mut body });
         let distance = logic::gap(&world.parameters.task, &env.task, &body, target);
-        let nearer = mask & distance.lt(*nearest);
+        let is_asked_for = again | mask & looked.lt(S::lit(POSES as f64));
+        let nearer = is_asked_for & distance.lt(*nearest);
         *nearest = S::select(nearer, distance, *nearest);
         for (best, &position) in best.iter_mut().zip(&env.body.qpos) {
             *best = S::select(nearer, position, *best);
         }
         *draw = *draw + S::Word::splat(1);
+        *looked += S::lit(1.0);
+        again | mask & looked.lt(S::lit(POSES as f64))
     });
+    search.env.body.qpos = search.best;
 }
 
 /// Any pose, everywhere.
@@ -138,7 +134,9 @@ struct Search<'a, S: Scalar> {
     best: Vec<S>,
     /// Its distance from the target (m).
     nearest: S,
-    /// Poses drawn so far.
+    /// Poses looked at so far.
+    looked: S,
+    /// The same, for random numbers.
     draw: S::Word,
     /// In the pose that is looked at.
     env: &'a mut EnvState<S>,
@@ -147,7 +145,7 @@ struct Search<'a, S: Scalar> {
 
 impl<S: Scalar> Carried<S> for Search<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        visitor.numbers(self.best.iter_mut().chain([&mut self.nearest]));
+        visitor.numbers(self.best.iter_mut().chain([&mut self.nearest, &mut self.looked]));
         visitor.word(&mut self.draw);
     }
 }

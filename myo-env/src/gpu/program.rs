@@ -11,7 +11,8 @@ use myo_scalar::symbolic::{Entries, Program};
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;
 /// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took a quarter of an hour for a body of 1,560 muscles. A phone
-/// with keys of 5 mm needs 23,139, an arm with all its fingers 25,480, which an H200 is ready for in 12 s.
+/// with keys of 5 mm needs 23,139, an arm with all its fingers 25,480, which an H200 is ready for in 12 s. Its driver (580) compiled 31,912 in half a
+/// minute and broke down over 31,929, what it fails at being unknown; other drivers may go further.
 const MAX_OPERATIONS: usize = 40_000;
 
 /// A kernel, the constants that it looks up, and what it touches in each of its buffers.
@@ -36,6 +37,14 @@ pub(crate) fn check_size(program: &Program) -> Result<(), BuildError> {
     if operations <= most { Ok(()) } else { Err(BuildError::TooLargeForGpu { operations, most }) }
 }
 
+/// A device that is lost as its driver compiles was not lost by anybody else's doing.
+fn broke_down(error: GpuError, operations: usize) -> BuildError {
+    match error {
+        GpuError::DeviceLost { reason } => BuildError::DriverBrokeDown { operations, reason },
+        other => other.into(),
+    }
+}
+
 impl Compiled {
     /// Compiles a program for its buffers, its table and the number of environments.
     pub fn new(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Self, BuildError> {
@@ -53,7 +62,8 @@ impl Compiled {
         // environments, or entry `row`; `bind` sees to it that all rows are there. They look up entries of their own table,
         // which is written once, below; their loops have constant bounds or one of that table, and they divide no integers.
         // The kernel does not leave this file.
-        let kernel = unsafe { gpu.compile_trusted(label, source, ENTRY_POINT, &bindings)? };
+        let kernel = unsafe { gpu.compile_trusted(label, source, ENTRY_POINT, &bindings) }
+            .map_err(|error| broke_down(error, program.operations()))?;
         let table = match &printed.table[..] {
             [] => None,
             constants => {
@@ -95,5 +105,18 @@ impl Bound {
     /// Adds a run for all environments to a batch.
     pub fn dispatch(&self, batch: &mut Batch) {
         batch.dispatch(&self.kernel, &self.bindings, self.num_envs);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_lost_as_it_compiles_was_lost_to_the_kernel() {
+        let lost = broke_down(GpuError::DeviceLost { reason: "unknown".into() }, 32_232).to_string();
+        assert!(lost.contains("32232 operations") && lost.contains("(unknown)") && lost.contains("cpu"), "{lost}");
+        let other = GpuError::Kernel { kernel: "reset".into(), reason: "no entry point".into() };
+        assert_eq!(broke_down(other.clone(), 9).to_string(), other.to_string());
     }
 }
