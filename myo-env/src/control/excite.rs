@@ -26,9 +26,9 @@ pub fn excitation<S: Scalar>(control: Control, action: S, act: S) -> S {
 #[inline(always)]
 pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut Scratch<S>) {
     let Scratch { physics, ctrl, squared_change, squared_control, draws, .. } = ws;
-    // Muscles are rows of tables here: of large bodies a card keeps in memory what it needs after the physics, not in registers.
-    let control = world.parameters.control;
-    S::for_rows(without_constants, [&env.body.act], ctrl, |[], [act], u| excitation(control, u, act));
+    for (u, &act) in ctrl.iter_mut().zip(&env.body.act) {
+        *u = excitation(world.parameters.control, *u, act);
+    }
     *squared_change = remember(ctrl, &mut env.asked);
     if let Some(reflex) = world.parameters.reflex {
         S::outline(stages::ResistStretch { world, reflex, body: &env.body, physics, ctrl });
@@ -42,12 +42,10 @@ pub fn excite<S: Scalar>(world: &World<'_, S>, env: &mut EnvState<S>, ws: &mut S
             [a, b, c, d]
         });
         let begins = S::from_word(env.step).lt(S::lit(0.5));
-        S::for_rows(without_constants, [&*draws], &mut env.noise, |[], [draw], z| {
-            S::select(begins, draw, process.next(z, draw))
-        });
-        S::for_rows(without_constants, [&env.noise], ctrl, |[], [z], u| {
-            noisy_excitation(u, signal_dependent, constant, process.deviation(z))
-        });
+        for ((u, z), &draw) in ctrl.iter_mut().zip(&mut env.noise).zip(&*draws) {
+            *z = S::select(begins, draw, process.next(*z, draw));
+            *u = noisy_excitation(*u, signal_dependent, constant, process.deviation(*z));
+        }
     }
     // Effort is what is asked for: a tired muscle is not a cheap one.
     *squared_control = sum_of_squares(ctrl);
@@ -89,16 +87,10 @@ pub fn resist_stretch<S: Scalar>(
 #[inline(always)]
 fn remember<S: Scalar>(ctrl: &[S], asked: &mut [S]) -> S {
     let mut sum = S::zero();
-    for (&u, &before) in ctrl.iter().zip(&*asked) {
-        let change = u - before;
+    for (&u, before) in ctrl.iter().zip(asked) {
+        let change = u - *before;
         sum = change.mul_add(change, sum);
+        *before = u;
     }
-    S::for_rows(without_constants, [ctrl], asked, |[], [u], _| u);
     sum
-}
-
-/// Rows that differ in nothing that is known before.
-#[inline(always)]
-fn without_constants<C>(_: usize) -> [C; 0] {
-    []
 }

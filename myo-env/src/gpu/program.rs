@@ -12,7 +12,8 @@ use myo_scalar::symbolic::{Entries, Program};
 const WORKGROUP: u32 = 64;
 /// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took a quarter of an hour for a body of 1,560 muscles. A phone
 /// with keys of 5 mm needs 23,139, an arm with all its fingers 25,480, which an H200 is ready for in 12 s. Its driver (580) compiled 31,912 in half a
-/// minute and broke down over 31,929, what it fails at being unknown; other drivers may go further.
+/// minute, and broke down over 29,426 of a body of 63 muscles with slow noise and a cost of changing controls (351 rows of state); without
+/// either (288 rows) it did not. Why is not known.
 const MAX_OPERATIONS: usize = 40_000;
 
 /// A kernel, the constants that it looks up, and what it touches in each of its buffers.
