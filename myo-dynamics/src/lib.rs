@@ -59,6 +59,7 @@ mod crowd;
 mod exertion;
 mod impedance;
 mod isometric;
+mod mesh;
 mod obstacles;
 pub mod plan;
 mod polynomial;

@@ -218,6 +218,7 @@ fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
         // How far pictures show it.
         Shape::Plane => ("plane", vec![1.0, 1.0, 0.1]),
         Shape::Box { half_size } => ("box", half_size.to_vec()),
+        Shape::Mesh { .. } => ("mesh", vec![]),
     };
     let mut attributes = vec![
         ("name", text(&geom.name)),
