@@ -165,7 +165,10 @@ impl Backend {
     ) -> Result<T, BuildError> {
         match make(&device) {
             Err(
-                error @ (BuildError::TooLargeForGpu { .. } | BuildError::OutOfGpuMemory { .. } | BuildError::Gpu(_)),
+                error @ (BuildError::TooLargeForGpu { .. }
+                | BuildError::MeshesOnGpu
+                | BuildError::OutOfGpuMemory { .. }
+                | BuildError::Gpu(_)),
             ) if *self == Self::Auto => {
                 notice(&error);
                 make(&Device::Cpu)

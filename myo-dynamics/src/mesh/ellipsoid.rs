@@ -7,9 +7,6 @@ use super::scratch::Scratch;
 use super::touch::{Touch, are_quickly_apart};
 use nalgebra::Vector3;
 
-/// Places at which normals through a point inside are looked for.
-const INNER_PLACES: usize = 300;
-
 /// An ellipsoid of semi-axes along its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ellipsoid {
@@ -60,16 +57,16 @@ impl Ellipsoid {
         let shortest = squares.imin();
         let low = point[shortest].abs() * self.radii[shortest] - squares[shortest];
         tell(bisected(excess, low, low.max(numerators.sum().sqrt())));
-        // Of a point deep inside, a surface point further away may be the one that counts.
-        let greatest = squares.max();
-        let place = |k: usize| -greatest * (0.9999 + (1e-4 - 0.9999) * k as f64 / (INNER_PLACES - 1) as f64);
-        let mut before = excess(place(0));
-        for k in 1..INNER_PLACES {
-            let after = excess(place(k));
-            if before * after < 0.0 {
-                tell(bisected(excess, place(k - 1), place(k)));
+        // Of a point deep inside, a surface point further away may be the one that counts. Between two poles the sum is convex.
+        let slope = |t: f64| -numerators.component_div(&squares.map(|square| (square + t).powi(3))).sum();
+        let mut poles: [f64; 3] = (-squares).into();
+        poles.sort_unstable_by(f64::total_cmp);
+        for [low, high] in [[poles[0], poles[1]], [poles[1], poles[2]]] {
+            let least = bisected(slope, low, high);
+            if excess(least) < 0.0 {
+                tell(bisected(excess, low, least));
+                tell(bisected(excess, least, high));
             }
-            before = after;
         }
     }
 }
