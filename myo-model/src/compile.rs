@@ -12,6 +12,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 
 pub(crate) use hulls::MOST_CORNERS;
+#[cfg(test)]
+pub(crate) use hulls::hull;
 
 /// Version of the model format that this crate reads.
 pub const FORMAT_VERSION: u32 = 1;

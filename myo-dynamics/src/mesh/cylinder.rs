@@ -68,7 +68,7 @@ impl Cylinder {
     }
 
     /// Where it and a mesh touch, wherever they are.
-    fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
+    pub(super) fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
         let mut search = Search::new(self, mesh, scratch);
         for normal in [Vector3::z(), -Vector3::z()] {
             search.at_vertex(&normal, search.deepest(&normal));

@@ -31,7 +31,7 @@ impl Ellipsoid {
     }
 
     /// Where it and a mesh touch, wherever they are.
-    fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
+    pub(super) fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
         let mut search = Search::new(self, mesh, scratch);
         for (number, vertex) in search.vertices().iter().enumerate() {
             self.normals_through(vertex, |normal| search.at_vertex(&normal, number));

@@ -16,6 +16,8 @@ mod plane;
 mod quad;
 mod round;
 mod scratch;
+#[cfg(test)]
+mod tests;
 mod touch;
 
 pub use contacts::{Contacts, MOST_CONTACTS};

@@ -18,7 +18,7 @@ pub(super) fn hulls(description: &ModelDescription) -> Result<Vec<Hull>, ModelEr
     description.hulls.iter().enumerate().map(|(number, written)| hull(number, written)).collect()
 }
 
-fn hull(number: usize, written: &source::Hull) -> Result<Hull, ModelError> {
+pub(crate) fn hull(number: usize, written: &source::Hull) -> Result<Hull, ModelError> {
     let check = Check::new(ElementKind::Hull, &number.to_string());
     let bad = |what: String| ModelError::BadHull { element: check.element.clone(), what };
     let hull = read(written).map_err(bad)?;

@@ -49,7 +49,6 @@ impl<'a> Meshes<'a> {
         if mesh.maxhullvert() != -1 {
             return Err("`maxhullvert` is not known".into());
         }
-        let Some(folder) = self.folder else { return Err("there is no folder to read it from".into()) };
         if self.triangles > MOST_TRIANGLES {
             return Err(format!("it comes after {MOST_TRIANGLES} triangles of other meshes; no more are read"));
         }
@@ -57,7 +56,7 @@ impl<'a> Meshes<'a> {
             MeshError::File { why: FileError::Outside, .. } => format!("{why} (`--root FOLDER`, `root=` in Python)"),
             why => why.to_string(),
         };
-        let triangles = mesh.triangles(folder).map_err(told)?;
+        let triangles = mesh.triangles(self.folder).map_err(told)?;
         let touching = touching(&triangles).map_err(|why| why.to_string())?;
         Ok((touching, triangles.faces.len()))
     }
