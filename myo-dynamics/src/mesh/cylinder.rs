@@ -25,7 +25,7 @@ pub(super) struct Cylinder {
 
 impl Round for Cylinder {
     fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let length = direction.x.hypot(direction.y);
+        let length = (direction.x * direction.x + direction.y * direction.y).sqrt();
         let scale = if length > STRAIGHT { self.radius / length } else { 0.0 };
         Vector3::new(direction.x * scale, direction.y * scale, self.half_length * outward(direction))
     }

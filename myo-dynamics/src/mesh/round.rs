@@ -7,8 +7,9 @@ use nalgebra::{Unit, Vector3};
 
 /// What a height may be off by rounding (m).
 const ROUNDING: f64 = 1e-12;
-/// Into how many pieces the arc between the normals of two faces is divided to look for least overlaps.
-const ARC_PIECES: usize = 32;
+/// How often the arc between the normals of two faces is halved at most to look for least overlaps, and the share that is left then.
+const HALVES: usize = 5;
+const SMALLEST: f64 = 1.0 / (1 << HALVES) as f64;
 /// Halvings of an interval in which a root was found; it is as exact as its numbers then.
 const HALVINGS: usize = 80;
 
@@ -99,15 +100,15 @@ impl<'a, R: Round> Search<'a, R> {
             let [begin, end] = edge.sides.map(|side| -self.normals[side]);
             let corner = self.vertices[edge.ends[0]];
             let arc = Arc { shape: self.shape, begin, end, corner };
-            if arc.least() < self.best.depth {
-                arc.minima(|normal| {
-                    let first = self.shape.furthest(&normal);
-                    let depth = (first - corner).dot(&normal);
-                    if counts(&normal) {
-                        self.best.keep_less(depth, || on_first(normal, depth, first, Feature::edge(edge.ends)));
-                    }
-                });
-            }
+            arc.minima(&mut |normal| {
+                let Some(normal) = normal else { return self.best.depth };
+                let first = self.shape.furthest(&normal);
+                let depth = (first - corner).dot(&normal);
+                if counts(&normal) {
+                    self.best.keep_less(depth, || on_first(normal, depth, first, Feature::edge(edge.ends)));
+                }
+                self.best.depth
+            });
         }
     }
 }
@@ -149,16 +150,16 @@ struct Arc<'a, R> {
 }
 
 impl<R: Round> Arc<'_, R> {
-    /// What the overlap is at least: along any normal it is no less than that of any one point of the shape, and this, where it is positive, no less than at
-    /// the worse of both ends; else no more than so much further below as normals between are shorter when mixed.
-    fn least(&self) -> f64 {
-        let shortest = 0.5 * (self.begin + self.end).norm();
-        let of = |normal: &Vector3<f64>| {
+    /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as three points of the shape tell: along any it is no
+    /// less than that of any one point, and this, where it is positive, no less than at the worse of both; else no more than so much further below
+    /// as normals between are shorter when mixed.
+    fn is_no_less(&self, begin: &Vector3<f64>, end: &Vector3<f64>, bound: f64) -> bool {
+        let mixed = begin + end;
+        let bound = if bound < 0.0 { bound * 0.5 * mixed.norm() } else { bound };
+        [&mixed, begin, end].into_iter().any(|normal| {
             let off = self.shape.furthest(normal) - self.corner;
-            let least = self.begin.dot(&off).min(self.end.dot(&off));
-            if least < 0.0 { least / shortest } else { least }
-        };
-        of(&self.begin).max(of(&self.end))
+            begin.dot(&off) >= bound && end.dot(&off) >= bound
+        })
     }
 
     fn normal(&self, place: f64) -> Vector3<f64> {
@@ -172,17 +173,29 @@ impl<R: Round> Arc<'_, R> {
         (self.shape.furthest(&normal) - self.corner).dot(&along)
     }
 
-    /// Normals at which the overlap is least.
-    fn minima(&self, mut found: impl FnMut(Vector3<f64>)) {
-        let place = |piece: usize| piece as f64 / ARC_PIECES as f64;
-        let mut before = self.slope(0.0);
-        for piece in 0..ARC_PIECES {
-            let after = self.slope(place(piece + 1));
-            if before < 0.0 && after > 0.0 {
-                let root = bisected(|place| self.slope(place), place(piece), place(piece + 1));
-                found(self.normal(root));
+    /// Tells normals at which the overlap is least, of pieces of the arc where it may be less than what `found` tells when it is asked.
+    fn minima(&self, found: &mut impl FnMut(Option<Vector3<f64>>) -> f64) {
+        // Halves of halves: at most one of each size waits.
+        let mut waiting = [(0.0, 0.0); HALVES + 1];
+        waiting[0] = (0.0, 1.0);
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (low, size) = waiting[count];
+            let high = low + size;
+            let is_whole = size == 1.0;
+            let [begin, end] =
+                if is_whole { [self.begin, self.end] } else { [low, high].map(|place| self.normal(place)) };
+            if self.is_no_less(&begin, &end, found(None)) {
+                continue;
             }
-            before = after;
+            if size > SMALLEST {
+                waiting[count] = (low + 0.5 * size, 0.5 * size);
+                waiting[count + 1] = (low, 0.5 * size);
+                count += 2;
+            } else if self.slope(low) < 0.0 && self.slope(high) > 0.0 {
+                found(Some(self.normal(bisected(|place| self.slope(place), low, high))));
+            }
         }
     }
 }

@@ -6,8 +6,10 @@ use nalgebra::Vector3;
 /// What the search for a touch of two hulls, and clipping, write down.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    /// Of each triangle of both hulls how far the other one reaches behind it.
-    pub(super) behind: [Vec<Behind>; 2],
+    /// Of each triangle of a hull how far another one reaches behind it at least.
+    pub(super) least: Vec<f64>,
+    /// Points of each hull that are deep in the other one.
+    pub(super) deep: [Vec<Vector3<f64>>; 2],
     /// Edges of both that may be where they touch.
     pub(super) arcs: [Vec<Arc>; 2],
     /// Corners and normals of triangles of a hull where it is.
@@ -16,15 +18,6 @@ pub struct Scratch {
     /// Corners of a polygon, and of what is left of it.
     pub(super) corners: Vec<Vector3<f64>>,
     pub(super) left: Vec<Vector3<f64>>,
-}
-
-/// What is deepest behind a triangle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Behind {
-    /// How deep (m); negative in front of it.
-    pub overlap: f64,
-    /// Number of the other hull's corner.
-    pub vertex: usize,
 }
 
 /// An edge, and the arc between the normals of its triangles.
@@ -52,7 +45,8 @@ impl Scratch {
         // A closed surface of triangles has three edges for two of them. Each side that clips adds a corner or two.
         let (edges, corners) = (triangles * 3 / 2, 2 * (2 * corners + super::cap::CAP_CORNERS));
         Self {
-            behind: std::array::from_fn(|_| Vec::with_capacity(triangles)),
+            least: Vec::with_capacity(triangles),
+            deep: std::array::from_fn(|_| Vec::with_capacity(vertices)),
             arcs: std::array::from_fn(|_| Vec::with_capacity(edges)),
             vertices: Vec::with_capacity(vertices),
             normals: Vec::with_capacity(triangles),

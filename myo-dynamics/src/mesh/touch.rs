@@ -4,7 +4,7 @@
 //! edges whose arcs on the sphere of directions cross. Most edges are ruled out before they are paired.
 
 use super::placed::{Feature, Placed};
-use super::scratch::{Arc, Behind, Scratch};
+use super::scratch::{Arc, Scratch};
 use nalgebra::Vector3;
 
 /// Steps of the quick search for a direction along which two hulls are apart.
@@ -75,50 +75,71 @@ pub(super) fn are_quickly_apart(
 
 /// The least overlap over faces, and over edges if it is one at all.
 pub(super) fn least_overlap(one: &Placed<'_>, other: &Placed<'_>, scratch: &mut Scratch) -> Touch {
-    let [behind, other_behind] = &mut scratch.behind;
-    let (first, second) = (face_in_vertex(one, other, behind), face_in_vertex(other, one, other_behind).swapped());
+    let Scratch { least, deep: [deep, other_deep], arcs: [arcs, other_arcs], .. } = scratch;
+    let first = face_in_vertex(one, other, least, deep);
+    let second = face_in_vertex(other, one, least, other_deep).swapped();
     let faces = if second.depth < first.depth { second } else { first };
     if faces.depth <= 0.0 {
         return faces;
     }
-    let [arcs, other_arcs] = &mut scratch.arcs;
-    near_edges(one, other, behind, faces.depth, arcs);
-    near_edges(other, one, other_behind, faces.depth, other_arcs);
+    near_edges(one, other, deep, faces.depth, arcs);
+    near_edges(other, one, other_deep, faces.depth, other_arcs);
     edge_in_edge(one, other, [arcs, other_arcs], faces.depth).unwrap_or(faces)
 }
 
 /// The face of one hull that is the least way to push a vertex of the other out of it.
-fn face_in_vertex(one: &Placed<'_>, other: &Placed<'_>, behind: &mut Vec<Behind>) -> Touch {
-    behind.clear();
-    let (to, origin) = (other.rotation.tr_mul(&one.rotation), one.seen(&other.position));
-    for triangle in &one.hull.triangles {
-        let normal = to * triangle.normal;
-        let vertex = other.hull.furthest(&-normal);
-        let height = normal.dot(&other.hull.vertices[vertex]) + triangle.normal.dot(&origin);
-        behind.push(Behind { overlap: triangle.height - height, vertex });
+///
+/// Each point of the other tells of every face how deep it is behind it at least. The face for which this is least is looked at, until what is deepest
+/// behind it is known already: then no face has less. These points are left in `deep`.
+fn face_in_vertex(one: &Placed<'_>, other: &Placed<'_>, least: &mut Vec<f64>, deep: &mut Vec<Vector3<f64>>) -> Touch {
+    least.clear();
+    least.resize(one.hull.triangles.len(), f64::NEG_INFINITY);
+    deep.clear();
+    let mut vertex = other.furthest(&(one.position - other.position));
+    loop {
+        let second = other.vertex(vertex);
+        deep.push(second);
+        let seen = one.seen(&second);
+        let (mut face, mut depth) = (0, f64::INFINITY);
+        for (number, (triangle, least)) in one.hull.triangles.iter().zip(least.iter_mut()).enumerate() {
+            *least = least.max(triangle.height - triangle.normal.dot(&seen));
+            if *least < depth {
+                (face, depth) = (number, *least);
+            }
+        }
+        let normal = one.triangle_normal(face);
+        vertex = other.furthest(&-normal);
+        let second = other.vertex(vertex);
+        if deep.contains(&second) {
+            let features = [Feature::triangle(one.hull.triangles[face].corners), Feature::vertex(vertex)];
+            return Touch { depth, normal, points: [second + depth * normal, second], features };
+        }
     }
-    let best = (0..behind.len()).min_by(|&a, &b| behind[a].overlap.total_cmp(&behind[b].overlap)).unwrap_or(0);
-    let Behind { overlap: depth, vertex } = behind[best];
-    let (normal, second) = (one.triangle_normal(best), other.vertex(vertex));
-    let features = [Feature::triangle(one.hull.triangles[best].corners), Feature::vertex(vertex)];
-    Touch { depth, normal, points: [second + depth * normal, second], features }
 }
 
-/// Edges of one hull along whose arcs of normals it may overlap the other by less than `least` (m).
+/// Edges of one hull along whose arcs of normals it may overlap the other by less than `least` (m), as far as points of the other tell. `deep` are some, and
+/// become more.
 ///
 /// Along a normal n of the arc the overlap is at least n (e - b), e on the edge and b any point of the other. That is, between normals at which
 /// it is positive, no less than at both ends: n is shorter than what it is mixed of.
-fn near_edges(one: &Placed<'_>, other: &Placed<'_>, behind: &[Behind], least: f64, arcs: &mut Vec<Arc>) {
+fn near_edges(one: &Placed<'_>, other: &Placed<'_>, deep: &mut Vec<Vector3<f64>>, least: f64, arcs: &mut Vec<Arc>) {
     arcs.clear();
     for (number, edge) in one.hull.edges.iter().enumerate() {
         let point = one.vertex(edge.ends[0]);
         let [begin, end] = edge.sides.map(|side| one.triangle_normal(side));
-        let is_far = |side: usize| {
-            let off = point - other.vertex(behind[side].vertex);
-            begin.dot(&off).min(end.dot(&off)) >= least
+        let is_far = |deep: &Vector3<f64>| {
+            let off = point - deep;
+            begin.dot(&off) >= least && end.dot(&off) >= least
         };
-        if edge.sides.iter().any(|&side| is_far(side)) {
+        if deep.iter().rev().any(is_far) {
             continue;
+        }
+        let deepest = other.vertex(other.furthest(&-(begin + end)));
+        if !deep.contains(&deepest) {
+            deep.push(deepest);
+            if is_far(&deepest) {
+                continue;
+            }
         }
         let along = one.vertex(edge.ends[1]) - point;
         let turn = begin.cross(&end).dot(&along).signum();
