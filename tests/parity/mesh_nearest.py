@@ -366,7 +366,8 @@ def ellipsoid_normals(shape, hull):
     low = np.abs(local[:, shortest]) * shape.radii[shortest] - squares[shortest]
     high = np.maximum(low, np.sqrt(dot(squares, local**2)))
     vertices, roots = np.arange(len(local)), bisected(lambda t: excess(local, t), low, high)
-    # Of a vertex deep inside, a surface point further away may be the one that counts. Between two poles the sum is convex.
+    # Of a vertex deep inside, a surface point further away may be the one that counts. Between two poles the sum is
+    # convex.
     poles = np.sort(-squares)
     for low, high in itertools.pairwise(poles):
         low, high = np.full(len(local), low), np.full(len(local), high)

@@ -1,14 +1,17 @@
 """Bodies of others, from their MJCF: one thousand random states of each against MuJoCo.
 
 The models are those of the package `myo-sim`, as MuJoCo saves them, with inertia, and a small one that falls on floor and table. Parts of
-arms touch the trunk in some states, legs and whole bodies what they stand on; those of the others never meet, which the import finds out.
+arms touch the trunk in some states, legs and whole bodies what they stand on, bones of legs each other; those of the
+others never meet, which the import finds out.
 """
 
+import base64
 import json
 import os
 import re
 import sys
 
+import mesh_rules
 import mujoco
 import myo_sim
 import numpy as np
@@ -198,8 +201,8 @@ def test_bones_lie_on_cylinders_as_mujocos(tmp_path):
         else:
             most = max(most, error)
     print(f"{touching} states with contacts, {others} others than MuJoCo's, the rest within {most:.1e} m")
-    # Where a cylinder stands on a vertex, MuJoCo takes a line of its side by chance, once in ten thousand pairs one that is over the bone. And of the sixteen
-    # corners of an end two may be as good as each other.
+    # Where a cylinder stands on a vertex, MuJoCo takes a line of its side by chance, once in ten thousand pairs one
+    # that is over the bone. And of the sixteen corners of an end two may be as good as each other.
     assert touching > 0.5 * STATES and others <= 5
 
 
@@ -214,6 +217,47 @@ def test_a_model_file_is_made_of_it(compared, tmp_path):
     assert ("side_rule: mujoco3" in made.read_text()) == BEFORE_4
     sizes = json.loads(myo("model", "check", str(made), "--json"))
     assert (sizes["joints"], sizes["muscles"]) == (model.njnt, model.nu)
+
+
+def hulls_of(text):
+    """Of each geom of a model file that is a mesh: points, triangles and polygons."""
+
+    def numbers(list_, kind):
+        return np.frombuffer(base64.b64decode(list_), kind)
+
+    hulls = re.findall(r"points: >-\n *(\S+)\n *triangles: >-\n *(\S+)\n *polygons: >-\n *(\S+)", text)
+    found = {}
+    for name, number in re.findall(r"- name: (\S+)\n  body: \S+\n  shape:\n    mesh:\n      hull: (\d+)", text):
+        points, triangles, polygons = hulls[int(number)]
+        left, cut = numbers(polygons, "<u2").tolist(), []
+        while left:
+            count, *left = left
+            cut.append(left[:count])
+            left = left[count:]
+        found[name] = numbers(points, "<f8").reshape(-1, 3), numbers(triangles, "<u2").reshape(-1, 3).tolist(), cut
+    return found
+
+
+@pytest.mark.skipif(BEFORE_4, reason="the compiler is that of MuJoCo 4")
+def test_hulls_of_meshes_are_mujocos(tmp_path):
+    path, model = saved("myolegs26", tmp_path)
+    fingertip, shoulder = MODELS["myolegs26"]
+    made = tmp_path / "legs.yaml"
+    landmarks = ["--fingertip", fingertip, "--shoulder", shoulder]
+    myo("model", "import", str(path), *landmarks, "--root", "/", "--out", str(made))
+    found = hulls_of(made.read_text())
+    assert len(found) == 15
+    for name, (points, triangles, polygons) in found.items():
+        wanted = mesh_rules.poly_from_model(model, model.geom(name).dataid[0])
+        # To the last bit of single precision, each point once.
+        number = {tuple(point): k for k, point in enumerate(points.astype(np.float32).astype(float))}
+        order = [number[tuple(point)] for point in wanted.vertices]
+        assert sorted(order) == list(range(len(points)))
+        # In the same order, which counts.
+        assert [[order[k] for k in corners] for corners in wanted.triangles.tolist()] == triangles
+        assert [[order[k] for k in corners] for corners in wanted.polygons] == polygons
+        areas = np.array([np.cross(points[p], points[np.roll(p, -1)]).sum(0) for p in polygons])
+        assert np.abs(mesh_rules.mesh_nearest.unit(areas) - wanted.polygon_normals).max() < 1e-12
 
 
 def test_contacts_are_refused_with_their_place(tmp_path):
