@@ -84,9 +84,10 @@ pub fn build(error: BuildError) -> PyErr {
         BuildError::NoEnvironments | BuildError::TooManyEnvironments { .. } => PyValueError::new_err(error.to_string()),
         BuildError::OutOfMemory { .. } => PyMemoryError::new_err(error.to_string()),
         BuildError::Gpu(error) => gpu(&error),
-        BuildError::TooLargeForGpu { .. } | BuildError::DriverBrokeDown { .. } | BuildError::OutOfGpuMemory { .. } => {
-            DeviceError::new_err(error.to_string())
-        }
+        BuildError::TooLargeForGpu { .. }
+        | BuildError::DriverBrokeDown { .. }
+        | BuildError::MeshesOnGpu
+        | BuildError::OutOfGpuMemory { .. } => DeviceError::new_err(error.to_string()),
         error => task(error),
     }
 }

@@ -1,15 +1,16 @@
 //! Writes what this crate computes of an MJCF model in random states, to be compared with MuJoCo:
-//! `cargo run -p myo-dynamics --example states -- FILE SITE BODY COUNT RULE`, with the names of a fingertip and of a shoulder, and the rule of
-//! sides of this version of MuJoCo, `mujoco4` or `mujoco3`.
+//! `cargo run -p myo-dynamics --example states -- FILE SITE BODY COUNT RULE ROOT`, with the names of a fingertip and of a shoulder, the rule of
+//! sides of this version of MuJoCo, `mujoco4` or `mujoco3`, and a folder above all meshes.
 //!
 //! Coordinates are those of all joints, from within their limits to a little beyond; couplings hold more or less.
 
 use myo_dynamics::plan::DofKind;
 use myo_dynamics::step::{self, force};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
+use myo_mjcf::Folder;
 use myo_model::Model;
 use myo_model::description::Landmarks;
-use myo_model::import::{ImportOptions, from_mjcf};
+use myo_model::import::{ImportOptions, from_mjcf_in};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde_json::{Value, json};
 use std::error::Error;
@@ -29,14 +30,14 @@ const TILT: f64 = 0.2;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [file, fingertip, shoulder, count, side_rule] = &arguments[..] else {
-        return Err("usage: states FILE SITE BODY COUNT RULE".into());
+    let [file, fingertip, shoulder, count, side_rule, root] = &arguments[..] else {
+        return Err("usage: states FILE SITE BODY COUNT RULE ROOT".into());
     };
     let mjcf = myo_mjcf::read(Path::new(file))?;
     let landmarks = Landmarks::new(fingertip, shoulder);
     let options = ImportOptions { side_rule: side_rule.parse()?, ..ImportOptions::new(landmarks) };
     let list = |all: Vec<_>| all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-    let model = Model::new(&from_mjcf(&mjcf, &options).map_err(list)?)?;
+    let model = Model::new(&from_mjcf_in(&mjcf, &options, &Folder::new(Path::new(root))?).map_err(list)?)?;
     let (soft, reduced) = (Plan::exact(&model, CouplingMode::Soft)?, Plan::exact(&model, CouplingMode::Reduced)?);
     let states = (0..count.parse()?).map(|case| state(&soft, &reduced, Draws::new(8, case)));
     println!("{}", Value::from_iter(states));

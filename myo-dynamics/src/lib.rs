@@ -51,7 +51,7 @@
 //!
 //! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
 //! hinges, slides, ball joints and free bodies, muscle paths through points and over spheres and cylinders, one sphere that presses boxes, and contacts of round
-//! parts with each other, planes and cylinders; what it cannot simulate faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
+//! parts and convex meshes with each other, planes and cylinders; what it cannot simulate faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
 mod cast;
@@ -59,6 +59,7 @@ mod crowd;
 mod exertion;
 mod impedance;
 mod isometric;
+mod mesh;
 mod obstacles;
 pub mod plan;
 mod polynomial;

@@ -1,5 +1,6 @@
 //! State of the body, and everything that one step computes on the way.
 
+use crate::mesh::Scratch;
 use crate::plan::Plan;
 use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
 use myo_scalar::{Mask, Real, Scalar, Word};
@@ -250,6 +251,8 @@ pub struct Workspace<S: Scalar> {
     pub position: Vec<Vec3<S>>,
     /// Whether it does.
     pub is_carried: bool,
+    /// What looking for contacts of meshes needs.
+    pub touching: Scratch,
     /// Screws: one per link, then the plan's further ones.
     pub screw: Vec<Motion<S>>,
     /// Velocity of each link.
@@ -354,6 +357,7 @@ impl<S: Scalar> Workspace<S> {
             rotation: vec![Rotation::identity(); nlink],
             position: vec![Vec3::zero(); nlink],
             is_carried: plan.carried.is_some(),
+            touching: Scratch::new(plan.hulls.iter().map(AsRef::as_ref)),
             screw: vec![Motion::zero(); nscrew],
             velocity: vec![Motion::zero(); nlink],
             acceleration: vec![Motion::zero(); nlink],

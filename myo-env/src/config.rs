@@ -158,6 +158,13 @@ pub enum BuildError {
         /// What the driver said.
         reason: String,
     },
+    /// Convex meshes touch, which no kernel looks for.
+    #[cfg(feature = "gpu")]
+    #[error(
+        "contacts of meshes are not simulated on graphics cards; take the cpu backend, or import the body without contacts \
+         (`myo model import --without-contacts`)"
+    )]
+    MeshesOnGpu,
     /// No threads, or more than any machine has use for: starting them would stall it.
     #[error("threads is {threads}; it must be from 1 to {MOST_THREADS}")]
     BadThreads {

@@ -14,6 +14,7 @@ mod fingers;
 mod groups;
 mod late;
 mod limits;
+mod meshes;
 mod misjudge;
 mod parameters;
 mod peek;

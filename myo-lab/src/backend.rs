@@ -167,6 +167,7 @@ impl Backend {
             Err(
                 error @ (BuildError::TooLargeForGpu { .. }
                 | BuildError::DriverBrokeDown { .. }
+                | BuildError::MeshesOnGpu
                 | BuildError::OutOfGpuMemory { .. }
                 | BuildError::Gpu(_)),
             ) if *self == Self::Auto => {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use myo_dynamics::{CouplingMode, Plan, PlanError};
 use myo_mjcf::{FileError, Folder, MeshError, Mjcf, MjcfError, read_below};
 use myo_model::description::Look;
-use myo_model::import::{ImportOptions, Unsupported, from_mjcf, looks, unused};
+use myo_model::import::{ImportOptions, Unsupported, from_mjcf, from_mjcf_in, looks, unused};
 use myo_model::{Model, ModelDescription, ModelError};
 use thiserror::Error;
 
@@ -93,7 +93,11 @@ pub fn import_model(file: &Path, root: Option<&Path>, options: &ImportOptions) -
     let root = root.unwrap_or_else(|| file.parent().unwrap_or(Path::new("")));
     let here = if root.as_os_str().is_empty() { Path::new(".") } else { root };
     let mjcf = read_below(here, file)?;
-    let mut description = from_mjcf(&mjcf, options).map_err(|all| ImportError::Unsupported { all })?;
+    let described = match Folder::new(here) {
+        Ok(folder) => from_mjcf_in(&mjcf, options, &folder),
+        Err(_) => from_mjcf(&mjcf, options),
+    };
+    let mut description = described.map_err(|all| ImportError::Unsupported { all })?;
     let mut passed_over: Vec<String> = unused(&mjcf).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
     description.looks = seen(&mjcf, here, &mut passed_over);
     let named = || file.to_owned();

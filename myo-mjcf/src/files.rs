@@ -18,6 +18,9 @@ pub enum FileError {
     /// There is no such file.
     #[error("does not exist")]
     Missing,
+    /// There is no folder to read from.
+    #[error("is not read: the model is no file of a folder")]
+    NoFolder,
     /// The path leaves the root folder.
     #[error("lies outside the folder of the model; give a larger root folder if it is meant")]
     Outside,

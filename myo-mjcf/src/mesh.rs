@@ -55,13 +55,17 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// Its triangles in its own frame, scaled; no file outside of a folder is opened.
+    /// Its triangles in its own frame, scaled; no file outside of a folder is opened, and none at all without one.
     ///
     /// # Errors
     /// The file cannot be read, or is no mesh; a mesh of points alone has no triangles.
-    pub fn triangles(&self, folder: &Folder) -> Result<Triangles, MeshError> {
+    pub fn triangles<'a>(&self, folder: impl Into<Option<&'a Folder>>) -> Result<Triangles, MeshError> {
         let (name, found) = match &self.path {
-            Some(file) => (file.named.clone(), of_file(file, self.content_type.as_deref(), folder)?),
+            Some(file) => {
+                let missing = || MeshError::File { file: file.named.clone(), why: FileError::NoFolder };
+                let folder = folder.into().ok_or_else(missing)?;
+                (file.named.clone(), of_file(file, self.content_type.as_deref(), folder)?)
+            }
             None => ("the mesh".to_owned(), self.written()?),
         };
         let contents = |what: String| MeshError::Contents { file: name.clone(), what };

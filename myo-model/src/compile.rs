@@ -1,5 +1,6 @@
 //! From description to model: names become indices, and what elements say about each other is checked.
 
+mod hulls;
 mod looks;
 
 use crate::check::{Bound, Check};
@@ -9,6 +10,10 @@ use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pu
 use myo_nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
+
+pub(crate) use hulls::MOST_CORNERS;
+#[cfg(test)]
+pub(crate) use hulls::hull;
 
 /// Version of the model format that this crate reads.
 pub const FORMAT_VERSION: u32 = 1;
@@ -27,6 +32,8 @@ const SMALLEST_WRAP: f64 = 1e-5;
 
 /// Smallest semi-axis (m) of an ellipsoid: single precision finds nothing on a thinner one.
 const SMALLEST_RADIUS: f64 = 1e-4;
+/// Least scale of a convex mesh.
+const SMALLEST_SCALE: f64 = 1e-3;
 
 /// What lengths of branches may be divided by.
 const DIVISORS: std::ops::RangeInclusive<f64> = 0.1..=100.0;
@@ -54,6 +61,7 @@ impl Model {
         check_moving_mass(&bodies, &joints)?;
         let couplings = couplings(description, &joints)?;
         let sites = sites(description, &body_index)?;
+        let hulls = hulls::hulls(description)?;
         let geoms = geoms(description, &body_index)?;
         let contacts = contacts(description, &geoms)?;
         let site_index = Index::new(ElementKind::Site, sites.iter().map(|site| site.name.as_str()))?;
@@ -82,6 +90,7 @@ impl Model {
             contacts,
             wraps,
             muscles,
+            hulls,
             looks,
         })
     }
@@ -416,13 +425,13 @@ fn geoms(description: &ModelDescription, bodies: &Index) -> Result<Vec<Geom>, Mo
     Index::new(ElementKind::Geom, description.geoms.iter().map(|geom| geom.name.as_str()))?;
     let mut geoms = Vec::with_capacity(description.geoms.len());
     for written in &description.geoms {
-        geoms.push(geom(written, bodies)?);
+        geoms.push(geom(written, bodies, description.hulls.len())?);
     }
     geoms.sort_by_key(|geom: &Geom| geom.body);
     Ok(geoms)
 }
 
-fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
+fn geom(geom: &source::Geom, bodies: &Index, hulls: usize) -> Result<Geom, ModelError> {
     let check = Check::new(ElementKind::Geom, &geom.name);
     check.within("pos", &geom.pos, &Bound::LENGTH)?;
     check.softness(&geom.softness)?;
@@ -455,6 +464,13 @@ fn geom(geom: &source::Geom, bodies: &Index) -> Result<Geom, ModelError> {
                 check.above("half_size", size, 0.0, " m", "above 0 m")?;
                 check.within("half_size", &[size], &Bound::LENGTH)?;
             }
+        }
+        Shape::Mesh { hull, .. } if hull >= hulls => {
+            return Err(ModelError::NoHull { element: check.element, hull, count: hulls });
+        }
+        Shape::Mesh { scale, .. } => {
+            check.at_least("scale", scale, SMALLEST_SCALE, "", "at least 0.001")?;
+            check.within("scale", &[scale], &Bound::RATIO)?;
         }
     }
     Ok(Geom {

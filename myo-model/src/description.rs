@@ -68,6 +68,9 @@ pub struct ModelDescription {
     #[cfg_attr(feature = "files", serde(default))]
     #[cfg_attr(feature = "files", garde(dive))]
     pub muscles: Vec<Muscle>,
+    /// Convex meshes that geoms have for a shape.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub hulls: Vec<Hull>,
     /// What is seen of bodies, where more is known than their bones.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub looks: Vec<Look>,
@@ -345,6 +348,14 @@ pub enum Shape {
         /// Half sizes along the local axes (m).
         half_size: [f64; 3],
     },
+    /// Convex mesh.
+    Mesh {
+        /// Its place among the `hulls`, counted from 0.
+        hull: usize,
+        /// How much larger it is than that.
+        #[cfg_attr(feature = "files", serde(default = "as_large"))]
+        scale: f64,
+    },
 }
 
 /// A collision shape fixed to a body.
@@ -395,6 +406,21 @@ pub struct Look {
     pub points: String,
     /// Its triangles: indices of three points each, of 16 bits without sign, the lower byte first, counter-clockwise as seen from outside; in base 64.
     pub faces: String,
+}
+
+/// A convex mesh. Numbers of its lists stand one after the other, the lowest byte first, in base 64.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(deny_unknown_fields))]
+pub struct Hull {
+    /// Its corners: three numbers of 64 bits each (m).
+    pub points: String,
+    /// Triangles of its surface, each edge between two of them: numbers of three corners each, of 16 bits without sign, counter-clockwise as seen from
+    /// outside.
+    pub triangles: String,
+    /// Polygons of triangles that lie nearly in one plane, as numbers of 16 bits without sign: how many corners there are, and these, counter-clockwise as
+    /// seen from outside. Where several would do for a contact, the first counts.
+    pub polygons: String,
 }
 
 /// Two geoms that do not pass through each other. Margin, friction and softness of the geoms themselves do not count.
@@ -520,6 +546,11 @@ fn is_zero(vector: &[f64; 3]) -> bool {
 #[cfg(feature = "files")]
 fn shown_half_length() -> f64 {
     0.05
+}
+
+#[cfg(feature = "files")]
+fn as_large() -> f64 {
+    1.0
 }
 
 #[cfg(feature = "files")]

@@ -89,6 +89,24 @@ pub enum ModelError {
         /// What is wrong.
         what: String,
     },
+    /// A convex mesh is none.
+    #[error("{element}: {what}")]
+    BadHull {
+        /// The element.
+        element: Element,
+        /// What is wrong.
+        what: String,
+    },
+    /// A shape is a convex mesh that is not there.
+    #[error("{element}: its shape is hull {hull}, counted from 0, of {count}")]
+    NoHull {
+        /// The geom.
+        element: Element,
+        /// The number of the hull.
+        hull: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// Two elements of one kind share a name.
     #[error("{element} is declared twice; names of one kind must differ")]
     DuplicateName {
@@ -336,6 +354,8 @@ pub enum ElementKind {
     Muscle,
     /// What is seen of a body, by its number.
     Look,
+    /// A convex mesh, by its number.
+    Hull,
 }
 
 impl fmt::Display for ElementKind {
@@ -354,6 +374,7 @@ impl fmt::Display for ElementKind {
             Self::Wrap => "wrap",
             Self::Muscle => "muscle",
             Self::Look => "look",
+            Self::Hull => "hull",
         })
     }
 }

@@ -58,6 +58,7 @@ pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
     xml.open("mujoco", &[("model", text(&model.name))]);
     settings(&mut xml, model, options);
     rule_of_sides(&mut xml, model.options.side_rule);
+    meshes(&mut xml, model);
     xml.open("worldbody", &[]);
     points_and_shapes(&mut xml, model, WORLD);
     bodies_below(&mut xml, model, WORLD);
@@ -178,6 +179,25 @@ fn ball_or_free(joint: &Joint) -> Vec<Attribute> {
     ]
 }
 
+/// Each geom with a convex mesh has its own, of its name.
+fn meshes(xml: &mut Xml, model: &Model) {
+    let mut is_open = false;
+    for geom in &model.geoms {
+        let Shape::Mesh { hull, scale } = geom.shape else { continue };
+        if !is_open {
+            xml.open("asset", &[]);
+            is_open = true;
+        }
+        let hull = &model.hulls[hull];
+        let points: Vec<f64> = hull.points.iter().flatten().map(|x| x * scale).collect();
+        let faces: Vec<String> = hull.triangles.iter().flatten().map(usize::to_string).collect();
+        xml.leaf("mesh", &[("name", text(&geom.name)), ("vertex", numbers(&points)), ("face", faces.join(" "))]);
+    }
+    if is_open {
+        xml.close("asset");
+    }
+}
+
 fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {
     for site in model.sites.iter().filter(|site| site.body == body) {
         xml.leaf("site", &[("name", text(&site.name)), ("pos", numbers(site.pos.as_slice())), ("size", number(0.001))]);
@@ -218,11 +238,12 @@ fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
         // How far pictures show it.
         Shape::Plane => ("plane", vec![1.0, 1.0, 0.1]),
         Shape::Box { half_size } => ("box", half_size.to_vec()),
+        Shape::Mesh { .. } => ("mesh", vec![]),
     };
     let mut attributes = vec![
         ("name", text(&geom.name)),
         ("type", text(kind)),
-        ("size", numbers(&size)),
+        if size.is_empty() { ("mesh", text(&geom.name)) } else { ("size", numbers(&size)) },
         ("pos", numbers(geom.pos.as_slice())),
         ("quat", rotation(&geom.quat)),
         ("contype", text(if presses { "1" } else { "0" })),

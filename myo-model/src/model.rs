@@ -35,6 +35,8 @@ pub struct Model {
     pub wraps: Vec<Wrap>,
     /// Muscles.
     pub muscles: Vec<Muscle>,
+    /// Convex meshes that geoms have for a shape.
+    pub hulls: Vec<Hull>,
     /// What is seen of bodies, in their order.
     pub looks: Vec<Look>,
     /// Index of the site that points and presses.
@@ -188,6 +190,17 @@ pub struct Geom {
     pub friction: [f64; 3],
     /// Softness of contacts.
     pub softness: Softness,
+}
+
+/// A convex mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hull {
+    /// Its corners (m).
+    pub points: Vec<Vector3<f64>>,
+    /// Indices of three corners each, counter-clockwise as seen from outside.
+    pub triangles: Vec<[usize; 3]>,
+    /// Indices of the corners of polygons that triangles were merged into, counter-clockwise as seen from outside.
+    pub polygons: Vec<Vec<usize>>,
 }
 
 /// Two collision shapes that do not pass through each other.

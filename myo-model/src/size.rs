@@ -204,6 +204,7 @@ impl Scales {
             Shape::Plane => Shape::Plane,
             Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|x| x * length) },
             Shape::Box { half_size } => Shape::Box { half_size: half_size.map(|x| x * length) },
+            Shape::Mesh { hull, scale } => Shape::Mesh { hull, scale: scale * length },
         };
     }
 

@@ -402,6 +402,67 @@ fn bodies_fall_freely_on_floors_and_tables() {
     );
 }
 
+/// A tetrahedron of this name, with more of its own.
+fn tetrahedron(name: &str, more: &str) -> String {
+    let [vertex, face] = [".1 0 0 0 .1 0 0 0 .1 0 0 0", "0 1 2 1 0 3 2 1 3 0 2 3"];
+    format!("<mesh name=\"{name}\" vertex=\"{vertex}\" face=\"{face}\" {more}/>")
+}
+
+#[test]
+fn meshes_that_touch_come_as_convex_hulls() {
+    let beside = |mesh: &str, other: &str| {
+        let table = format!("<asset>{mesh}</asset><worldbody><geom name=\"table\" {other}/></worldbody>");
+        let body = r#"<geom name="rock" type="mesh" mesh="rock" mass="0" pos="0 0 -0.1" quat="0 1 0 0"/>"#;
+        from_mjcf(&read(&arm([&table, "", body, "", ""])), &options("tip", "humerus"))
+    };
+    let plane = r#"type="plane" size="1 1 1" pos="0 0 0.9""#;
+    let all = beside(&tetrahedron("rock", ""), plane).unwrap();
+    assert_eq!((all.hulls.len(), all.contacts.len()), (1, 1));
+    let model = Model::new(&all).unwrap();
+    let hull = &model.hulls[0];
+    assert_eq!((hull.points.len(), hull.triangles.len(), hull.polygons.len()), (4, 4, 4));
+    // The mesh stands about its centre of mass.
+    let rock = model.geoms.iter().find(|geom| geom.name == "rock").unwrap();
+    let mut corners: Vec<[i32; 3]> = hull
+        .points
+        .iter()
+        .map(|point| (rock.quat * point + rock.pos).map(|x| (1e6 * x).round() as i32).into())
+        .collect();
+    corners.sort();
+    assert_eq!(corners, [[0, -100_000, -100_000], [0, 0, -200_000], [0, 0, -100_000], [100_000, 0, -100_000]]);
+    assert!((hull.points.iter().sum::<nalgebra::Vector3<f64>>()).norm() < 1e-9);
+    // Files keep all of it, and MuJoCo's have the same corners.
+    let yaml = all.to_yaml().unwrap();
+    assert_eq!(ModelDescription::from_yaml(&yaml, "arm").unwrap(), all);
+    let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "humerus")).unwrap();
+    assert_eq!((back.hulls.len(), back.contacts.clone()), (1, all.contacts.clone()));
+    // Other shapes touch meshes, too, but spheres and boxes do not.
+    for other in
+        ["type=\"cylinder\" size=\"1 .1\"", "type=\"capsule\" size=\".1 .2\"", "type=\"ellipsoid\" size=\".1 .2 .3\""]
+    {
+        assert_eq!(beside(&tetrahedron("rock", ""), &format!("{other} pos=\"0 0 0.8\"")).unwrap().contacts.len(), 1);
+    }
+    let refused = |mesh: &str, other: &str| {
+        let all = beside(mesh, other).unwrap_err();
+        assert_eq!(all.len(), 1, "{all:?}");
+        all[0].to_string()
+    };
+    let sphere = refused(&tetrahedron("rock", ""), "size=\"0.1\" pos=\"0 0 0.8\"");
+    assert!(sphere.contains("it may touch `rock`: contact of sphere and mesh is not simulated"), "{sphere}");
+    let why = |mesh: &str, why: &str| {
+        let told = refused(mesh, plane);
+        assert!(told.contains(&format!("it may touch `rock`: the mesh of `rock`: {why}; let parts pass")), "{told}");
+    };
+    why(&tetrahedron("rock", "maxhullvert=\"10\""), "`maxhullvert` is not known");
+    why(
+        &tetrahedron("rock", "inertia=\"exact\""),
+        "its frame is not that of `inertia=\"legacy\"`, the only one that is known",
+    );
+    why("<mesh name=\"rock\" vertex=\"0 0 0 1 0 0 0 1 0\" face=\"0 1 2\"/>", "it has fewer than four different points");
+    why("<mesh name=\"rock\" vertex=\"0 0 0 1 0 0 0 1 0 1 1 0\" face=\"0 1 2 1 2 3\"/>", "it is flat, or nothing");
+    why("<mesh name=\"rock\" file=\"rock.stl\"/>", "rock.stl is not read: the model is no file of a folder");
+}
+
 #[test]
 fn what_has_no_name_gets_one_and_what_has_no_part_is_counted() {
     let body = r#"<body><joint axis="1 0 0"/><geom size="0.02" contype="0" conaffinity="0"/><site/><camera/></body>"#;

@@ -1,7 +1,8 @@
 //! What a person is told when a model is wrong.
 
 use myo_model::description::{
-    Contact, Joint, JointKind, Look, Over, PathElement, Pulley, Softness, TendonLimit, Wrap, WrapShape,
+    Contact, Geom, Hull, Joint, JointKind, Look, Over, PathElement, Pulley, Shape, Softness, TendonLimit, Wrap,
+    WrapShape,
 };
 use myo_model::{Model, ModelDescription, builtin};
 
@@ -329,6 +330,81 @@ fn what_is_seen_must_be_whole() {
     check_look(look("AAAA", &faces, 1e-5), &format!("{unread} each point and each triangle takes six bytes"));
     check_look(look(&points, "AAABAAQA", 1e-5), &format!("{unread} a triangle has a point that is not there"));
     check_look(look(&points, &faces, 0.0), "`step` is 0 m; it must be above 0 m");
+}
+
+/// Numbers in base 64, the lowest byte first.
+fn base64<const N: usize>(bytes: impl Iterator<Item = [u8; N]>) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let bytes: Vec<u8> = bytes.flatten().collect();
+    let three = |bytes: &[u8]| {
+        let bits = bytes.iter().chain([&0; 2]).take(3).fold(0, |bits, &byte| bits << 8 | u32::from(byte));
+        let digit = |k: usize| {
+            if k <= bytes.len() { char::from(DIGITS[(bits >> (18 - 6 * k) & 63) as usize]) } else { '=' }
+        };
+        [0, 1, 2, 3].map(digit)
+    };
+    bytes.chunks(3).flat_map(three).collect()
+}
+
+fn words(numbers: &[u16]) -> String {
+    base64(numbers.iter().map(|number| number.to_le_bytes()))
+}
+
+#[test]
+fn convex_meshes_must_be_whole() {
+    let tetrahedron = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1], [0.0; 3]];
+    let triangles: [u16; 12] = [0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 3];
+    let polygons: [u16; 16] = [3, 0, 1, 2, 3, 1, 0, 3, 3, 2, 1, 3, 3, 0, 2, 3];
+    let hull = |points: &[[f64; 3]], triangles: &[u16], polygons: &[u16]| Hull {
+        points: base64(points.iter().flatten().map(|x| x.to_le_bytes())),
+        triangles: words(triangles),
+        polygons: words(polygons),
+    };
+    let mut arm = builtin("mobl-arms").unwrap();
+    arm.hulls.push(hull(&tetrahedron, &triangles, &polygons));
+    assert_eq!(Model::new(&arm).unwrap().hulls[0].polygons.len(), 4);
+    let told = |hull: Hull, what: &str| check(|arm| arm.hulls.push(hull), &format!("hull `0`: {what}"));
+    told(Hull { points: "AAA".into(), ..arm.hulls[0].clone() }, "`points` is not in base 64: Invalid padding");
+    told(Hull { points: "AAAA".into(), ..arm.hulls[0].clone() }, "`points` is no list of 24 bytes each");
+    told(hull(&tetrahedron[..3], &triangles[..3], &[]), "it has 3 corners; from 4 to 2000 are simulated");
+    let open = "its triangles are no closed surface through all of its corners";
+    told(hull(&tetrahedron, &triangles[..9], &polygons), open);
+    told(hull(&tetrahedron, &[0, 1, 2, 0, 1, 2, 2, 1, 3, 0, 2, 3], &polygons), open);
+    told(
+        hull(&tetrahedron, &[0, 1, 2, 1, 0, 3, 2, 1, 3, 0, 2, 4], &polygons),
+        "corner 4, counted from 0, is not there; it has 4",
+    );
+    let mut inside_out = triangles;
+    inside_out.chunks_exact_mut(3).for_each(|corners| corners.swap(0, 1));
+    told(
+        hull(&tetrahedron, &inside_out, &polygons),
+        "it is not convex: corners are outside of triangle 0, counted from 0",
+    );
+    let mut flat = tetrahedron;
+    flat[2] = [0.05, 0.05, 0.0];
+    told(hull(&flat, &triangles, &polygons), "triangle 0, counted from 0, has no area");
+    let mut lost = tetrahedron;
+    lost[3][0] = f64::NAN;
+    told(hull(&lost, &triangles, &polygons), "`points` is NaN; a finite number is needed");
+    lost[3][0] = -50.0;
+    told(hull(&lost, &triangles, &polygons), "`points` is -50 m; it must be within 10 m; is it in millimetres?");
+    told(hull(&tetrahedron, &triangles, &[3, 0, 1, 2, 4, 1, 2]), "`polygons` ends before polygon 1 does");
+    told(hull(&tetrahedron, &triangles, &[3, 0, 1, 1]), "polygon 0, counted from 0, has no area, or a corner twice");
+    let rock = |shape: Shape| Geom {
+        name: "rock".into(),
+        body: "humerus".into(),
+        shape,
+        pos: [0.0; 3],
+        quat: [1.0, 0.0, 0.0, 0.0],
+        margin: 0.0,
+        friction: [1.0, 0.005, 0.0001],
+        softness: Softness::default(),
+    };
+    let told = |shape: Shape, what: &str| check(|arm| arm.geoms.push(rock(shape)), &format!("geom `rock`: {what}"));
+    told(Shape::Mesh { hull: 0, scale: 1.0 }, "its shape is hull 0, counted from 0, of 0");
+    arm.geoms.push(rock(Shape::Mesh { hull: 0, scale: 0.0 }));
+    let error = Model::new(&arm).unwrap_err().to_string();
+    assert_eq!(error, "geom `rock`: `scale` is 0; it must be at least 0.001");
 }
 
 #[test]

@@ -4,6 +4,9 @@ use crate::carried::Carried;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, BitXor, Mul, Neg, Not, Shl, Shr, Sub, SubAssign};
 
+/// Most lanes of any number.
+pub const MOST_LANES: usize = 16;
+
 /// A plain number that tables of model constants are made of: `f64` or `f32`.
 pub trait Real: Copy + Default + Debug + PartialEq + Send + Sync + 'static {
     /// Rounds a table value to this type.
@@ -151,6 +154,42 @@ pub trait Scalar:
     /// Runs a stage in a function of its own, compiled with these lanes' instructions. It bounds the size of functions,
     /// and so the time that the compiler takes; pass references, not numbers.
     fn outline<T: Stage<Self>>(stage: T) -> T::Output;
+
+    /// Does work in double precision, one environment after the other: what is rare and branches a lot. Where the mask is false there is no work, and
+    /// zero comes out. Call it within a stage, and work in a function that is not inlined.
+    ///
+    /// # Panics
+    /// A symbolic number cannot do it.
+    #[inline(always)]
+    fn lane_by_lane<const I: usize, const O: usize>(
+        mask: Self::Mask,
+        inputs: [Self; I],
+        mut work: impl FnMut(&[f64; I]) -> [f64; O],
+    ) -> [Self; O] {
+        let nothing = [Self::Const::default(); MOST_LANES];
+        let (mut here, mut taken, mut found) = (nothing, [nothing; I], [nothing; O]);
+        Self::indicator(mask).store(&mut here);
+        for (lanes, input) in taken.iter_mut().zip(inputs) {
+            input.store(lanes);
+        }
+        for lane in 0..Self::LANES {
+            if here[lane].to_f64() == 0.0 {
+                continue;
+            }
+            let mut numbers = [0.0; I];
+            for (number, lanes) in numbers.iter_mut().zip(&taken) {
+                *number = lanes[lane].to_f64();
+            }
+            for (lanes, number) in found.iter_mut().zip(work(&numbers)) {
+                lanes[lane] = Self::Const::from_f64(number);
+            }
+        }
+        let mut outputs = [Self::zero(); O];
+        for (output, lanes) in outputs.iter_mut().zip(&found) {
+            *output = Self::load(lanes);
+        }
+        outputs
+    }
 
     /// Runs `body` `count` times. `vars` are what it changes and what is read afterwards.
     ///

@@ -279,6 +279,25 @@ fn rows_are_gathered_lane_by_lane_and_kept_within_the_table() {
     }
 }
 
+function!(Alone, |a, b| S::lane_by_lane(a.lt(b), [a, b], |&[a, b]| {
+    assert!(a < b, "there is no work where the mask is false");
+    [f64::NAN, (b - a).exp()]
+})[1]);
+
+#[test]
+fn work_is_done_lane_by_lane_where_it_is_asked_for() {
+    let (a, b): (Vec<f32>, Vec<f32>) = (0..SIZE).map(|k| (0.1 * (k % 7) as f32, 0.03 * (k % 23) as f32)).unzip();
+    for level in Level::available() {
+        let out = dispatch(level, Map { a: &a, b: &b, f: Alone });
+        for ((got, a), b) in out.iter().zip(&a).zip(&b) {
+            let wanted = if a < b { (f64::from(*b) - f64::from(*a)).exp() as f32 } else { 0.0 };
+            assert_eq!(*got, wanted, "{}", level.name());
+        }
+    }
+    assert_eq!(f64::lane_by_lane(true, [2.0], |&[x]| [x, 3.0 * x]), [2.0, 6.0]);
+    assert_eq!(f64::lane_by_lane(false, [2.0], |_| -> [f64; 2] { unreachable!() }), [0.0; 2]);
+}
+
 #[test]
 fn angles_of_the_axes_and_of_next_to_nothing() {
     let along = [0.0_f64, 1.0, -1.0, 1e-20, -1e-20, 0.5];

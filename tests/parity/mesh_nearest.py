@@ -15,6 +15,7 @@ A hull here is any object with
 and a shape any with `support(directions)`: its furthest point in each direction.
 """
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +24,6 @@ import numpy as np
 HALVINGS = 80
 #: Into how many pieces the arc between the normals of two faces is divided to look for least overlaps.
 ARC_PIECES = 32
-#: Places at which normals of an ellipsoid through a point inside it are looked for.
-INNER_PLACES = 300
 #: What a cosine may be off by rounding, or a distance in metres.
 ROUNDING = 1e-12
 #: A normal is level, that is, square to an axis, if its cosine with it is less.
@@ -355,17 +354,26 @@ def ellipsoid_normals(shape, hull):
     squares = shape.radii**2
 
     def excess(points, t):
-        return dot(squares * points**2, 1 / (squares + t[..., None]) ** 2) - 1
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return dot(squares * points**2, 1 / (squares + t[..., None]) ** 2) - 1
+
+    def slope(t):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -dot(squares * local**2, 1 / (squares + t[..., None]) ** 3)
 
     # The nearest point of the surface has the root that is greater than all poles.
     shortest = int(squares.argmin())
     low = np.abs(local[:, shortest]) * shape.radii[shortest] - squares[shortest]
     high = np.maximum(low, np.sqrt(dot(squares, local**2)))
     vertices, roots = np.arange(len(local)), bisected(lambda t: excess(local, t), low, high)
-    # Of a vertex deep inside, a surface point further away may be the one that counts.
-    places = -np.linspace(0.9999, 1e-4, INNER_PLACES) * squares.max()
-    inner = excess(local[:, None], places[None])
-    vertex, place = np.nonzero(inner[:, :-1] * inner[:, 1:] < 0)
-    inner_roots = bisected(lambda t: excess(local[vertex], t), places[place], places[place + 1])
-    vertices, roots = np.concatenate([vertices, vertex]), np.concatenate([roots, inner_roots])
+    # Of a vertex deep inside, a surface point further away may be the one that counts. Between two poles the sum is
+    # convex.
+    poles = np.sort(-squares)
+    for low, high in itertools.pairwise(poles):
+        low, high = np.full(len(local), low), np.full(len(local), high)
+        least = bisected(slope, low, high)
+        inner = np.nonzero(excess(local, least) < 0)[0]
+        for ends in [(low[inner], least[inner]), (least[inner], high[inner])]:
+            vertices = np.concatenate([vertices, inner])
+            roots = np.concatenate([roots, bisected(lambda t, points=local[inner]: excess(points, t), *ends)])
     return unit(local[vertices] / (squares + roots[:, None])) @ shape.rotation.T, vertices

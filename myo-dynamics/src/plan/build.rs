@@ -81,7 +81,7 @@ impl Plan<f64> {
         let tendon_limits = tendon_limits(model, &tree);
         let bodies = tree.bodies(model);
         let contact_spheres = contact_spheres(model, &tree)?;
-        let pairs = pairs::pairs(model, &tree)?;
+        let (pairs, hulls) = pairs::pairs(model, &tree)?;
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
         let h = model.options.timestep;
@@ -108,6 +108,7 @@ impl Plan<f64> {
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
+            hulls,
             smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
             tendon_limits,
             fingertip,

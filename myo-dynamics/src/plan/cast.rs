@@ -20,7 +20,7 @@ cast! {
     Plan {
         timestep, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
         equalities, fingertip, arm, fingers, contact_spheres, pairs, joints, elements;
-        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, smooth_activation
+        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, smooth_activation, hulls
     }
     Elements { bodies, sites, wraps }
     Dof { range, stiffness, spring_torque, damping, armature; name, kind, at }
@@ -86,6 +86,7 @@ impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for PartForm<C> {
                 PartForm::Capsule { radius: radius.cast(), half_length: half_length.cast() }
             }
             Self::Ellipsoid { radii } => PartForm::Ellipsoid { radii: radii.cast() },
+            Self::Mesh(number) => PartForm::Mesh(*number),
         }
     }
 }

@@ -23,11 +23,13 @@ pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, Part, PartForm};
 
 use crate::impedance::Impedance;
+use crate::mesh::Hull;
 use crate::polynomial::{Domain, Polynomial};
 use crate::step::kinematics::joint_state;
 use myo_model::description::SideRule;
 use myo_muscle::Muscle;
 use myo_scalar::{Real, Scalar};
+use std::sync::Arc;
 
 /// What becomes of joint couplings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -102,6 +104,8 @@ pub struct Plan<C> {
     pub contact_spheres: Vec<ContactSphere<C>>,
     /// Parts of the body that do not pass through each other.
     pub pairs: Vec<ContactPair<C>>,
+    /// Convex meshes of these.
+    pub hulls: Vec<Arc<Hull>>,
     /// Where each joint of the model finds its position.
     pub joints: Vec<JointCoordinates<C>>,
     /// For drawing: where the model's elements are. Only exact plans have them; specialised ones drop links.

@@ -3,10 +3,12 @@
 use super::build::Tree;
 use super::{FixedFrame, Movers, Plan, PlanError, Point};
 use crate::impedance::{Impedance, pyramid_diagonal};
+use crate::mesh::{Hull, MOST_CONTACTS};
 use myo_model::Model;
 use myo_model::description::Shape;
 use myo_model::model::{Contact, Geom};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Two parts that do not pass through each other.
 #[derive(Clone, Debug)]
@@ -70,6 +72,8 @@ pub enum PartForm<C> {
         /// Half of the length without the balls (m); zero for a ball.
         half_length: C,
     },
+    /// A convex mesh, by its number among the plan's.
+    Mesh(usize),
 }
 
 impl<C> ContactPair<C> {
@@ -105,33 +109,42 @@ impl ContactPair<f64> {
     }
 }
 
+/// All pairs of a model, and their convex meshes.
+type Pairs = (Vec<ContactPair<f64>>, Vec<Arc<Hull>>);
+
 /// All pairs of a model.
-pub(super) fn pairs(model: &Model, tree: &Tree) -> Result<Vec<ContactPair<f64>>, PlanError> {
+pub(super) fn pairs(model: &Model, tree: &Tree) -> Result<Pairs, PlanError> {
     let (mut pairs, mut slot) = (Vec::with_capacity(model.contacts.len()), 0);
+    let mut hulls = Hulls::default();
     for contact in &model.contacts {
-        let pair = ContactPair { slot, ..pair(model, tree, contact)? };
+        let pair = ContactPair { slot, ..pair(model, tree, contact, &mut hulls)? };
         slot += pair.points;
         pairs.push(pair);
     }
-    Ok(pairs)
+    Ok((pairs, hulls.all))
 }
 
-fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64>, PlanError> {
-    let geoms = contact.geoms.map(|geom| &model.geoms[geom]);
+fn pair(model: &Model, tree: &Tree, contact: &Contact, hulls: &mut Hulls) -> Result<ContactPair<f64>, PlanError> {
+    let mut geoms = contact.geoms;
+    // Which one of two meshes is the first counts: that which stands first.
+    geoms.sort_unstable_by_key(|&geom| matches!(model.geoms[geom].shape, Shape::Mesh { .. }).then_some(geom));
+    let geoms = geoms.map(|geom| &model.geoms[geom]);
     let unlike = || PlanError::UnlikeParts { geoms: geoms.map(|geom| geom.name.clone()) };
-    let [first, second] = geoms.map(|geom| part(model, tree, geom));
+    let [first, second] = geoms.map(|geom| part(model, tree, geom, hulls));
     let mut parts = [first.ok_or_else(unlike)?, second.ok_or_else(unlike)?];
     parts.sort_by_key(|part| part.form.rank());
     let is_flat = |form: PartForm<f64>| matches!(form, PartForm::Plane | PartForm::Cylinder { .. });
     let [one, other] = parts.each_ref().map(|part| part.form);
-    if is_flat(one) && is_flat(other) {
+    let is_mesh = |form: PartForm<f64>| matches!(form, PartForm::Mesh(_));
+    let is_ball = matches!(one, PartForm::Capsule { half_length, .. } if half_length == 0.0);
+    if is_flat(one) && is_flat(other) || is_mesh(other) && is_ball {
         return Err(unlike());
     }
     let is_rod = matches!(other, PartForm::Capsule { half_length, .. } if half_length > 0.0);
     Ok(ContactPair {
-        far: if is_flat(one) { 0.0 } else { one.reach() } + other.reach() + contact.margin,
+        far: if is_flat(one) { 0.0 } else { one.reach(hulls) } + other.reach(hulls) + contact.margin,
         slot: 0,
-        points: if is_flat(one) && is_rod { 2 } else { 1 },
+        points: points(one, other),
         is_along_axis: one == PartForm::Plane && is_rod,
         parts,
         margin: contact.margin,
@@ -143,14 +156,46 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact) -> Result<ContactPair<f64
     })
 }
 
-fn part(model: &Model, tree: &Tree, geom: &Geom) -> Option<Part<f64>> {
-    let com: Vector3<f64> = model.bodies[geom.body].com;
-    let frame = tree.placed(geom.body, geom.pos, geom.quat);
-    Some(Part { frame, form: form(geom.shape)?, body_com: tree.point(geom.body, com) })
+/// In how many points two parts may touch.
+fn points(one: PartForm<f64>, other: PartForm<f64>) -> usize {
+    match (one, other) {
+        (PartForm::Ellipsoid { .. }, PartForm::Mesh(_)) => 1,
+        (PartForm::Capsule { .. }, PartForm::Mesh(_)) => 2,
+        (_, PartForm::Mesh(_)) => MOST_CONTACTS,
+        (PartForm::Plane | PartForm::Cylinder { .. }, PartForm::Capsule { half_length, .. }) if half_length > 0.0 => 2,
+        _ => 1,
+    }
 }
 
-fn form(shape: Shape) -> Option<PartForm<f64>> {
+fn part(model: &Model, tree: &Tree, geom: &Geom, hulls: &mut Hulls) -> Option<Part<f64>> {
+    let com: Vector3<f64> = model.bodies[geom.body].com;
+    let frame = tree.placed(geom.body, geom.pos, geom.quat);
+    Some(Part { frame, form: form(model, geom.shape, hulls)?, body_com: tree.point(geom.body, com) })
+}
+
+/// Convex meshes of all pairs.
+#[derive(Default)]
+struct Hulls {
+    all: Vec<Arc<Hull>>,
+    /// Which hull of the model each of them is, and how large (bits).
+    numbers: Vec<(usize, u64)>,
+}
+
+impl Hulls {
+    /// The number of the hull of a model, of this size.
+    fn number(&mut self, model: &Model, hull: usize, scale: f64) -> usize {
+        let key = (hull, scale.to_bits());
+        self.numbers.iter().position(|other| *other == key).unwrap_or_else(|| {
+            self.numbers.push(key);
+            self.all.push(Arc::new(Hull::new(&model.hulls[hull], scale)));
+            self.all.len() - 1
+        })
+    }
+}
+
+fn form(model: &Model, shape: Shape, hulls: &mut Hulls) -> Option<PartForm<f64>> {
     match shape {
+        Shape::Mesh { hull, scale } => Some(PartForm::Mesh(hulls.number(model, hull, scale))),
         Shape::Plane => Some(PartForm::Plane),
         Shape::Cylinder { radius, half_length } => Some(PartForm::Cylinder { radius, half_length }),
         Shape::Ellipsoid { radii } => Some(PartForm::Ellipsoid { radii }),
@@ -162,12 +207,13 @@ fn form(shape: Shape) -> Option<PartForm<f64>> {
 
 impl PartForm<f64> {
     /// Radius of a ball around its middle that holds it (m).
-    fn reach(&self) -> f64 {
+    fn reach(&self, hulls: &Hulls) -> f64 {
         match *self {
             Self::Plane => f64::INFINITY,
             Self::Cylinder { radius, half_length } => radius.hypot(half_length),
             Self::Ellipsoid { radii } => radii.into_iter().fold(0.0, f64::max),
             Self::Capsule { radius, half_length } => radius + half_length,
+            Self::Mesh(number) => hulls.all[number].reach(),
         }
     }
 
@@ -178,6 +224,7 @@ impl PartForm<f64> {
             Self::Cylinder { .. } => 1,
             Self::Ellipsoid { .. } => 2,
             Self::Capsule { .. } => 3,
+            Self::Mesh(_) => 4,
         }
     }
 }

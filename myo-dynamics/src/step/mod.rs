@@ -12,6 +12,7 @@ pub mod ellipsoid;
 pub mod force;
 pub mod inertia;
 pub mod kinematics;
+mod mesh;
 pub mod nearby;
 pub mod pair;
 mod support;

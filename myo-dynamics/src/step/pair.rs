@@ -4,6 +4,7 @@
 use super::contact::{Edges, Meeting, pyramid, slide};
 use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
+use super::mesh;
 use super::support::{Apart, Oval, Segment, Smooth, ovals};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
@@ -76,41 +77,60 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
     #[inline(always)]
     fn run(self) {
         let Self { plan, pair, near, state, ws } = self;
-        let along = pair.is_along_axis.then(|| axis(&pair.parts[1], ws));
-        let meets = meet(pair, ws);
-        for (point, &Meets { distance, normal, at }) in meets.iter().take(pair.points).enumerate() {
-            let number = ws.box_slots + pair.slot + point;
-            let violation = distance - S::splat(pair.margin);
-            let contact = &mut ws.contacts[number];
-            (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
-            let meeting = Meeting {
-                at,
-                normal,
-                along,
-                violation,
-                friction: pair.friction,
-                impedance: &pair.impedance,
-                diagonal: pair.diagonal,
-                movers: &pair.movers.each,
-            };
-            if pair.is_slippery {
-                slide(plan, &meeting, state, number, ws);
-            } else {
-                pyramid(plan, &meeting, state, number, ws);
+        if let PartForm::Mesh(hull) = pair.parts[1].form {
+            for (point, (exists, meets)) in mesh::meet(plan, pair, hull, near, ws).into_iter().enumerate() {
+                if point < pair.points {
+                    touch(plan, pair, state, (point, exists, meets), ws);
+                }
             }
+            return;
         }
+        for (point, &meets) in meet(pair, ws).iter().take(pair.points).enumerate() {
+            touch(plan, pair, state, (point, near, meets), ws);
+        }
+    }
+}
+
+/// A point in which a pair touches, as a contact, where it does.
+#[inline(always)]
+fn touch<S: Scalar>(
+    plan: &Plan<S::Const>,
+    pair: &ContactPair<S::Const>,
+    state: &State<S>,
+    (point, near, Meets { distance, normal, at }): (usize, S::Mask, Meets<S>),
+    ws: &mut Workspace<S>,
+) {
+    let along = pair.is_along_axis.then(|| axis(&pair.parts[1], ws));
+    let number = ws.box_slots + pair.slot + point;
+    let violation = distance - S::splat(pair.margin);
+    let contact = &mut ws.contacts[number];
+    (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
+    let meeting = Meeting {
+        at,
+        normal,
+        along,
+        violation,
+        friction: pair.friction,
+        impedance: &pair.impedance,
+        diagonal: pair.diagonal,
+        movers: &pair.movers.each,
+    };
+    if pair.is_slippery {
+        slide(plan, &meeting, state, number, ws);
+    } else {
+        pyramid(plan, &meeting, state, number, ws);
     }
 }
 
 /// How two parts meet in a point.
 #[derive(Clone, Copy)]
-struct Meets<S> {
+pub(super) struct Meets<S> {
     /// Distance of their surfaces (m), negative where they overlap.
-    distance: S,
+    pub distance: S,
     /// From the first to the second.
-    normal: Vec3<S>,
+    pub normal: Vec3<S>,
     /// Midway between the surfaces (m, from O).
-    at: Vec3<S>,
+    pub at: Vec3<S>,
 }
 
 /// How two parts meet, in as many points as they may: of those that meet in one the second says nothing.
@@ -130,6 +150,7 @@ fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>
         }
         (PartForm::Ellipsoid { radii }, _) => alone(rod_in_oval(one, other, radii, ws)),
         (PartForm::Capsule { .. }, _) => alone(rods(one, other, ws)),
+        (PartForm::Mesh(_), _) => unreachable!("meshes are the last of all forms, and looked for apart"),
     }
 }
 
@@ -253,7 +274,7 @@ fn axis<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> Vec3<S> {
 #[inline(always)]
 fn rod<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> (S, Vec3<S>, Vec3<S>) {
     let PartForm::Capsule { radius, half_length } = part.form else {
-        unreachable!("capsules are the last of all forms")
+        unreachable!("capsules are the last of all forms but meshes")
     };
     let half = part.frame.axes[2].map(|x| S::Const::from_f64(x.to_f64() * half_length.to_f64()));
     let half = ws.rotation[part.frame.origin.link].apply(Vec3::splat(half));

@@ -1,5 +1,6 @@
 //! The environment as symbolic programs: the same generic code as on every other backend, run once on symbols.
 
+use crate::config::BuildError;
 use crate::control::{Following, Judge, Scratch, Script, Unwatched, reseed, simulate, step_and_autoreset};
 use crate::parameters::World;
 use crate::state::EnvState;
@@ -39,10 +40,18 @@ const fn shared(binding: u32) -> Buffer {
     Buffer { binding, sharing: Sharing::Shared }
 }
 
+/// Whether what a body does can be recorded.
+///
+/// # Errors
+/// Its meshes touch.
+pub fn check(tables: &Tables<f64>) -> Result<(), BuildError> {
+    if tables.plan.hulls.is_empty() { Ok(()) } else { Err(BuildError::MeshesOnGpu) }
+}
+
 /// One control step with everything that belongs to it.
 ///
 /// # Panics
-/// The tables are of environments with rules of one's own, which are recorded from the rules.
+/// The tables are of environments with rules of one's own, which are recorded from the rules, or cannot be recorded, see [`check`].
 pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
     step_by(&Script, tables, autoreset, form)
 }

@@ -53,6 +53,7 @@ impl Kernels {
         autoreset: Autoreset,
         form: Option<Form>,
     ) -> Result<Self, BuildError> {
+        record::check(tables)?;
         let form = form.unwrap_or_else(|| {
             let fits = |form: &Form| record::step_by(judge, tables, autoreset, *form).operations() <= MAX_STRAIGHT;
             [Form::Straight, Form::Paths].into_iter().find(fits).unwrap_or(Form::Loops)

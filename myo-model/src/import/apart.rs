@@ -4,6 +4,7 @@
 //! to the point. So a floor that an arm does not come down to needs no contact.
 
 use super::contacts::Held;
+use super::meshes::Meshes;
 use myo_mjcf::{Joint, JointKind, Mjcf, Shape};
 use nalgebra::{Isometry3, Point3, Translation3};
 
@@ -11,6 +12,7 @@ use nalgebra::{Isometry3, Point3, Translation3};
 pub(super) struct Apart<'a> {
     pub(super) mjcf: &'a Mjcf,
     pub(super) frames: Vec<Isometry3<f64>>,
+    pub(super) meshes: &'a Meshes<'a>,
 }
 
 /// Where a geom stays, seen from a body that it hangs on.
@@ -24,14 +26,14 @@ enum Stays {
 }
 
 impl<'a> Apart<'a> {
-    pub(super) fn of(mjcf: &'a Mjcf) -> Self {
+    pub(super) fn of(mjcf: &'a Mjcf, meshes: &'a Meshes<'a>) -> Self {
         let mut frames: Vec<Isometry3<f64>> = Vec::with_capacity(mjcf.bodies.len());
         for body in &mjcf.bodies {
             let pose = frame(&body.pose);
             // Parents stand before their children, and the world before all.
             frames.push(frames.get(body.parent).map_or(pose, |parent| parent * pose));
         }
-        Self { mjcf, frames }
+        Self { mjcf, frames, meshes }
     }
 
     /// Whether two geoms never come within a margin (m) of each other.
@@ -72,9 +74,11 @@ impl<'a> Apart<'a> {
             last = anchor;
         }
         let Some((centre, radius)) = ball else { return Stays::Still };
-        let at = self.frames[held.body] * Point3::from(held.geom.pose.pos());
-        match reach(held.geom) {
-            Some(own) => Stays::Ball(centre, radius + (at - last).norm() + own),
+        match self.meshes.ball(held.geom) {
+            Some((middle, own)) => {
+                let at = self.frames[held.body] * frame(&held.geom.pose) * middle;
+                Stays::Ball(centre, radius + (at - last).norm() + own)
+            }
             None => Stays::Anywhere,
         }
     }
@@ -104,10 +108,11 @@ impl<'a> Apart<'a> {
 
     /// Distance of a point from a geom at a place, or less.
     pub(super) fn surface(&self, geom: &myo_mjcf::Geom, place: &Isometry3<f64>, point: &Point3<f64>) -> f64 {
-        if geom.mesh.is_some() {
-            return f64::NEG_INFINITY;
-        }
         let local = place.inverse() * point;
+        if geom.mesh.is_some() {
+            let ball = self.meshes.ball(geom);
+            return ball.map_or(f64::NEG_INFINITY, |(middle, reach)| (local - middle).norm() - reach);
+        }
         let [a, b, c] = geom.size();
         let across = local.x.hypot(local.y);
         match geom.kind() {

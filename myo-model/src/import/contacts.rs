@@ -1,10 +1,12 @@
 //! Which parts of a body may touch each other.
 
 use super::Import;
-use super::apart::Apart;
+use super::apart::{Apart, frame};
+use super::meshes::Meshes;
 use crate::compile::SMALLEST_FRICTION;
 use crate::description::{Contact, Geom, Shape, Softness};
 use myo_mjcf::{self as source, Cone, Pair, Place, Switch};
+use nalgebra::UnitQuaternion;
 use std::cmp::Ordering;
 
 /// A geom, with the number of its body and its own.
@@ -34,17 +36,19 @@ impl<'a> Import<'a> {
         if !self.keeps(self.mjcf.flags.contact()) {
             return (vec![], vec![]);
         }
-        let apart = Apart::of(self.mjcf);
         let mut touches = self.touches();
+        let mut meshes = Meshes::of(self.mjcf, self.folder);
+        touches.iter().flat_map(|touch| touch.geoms).for_each(|held| meshes.read(held.geom));
+        let apart = Apart::of(self.mjcf, &meshes);
         touches.retain(|touch| !apart.always(touch.geoms, touch.reach()));
         let never = |touch: &Touch<'_>| {
-            let is_sure = touch.is_simulated() && !touch.has_flat_shape();
+            let is_sure = touch.is_simulated(&meshes) && !touch.has_flat_shape();
             !is_sure && apart.within_limits(touch.geoms, touch.reach(), |joint| self.hard_range(joint))
         };
         touches.retain(|touch| !never(touch));
-        let (simulated, others): (Vec<_>, Vec<_>) = touches.into_iter().partition(Touch::is_simulated);
+        let (simulated, others): (Vec<_>, Vec<_>) = touches.into_iter().partition(|touch| touch.is_simulated(&meshes));
         if let Some(first) = others.first() {
-            self.refuse_touch(first, others.len());
+            self.refuse_touch(first, others.len(), &meshes);
         }
         if let Some(rough) = simulated.iter().find(|touch| touch.condim == 3) {
             self.check_cone(rough.place);
@@ -53,9 +57,10 @@ impl<'a> Import<'a> {
         for held in simulated.iter().flat_map(|touch| touch.geoms) {
             let name = self.geom_name(held);
             if !geoms.iter().any(|geom| geom.name == name) {
-                geoms.extend(self.geom(held));
+                geoms.extend(self.geom(held, &mut meshes));
             }
         }
+        self.hulls = meshes.hulls();
         let contact = |touch: &Touch<'_>| Contact {
             geoms: touch.geoms.map(|held| self.geom_name(held)),
             margin: touch.margin,
@@ -79,7 +84,7 @@ impl<'a> Import<'a> {
     }
 
     /// Refuses the first contact of a kind that is not simulated, and says how many there are.
-    fn refuse_touch(&mut self, touch: &Touch<'_>, count: usize) {
+    fn refuse_touch(&mut self, touch: &Touch<'_>, count: usize, meshes: &Meshes<'_>) {
         let [one, other] = touch.geoms;
         let name = |held: Held<'_>| {
             held.geom
@@ -88,7 +93,10 @@ impl<'a> Import<'a> {
                 .map_or_else(|| format!("the geom at {}", held.geom.place), |name| format!("`{name}`"))
         };
         let kinds = touch.geoms.map(|held| format!("{:?}", held.geom.kind()).to_lowercase());
-        let why = if !touch.has_simulated_shapes() {
+        let unread = touch.geoms.iter().find_map(|held| Some((held, meshes.why_not(held.geom)?)));
+        let why = if let Some((held, why)) = unread.filter(|_| touch.is_known()) {
+            format!("the mesh of {}: {why}", name(*held))
+        } else if !touch.is_known() {
             format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
         } else {
             "of contacts only those with `condim` 1, or 3 and one sliding friction, and neither `gap` nor `adhesion` are simulated".into()
@@ -157,19 +165,31 @@ impl<'a> Import<'a> {
     }
 
     /// The description of a geom of a shape that is simulated.
-    fn geom(&self, held: Held<'_>) -> Option<Geom> {
+    fn geom(&self, held: Held<'_>, meshes: &mut Meshes<'_>) -> Option<Geom> {
         let geom = held.geom;
-        Some(Geom {
+        let mut described = Geom {
             name: self.geom_name(held),
             body: self.names.bodies[held.body].clone(),
-            shape: shape(geom)?,
+            shape: Shape::Plane,
             pos: geom.pose.pos(),
             quat: geom.pose.quat(),
             margin: geom.margin(),
             friction: geom.friction(),
             softness: Softness { solref: geom.solref(), solimp: geom.solimp() },
-        })
+        };
+        if let Some(touching) = meshes.touching(geom) {
+            let place = frame(&geom.pose) * touching.frame;
+            (described.pos, described.quat) = (place.translation.vector.into(), written(&place.rotation));
+            described.shape = Shape::Mesh { hull: meshes.hull(geom)?, scale: 1.0 };
+        } else {
+            described.shape = shape(geom)?;
+        }
+        Some(described)
     }
+}
+
+fn written(turn: &UnitQuaternion<f64>) -> [f64; 4] {
+    [turn.w, turn.i, turn.j, turn.k]
 }
 
 fn shape(geom: &source::Geom) -> Option<Shape> {
@@ -188,26 +208,62 @@ fn shape(geom: &source::Geom) -> Option<Shape> {
     }
 }
 
-fn is_flat(shape: &Option<Shape>) -> bool {
-    matches!(shape, Some(Shape::Plane | Shape::Cylinder { .. }))
+/// What a geom is like where it touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Plane,
+    Cylinder,
+    Sphere,
+    Capsule,
+    Ellipsoid,
+    Mesh,
+    Other,
+}
+
+impl Form {
+    fn of(geom: &source::Geom) -> Self {
+        match (shape(geom), geom.kind()) {
+            (Some(Shape::Plane), _) => Self::Plane,
+            (Some(Shape::Cylinder { .. }), _) => Self::Cylinder,
+            (Some(Shape::Sphere { .. }), _) => Self::Sphere,
+            (Some(Shape::Capsule { .. }), _) => Self::Capsule,
+            (Some(Shape::Ellipsoid { .. }), _) => Self::Ellipsoid,
+            (None, source::Shape::Mesh) => Self::Mesh,
+            _ => Self::Other,
+        }
+    }
+
+    fn is_flat(self) -> bool {
+        matches!(self, Self::Plane | Self::Cylinder)
+    }
+
+    /// Whether contacts of two are simulated: anything round with anything, and meshes with all but spheres.
+    fn meets(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Other, _) | (_, Self::Other) => false,
+            (Self::Mesh, other) | (other, Self::Mesh) => other != Self::Sphere,
+            (one, other) => !(one.is_flat() && other.is_flat()),
+        }
+    }
 }
 
 impl<'a> Touch<'a> {
-    fn is_simulated(&self) -> bool {
-        self.has_simulated_shapes()
+    fn is_simulated(&self, meshes: &Meshes<'_>) -> bool {
+        self.is_known()
+            && self.geoms.iter().all(|held| meshes.why_not(held.geom).is_none())
             && (self.gap, self.adhesion) == (0.0, 0.0)
             && (self.condim == 1 || self.condim == 3 && self.friction[0] == self.friction[1])
     }
 
-    /// Whether the shapes are compared: anything round with anything, but planes and cylinders not with each other.
-    fn has_simulated_shapes(&self) -> bool {
-        let shapes = self.geoms.map(|held| shape(held.geom));
-        shapes.iter().all(Option::is_some) && !shapes.iter().all(is_flat)
+    /// Whether contacts of such shapes are simulated.
+    fn is_known(&self) -> bool {
+        let [one, other] = self.geoms.map(|held| Form::of(held.geom));
+        one.meets(other)
     }
 
     /// Whether one of them is a plane or cylinder.
     fn has_flat_shape(&self) -> bool {
-        self.geoms.iter().any(|held| is_flat(&shape(held.geom)))
+        self.geoms.iter().any(|held| Form::of(held.geom).is_flat())
     }
 
     /// Its sliding friction; none where it has no dimension but the normal, else no less than MuJoCo takes.

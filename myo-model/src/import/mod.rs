@@ -5,18 +5,20 @@
 
 mod apart;
 mod contacts;
+mod hull;
 mod joints;
 mod lock;
 mod looks;
 mod mass;
+mod meshes;
 mod muscles;
 mod ranges;
 mod settings;
 
 use crate::ModelDescription;
 use crate::compile::FORMAT_VERSION;
-use crate::description::{Body, Geom, Landmarks, Shape, SideRule, Site, Softness};
-use myo_mjcf::{Mjcf, Place};
+use crate::description::{Body, Geom, Hull, Landmarks, Shape, SideRule, Site, Softness};
+use myo_mjcf::{Folder, Mjcf, Place};
 use std::collections::HashSet;
 use std::fmt;
 
@@ -66,12 +68,34 @@ impl fmt::Display for Unsupported {
 /// # Errors
 /// Everything in it that cannot be simulated as MuJoCo does.
 pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescription, Vec<Unsupported>> {
+    described(mjcf, options, None)
+}
+
+/// The same, with contacts of meshes, whose files are below a folder.
+///
+/// # Errors
+/// Everything in it that cannot be simulated as MuJoCo does.
+pub fn from_mjcf_in(
+    mjcf: &Mjcf,
+    options: &ImportOptions,
+    folder: &Folder,
+) -> Result<ModelDescription, Vec<Unsupported>> {
+    described(mjcf, options, Some(folder))
+}
+
+fn described(
+    mjcf: &Mjcf,
+    options: &ImportOptions,
+    folder: Option<&Folder>,
+) -> Result<ModelDescription, Vec<Unsupported>> {
     let mjcf = &*lock::locked(mjcf, &options.locked)?;
     let mut import = Import {
         mjcf,
         names: Names::of(mjcf),
         run_over: muscles::run_over(mjcf),
         side_rule: options.side_rule,
+        folder,
+        hulls: vec![],
         unsupported: vec![],
     };
     let refused = |one: &myo_mjcf::Refused| Unsupported {
@@ -100,6 +124,7 @@ pub fn from_mjcf(mjcf: &Mjcf, options: &ImportOptions) -> Result<ModelDescriptio
         contacts,
         wraps: import.wraps(),
         muscles: import.muscles(),
+        hulls: std::mem::take(&mut import.hulls),
         looks: vec![],
         landmarks,
     };
@@ -157,6 +182,10 @@ struct Import<'a> {
     /// Names of geoms that tendons run over.
     run_over: HashSet<&'a str>,
     side_rule: SideRule,
+    /// Where meshes are read from.
+    folder: Option<&'a Folder>,
+    /// Convex meshes that geoms touch with.
+    hulls: Vec<Hull>,
     unsupported: Vec<Unsupported>,
 }
 

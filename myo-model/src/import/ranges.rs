@@ -3,7 +3,7 @@
 //! Limits are soft, so hinges may stand [`BEYOND`] beyond them here; limits softer than MuJoCo's own are none. Of a box of joint positions the middle is looked at: nothing moves farther from where it is there than the joints turn,
 //! each by at most half of the box, times the longest lever. Where that does not do, the box is halved along the joint that moves most.
 
-use super::apart::{Apart, frame, reach};
+use super::apart::{Apart, frame};
 use super::contacts::Held;
 use myo_mjcf::{Joint, JointKind};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -73,8 +73,8 @@ impl Apart<'_> {
             return Some(vec![]);
         }
         let mut stops = vec![];
-        let mut lever = reach(held.geom)?;
-        let mut last = self.frames[held.body] * Point3::from(held.geom.pose.pos());
+        let (middle, mut lever) = self.meshes.ball(held.geom)?;
+        let mut last = self.frames[held.body] * frame(&held.geom.pose) * middle;
         for &(body, joint) in joints.iter().rev() {
             let anchor = self.frames[body] * Point3::from(joint.pos());
             lever += (last - anchor).norm();
@@ -104,8 +104,8 @@ impl Apart<'_> {
     /// Distance (m) of two geoms at these places, or less.
     fn clearance(&self, geoms: [Held<'_>; 2], places: [Isometry3<f64>; 2]) -> f64 {
         let from = |one: usize, other: usize| {
-            let centre = Point3::from(places[other].translation.vector);
-            reach(geoms[other].geom).map(|reach| self.surface(geoms[one].geom, &places[one], &centre) - reach)
+            let (middle, reach) = self.meshes.ball(geoms[other].geom)?;
+            Some(self.surface(geoms[one].geom, &places[one], &(places[other] * middle)) - reach)
         };
         [from(0, 1), from(1, 0)].into_iter().flatten().fold(f64::NEG_INFINITY, f64::max)
     }

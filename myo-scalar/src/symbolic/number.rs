@@ -218,6 +218,13 @@ impl Scalar for Sym {
     fn store(self, _: &mut [f64]) {
         panic!("symbolic numbers are written to a Buffer")
     }
+    fn lane_by_lane<const I: usize, const O: usize>(
+        _: SymMask,
+        _: [Self; I],
+        _: impl FnMut(&[f64; I]) -> [f64; O],
+    ) -> [Self; O] {
+        panic!("work in double precision cannot be recorded")
+    }
     fn mul_add(self, a: Self, b: Self) -> Self {
         Self::apply(Op::MulAdd, &[self.0, a.0, b.0])
     }

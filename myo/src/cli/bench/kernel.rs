@@ -86,6 +86,7 @@ impl KernelKind {
 pub fn run(args: &KernelArgs) -> Result<()> {
     let scenario = Scenario::open(&args.task)?;
     let tables = Tables::<f64>::new(&scenario.model, &scenario.task)?;
+    record::check(&tables)?;
     let start = Instant::now();
     let program = args.part.record(&tables, if args.loops { Form::Loops } else { Form::Straight });
     let record_s = start.elapsed().as_secs_f64();

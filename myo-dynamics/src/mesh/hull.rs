@@ -1,0 +1,114 @@
+//! Tables of a convex mesh.
+
+use myo_model::model;
+use nalgebra::Vector3;
+
+/// A convex mesh: the hull's triangles, and the polygons that neighbours were merged into.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hull {
+    /// Corners (m), in single precision as MuJoCo has them.
+    pub(super) vertices: Vec<Vector3<f64>>,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) edges: Vec<Edge>,
+    pub(super) polygons: Vec<Polygon>,
+    /// Of each corner the polygons around it, in their order.
+    pub(super) around: Vec<Vec<usize>>,
+    /// Radius of a ball about the origin that holds it (m).
+    pub(super) reach: f64,
+}
+
+/// A triangle of the hull.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Triangle {
+    /// Counterclockwise as seen from outside.
+    pub corners: [usize; 3],
+    /// Unit, outward.
+    pub normal: Vector3<f64>,
+    /// Height of the triangle along the normal (m).
+    pub height: f64,
+}
+
+/// An edge between two triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Edge {
+    pub ends: [usize; 2],
+    /// The triangle whose outline goes along it, and that whose goes back.
+    pub sides: [usize; 2],
+}
+
+/// Triangles that lie nearly in one plane.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Polygon {
+    /// Counterclockwise as seen from outside.
+    pub corners: Vec<usize>,
+    /// Unit, outward.
+    pub normal: Vector3<f64>,
+}
+
+impl Hull {
+    /// The tables of a model's hull, so much larger.
+    pub fn new(hull: &model::Hull, scale: f64) -> Self {
+        let points: Vec<Vector3<f64>> = hull.points.iter().map(|point| scale * point).collect();
+        let rounded = |point: &Vector3<f64>| point.map(|x| f64::from(x as f32));
+        let vertices: Vec<Vector3<f64>> = points.iter().map(rounded).collect();
+        let triangle = |&corners: &[usize; 3]| {
+            let normal = |of: &[Vector3<f64>]| {
+                let [a, b, c] = corners.map(|corner| of[corner]);
+                (b - a).cross(&(c - a)).try_normalize(f64::MIN_POSITIVE)
+            };
+            // Narrow ones may lose their area in rounding.
+            let normal = normal(&vertices).or_else(|| normal(&points)).unwrap_or_default();
+            Triangle { corners, normal, height: normal.dot(&vertices[corners[0]]) }
+        };
+        // Normals are those of the points before these are rounded.
+        let polygon = |corners: &Vec<usize>| {
+            let next = corners.iter().cycle().skip(1);
+            let sum: Vector3<f64> = corners.iter().zip(next).map(|(&a, &b)| points[a].cross(&points[b])).sum();
+            Polygon { corners: corners.clone(), normal: sum.normalize() }
+        };
+        let mut around = vec![vec![]; vertices.len()];
+        for (number, corners) in hull.polygons.iter().enumerate() {
+            corners.iter().for_each(|&corner| around[corner].push(number));
+        }
+        Self {
+            triangles: hull.triangles.iter().map(triangle).collect(),
+            edges: edges(&hull.triangles),
+            polygons: hull.polygons.iter().map(polygon).collect(),
+            around,
+            reach: vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max),
+            vertices,
+        }
+    }
+
+    /// Radius of a ball about the origin that holds it (m).
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// The corner that is furthest in a direction.
+    pub(super) fn furthest(&self, direction: &Vector3<f64>) -> usize {
+        let (mut best, mut furthest) = (f64::NEG_INFINITY, 0);
+        for (number, vertex) in self.vertices.iter().enumerate() {
+            let height = vertex.dot(direction);
+            if height > best {
+                (best, furthest) = (height, number);
+            }
+        }
+        furthest
+    }
+}
+
+/// Edges of a closed surface, each once.
+fn edges(triangles: &[[usize; 3]]) -> Vec<Edge> {
+    let mut begun = std::collections::HashMap::new();
+    let mut edges = vec![];
+    for (number, &[a, b, c]) in triangles.iter().enumerate() {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            match begun.remove(&(to, from)) {
+                Some(first) => edges.push(Edge { ends: [to, from], sides: [first, number] }),
+                None => _ = begun.insert((from, to), number),
+            }
+        }
+    }
+    edges
+}

@@ -1,0 +1,75 @@
+//! Contacts of convex meshes, in double precision and one body at a time: they are rare, and branch a lot.
+//!
+//! The rules are MuJoCo's, see `docs/mesh-contacts.md`.
+
+mod apart;
+mod cap;
+mod capsule;
+mod clip;
+mod contacts;
+mod cylinder;
+mod ellipsoid;
+mod face;
+mod hull;
+mod placed;
+mod plane;
+mod quad;
+mod round;
+mod scratch;
+#[cfg(test)]
+mod tests;
+mod touch;
+
+pub use contacts::{Contacts, MOST_CONTACTS};
+pub use hull::Hull;
+pub use scratch::Scratch;
+
+use capsule::Capsule;
+use cylinder::Cylinder;
+use ellipsoid::Ellipsoid;
+use face::Side;
+use nalgebra::{Matrix3, Vector3};
+use placed::Placed;
+
+/// What a mesh may touch; what is round has its axis along z.
+#[derive(Clone, Copy, Debug)]
+pub enum Other<'a> {
+    /// The half space below z = 0.
+    Plane,
+    /// A cylinder (m).
+    Cylinder { radius: f64, half_length: f64 },
+    /// An ellipsoid of these semi-axes (m).
+    Ellipsoid { radii: [f64; 3] },
+    /// A capsule (m).
+    Capsule { radius: f64, half_length: f64 },
+    /// Another mesh.
+    Mesh(&'a Hull),
+}
+
+/// Where a mesh is in the frame of what it may touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Its axes as columns.
+    pub rotation: Matrix3<f64>,
+    /// Its origin (m).
+    pub position: Vector3<f64>,
+}
+
+/// Contacts of a mesh, the second, with something else, the first, in the frame of this; up to a margin (m).
+#[inline(never)]
+pub fn contacts(first: Other<'_>, second: &Hull, place: &Place, margin: f64, scratch: &mut Scratch) -> Contacts {
+    let mesh = Placed { hull: second, rotation: place.rotation, position: place.position };
+    match first {
+        Other::Plane => plane::plane_mesh(&mesh, margin),
+        Other::Cylinder { radius, half_length } => Cylinder { radius, half_length }.contacts(&mesh, margin, scratch),
+        Other::Ellipsoid { radii } => Ellipsoid { radii: radii.into() }.contacts(&mesh, margin, scratch),
+        Other::Capsule { radius, half_length } => Capsule { radius, half_length }.contacts(&mesh, margin, scratch),
+        Other::Mesh(first) => mesh_mesh(&Placed::at_rest(first), &mesh, margin, scratch),
+    }
+}
+
+fn mesh_mesh(one: &Placed<'_>, other: &Placed<'_>, margin: f64, scratch: &mut Scratch) -> Contacts {
+    let Some(touch) = touch::hulls(one, other, margin, scratch) else { return Contacts::default() };
+    let [feature, other_feature] = touch.features;
+    contacts::several(&touch, [&Side::Hull(one, feature), &Side::Hull(other, other_feature)], margin, scratch)
+}

@@ -1,0 +1,217 @@
+//! Where a round shape and a hull touch: the least overlap over all normals, which are those of the hull's faces, of its corners and of its edges.
+
+use super::placed::{Feature, Placed};
+use super::scratch::Scratch;
+use super::touch::Touch;
+use nalgebra::{Unit, Vector3};
+
+/// What a height may be off by rounding (m).
+const ROUNDING: f64 = 1e-12;
+/// How often the arc between the normals of two faces is halved at most to look for least overlaps, and the share that is left then.
+const HALVES: usize = 5;
+const SMALLEST: f64 = 1.0 / (1 << HALVES) as f64;
+/// Halvings of an interval in which a root was found; it is as exact as its numbers then.
+const HALVINGS: usize = 80;
+
+/// A shape in its own frame.
+pub(super) trait Round {
+    /// Its furthest point in a direction.
+    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64>;
+}
+
+/// The search for the least overlap of a shape and a hull in its frame.
+pub(super) struct Search<'a, R> {
+    pub shape: &'a R,
+    pub hull: &'a Placed<'a>,
+    vertices: &'a [Vector3<f64>],
+    normals: &'a [Vector3<f64>],
+    pub best: Touch,
+}
+
+impl<'a, R: Round> Search<'a, R> {
+    /// Begins with the faces.
+    pub fn new(shape: &'a R, hull: &'a Placed<'a>, scratch: &'a mut Scratch) -> Self {
+        let Scratch { vertices, normals, .. } = scratch;
+        vertices.clear();
+        vertices.extend((0..hull.hull.vertices.len()).map(|number| hull.vertex(number)));
+        normals.clear();
+        normals.extend((0..hull.hull.triangles.len()).map(|number| hull.triangle_normal(number)));
+        let none = Touch {
+            depth: f64::INFINITY,
+            normal: Vector3::z(),
+            points: [Vector3::zeros(); 2],
+            features: [Feature::vertex(0); 2],
+        };
+        let mut search = Self { shape, hull, vertices, normals, best: none };
+        for (triangle, normal) in hull.hull.triangles.iter().zip(search.normals) {
+            let corner = search.vertices[triangle.corners[0]];
+            let (first, feature) = (search.shape.furthest(&-normal), Feature::triangle(triangle.corners));
+            let depth = (corner - first).dot(normal);
+            search.best.keep_less(depth, || on_first(-normal, depth, first, feature));
+        }
+        search
+    }
+
+    pub fn vertices(&self) -> &'a [Vector3<f64>] {
+        self.vertices
+    }
+
+    /// The corner that is deepest against a direction.
+    pub fn deepest(&self, normal: &Vector3<f64>) -> usize {
+        self.hull.furthest(&-normal)
+    }
+
+    /// A normal that belongs to a corner, if that is the deepest along it.
+    pub fn at_vertex(&mut self, normal: &Vector3<f64>, vertex: usize) {
+        let second = self.vertices[vertex];
+        let overlap = |vertex: usize| (self.shape.furthest(normal) - self.vertices[vertex]).dot(normal);
+        if overlap(vertex) < self.best.depth {
+            let depth = overlap(self.deepest(normal));
+            if depth <= overlap(vertex) + ROUNDING {
+                self.best.keep_less(depth, || at_second(*normal, depth, second, Feature::vertex(vertex)));
+            }
+        }
+    }
+
+    /// Normals that are square to an edge and to a direction, `point` being a point of the shape's line in that direction.
+    pub fn along_line(&mut self, axis: &Vector3<f64>, point: impl Fn(&Vector3<f64>) -> Vector3<f64>) {
+        for edge in &self.hull.hull.edges {
+            let [begin, end] = edge.sides.map(|side| -self.normals[side]);
+            let (rise, other_rise) = (begin.dot(axis), end.dot(axis));
+            if rise * other_rise >= 0.0 {
+                continue;
+            }
+            let share = rise / (rise - other_rise);
+            let mixed = begin * (1.0 - share) + end * share;
+            let normal = (mixed - mixed.dot(axis) * axis).normalize();
+            let [corner, other] = edge.ends.map(|end| self.vertices[end]);
+            let on_line = point(&normal);
+            let depth = (on_line - corner).dot(&normal);
+            self.best.keep_less(depth, || {
+                let points = lines_meet([on_line, *axis], [corner, other - corner]);
+                Touch { depth, normal, points, features: [Feature::vertex(0), Feature::edge(edge.ends)] }
+            });
+        }
+    }
+
+    /// Normals within the arcs of edges along which the overlap is least; those for which `counts` holds.
+    pub fn along_arcs(&mut self, counts: impl Fn(&Vector3<f64>) -> bool) {
+        for edge in &self.hull.hull.edges {
+            let [begin, end] = edge.sides.map(|side| -self.normals[side]);
+            let corner = self.vertices[edge.ends[0]];
+            let arc = Arc { shape: self.shape, begin, end, corner };
+            arc.minima(&mut |normal| {
+                let Some(normal) = normal else { return self.best.depth };
+                let first = self.shape.furthest(&normal);
+                let depth = (first - corner).dot(&normal);
+                if counts(&normal) {
+                    self.best.keep_less(depth, || on_first(normal, depth, first, Feature::edge(edge.ends)));
+                }
+                self.best.depth
+            });
+        }
+    }
+}
+
+impl Touch {
+    /// Becomes another one of less depth.
+    fn keep_less(&mut self, depth: f64, other: impl FnOnce() -> Self) {
+        if depth < self.depth {
+            *self = other();
+        }
+    }
+}
+
+/// A touch at a point of the first shape.
+fn on_first(normal: Vector3<f64>, depth: f64, first: Vector3<f64>, feature: Feature) -> Touch {
+    Touch { depth, normal, points: [first, first - depth * normal], features: [Feature::vertex(0), feature] }
+}
+
+/// A touch at a point of the second.
+fn at_second(normal: Vector3<f64>, depth: f64, second: Vector3<f64>, feature: Feature) -> Touch {
+    Touch { depth, normal, points: [second + depth * normal, second], features: [Feature::vertex(0), feature] }
+}
+
+/// The points of two lines, by a point and a direction each, that are nearest to each other.
+fn lines_meet([point, u]: [Vector3<f64>; 2], [other, v]: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+    let between = other - point;
+    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let determinant = uu * vv - uv * uv;
+    let (s, t) = (vv * u.dot(&between) - uv * v.dot(&between), uv * u.dot(&between) - uu * v.dot(&between));
+    [point + s / determinant * u, other + t / determinant * v]
+}
+
+/// The normals between those of two faces, turned to the shape.
+struct Arc<'a, R> {
+    shape: &'a R,
+    begin: Vector3<f64>,
+    end: Vector3<f64>,
+    corner: Vector3<f64>,
+}
+
+impl<R: Round> Arc<'_, R> {
+    /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as three points of the shape tell: along any it is no
+    /// less than that of any one point, and this, where it is positive, no less than at the worse of both; else no more than so much further below
+    /// as normals between are shorter when mixed.
+    fn is_no_less(&self, begin: &Vector3<f64>, end: &Vector3<f64>, bound: f64) -> bool {
+        let mixed = begin + end;
+        let bound = if bound < 0.0 { bound * 0.5 * mixed.norm() } else { bound };
+        [&mixed, begin, end].into_iter().any(|normal| {
+            let off = self.shape.furthest(normal) - self.corner;
+            begin.dot(&off) >= bound && end.dot(&off) >= bound
+        })
+    }
+
+    fn normal(&self, place: f64) -> Vector3<f64> {
+        (self.begin * (1.0 - place) + self.end * place).normalize()
+    }
+
+    /// How the overlap changes along the arc.
+    fn slope(&self, place: f64) -> f64 {
+        let (normal, chord) = (self.normal(place), self.end - self.begin);
+        let along = chord - chord.dot(&normal) * normal;
+        (self.shape.furthest(&normal) - self.corner).dot(&along)
+    }
+
+    /// Tells normals at which the overlap is least, of pieces of the arc where it may be less than what `found` tells when it is asked.
+    fn minima(&self, found: &mut impl FnMut(Option<Vector3<f64>>) -> f64) {
+        // Halves of halves: at most one of each size waits.
+        let mut waiting = [(0.0, 0.0); HALVES + 1];
+        waiting[0] = (0.0, 1.0);
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (low, size) = waiting[count];
+            let high = low + size;
+            let is_whole = size == 1.0;
+            let [begin, end] =
+                if is_whole { [self.begin, self.end] } else { [low, high].map(|place| self.normal(place)) };
+            if self.is_no_less(&begin, &end, found(None)) {
+                continue;
+            }
+            if size > SMALLEST {
+                waiting[count] = (low + 0.5 * size, 0.5 * size);
+                waiting[count + 1] = (low, 0.5 * size);
+                count += 2;
+            } else if self.slope(low) < 0.0 && self.slope(high) > 0.0 {
+                found(Some(self.normal(bisected(|place| self.slope(place), low, high))));
+            }
+        }
+    }
+}
+
+/// Where a function changes its sign between two places.
+pub(super) fn bisected(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let sign = function(low).signum();
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if function(middle).signum() == sign { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// What of a vector is square to an axis, at length one; none of one along it.
+pub(super) fn across(vector: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let level = Vector3::new(vector.x, vector.y, 0.0);
+    Unit::try_new(level, f64::MIN_POSITIVE).map(Unit::into_inner)
+}
