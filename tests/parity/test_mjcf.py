@@ -208,11 +208,13 @@ def test_bones_lie_on_cylinders_as_mujocos(tmp_path):
 
 def test_a_model_file_is_made_of_it(compared, tmp_path):
     name, model, path, _ = compared
+    if name.startswith("legs among"):
+        pytest.skip("the legs are a body of their own already")
     fingertip, shoulder = MODELS[name]
     made = tmp_path / f"{name}.yaml"
     landmarks = ["--fingertip", fingertip, "--shoulder", shoulder]
     # Meshes that touch are read from where the package is.
-    root = ["--root", "/"] if "legs26" in name or "among" in name else []
+    root = ["--root", "/"] if "legs26" in name else []
     myo("model", "import", str(path), *landmarks, "--side-rule", SIDE_RULE, "--out", str(made), *root)
     assert ("side_rule: mujoco3" in made.read_text()) == BEFORE_4
     sizes = json.loads(myo("model", "check", str(made), "--json"))

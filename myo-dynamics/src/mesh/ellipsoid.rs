@@ -34,7 +34,9 @@ impl Ellipsoid {
     pub(super) fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
         let mut search = Search::new(self, mesh, scratch);
         for (number, vertex) in search.vertices().iter().enumerate() {
-            self.normals_through(vertex, |normal| search.at_vertex(&normal, number));
+            if search.may_count(number) {
+                self.normals_through(vertex, |normal| search.at_vertex(&normal, number));
+            }
         }
         search.along_arcs(|_| true);
         search.best

@@ -13,6 +13,8 @@ pub struct Hull {
     pub(super) polygons: Vec<Polygon>,
     /// Of each corner the polygons around it, in their order.
     pub(super) around: Vec<Vec<usize>>,
+    /// Of each corner the triangles around it.
+    pub(super) triangles_around: Vec<Vec<usize>>,
     /// Radius of a ball about the origin that holds it (m).
     pub(super) reach: f64,
 }
@@ -70,7 +72,12 @@ impl Hull {
         for (number, corners) in hull.polygons.iter().enumerate() {
             corners.iter().for_each(|&corner| around[corner].push(number));
         }
+        let mut triangles_around = vec![vec![]; vertices.len()];
+        for (number, corners) in hull.triangles.iter().enumerate() {
+            corners.iter().for_each(|&corner| triangles_around[corner].push(number));
+        }
         Self {
+            triangles_around,
             triangles: hull.triangles.iter().map(triangle).collect(),
             edges: edges(&hull.triangles),
             polygons: hull.polygons.iter().map(polygon).collect(),

@@ -61,6 +61,16 @@ impl<'a, R: Round> Search<'a, R> {
         self.hull.furthest(&-normal)
     }
 
+    /// Whether there may be less overlap at a corner than is known: between the normals of the triangles around it the overlap is at least that of any
+    /// one point of the shape, and this, where it is positive, no less than at the worst of these.
+    pub fn may_count(&self, vertex: usize) -> bool {
+        let around = &self.hull.hull.triangles_around[vertex];
+        let sum: Vector3<f64> = around.iter().map(|&triangle| self.normals[triangle]).sum();
+        let off = self.vertices[vertex] - self.shape.furthest(&-sum);
+        let least = self.best.depth.max(0.0);
+        !around.iter().all(|&triangle| self.normals[triangle].dot(&off) >= least)
+    }
+
     /// A normal that belongs to a corner, if that is the deepest along it.
     pub fn at_vertex(&mut self, normal: &Vector3<f64>, vertex: usize) {
         let second = self.vertices[vertex];
