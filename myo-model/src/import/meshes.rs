@@ -8,6 +8,8 @@ use std::collections::HashMap;
 
 /// Most triangles that are read of a file's meshes together.
 const MOST_TRIANGLES: usize = 5_000_000;
+/// Most points that are added to their hulls: so many take some ten seconds.
+const MOST_ADDED: usize = 100_000;
 
 /// What of a file's meshes touches, or why that is not known.
 pub(super) struct Meshes<'a> {
@@ -16,13 +18,15 @@ pub(super) struct Meshes<'a> {
     /// By their numbers.
     read: HashMap<usize, Result<Touching, String>>,
     triangles: usize,
+    /// Points that may still be added to hulls.
+    left: usize,
     /// Numbers of those that were asked for.
     used: Vec<usize>,
 }
 
 impl<'a> Meshes<'a> {
     pub fn of(mjcf: &'a Mjcf, folder: Option<&'a Folder>) -> Self {
-        Self { mjcf, folder, read: HashMap::new(), triangles: 0, used: vec![] }
+        Self { mjcf, folder, read: HashMap::new(), triangles: 0, left: MOST_ADDED, used: vec![] }
     }
 
     /// Reads the mesh of a geom, if it has one for a shape.
@@ -31,8 +35,7 @@ impl<'a> Meshes<'a> {
             && !self.read.contains_key(&number)
         {
             let found = self.found(&self.mjcf.meshes[number]);
-            self.triangles += found.as_ref().map_or(0, |(_, triangles)| *triangles);
-            self.read.insert(number, found.map(|(touching, _)| touching));
+            self.read.insert(number, found);
         }
     }
 
@@ -41,8 +44,7 @@ impl<'a> Meshes<'a> {
         self.mjcf.meshes.iter().position(|mesh| mesh.name.as_ref() == Some(name))
     }
 
-    /// What touches, and how many triangles that was made of.
-    fn found(&self, mesh: &Mesh) -> Result<(Touching, usize), String> {
+    fn found(&mut self, mesh: &Mesh) -> Result<Touching, String> {
         if mesh.inertia() != MeshInertia::Legacy {
             return Err("its frame is not that of `inertia=\"legacy\"`, the only one that is known".into());
         }
@@ -57,8 +59,8 @@ impl<'a> Meshes<'a> {
             why => why.to_string(),
         };
         let triangles = mesh.triangles(self.folder).map_err(told)?;
-        let touching = touching(&triangles).map_err(|why| why.to_string())?;
-        Ok((touching, triangles.faces.len()))
+        self.triangles += triangles.faces.len();
+        touching(&triangles, &mut self.left).map_err(|why| why.to_string())
     }
 
     /// The mesh that a geom has for a shape.

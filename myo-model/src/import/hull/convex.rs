@@ -9,8 +9,8 @@ use super::facets::{Facets, NONE};
 use super::simplex::Extent;
 use nalgebra::Vector3;
 
-/// The hull of points as triangles, counter-clockwise as seen from outside.
-pub(super) fn hull(points: &[Vector3<f64>]) -> Result<Vec<[usize; 3]>, HullError> {
+/// The hull of points as triangles, counter-clockwise as seen from outside. It takes away from the points that may be added to hulls.
+pub(super) fn hull(points: &[Vector3<f64>], left: &mut usize) -> Result<Vec<[usize; 3]>, HullError> {
     if points.len() < 4 {
         return Err(HullError::Few);
     }
@@ -20,7 +20,10 @@ pub(super) fn hull(points: &[Vector3<f64>]) -> Result<Vec<[usize; 3]>, HullError
     growing.part_all(simplex);
     while let Some(facet) = growing.facets.next {
         match growing.facets.all[facet].outside.pop() {
-            Some(point) => growing.add(point, facet)?,
+            Some(point) => {
+                *left = left.checked_sub(1).ok_or(HullError::Slow)?;
+                growing.add(point, facet)?;
+            }
             None => growing.facets.next = growing.facets.after(facet),
         }
     }

@@ -26,6 +26,8 @@ pub(super) enum HullError {
     Flat,
     #[error("its points are so near to one plane that rounding decides what their hull is")]
     Narrow,
+    #[error("the hulls of all meshes together have more corners than are looked for; make them coarser")]
+    Slow,
     #[error("it has {0} different points; hulls are made of at most {MOST_POINTS}")]
     ManyPoints(usize),
     #[error("its hull has {0} corners; at most {MOST_CORNERS} are simulated; make it coarser")]
@@ -42,13 +44,13 @@ pub(super) struct Touching {
     pub reach: f64,
 }
 
-/// That of triangles.
-pub(super) fn touching(triangles: &Triangles) -> Result<Touching, HullError> {
+/// That of triangles; it takes away from the points that may be added to hulls.
+pub(super) fn touching(triangles: &Triangles, left: &mut usize) -> Result<Touching, HullError> {
     let (points, faces) = distinct(triangles);
     if points.len() > MOST_POINTS {
         return Err(HullError::ManyPoints(points.len()));
     }
-    let hull = convex::hull(&points)?;
+    let hull = convex::hull(&points, left)?;
     let polygons = merged::polygons(&points, &hull);
     let corners: Vec<[Vector3<f64>; 3]> = faces.iter().map(|face| face.map(|point| points[point])).collect();
     let frame = frame::frame(&corners)?;
@@ -119,7 +121,7 @@ mod tests {
 
     /// What is found, checked as a model's is: closed, convex, through all of its corners; with all points of the mesh in it.
     fn checked(mesh: &Triangles) -> Result<model::Hull, HullError> {
-        let found = touching(mesh)?;
+        let found = touching(mesh, &mut 100_000)?;
         let hull = hull(0, &found.hull).unwrap();
         for point in &mesh.points {
             let seen = found.frame.inverse_transform_point(&point.map(f64::from).into()).coords;
@@ -202,20 +204,22 @@ mod tests {
     #[test]
     fn what_has_no_hull_is_told() {
         let few = mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-        assert_eq!(touching(&few).unwrap_err(), HullError::Few);
+        assert_eq!(touching(&few, &mut 9).unwrap_err(), HullError::Few);
         let same = mesh(vec![[1.0, 2.0, 3.0]; 50]);
-        assert_eq!(touching(&same).unwrap_err(), HullError::Few);
+        assert_eq!(touching(&same, &mut 9).unwrap_err(), HullError::Few);
         let flat = |z: fn(f64, f64) -> f64| {
             let mut draws = Draws(3);
             mesh((0..50).map(|_| [draws.next(), draws.next()]).map(|[x, y]| [x, y, z(x, y)]).collect())
         };
-        assert_eq!(touching(&flat(|_, _| 0.0)).unwrap_err(), HullError::Flat);
+        assert_eq!(touching(&flat(|_, _| 0.0), &mut 9).unwrap_err(), HullError::Flat);
         // Single precision has no points in this plane but near it, whose hull is thin.
-        assert!(touching(&flat(|x, y| x + 0.3 * y)).is_ok());
+        assert!(touching(&flat(|x, y| x + 0.3 * y), &mut 99).is_ok());
         let line = mesh((0..50).map(|k| [f64::from(k), 2.0 * f64::from(k), 0.0]).collect());
-        assert_eq!(touching(&line).unwrap_err(), HullError::Flat);
+        assert_eq!(touching(&line, &mut 9).unwrap_err(), HullError::Flat);
         let mut draws = Draws(4);
+        let hundred = mesh((0..100).map(|_| [0; 3].map(|_| draws.next())).collect());
+        assert_eq!(touching(&hundred, &mut 9).unwrap_err(), HullError::Slow);
         let many = mesh((0..100_001).map(|_| [0; 3].map(|_| draws.next())).collect());
-        assert_eq!(touching(&many).unwrap_err(), HullError::ManyPoints(100_001));
+        assert_eq!(touching(&many, &mut 9).unwrap_err(), HullError::ManyPoints(100_001));
     }
 }
