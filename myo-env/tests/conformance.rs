@@ -12,6 +12,8 @@ use myo_tasks::Task;
 
 /// A backend under test.
 trait Subject: VectorEnv + Sized {
+    /// Whether a driver compiles each task, which takes minutes for large bodies where that is software.
+    const IS_COMPILED: bool = false;
     fn make(task: &Task, config: EnvConfig) -> Self;
 }
 
@@ -28,6 +30,7 @@ impl Subject for ReferenceEnv {
 }
 
 impl Subject for GpuEnv {
+    const IS_COMPILED: bool = true;
     fn make(task: &Task, config: EnvConfig) -> Self {
         Self::new(&gpu(), &arm(task), task, &config).unwrap()
     }
@@ -299,7 +302,9 @@ fn motor_noise_differs_between_muscles<E: Subject>() {
 }
 
 fn every_preset_runs_with_finite_numbers<E: Subject>() {
-    for name in myo_tasks::preset_names() {
+    // Of two presets of the largest body one is compiled.
+    let is_tried = |name: &&str| !(E::IS_COMPILED && *name == "ar-menu");
+    for name in myo_tasks::preset_names().into_iter().filter(is_tried) {
         let task = short(name);
         let mut env = E::make(&task, EnvConfig { num_envs: 4, ..Default::default() });
         let run = rollout(&mut env, 30);
