@@ -81,8 +81,8 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         accelerate(plan, ws, rows);
         if rows.limited || rows.tethered || rows.touching {
             let is_early = number.lt(S::lit(BLOCK_ROUNDS as f64));
-            S::when(is_early, &mut Exchange(ws), |Exchange(ws)| exchange_all(plan, ws, rows));
-            S::when(!is_early, &mut Exchange(ws), |Exchange(ws)| exchange_first(plan, ws, rows));
+            S::when(is_early, &mut Exchange(ws), |Exchange(ws)| S::outline(ExchangeAll { plan, ws, rows }));
+            S::when(!is_early, &mut Exchange(ws), |Exchange(ws)| S::outline(ExchangeFirst { plan, ws, rows }));
             *number += S::lit(1.0);
         }
         ws.unsettled
@@ -297,6 +297,38 @@ fn add_row<S: Scalar>(elimination: &Elimination, row: &Row<S>, jacobian: &[S], m
             matrix[felt.entry] = scaled.mul_add(jacobian[felt.dof], matrix[felt.entry]);
         }
         matrix[column.diagonal] = scaled.mul_add(jacobian[column.dof], matrix[column.diagonal]);
+    }
+}
+
+/// See [`exchange_all`]. A stage, since what a closure does that is not inlined has not its level's instructions.
+struct ExchangeAll<'a, S: Scalar> {
+    plan: &'a Plan<S::Const>,
+    ws: &'a mut Workspace<S>,
+    rows: Rows,
+}
+
+impl<S: Scalar> Stage<S> for ExchangeAll<'_, S> {
+    const NAME: &'static str = "exchange of all rows";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        exchange_all(self.plan, self.ws, self.rows);
+    }
+}
+
+/// See [`exchange_first`].
+struct ExchangeFirst<'a, S: Scalar> {
+    plan: &'a Plan<S::Const>,
+    ws: &'a mut Workspace<S>,
+    rows: Rows,
+}
+
+impl<S: Scalar> Stage<S> for ExchangeFirst<'_, S> {
+    const NAME: &'static str = "exchange of one row";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        exchange_first(self.plan, self.ws, self.rows);
     }
 }
 
