@@ -218,3 +218,26 @@ fn a_feature_has_the_polygons_it_is_a_part_of() {
         assert_eq!(feature.polygons(hull).count(), feature.edge_ends(hull).count());
     }
 }
+
+/// A body that went to ruin is found by its state; looking for its contacts must end.
+#[test]
+fn a_search_ends_wherever_numbers_are_none() {
+    let [one, other] = &rocks([40, 30]);
+    let mut scratch = Scratch::new([one, other].into_iter());
+    let shapes = [
+        Other::Plane,
+        Other::Cylinder { radius: 0.03, half_length: 0.2 },
+        Other::Ellipsoid { radii: [0.01, 0.1, 0.05] },
+        Other::Capsule { radius: 0.02, half_length: 0.1 },
+        Other::Mesh(other),
+    ];
+    let whole = Place { rotation: nalgebra::Matrix3::identity(), position: Vector3::zeros() };
+    for number in [f64::NAN, f64::INFINITY] {
+        let turned = Place { rotation: nalgebra::Matrix3::repeat(number), ..whole };
+        let moved = Place { position: Vector3::repeat(number), ..whole };
+        for (shape, place) in shapes.iter().flat_map(|shape| [(shape, &turned), (shape, &moved)]) {
+            let found = contacts(*shape, one, place, 0.001, &mut scratch);
+            assert!(found.iter().count() <= MOST_CONTACTS, "{shape:?}");
+        }
+    }
+}

@@ -110,7 +110,8 @@ fn face_in_vertex(one: &Placed<'_>, other: &Placed<'_>, least: &mut Vec<f64>, de
         let normal = one.triangle_normal(face);
         vertex = other.furthest(&-normal);
         let second = other.vertex(vertex);
-        if deep.contains(&second) {
+        // Numbers that are none are never known already; there are no more points than corners.
+        if deep.contains(&second) || deep.len() > other.hull.vertices.len() {
             let features = [Feature::triangle(one.hull.triangles[face].corners), Feature::vertex(vertex)];
             return Touch { depth, normal, points: [second + depth * normal, second], features };
         }

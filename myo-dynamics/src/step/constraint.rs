@@ -80,9 +80,12 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     S::repeat_while(MAX_ROUNDS, &mut Round { ws, number: S::zero() }, |Round { ws, number }| {
         accelerate(plan, ws, rows);
         if rows.limited || rows.tethered || rows.touching {
-            let is_early = number.lt(S::lit(BLOCK_ROUNDS as f64));
-            S::when(is_early, &mut Exchange(ws), |Exchange(ws)| S::outline(ExchangeAll { plan, ws, rows }));
-            S::when(!is_early, &mut Exchange(ws), |Exchange(ws)| S::outline(ExchangeFirst { plan, ws, rows }));
+            let early = number.lt(S::lit(BLOCK_ROUNDS as f64));
+            for (mask, is_early) in [(early, true), (!early, false)] {
+                let exchange =
+                    |Exchange(ws): &mut Exchange<'_, S>| S::outline(ExchangeRows { plan, ws, rows, is_early });
+                S::when(mask, &mut Exchange(ws), exchange);
+            }
             *number += S::lit(1.0);
         }
         ws.unsettled
@@ -300,35 +303,21 @@ fn add_row<S: Scalar>(elimination: &Elimination, row: &Row<S>, jacobian: &[S], m
     }
 }
 
-/// See [`exchange_all`]. A stage, since what a closure does that is not inlined has not its level's instructions.
-struct ExchangeAll<'a, S: Scalar> {
+/// The exchange of an early round or of a later one. A stage, since what a closure does that is not inlined has not its level's instructions.
+struct ExchangeRows<'a, S: Scalar> {
     plan: &'a Plan<S::Const>,
     ws: &'a mut Workspace<S>,
     rows: Rows,
+    is_early: bool,
 }
 
-impl<S: Scalar> Stage<S> for ExchangeAll<'_, S> {
-    const NAME: &'static str = "exchange of all rows";
+impl<S: Scalar> Stage<S> for ExchangeRows<'_, S> {
+    const NAME: &'static str = "exchange of rows";
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        exchange_all(self.plan, self.ws, self.rows);
-    }
-}
-
-/// See [`exchange_first`].
-struct ExchangeFirst<'a, S: Scalar> {
-    plan: &'a Plan<S::Const>,
-    ws: &'a mut Workspace<S>,
-    rows: Rows,
-}
-
-impl<S: Scalar> Stage<S> for ExchangeFirst<'_, S> {
-    const NAME: &'static str = "exchange of one row";
-    type Output = ();
-    #[inline(always)]
-    fn run(self) {
-        exchange_first(self.plan, self.ws, self.rows);
+        let Self { plan, ws, rows, is_early } = self;
+        if is_early { exchange_all(plan, ws, rows) } else { exchange_first(plan, ws, rows) }
     }
 }
 
