@@ -26,6 +26,9 @@ pub const EXIT_SUM: usize = WRONG_SUM + 1;
 /// How many sums there are.
 const SUMS: usize = EXIT_SUM + 1;
 
+/// [`EnvState::pending`] where a reset is part of the step that was made.
+pub const RESET_NOW: f64 = 2.0;
+
 /// State of one environment per lane.
 #[derive(Clone, Debug)]
 pub struct EnvState<S: Scalar> {
@@ -45,7 +48,8 @@ pub struct EnvState<S: Scalar> {
     pub misjudged: Vec<S>,
     /// Greatest force on all fingers together in the last control step (N), whatever it touches.
     pub touch: S,
-    /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset.
+    /// One where the episode is over: the next step resets instead of stepping, or is refused until there was a reset. [`RESET_NOW`] from the step to
+    /// the reset that ends it.
     pub pending: S,
     /// Sums over the episode: reward terms, mean squared controls, what fatigues, rounds of the constraint solver, physics steps that it left
     /// unsolved, presses that were not asked for, and ways left. Counts are exact up to 2^24.

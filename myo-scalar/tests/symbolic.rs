@@ -1,6 +1,6 @@
 //! Recorded programs: what is simplified away, and that the rest computes what the code computes.
 
-use myo_scalar::symbolic::{Buffer, Contents, Entries, Form, Op, Program, Sharing, Sym, trace, trace_as};
+use myo_scalar::symbolic::{Buffer, Contents, Entries, Form, Item, Op, Program, Sharing, Sym, trace, trace_as};
 use myo_scalar::{
     Carried, Counter, LaneTask, Level, Mask, RowMap, Scalar, Stage, Visitor, Word, dispatch, normal_pair, philox,
     seed_words,
@@ -262,6 +262,55 @@ fn reads_see_what_was_there_before_writes() {
     let mut buffers = [Contents::Numbers(vec![1.0, 2.0])];
     program.interpret(&mut buffers);
     assert_eq!(buffers, [Contents::Numbers(vec![2.0, 1.0])]);
+}
+
+#[test]
+fn what_a_branch_alone_reads_is_read_in_the_branch_unless_it_is_written_elsewhere() {
+    let written = Buffer { binding: 2, sharing: Sharing::PerEnv };
+    let program = trace(|| {
+        let [taken, both, inside, looped] = [0, 1, 2, 3].map(|row| IN.number(row));
+        Sym::when(Sym::zero().lt(taken), &mut Nothing, |_| {
+            OUT.set_number(0, inside.sqrt() + written.number(0));
+            let mut sum = Sum(both);
+            Sym::repeat(3, &mut sum, |sum| sum.0 += looped);
+            OUT.set_number(1, sum.0);
+        });
+        OUT.set_number(2, both);
+        written.set_number(0, both);
+    });
+    let order = program.order();
+    let reads = |region: usize| -> Vec<_> {
+        let op = |item: &Item| match item {
+            Item::Node(id) => Some(program.nodes[*id as usize].op),
+            Item::Statement(_) => None,
+        };
+        let row = |op| match op {
+            Op::Input(buffer, row) => Some((buffer.binding, row)),
+            _ => None,
+        };
+        order[region].iter().filter_map(op).filter_map(row).collect()
+    };
+    assert_eq!(reads(0), [(0, 0), (2, 0), (0, 1)], "the branch's mask, what is needed after it, what is written");
+    assert_eq!(reads(1), [(0, 2), (0, 3)], "what only the branch needs, once where a loop needs it");
+    assert_eq!(reads(2), []);
+    let run = |taken: f64| {
+        let numbers = |row: &[f64]| Contents::Numbers(row.to_vec());
+        let mut buffers = [numbers(&[taken, 2.0, 9.0, 5.0]), numbers(&[0.0; 3]), numbers(&[7.0])];
+        program.interpret(&mut buffers);
+        buffers
+    };
+    let numbers = |row: &[f64]| Contents::Numbers(row.to_vec());
+    assert_eq!(run(1.0)[1..], [numbers(&[10.0, 17.0, 2.0]), numbers(&[2.0])]);
+    assert_eq!(run(-1.0)[1..], [numbers(&[0.0, 0.0, 2.0]), numbers(&[2.0])]);
+}
+
+/// One variable of a loop.
+struct Sum(Sym);
+
+impl Carried<Sym> for Sum {
+    fn visit(&mut self, visitor: &mut impl Visitor<Sym>) {
+        visitor.number(&mut self.0);
+    }
 }
 
 /// Kernels are valid, and their text is what people read.

@@ -27,6 +27,8 @@ pub const LEFT: [f64; 2] = [0.1, 0.5];
 const AGAIN: f64 = 0.75;
 /// Share of episodes after a success that are whole.
 const WHOLE: f64 = 0.5;
+/// Share of those that begin in the middle whose fingers were open before, where they must be for a pinch.
+const OPEN: f64 = 0.5;
 
 /// Changes how an episode begins, of those in the mask where environments explore. `done_before` of the targets were done when
 /// the last episode ended.
@@ -40,7 +42,7 @@ pub fn explore<S: Scalar>(
 ) {
     let explores = mask & S::lit(0.5).lt(S::from_word(env.env >> EXPLORES.trailing_zeros()));
     S::when(explores, &mut Beginning { env, physics }, |Beginning { env, physics }| {
-        let draws = uniform::<S>(env.counter(), MOMENT_STREAM, 4);
+        let draws = uniform::<S>(env.counter(), MOMENT_STREAM, if env.task.open.is_some() { 5 } else { 4 });
         let (targets, is_not_first) =
             (world.parameters.task.steps.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
         let failed = is_not_first & done_before.lt(S::lit(targets));
@@ -51,6 +53,9 @@ pub fn explore<S: Scalar>(
         env.task.phase = S::select(middle, done, env.task.phase);
         env.task.step = S::select(middle, late(world, draws[1]), env.task.step);
         logic::begin_step(&world.parameters.task, middle, env.counter(), &mut env.task);
+        if let Some(open) = &mut env.task.open {
+            *open = S::select(middle & draws[4].lt(S::lit(OPEN)), S::lit(1.0), *open);
+        }
         draw_pose(world, middle, again, env, physics);
     });
 }
@@ -124,7 +129,7 @@ impl<S: Scalar> Carried<S> for Beginning<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
         let EnvState { body, task, .. } = self.env;
         let cue = task.cue.iter_mut().flat_map(|cue| [&mut cue.object, &mut cue.lit_at]);
-        visitor.numbers(body.qpos.iter_mut().chain([&mut task.phase, &mut task.step]).chain(cue));
+        visitor.numbers(body.qpos.iter_mut().chain([&mut task.phase, &mut task.step]).chain(cue).chain(&mut task.open));
     }
 }
 

@@ -21,7 +21,7 @@ pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 use crate::misjudge;
 use crate::parameters::World;
 use crate::perceive;
-use crate::state::EnvState;
+use crate::state::{EnvState, RESET_NOW};
 use crate::tables::Tables;
 use crate::vector::Autoreset;
 use myo_dynamics::Workspace;
@@ -167,6 +167,30 @@ fn sum_of_squares<S: Scalar>(values: &[S]) -> S {
     sum
 }
 
+/// A control step, and in [`EnvState::pending`] what must follow. Observations are in `observation`, the summary in `episode`. Where the mask that comes
+/// back is true, the reset must come next; a card leaves it to the kernel of resets, which reads as much in `pending`.
+#[inline(always)]
+pub fn step_until_reset<S: Scalar>(
+    judge: &impl Judge,
+    world: &World<'_, S>,
+    autoreset: Autoreset,
+    env: &mut EnvState<S>,
+    ws: &mut Scratch<S>,
+) -> (Outcome<S>, S::Mask) {
+    let waiting = S::lit(0.5).lt(env.pending);
+    let outcome = judge.control_step(world, env, ws);
+    let terminated = outcome.terminated & !waiting;
+    let truncated = outcome.truncated & !waiting;
+    let done = terminated | truncated;
+    let (again, later) = match autoreset {
+        Autoreset::SameStep => (done, S::Mask::splat(false)),
+        Autoreset::NextStep => (waiting, done),
+        Autoreset::Disabled => (S::Mask::splat(false), done),
+    };
+    env.pending = S::select(again, S::lit(RESET_NOW), S::indicator(later));
+    (Outcome { reward: outcome.reward.only(!waiting), terminated, truncated }, again)
+}
+
 /// A control step and what follows the end of an episode. Observations are in `observation` (before any reset) and
 /// `next_observation`, the summary in `episode`.
 #[inline(always)]
@@ -177,23 +201,11 @@ pub fn step_and_autoreset<S: Scalar>(
     env: &mut EnvState<S>,
     ws: &mut Scratch<S>,
 ) -> Outcome<S> {
-    let waiting = S::lit(0.5).lt(env.pending);
-    let outcome = judge.control_step(world, env, ws);
-    let terminated = outcome.terminated & !waiting;
-    let truncated = outcome.truncated & !waiting;
-    let done = terminated | truncated;
-    let again = match autoreset {
-        Autoreset::SameStep => done,
-        Autoreset::NextStep => waiting,
-        Autoreset::Disabled => S::Mask::splat(false),
-    };
+    let (outcome, again) = step_until_reset(judge, world, autoreset, env, ws);
     let Scratch { observation, next_observation, .. } = ws;
     next_observation.clone_from(observation);
     S::when(again, &mut Fresh { env, ws }, |Fresh { env, ws }| judge.reset(world, again, env, ws));
-    if autoreset != Autoreset::SameStep {
-        env.pending = S::indicator(done);
-    }
-    Outcome { reward: outcome.reward.only(!waiting), terminated, truncated }
+    outcome
 }
 
 /// What a reset changes.

@@ -2,7 +2,7 @@
 
 use super::cells::Cells;
 use super::columns::{HostColumns, fill_rows, transpose};
-use super::record::{RESEED, RESET, RESULT_ROWS};
+use super::record::{OBSERVE, RESEED, RESET, RESULT_ROWS};
 use super::shard::{GpuOptions, Kernels, Shard};
 use super::size::{Counts, check_memory, portable_envs, without_memory};
 use crate::batch;
@@ -209,15 +209,14 @@ impl GpuEnv {
         Ok(())
     }
 
-    /// Runs the reset kernel, with a command for the masked environments and none for the others. Observations of all
-    /// are written anew.
+    /// Runs the reset kernel, with a command for the masked environments; the others only observe anew.
     fn command(&mut self, asked: u32, seed: u64, mask: Option<&[bool]>) -> Result<(), GpuError> {
         let mut batch = self.gpu.batch();
         for shard in &self.shards {
             let envs = shard.first..shard.first + shard.num_envs;
             let command: Vec<u32> = match mask {
                 None => vec![asked; shard.num_envs],
-                Some(mask) => mask[envs].iter().map(|&reset| if reset { asked } else { 0 }).collect(),
+                Some(mask) => mask[envs].iter().map(|&reset| if reset { asked } else { OBSERVE }).collect(),
             };
             self.gpu.write(&shard.command, 0, &command)?;
             self.gpu.write(&shard.seed, 0, &[seed as u32, (seed >> 32) as u32])?;
@@ -272,7 +271,7 @@ impl VectorEnv for GpuEnv {
         self.put(tables)?;
         self.spec.max_episode_steps = batch::longest_episode(tasks);
         self.spec.layout_limits = batch::layout_limits(tasks);
-        Ok(self.command(0, 0, None)?)
+        Ok(self.command(OBSERVE, 0, None)?)
     }
 
     fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
@@ -321,7 +320,7 @@ impl VectorEnv for GpuEnv {
             self.gpu.write(&shard.words, 0, &words[first * WORDS..][..size * WORDS])?;
         }
         self.finished = finished;
-        Ok(self.command(0, 0, None)?)
+        Ok(self.command(OBSERVE, 0, None)?)
     }
 }
 

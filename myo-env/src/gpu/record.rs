@@ -1,12 +1,12 @@
 //! The environment as symbolic programs: the same generic code as on every other backend, run once on symbols.
 
 use crate::config::BuildError;
-use crate::control::{Following, Judge, Scratch, Script, Unwatched, reseed, simulate, step_and_autoreset};
+use crate::control::{Following, Judge, Scratch, Script, Unwatched, reseed, simulate, step_until_reset};
 use crate::parameters::World;
-use crate::state::EnvState;
+use crate::state::{EnvState, RESET_NOW, StateRows};
 use crate::tables::Tables;
 use crate::vector::Autoreset;
-use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymMask, SymWord, trace_as};
+use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 use myo_tasks::logic::{Goal, Stay};
 
@@ -17,6 +17,8 @@ pub const STEP_BUFFERS: [&str; 7] =
 pub const RESET: u32 = 1;
 /// Bit of the buffer `command` that asks for a new seed.
 pub const RESEED: u32 = 2;
+/// Bit of the buffer `command` that asks for the observation.
+pub const OBSERVE: u32 = 4;
 /// Buffers of a reset.
 pub const RESET_BUFFERS: [&str; 6] = ["numbers", "words", "parameters", "command", "observation", "seed"];
 /// Buffers of the physics alone.
@@ -48,7 +50,8 @@ pub fn check(tables: &Tables<f64>) -> Result<(), BuildError> {
     if tables.plan.hulls.is_empty() { Ok(()) } else { Err(BuildError::MeshesOnGpu) }
 }
 
-/// One control step with everything that belongs to it.
+/// One control step with everything that belongs to it but the reset, which is the next kernel's: in one kernel, all of a state would have to be handed on
+/// past the branch of the few that begin anew, and drivers break down over it.
 ///
 /// # Panics
 /// The tables are of environments with rules of one's own, which are recorded from the rules, or cannot be recorded, see [`check`].
@@ -64,8 +67,8 @@ pub(crate) fn step_by(judge: &impl Judge, tables: &Tables<f64>, autoreset: Autor
         for (row, u) in ws.ctrl.iter_mut().enumerate() {
             *u = actions.number(row);
         }
-        let outcome = step_and_autoreset(judge, &world, autoreset, &mut env, &mut ws);
-        set_rows(observation, 0, &ws.next_observation);
+        let (outcome, _) = step_until_reset(judge, &world, autoreset, &mut env, &mut ws);
+        set_rows(observation, 0, &ws.observation);
         Sym::when(outcome.terminated | outcome.truncated, &mut Nothing, |_| {
             set_rows(final_observation, 0, &ws.observation);
             set_rows(result, RESULT_ROWS, &ws.episode);
@@ -76,7 +79,7 @@ pub(crate) fn step_by(judge: &impl Judge, tables: &Tables<f64>, autoreset: Autor
     })
 }
 
-/// A reset by mask, and the observations of all environments.
+/// A reset of the environments that are told to, or whose step ends with it; and the observations of all that are told anything.
 ///
 /// # Panics
 /// As for [`step`].
@@ -88,15 +91,18 @@ pub fn reset_program(tables: &Tables<f64>, form: Form) -> Program {
 pub(crate) fn reset_by(judge: &impl Judge, tables: &Tables<f64>, form: Form) -> Program {
     let [command, observation] = [3, 4].map(per_env);
     let seed = shared(5);
+    let pending = StateRows::of(tables).pending;
     trace_as(form, || {
-        let (world, mut env, mut ws) = load(tables);
         let command = command.word(0);
         let asked = |bit: u32| Sym::lit(0.5).lt(Sym::from_word(command & SymWord::splat(bit)));
-        let (mask, anew): (SymMask, SymMask) = (asked(RESET), asked(RESEED));
-        reseed([seed.word(0), seed.word(1)], anew, &mut env);
-        judge.reset(&world, mask, &mut env, &mut ws);
-        set_rows(observation, 0, &ws.next_observation);
-        store(&mut env);
+        let ends = Sym::lit(RESET_NOW - 0.5).lt(NUMBERS.number(pending));
+        Sym::when(asked(OBSERVE | RESET | RESEED) | ends, &mut Nothing, |_| {
+            let (world, mut env, mut ws) = load(tables);
+            reseed([seed.word(0), seed.word(1)], asked(RESEED), &mut env);
+            judge.reset(&world, asked(RESET) | ends, &mut env, &mut ws);
+            set_rows(observation, 0, &ws.next_observation);
+            store(&mut env);
+        });
     })
 }
 

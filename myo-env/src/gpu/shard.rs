@@ -100,11 +100,13 @@ pub struct Shard {
     pub result: Buffer<f32>,
     /// Numbers of the task, the same for all environments.
     pub parameters: Buffer<f32>,
-    /// What the next reset does: 1 resets, 2 reseeds.
+    /// What the next reset does, bits of [`record`].
     pub command: Buffer<u32>,
     /// Seed of the next reset, low half first.
     pub seed: Buffer<u32>,
     step: Bound,
+    /// The reset that ends a step: nobody asks for anything.
+    unasked: Bound,
     reset: Bound,
 }
 
@@ -138,8 +140,12 @@ impl Shard {
         let (state, seen) = ([numbers.binding(), words.binding(), table.binding()], observation.binding());
         let step = [actions.binding(), seen, final_observation.binding(), result.binding()];
         let step = kernels.step.bind(gpu, &[&state[..], &step[..]].concat(), num_envs as u32)?;
-        let reset = [command.binding(), seen, seed.binding()];
-        let reset = kernels.reset.bind(gpu, &[&state[..], &reset[..]].concat(), num_envs as u32)?;
+        let silence = gpu.buffer::<u32>("silence", num_envs)?;
+        let [unasked, reset] = [&silence, &command].map(|command| {
+            let reset = [command.binding(), seen, seed.binding()];
+            kernels.reset.bind(gpu, &[&state[..], &reset[..]].concat(), num_envs as u32)
+        });
+        let (unasked, reset) = (unasked?, reset?);
         Ok(Self {
             first,
             num_envs,
@@ -153,6 +159,7 @@ impl Shard {
             command,
             seed,
             step,
+            unasked,
             reset,
         })
     }
@@ -173,9 +180,10 @@ impl Shard {
         }
     }
 
-    /// Adds a control step to a batch.
+    /// Adds a control step, with the resets that end it, to a batch.
     pub fn step(&self, batch: &mut Batch) {
         self.step.dispatch(batch);
+        self.unasked.dispatch(batch);
     }
 
     /// Adds a reset, as `command` and `seed` say, to a batch.

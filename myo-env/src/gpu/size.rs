@@ -19,10 +19,10 @@ pub struct Counts {
     pub task: usize,
 }
 
-/// Bytes on the device for each environment: state, task, actions, observations, summary, result, command.
+/// Bytes on the device for each environment: state, task, actions, observations, summary, result, commands.
 fn device_bytes(spec: &EnvSpec, counts: Counts) -> usize {
     let seen = 2 * spec.observation_size() + spec.action_size() + spec.episode_size();
-    4 * (counts.state + counts.task + WORDS + seen + RESULT_ROWS + 1)
+    4 * (counts.state + counts.task + WORDS + seen + RESULT_ROWS + 2)
 }
 
 /// Refuses what the machine or the card has no memory for. How much of a card's memory is free shows only when it is used up.

@@ -30,6 +30,7 @@ mod order;
 pub mod print;
 mod program;
 mod region;
+mod sink;
 
 pub use count::StageCount;
 pub use graph::{Buffer, Form, Id, Kind, Node, Op, Rows, Sharing};

@@ -67,6 +67,7 @@ impl Program {
         };
         program.resolve_constant_vars();
         program.mark();
+        program.sink_inputs();
         program
     }
 
@@ -177,7 +178,7 @@ impl Program {
     }
 
     /// Region that each statement is in.
-    fn homes(&self) -> Vec<u32> {
+    pub(super) fn homes(&self) -> Vec<u32> {
         let mut home = vec![0; self.statements.len()];
         for (region, each) in self.regions.iter().enumerate() {
             for &statement in &each.statements {
