@@ -448,12 +448,31 @@ fn users_are_held_against_each_other_by_layout_and_reported_in_one_file() {
     if myo_studio::pages::missing_pages().is_ok() {
         let page = ask(&engine, "report", json!({"names": ["easy-1", "far-1"]})).unwrap();
         let page = page.as_str().unwrap();
-        let begin = page.find("type=\"application/json\">").unwrap() + "type=\"application/json\">".len();
-        let end = begin + page[begin..].find("</script>").unwrap();
-        let recorded: Value = serde_json::from_str(&page[begin..end]).unwrap();
+        let recorded = recorded(page);
         assert_eq!(recorded["runs"].as_array().unwrap().len(), 2);
         assert!(recorded["runs"][0]["motion"]["numbers"].as_str().unwrap().len() > 1000);
         assert!(!page.contains("src=\"/") && !page.contains("href=\"/"), "nothing else is needed");
+    }
+}
+
+/// What a report shows.
+fn recorded(page: &str) -> Value {
+    let begin = page.find("type=\"application/json\">").unwrap() + "type=\"application/json\">".len();
+    let end = begin + page[begin..].find("</script>").unwrap();
+    serde_json::from_str(&page[begin..end]).unwrap()
+}
+
+#[test]
+fn a_user_who_points_from_afar_has_a_body_and_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let engine = engine(folder.path());
+    let ray = easy(0.1).replace("script:", "technique: {kind: ray, from: forearm}\nscript:");
+    let id = ask(&engine, "train", order(&ray, "0.01", false)).unwrap()[0].as_u64().unwrap();
+    wait(&engine, id, |job| job["state"]["is"] == "done");
+    assert!(ask(&engine, "body_of_run", json!({"name": "easy-1"})).unwrap()["muscles"].as_array().unwrap().len() > 20);
+    if myo_studio::pages::missing_pages().is_ok() {
+        let page = ask(&engine, "report", json!({"names": ["easy-1"]})).unwrap();
+        assert!(recorded(page.as_str().unwrap())["runs"][0]["motion"]["numbers"].as_str().unwrap().len() > 1000);
     }
 }
 

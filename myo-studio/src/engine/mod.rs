@@ -23,7 +23,6 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use myo_env::Skeleton;
 use myo_lab::{Backend, RunDescription};
 use myo_model::builtin_names;
 use myo_tasks::Task;
@@ -216,14 +215,14 @@ impl AnswersOne<AskSettings> for Engine {
 impl AnswersOne<AskBody> for Engine {
     fn answer_one(&self, AskBody { model, body }: AskBody) -> Result<BodyShape, Refusal> {
         let bare = Task { model: self.workspace.model(&model), body, ..Task::without_script("body") };
-        Ok(motion::shape(&Skeleton::without_script(&*self.bodies.of(&bare)?, &bare)?))
+        Ok(motion::shape(&*self.bodies.of(&bare)?, &bare)?)
     }
 }
 
 impl AnswersOne<AskBodyOfRun> for Engine {
     fn answer_one(&self, AskBodyOfRun { name }: AskBodyOfRun) -> Result<BodyShape, Refusal> {
         let description = RunDescription::of(&myo_train::RunFolder::open(&self.workspace.run(&name)?)?)?;
-        Ok(motion::shape(&Skeleton::without_script(&description.body()?, &description.task)?))
+        Ok(motion::shape(&description.body()?, &description.task)?)
     }
 }
 

@@ -1,13 +1,23 @@
 //! From moments of an environment to the numbers of a motion.
 
 use myo_dynamics::spatial::Rotation;
-use myo_env::{Bone, Digit, EnvError, Role, Skeleton, SkeletonPose, Snapshot};
+use myo_env::{Bone, BuildError, Digit, EnvError, Role, Skeleton, SkeletonPose, Snapshot};
+use myo_model::Model;
+use myo_tasks::{Task, Technique};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
 use crate::protocol::{BodyPart, BodyShape, BoneShape, DigitShape, LookShape, MotionLayout, MuscleShape};
 
-/// What of the body of a skeleton stays the same.
-pub fn shape(skeleton: &Skeleton) -> BodyShape {
+/// What of the body that a task asks for stays the same, whatever its script and technique.
+///
+/// # Errors
+/// The model cannot be simulated, or the task has values out of bounds.
+pub fn shape(model: &Model, task: &Task) -> Result<BodyShape, BuildError> {
+    let bare = Task { technique: Technique::default(), ..task.clone() };
+    Ok(shape_of(&Skeleton::without_script(model, &bare)?))
+}
+
+fn shape_of(skeleton: &Skeleton) -> BodyShape {
     let model = skeleton.model();
     let part =
         |body: &myo_model::model::Body| BodyPart { name: body.name.clone(), parent: body.parent, mass_kg: body.mass };

@@ -5,7 +5,6 @@ use std::time::SystemTime;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use myo_env::Skeleton;
 use myo_lab::RunDescription;
 use myo_train::RunFolder;
 
@@ -55,7 +54,7 @@ fn recorded(name: &str, folder: &Path) -> Result<RecordedRun, Refusal> {
     let (model, task) = (RunDescription::of(&run)?.body()?, RunDescription::of(&run)?.task);
     let view = look::look(&detail.text).view;
     let view = view.ok_or_else(|| Refusal::sentence(format!("the task of {name} cannot be shown")))?;
-    let body = motion::shape(&Skeleton::without_script(&model, &task)?);
+    let body = motion::shape(&model, &task)?;
     let has_checkpoint = !detail.checkpoints.is_empty();
     let motion = has_checkpoint.then(|| episode(name, folder)).transpose()?;
     let efforts = if has_checkpoint { replay::efforts(folder, name)? } else { vec![] };
