@@ -164,3 +164,15 @@ fn the_fingertip_begins_in_front_of_buttons_not_behind_them() {
     // Nearest to the keys themselves it is every other.
     assert!(behind < EXPLORING / 4, "{behind} of {EXPLORING} begin below the keys");
 }
+
+#[test]
+fn fingers_were_open_in_half_of_what_begins_in_the_middle() {
+    let task = fast("pinch");
+    let mut env = env(&task, EXPLORING);
+    let observation = observed(&mut env);
+    let open = |exploring: bool| values(&env, &observation, "thumb.ready", exploring);
+    // Half of five hundred, give or take four standard deviations.
+    assert!((mean(&open(true)) - 0.5).abs() < 0.09, "{}", mean(&open(true)));
+    assert!(open(true).iter().all(|&open| open == 0.0 || open == 1.0));
+    assert!(open(false).iter().all(|&open| open == 0.0));
+}

@@ -12,7 +12,7 @@ use crate::parameters::World;
 use crate::state::{EXPLORES, EnvState};
 use myo_dynamics::Workspace;
 use myo_scalar::{Carried, Counter, Scalar, Visitor, Word};
-use myo_tasks::logic::{self, Landmarks};
+use myo_tasks::logic::{self, Landmarks, Point};
 
 /// Random stream of the target and of the time.
 const MOMENT_STREAM: u32 = 0x5000;
@@ -42,22 +42,33 @@ pub fn explore<S: Scalar>(
 ) {
     let explores = mask & S::lit(0.5).lt(S::from_word(env.env >> EXPLORES.trailing_zeros()));
     S::when(explores, &mut Beginning { env, physics }, |Beginning { env, physics }| {
-        let draws = uniform::<S>(env.counter(), MOMENT_STREAM, if env.task.open.is_some() { 5 } else { 4 });
-        let (targets, is_not_first) =
-            (world.parameters.task.steps.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
-        let failed = is_not_first & done_before.lt(S::lit(targets));
-        let succeeded = is_not_first & S::lit(targets).le(done_before);
-        let middle = explores & !(succeeded & draws[3].lt(S::lit(WHOLE)));
-        let again = middle & failed & draws[2].lt(S::lit(AGAIN));
-        let done = S::select(again, done_before, any_target(world, draws[0]));
-        env.task.phase = S::select(middle, done, env.task.phase);
-        env.task.step = S::select(middle, late(world, draws[1]), env.task.step);
-        logic::begin_step(&world.parameters.task, middle, env.counter(), &mut env.task);
-        if let Some(open) = &mut env.task.open {
-            *open = S::select(middle & draws[4].lt(S::lit(OPEN)), S::lit(1.0), *open);
-        }
-        draw_pose(world, middle, again, env, physics);
+        S::outline(stages::BeginAnywhere { world, explores, done_before, env, physics });
     });
+}
+
+/// Begins in the middle of the task, where the mask is true and nothing speaks for a whole episode.
+#[inline(always)]
+pub fn begin_anywhere<S: Scalar>(
+    world: &World<'_, S>,
+    explores: S::Mask,
+    done_before: S,
+    env: &mut EnvState<S>,
+    physics: &mut Workspace<S>,
+) {
+    let draws = uniform::<S>(env.counter(), MOMENT_STREAM, if env.task.open.is_some() { 5 } else { 4 });
+    let (targets, is_not_first) = (world.parameters.task.steps.len() as f64, S::lit(1.5).lt(S::from_word(env.episode)));
+    let failed = is_not_first & done_before.lt(S::lit(targets));
+    let succeeded = is_not_first & S::lit(targets).le(done_before);
+    let middle = explores & !(succeeded & draws[3].lt(S::lit(WHOLE)));
+    let again = middle & failed & draws[2].lt(S::lit(AGAIN));
+    let done = S::select(again, done_before, any_target(world, draws[0]));
+    env.task.phase = S::select(middle, done, env.task.phase);
+    env.task.step = S::select(middle, late(world, draws[1]), env.task.step);
+    logic::begin_step(&world.parameters.task, middle, env.counter(), &mut env.task);
+    if let Some(open) = &mut env.task.open {
+        *open = S::select(middle & draws[4].lt(S::lit(OPEN)), S::lit(1.0), *open);
+    }
+    draw_pose(world, middle, again, env, physics);
 }
 
 /// Any target.
@@ -91,27 +102,40 @@ fn draw_pose<S: Scalar>(
     let (nearest, looked, draw) = (S::lit(f64::from(f32::MAX)), S::zero(), S::Word::splat(0));
     let mut search = Search { best: env.body.qpos.clone(), nearest, looked, draw, env, physics };
     let target = logic::begins_at(&world.parameters.task, &search.env.task);
-    S::repeat_while(POSES + MORE_POSES, &mut search, |Search { best, nearest, looked, draw, env, physics }| {
-        S::outline(stages::DrawPose { world, draw: *draw, env });
-        let mut body = Landmarks::unknown();
-        S::outline(stages::Look { world, env, physics, cursor: [S::zero(); 2], out: &mut body });
-        let distance = logic::gap(&world.parameters.task, &env.task, &body, target);
-        let is_asked_for = again | mask & looked.lt(S::lit(POSES as f64));
-        let nearer = is_asked_for & distance.lt(*nearest);
-        *nearest = S::select(nearer, distance, *nearest);
-        for (best, &position) in best.iter_mut().zip(&env.body.qpos) {
-            *best = S::select(nearer, position, *best);
-        }
-        *draw = *draw + S::Word::splat(1);
-        *looked += S::lit(1.0);
-        again | mask & looked.lt(S::lit(POSES as f64))
+    S::repeat_while(POSES + MORE_POSES, &mut search, |search| {
+        S::outline(stages::TryPose { world, target, mask, again, search })
     });
     search.env.body.qpos = search.best;
 }
 
+/// Looks at one pose more; true where another is asked for.
+#[inline(always)]
+pub fn try_pose<S: Scalar>(
+    world: &World<'_, S>,
+    target: Point<S>,
+    mask: S::Mask,
+    again: S::Mask,
+    search: &mut Search<'_, S>,
+) -> S::Mask {
+    let Search { best, nearest, looked, draw, env, physics } = search;
+    draw_any_pose(world, *draw, env);
+    let mut body = Landmarks::unknown();
+    S::outline(stages::Look { world, env, physics, cursor: [S::zero(); 2], out: &mut body });
+    let distance = logic::gap(&world.parameters.task, &env.task, &body, target);
+    let is_asked_for = again | mask & looked.lt(S::lit(POSES as f64));
+    let nearer = is_asked_for & distance.lt(*nearest);
+    *nearest = S::select(nearer, distance, *nearest);
+    for (best, &position) in best.iter_mut().zip(&env.body.qpos) {
+        *best = S::select(nearer, position, *best);
+    }
+    *draw = *draw + S::Word::splat(1);
+    *looked += S::lit(1.0);
+    again | mask & looked.lt(S::lit(POSES as f64))
+}
+
 /// Any pose, everywhere.
 #[inline(always)]
-pub fn draw_any_pose<S: Scalar>(world: &World<'_, S>, draw: S::Word, env: &mut EnvState<S>) {
+fn draw_any_pose<S: Scalar>(world: &World<'_, S>, draw: S::Word, env: &mut EnvState<S>) {
     let ndof = env.body.qpos.len();
     let draws = uniform::<S>(Counter { step: draw, ..env.counter() }, POSE_STREAM, ndof);
     for (position, drawn) in env.body.qpos.iter_mut().zip(world.parameters.start.any_pose.at(draws)) {
@@ -134,7 +158,7 @@ impl<S: Scalar> Carried<S> for Beginning<'_, S> {
 }
 
 /// The search for a pose.
-struct Search<'a, S: Scalar> {
+pub struct Search<'a, S: Scalar> {
     /// The best so far.
     best: Vec<S>,
     /// Its distance from the target (m).

@@ -3,14 +3,14 @@
 use super::Scratch;
 use super::episode::draw_episode;
 use super::excite::{excite, resist_stretch};
-use super::explore::{draw_any_pose, explore};
+use super::explore::{Search, begin_anywhere, explore, try_pose};
 use super::simulate::{Watch, landmarks, simulate};
 use crate::observe::observe;
 use crate::parameters::{Reflex, World};
 use crate::state::EnvState;
 use myo_dynamics::{State, Workspace, step};
 use myo_scalar::{Scalar, Stage};
-use myo_tasks::logic::{Goal, Landmarks, Sensed, choose_nearest};
+use myo_tasks::logic::{Goal, Landmarks, Point, Sensed, choose_nearest};
 
 /// Noise.
 pub struct Excite<'a, S: Scalar> {
@@ -154,18 +154,39 @@ impl<S: Scalar> Stage<S> for Explore<'_, S> {
     }
 }
 
-/// One of the poses that exploring starts choose from.
-pub struct DrawPose<'a, S: Scalar> {
+/// A beginning in the middle of a task.
+pub struct BeginAnywhere<'a, S: Scalar> {
     pub world: &'a World<'a, S>,
-    pub draw: S::Word,
+    pub explores: S::Mask,
+    /// Targets that were done when the last episode ended.
+    pub done_before: S,
     pub env: &'a mut EnvState<S>,
+    pub physics: &'a mut Workspace<S>,
 }
 
-impl<S: Scalar> Stage<S> for DrawPose<'_, S> {
-    const NAME: &'static str = "any pose";
+impl<S: Scalar> Stage<S> for BeginAnywhere<'_, S> {
+    const NAME: &'static str = "beginning anywhere";
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        draw_any_pose(self.world, self.draw, self.env);
+        begin_anywhere(self.world, self.explores, self.done_before, self.env, self.physics);
+    }
+}
+
+/// One of the poses that exploring starts choose from; true where another is asked for.
+pub struct TryPose<'a, 'b, S: Scalar> {
+    pub world: &'a World<'a, S>,
+    pub target: Point<S>,
+    pub mask: S::Mask,
+    pub again: S::Mask,
+    pub search: &'a mut Search<'b, S>,
+}
+
+impl<S: Scalar> Stage<S> for TryPose<'_, '_, S> {
+    const NAME: &'static str = "any pose";
+    type Output = S::Mask;
+    #[inline(always)]
+    fn run(self) -> S::Mask {
+        try_pose(self.world, self.target, self.mask, self.again, self.search)
     }
 }

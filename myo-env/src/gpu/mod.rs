@@ -1,4 +1,4 @@
-//! The environment on a graphics card: one thread per environment, one dispatch per control step.
+//! The environment on a graphics card: one thread per environment, two dispatches per control step, of which the second resets whose episode is over.
 //!
 //! Numbers stay on the card, entry `row` of environment `env` at `row * environments + env`. [`GpuEnv`] is the
 //! [`VectorEnv`](crate::VectorEnv) that copies actions in and results out; [`Shard`]s are what a learner on the card works

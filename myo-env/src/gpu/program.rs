@@ -10,10 +10,9 @@ use myo_scalar::symbolic::{Entries, Program};
 
 /// Threads of a workgroup.
 const WORKGROUP: u32 = 64;
-/// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took a quarter of an hour for a body of 1,560 muscles. A phone
-/// with keys of 5 mm needs 23,139, an arm with all its fingers 25,480, which an H200 is ready for in 12 s. Its driver (580) compiled 31,912 in half a
-/// minute, and broke down over 29,426 of a body of 63 muscles with slow noise and a cost of changing controls (351 rows of state); without
-/// either (288 rows) it did not. Why is not known.
+/// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took a quarter of an hour for a body of 1,560 muscles. An arm
+/// with all its fingers needs 26,116 for a person, which an H200 is ready for in 17 s. Its driver (580) broke down over 28,256 and 29,118 of that
+/// body with the reset in the same kernel, though not over 31,912 for a user without noise and costs. Why is not known.
 const MAX_OPERATIONS: usize = 40_000;
 
 /// A kernel, the constants that it looks up, and what it touches in each of its buffers.

@@ -14,7 +14,9 @@ impl Program {
         let parents = self.parents();
         let needed = self.needed_in(&parents);
         for id in 0..self.nodes.len() as Id {
-            let (Op::Input(buffer, _), Some(region)) = (self.nodes[id as usize].op, needed[id as usize]) else { continue };
+            let (Op::Input(buffer, _), Some(region)) = (self.nodes[id as usize].op, needed[id as usize]) else {
+                continue;
+            };
             let region = self.out_of_loops(region, &parents);
             let elsewhere = self.written_in(buffer.binding).any(|write| common(write, region, &parents) != region);
             if !elsewhere {
