@@ -170,7 +170,7 @@ fn fingers_were_open_in_half_of_what_begins_in_the_middle() {
     let task = fast("pinch");
     let mut env = env(&task, EXPLORING);
     let observation = observed(&mut env);
-    let open = |exploring: bool| values(&env, &observation, "thumb.ready", exploring);
+    let open = |exploring: bool| values(&env, &observation, "fingers.thumb.ready", exploring);
     // Half of five hundred, give or take four standard deviations.
     assert!((mean(&open(true)) - 0.5).abs() < 0.09, "{}", mean(&open(true)));
     assert!(open(true).iter().all(|&open| open == 0.0 || open == 1.0));

@@ -20,7 +20,7 @@ fn presets_are_sound() {
         let who = match (published, of_hands) {
             (true, _) => ("mobl-arms-uitb", User::Fastest),
             (_, true) => ("myo-hand", User::Human),
-            _ if by_arm_and_hand => ("myo-arm-hand", User::Fastest),
+            _ if by_arm_and_hand => ("myo-arm-hand", User::Human),
             _ => ("myo-arm", User::Human),
         };
         assert_eq!((task.model.as_str(), task.user), who, "{name}");
