@@ -2,6 +2,7 @@
 
 mod copies;
 mod files;
+mod fuzzed;
 mod limits;
 mod messages;
 mod mutations;
