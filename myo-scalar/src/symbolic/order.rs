@@ -34,18 +34,8 @@ impl Program {
     }
 
     fn collect(&self, statement: u32, regions: &mut Vec<u32>, named: &mut Vec<Id>) {
-        let each = &self.statements[statement as usize];
-        named.extend(self.live_carries(statement).map(|(_, carry)| carry.init));
-        match each {
-            Statement::Loop(_) => {}
-            Statement::Branch(x) => named.push(x.mask),
-            Statement::Chunks(x) => {
-                let read = (0..x.start.len()).filter(|&entry| self.reads_entry(x, entry));
-                named.extend(read.flat_map(|entry| x.init_of(entry)));
-            }
-            Statement::Store(x) => named.push(x.value),
-        }
-        let Some(body) = each.body() else { return };
+        named.extend(self.beginnings(statement));
+        let Some(body) = self.statements[statement as usize].body() else { return };
         regions.push(body);
         named.extend(self.results(body, statement));
         let inside = self.live_nodes().filter(|&id| self.nodes[id as usize].region == body);
@@ -57,8 +47,23 @@ impl Program {
         }
     }
 
+    /// What a statement names before its body.
+    pub(super) fn beginnings(&self, statement: u32) -> Vec<Id> {
+        let mut named: Vec<Id> = self.live_carries(statement).map(|(_, carry)| carry.init).collect();
+        match &self.statements[statement as usize] {
+            Statement::Loop(_) => {}
+            Statement::Branch(x) => named.push(x.mask),
+            Statement::Chunks(x) => {
+                let read = (0..x.start.len()).filter(|&entry| self.reads_entry(x, entry));
+                named.extend(read.flat_map(|entry| x.init_of(entry)));
+            }
+            Statement::Store(x) => named.push(x.value),
+        }
+        named
+    }
+
     /// What the end of a body names.
-    fn results(&self, body: u32, statement: u32) -> Vec<Id> {
+    pub(super) fn results(&self, body: u32, statement: u32) -> Vec<Id> {
         debug_assert_eq!(self.statements[statement as usize].body(), Some(body));
         match &self.statements[statement as usize] {
             Statement::Loop(x) => self.live_carries(statement).map(|(_, carry)| carry.next).chain(x.again).collect(),

@@ -50,28 +50,13 @@ impl Program {
         }
         for region in 0..self.regions.len() as u32 {
             for statement in self.statements_of(region) {
-                self.named_by(statement, |id, inside| need(id, inside.unwrap_or(region)));
+                self.beginnings(statement).into_iter().for_each(|id| need(id, region));
+                if let Some(body) = self.statements[statement as usize].body() {
+                    self.results(body, statement).into_iter().for_each(|id| need(id, body));
+                }
             }
         }
         needed
-    }
-
-    /// The nodes that a statement names itself, with its body where they are needed there.
-    fn named_by(&self, statement: u32, mut name: impl FnMut(Id, Option<u32>)) {
-        let each = &self.statements[statement as usize];
-        for (_, carry) in self.live_carries(statement) {
-            name(carry.init, None);
-            name(carry.next, each.body());
-        }
-        match each {
-            Statement::Loop(x) => x.again.into_iter().for_each(|id| name(id, each.body())),
-            Statement::Branch(x) => name(x.mask, None),
-            Statement::Chunks(x) => {
-                x.init.iter().for_each(|&id| name(id, None));
-                x.next.iter().for_each(|&id| name(id, each.body()));
-            }
-            Statement::Store(x) => name(x.value, None),
-        }
     }
 
     /// The region, or the one around the outermost loop that it is in.
