@@ -77,7 +77,8 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let state = State { qpos, qvel, act: draws.vector(plan.nmuscle(), 0.0, 1.0) };
     let mut ws = Workspace::<f64>::new(plan);
     step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
-    let touching = ws.contacts[ws.box_slots..].iter().filter(|contact| contact.exists);
+    let touching =
+        plan.pair_points().map(|number| &ws.contacts[ws.box_slots + number]).filter(|contact| contact.exists);
     let distances: Vec<f64> = touching.map(|contact| contact.distance).collect();
     let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force[..plan.nmuscle()].to_vec());
     let smooth = smooth_acceleration(plan, &mut ws);

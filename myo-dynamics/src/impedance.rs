@@ -82,7 +82,13 @@ impl<C: Real> Impedance<C> {
     /// whose unconstrained inverse inertia is `diagonal`.
     #[inline(always)]
     pub fn row<S: Scalar<Const = C>>(&self, violation: S, velocity: S, diagonal: S) -> (S, S) {
-        let imp = self.at(violation);
+        self.row_of(violation, violation, velocity, diagonal)
+    }
+
+    /// The same of one of several rows that are one violation together: `norm` of all is what impedance goes with.
+    #[inline(always)]
+    pub fn row_of<S: Scalar<Const = C>>(&self, norm: S, violation: S, velocity: S, diagonal: S) -> (S, S) {
+        let imp = self.at(norm);
         let weight = imp * ((S::lit(1.0) - imp) * diagonal).max(S::lit(TINY)).recip();
         let elastic = S::splat(self.stiffness) * imp * violation;
         (weight, -(S::splat(self.damping).mul_add(velocity, elastic)))
@@ -102,8 +108,9 @@ fn reference(solref: [f64; 2], at_width: f64, timestep: f64) -> (f64, f64) {
     }
 }
 
-/// Inverse inertia of every row of a friction pyramid, from the inverse mass (1/kg) that its two surfaces have together: MuJoCo scales the
-/// regularisation of a pyramid so that its stiffness does not depend on the friction.
-pub(crate) fn pyramid_diagonal(friction: f64, inverse_mass: f64) -> f64 {
-    2.0 * friction * friction * (1.0 + friction * friction) * inverse_mass
+/// Inverse inertia of every row of a friction pyramid, from its first sliding friction, how many times as hard friction is as the normal force, and the
+/// inverse mass (1/kg) that its two surfaces have together: MuJoCo scales the regularisation of a pyramid so that its stiffness does not depend on
+/// the friction.
+pub(crate) fn pyramid_diagonal(friction: f64, impratio: f64, inverse_mass: f64) -> f64 {
+    2.0 * friction * friction / impratio * (1.0 + friction * friction) * inverse_mass
 }

@@ -55,7 +55,7 @@ pub struct Touch<C> {
 }
 
 impl<C: Real> Touch<C> {
-    fn new(sphere: &ContactSphere<C>, surface: &Surface, timestep: f64) -> Self {
+    fn new(sphere: &ContactSphere<C>, surface: &Surface, timestep: f64, impratio: f64) -> Self {
         let c = C::from_f64;
         let friction = sphere.friction.max(surface.friction);
         let mean = |a: f64, b: f64| 0.5 * (a + b);
@@ -66,7 +66,7 @@ impl<C: Real> Touch<C> {
             margin: c(sphere.margin + surface.margin),
             friction: c(friction),
             impedance: Impedance::new(&softness, timestep),
-            diagonal: c(pyramid_diagonal(friction, sphere.diagonal)),
+            diagonal: c(pyramid_diagonal(friction, impratio, sphere.diagonal)),
         }
     }
 }
@@ -123,7 +123,8 @@ impl<C: Real, T> Obstacles<C, T> {
 
     /// Boxes for the fingers of a plan. A plan without spheres that press touches none of them.
     pub fn with_boxes(plan: &Plan<C>, boxes: Vec<StaticBox<T>>, surface: Surface) -> Self {
-        let touch = |sphere: &ContactSphere<C>| Touch::new(sphere, &surface, plan.timestep.to_f64());
+        let (timestep, impratio) = (plan.timestep.to_f64(), plan.impratio.to_f64());
+        let touch = |sphere: &ContactSphere<C>| Touch::new(sphere, &surface, timestep, impratio);
         Self { boxes, moved_by: vec![], grown_by: vec![], touches: plan.contact_spheres.iter().map(touch).collect() }
     }
 }

@@ -157,6 +157,36 @@ impl<S: Scalar> Rotation<S> {
     }
 }
 
+/// The quaternion that turns axes `from` into axes `to`, in axes `from`: its scalar part, not negative, and its vector. Of the four
+/// numbers the greatest is found first, by which the others are divided (Shepperd 1978, doi 10.2514/3.55767b).
+#[inline(always)]
+pub fn quaternion_between<S: Scalar>(from: [Vec3<S>; 3], to: [Vec3<S>; 3]) -> (S, Vec3<S>) {
+    // Of the matrix that turns: what its columns, the axes that are turned, are along those before.
+    let entry = |row: usize, column: usize| from[row].dot(to[column]);
+    let (xx, yy, zz) = (entry(0, 0), entry(1, 1), entry(2, 2));
+    let of_axes = [(2, 1), (0, 2), (1, 0)].map(|(a, b)| entry(a, b) - entry(b, a));
+    let sums = [(0, 1), (0, 2), (1, 2)].map(|(a, b)| entry(a, b) + entry(b, a));
+    let [wx, wy, wz] = of_axes;
+    let [xy, xz, yz] = sums;
+    let one = S::lit(1.0);
+    // Four times the square of each number, and four times its products with all.
+    let mut best = one + xx + yy + zz;
+    let mut products = [best, wx, wy, wz];
+    let others = [
+        (one + xx - yy - zz, [wx, one + xx - yy - zz, xy, xz]),
+        (one - xx + yy - zz, [wy, xy, one - xx + yy - zz, yz]),
+        (one - xx - yy + zz, [wz, xz, yz, one - xx - yy + zz]),
+    ];
+    for (square, row) in others {
+        let is_greater = best.lt(square);
+        best = S::select(is_greater, square, best);
+        products = std::array::from_fn(|k| S::select(is_greater, row[k], products[k]));
+    }
+    let sign = S::select(products[0].lt(S::zero()), -one, one);
+    let [w, x, y, z] = products.map(|product| product * sign * best.rsqrt() * S::lit(0.5));
+    (w, Vec3::new(x, y, z))
+}
+
 /// A quaternion of length one.
 #[inline(always)]
 fn unit_quaternion<S: Scalar>(q: [S; 4]) -> [S; 4] {

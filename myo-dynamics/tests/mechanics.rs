@@ -243,8 +243,12 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
     let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
     assert!(refused.to_string().starts_with("geom 'thumb': one sphere of each finger touches the boxes"), "{refused}");
     // One that touches the first presses nothing, nor does that then.
-    let contact =
-        myo_model::model::Contact { geoms: [0, 1], margin: 0.0, friction: 1.0, softness: Softness::default() };
+    let contact = myo_model::model::Contact {
+        geoms: [0, 1],
+        margin: 0.0,
+        friction: [1.0, 1.0, 0.0, 0.0, 0.0],
+        softness: Softness::default(),
+    };
     model.contacts.push(contact);
     let plan = Plan::exact(&model, CouplingMode::Reduced).unwrap();
     assert!(plan.contact_spheres.is_empty() && plan.pairs.len() == 1);

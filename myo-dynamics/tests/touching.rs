@@ -50,7 +50,7 @@ fn model() -> Model {
             margin: 0.002,
             // One slides.
             friction: if pair == ["trunk", "forearm"] { 0.0 } else { 0.8 },
-            softness: Softness::default(),
+            ..Contact::default()
         })
         .collect();
     Model::new(&arm).unwrap()

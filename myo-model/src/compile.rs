@@ -1,5 +1,6 @@
 //! From description to model: names become indices, and what elements say about each other is checked.
 
+mod connections;
 mod hulls;
 mod looks;
 
@@ -60,6 +61,7 @@ impl Model {
         check_freedom(&bodies, &joints)?;
         check_moving_mass(&bodies, &joints)?;
         let couplings = couplings(description, &joints)?;
+        let connections = connections::connections(description, &body_index)?;
         let sites = sites(description, &body_index)?;
         let hulls = hulls::hulls(description)?;
         let geoms = geoms(description, &body_index)?;
@@ -85,6 +87,7 @@ impl Model {
             bodies,
             joints,
             couplings,
+            connections,
             sites,
             geoms,
             contacts,
@@ -154,6 +157,9 @@ fn fingers(description: &ModelDescription, sites: &Index<'_>) -> Result<Vec<(Str
 fn check_options(description: &ModelDescription) -> Result<(), ModelError> {
     let check = Check::new(ElementKind::Options, "");
     check.within("gravity", &description.options.gravity, &Bound::ACCELERATION)?;
+    let impratio = description.options.impratio;
+    check.above("impratio", impratio, 0.0, "", "above 0")?;
+    check.within("impratio", &[impratio], &Bound::RATIO)?;
     let timestep = description.options.timestep;
     check.require(TIMESTEPS.contains(&timestep), "timestep", timestep, " s", "from 0.00001 to 0.02 s")
 }
@@ -493,9 +499,7 @@ fn contacts(description: &ModelDescription, geoms: &[Geom]) -> Result<Vec<Contac
         let check = Check::new(ElementKind::Contact, &format!("{one}, {other}"));
         check.not_negative("margin", contact.margin, " m")?;
         check.within("margin", &[contact.margin], &Bound::LENGTH)?;
-        let is_rough_or_not = contact.friction == 0.0 || contact.friction >= SMALLEST_FRICTION;
-        check.require(is_rough_or_not, "friction", contact.friction, "", "at least 0.00001, or 0 for none")?;
-        check.within("friction", &[contact.friction], &Bound::RATIO)?;
+        let friction = friction(contact, &check)?;
         check.softness(&contact.softness)?;
         let mut found = [index.find(one, &check.element)?, index.find(other, &check.element)?];
         found.sort_unstable();
@@ -505,10 +509,33 @@ fn contacts(description: &ModelDescription, geoms: &[Geom]) -> Result<Vec<Contac
         if contacts.iter().any(|other| other.geoms == found) {
             return Err(ModelError::DuplicateName { element: check.element });
         }
-        let &source::Contact { margin, friction, softness, .. } = contact;
+        let &source::Contact { margin, softness, .. } = contact;
         contacts.push(Contact { geoms: found, margin, friction, softness });
     }
     Ok(contacts)
+}
+
+/// What resists in each direction: each no less than MuJoCo's least, or none together with all that come after it.
+fn friction(contact: &source::Contact, check: &Check) -> Result<[f64; 5], ModelError> {
+    let &source::Contact { friction, friction_across, torsional, rolling: [first, second], .. } = contact;
+    let all = [
+        ("friction", friction, "at least 0.00001, or 0 for none"),
+        ("friction_across", friction_across.unwrap_or(friction), "at least 0.00001, and there only with `friction`"),
+        ("torsional", torsional, "at least 0.00001 m, and there only with `friction`"),
+        ("rolling", first, "at least 0.00001 m, and there only with `torsional`"),
+        ("rolling", second, "at least 0.00001 m in both directions, or 0 in both"),
+    ];
+    // Of both directions in a plane there is friction in both.
+    let (mut may_resist, mut resists) = (true, [false; 5]);
+    for (k, (field, coefficient, expected)) in all.into_iter().enumerate() {
+        resists[k] = coefficient >= SMALLEST_FRICTION;
+        let is_second = k == 1 || k == 4;
+        let fits = if is_second { resists[k] == resists[k - 1] } else { may_resist || !resists[k] };
+        check.require(fits && (resists[k] || coefficient == 0.0), field, coefficient, "", expected)?;
+        check.within(field, &[coefficient], &Bound::RATIO)?;
+        may_resist = resists[k];
+    }
+    Ok(all.map(|(_, coefficient, _)| coefficient))
 }
 
 fn wraps(description: &ModelDescription, bodies: &Index) -> Result<Vec<Wrap>, ModelError> {

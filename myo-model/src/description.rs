@@ -13,10 +13,12 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
+mod connection;
 #[cfg(feature = "files")]
 mod flat;
 mod path;
 
+pub use connection::{Connection, Weld};
 pub use path::{Over, PathElement, Pulley};
 
 /// A whole model file.
@@ -51,6 +53,9 @@ pub struct ModelDescription {
     /// Joints that follow another joint (or stand still).
     #[cfg_attr(feature = "files", serde(default))]
     pub couplings: Vec<Coupling>,
+    /// Bodies that are held together.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub connections: Vec<Connection>,
     /// Points fixed to bodies: via points of muscles and landmarks.
     #[cfg_attr(feature = "files", serde(default))]
     pub sites: Vec<Site>,
@@ -89,6 +94,9 @@ pub struct Options {
     pub gravity: [f64; 3],
     /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`).
     pub implicit_joint_damping: bool,
+    /// How many times as hard friction is as the normal force of a contact (MuJoCo's `impratio`).
+    #[cfg_attr(feature = "files", serde(default = "one", skip_serializing_if = "is_one"))]
+    pub impratio: f64,
     /// How side sites tell which way a muscle path takes around a wrap.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "SideRule::is_default"))]
     pub side_rule: SideRule,
@@ -424,7 +432,7 @@ pub struct Hull {
 }
 
 /// Two geoms that do not pass through each other. Margin, friction and softness of the geoms themselves do not count.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "files", serde(deny_unknown_fields))]
 pub struct Contact {
@@ -435,6 +443,15 @@ pub struct Contact {
     pub margin: f64,
     /// Sliding friction; 0 is none, as of contacts with MuJoCo's `condim` 1.
     pub friction: f64,
+    /// Sliding friction along the second of two directions, where it is another. Which directions these are is MuJoCo's choice.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub friction_across: Option<f64>,
+    /// Friction against twisting about the normal (m); 0 is none.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "is_none"))]
+    pub torsional: f64,
+    /// Friction against rolling about both directions (m), where there is some against twisting; zeros are none.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "are_none"))]
+    pub rolling: [f64; 2],
     /// How soft the contact is.
     #[cfg_attr(feature = "files", serde(default))]
     pub softness: Softness,
@@ -541,6 +558,26 @@ impl JsonSchema for Muscle {
 #[cfg(feature = "files")]
 fn is_zero(vector: &[f64; 3]) -> bool {
     *vector == [0.0; 3]
+}
+
+#[cfg(feature = "files")]
+fn is_none(number: &f64) -> bool {
+    *number == 0.0
+}
+
+#[cfg(feature = "files")]
+fn are_none(numbers: &[f64; 2]) -> bool {
+    numbers.iter().all(is_none)
+}
+
+#[cfg(feature = "files")]
+fn is_one(number: &f64) -> bool {
+    *number == 1.0
+}
+
+#[cfg(feature = "files")]
+fn one() -> f64 {
+    1.0
 }
 
 #[cfg(feature = "files")]

@@ -262,6 +262,12 @@ pub enum ModelError {
         /// The geom.
         geom: String,
     },
+    /// A body is asked to hold itself.
+    #[error("a connection names body `{body}` twice; it holds two together")]
+    HeldToItself {
+        /// The body.
+        body: String,
+    },
     /// What a muscle runs over does not stand between two sites.
     #[error("{element}: its path {place} `{{over: {wrap}}}`; a site must stand before it and after it")]
     LooseWrap {
@@ -342,6 +348,8 @@ pub enum ElementKind {
     Joint,
     /// A coupling, named by its dependent joint.
     Coupling,
+    /// A connection, named by its two bodies.
+    Connection,
     /// A site.
     Site,
     /// A collision shape.
@@ -368,6 +376,7 @@ impl fmt::Display for ElementKind {
             Self::Body => "body",
             Self::Joint => "joint",
             Self::Coupling => "coupling of joint",
+            Self::Connection => "connection",
             Self::Site => "site",
             Self::Geom => "geom",
             Self::Contact => "contact",

@@ -19,6 +19,12 @@ impl ModelDescription {
             joint.pos = point(joint.pos);
             joint.axis = axis(joint);
         }
+        for connection in &mut self.connections {
+            connection.anchors = connection.anchors.map(point);
+            if let Some(weld) = &mut connection.weld {
+                weld.quat = turn(weld.quat);
+            }
+        }
         for site in &mut self.sites {
             site.pos = point(site.pos);
         }

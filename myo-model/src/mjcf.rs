@@ -5,13 +5,16 @@
 //! force) is left to MuJoCo.
 
 use crate::description::{Shape, SideRule, Softness, WrapShape};
-use crate::model::{Body, Geom, Joint, Model, Muscle, WORLD, Wrap};
+use crate::model::{Body, Connection, Geom, Joint, Model, Muscle, WORLD, Weld, Wrap};
 use myo_muscle::CurveParameters;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
 
 /// How far (m) the volume of a button's touch sensor reaches beyond the box and its margin; contacts lie within the margin.
 const SENSOR_MARGIN: f64 = 0.001;
+
+/// MuJoCo's friction of geoms that say nothing.
+const FRICTION: [f64; 5] = [1.0, 1.0, 0.005, 0.0001, 0.0001];
 
 /// What [`to_mjcf`] adds to the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +70,7 @@ pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
     contacts(&mut xml, model);
     tendons(&mut xml, model);
     couplings(&mut xml, model);
+    connections(&mut xml, model);
     actuators(&mut xml, model);
     sensors(&mut xml, &options.buttons);
     xml.close("mujoco");
@@ -94,7 +98,7 @@ fn settings(xml: &mut Xml, model: &Model, options: &MjcfOptions) {
             ("gravity", numbers(&model.options.gravity)),
             ("integrator", text("Euler")),
             ("cone", text("pyramidal")),
-            ("impratio", number(1.0)),
+            ("impratio", number(model.options.impratio)),
             ("solver", text("Newton")),
             ("jacobian", text("dense")),
             ("tolerance", number(options.tolerance)),
@@ -199,8 +203,16 @@ fn meshes(xml: &mut Xml, model: &Model) {
 }
 
 fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {
+    let point = |name: &str, pos: &Vector3<f64>| {
+        [("name", text(name)), ("pos", numbers(pos.as_slice())), ("size", number(0.001))]
+    };
     for site in model.sites.iter().filter(|site| site.body == body) {
-        xml.leaf("site", &[("name", text(&site.name)), ("pos", numbers(site.pos.as_slice())), ("size", number(0.001))]);
+        xml.leaf("site", &point(&site.name, &site.pos));
+    }
+    for (number, connection) in pins(model) {
+        for end in (0..2).filter(|&end| connection.bodies[end] == body) {
+            xml.leaf("site", &point(&pin(model, number, end), &connection.anchors[end]));
+        }
     }
     for (index, geom) in model.geoms.iter().enumerate().filter(|(_, geom)| geom.body == body) {
         let presses = !model.contacts.iter().any(|contact| contact.geoms.contains(&index));
@@ -286,14 +298,16 @@ fn contact(margin: f64, friction: &[f64; 3], softness: &Softness) -> Vec<Attribu
 fn contacts(xml: &mut Xml, model: &Model) {
     xml.section("contact", &model.contacts, |xml, contact| {
         let [one, other] = contact.geoms.map(|geom| text(&model.geoms[geom].name));
-        let (condim, friction) = if contact.friction == 0.0 { ("1", 1.0) } else { ("3", contact.friction) };
-        let friction = [friction, friction, 0.005, 0.0001, 0.0001];
+        let condim = contact.condim();
+        // What does not count is as MuJoCo has it.
+        let ours = contact.friction.into_iter().take(condim - 1);
+        let friction: Vec<f64> = ours.chain(FRICTION.into_iter().skip(condim - 1)).collect();
         xml.leaf(
             "pair",
             &[
                 ("geom1", one),
                 ("geom2", other),
-                ("condim", text(condim)),
+                ("condim", condim.to_string()),
                 ("margin", number(contact.margin)),
                 ("gap", number(0.0)),
                 ("friction", numbers(&friction)),
@@ -343,6 +357,45 @@ fn couplings(xml: &mut Xml, model: &Model) {
         ]);
         xml.leaf("joint", &attributes);
     });
+}
+
+/// Connections about which bodies may turn, with their numbers: their two anchors are sites, since MuJoCo takes one point for both else.
+fn pins(model: &Model) -> impl Iterator<Item = (usize, &Connection)> {
+    model.connections.iter().enumerate().filter(|(_, connection)| connection.weld.is_none())
+}
+
+/// The name of the site at one end of such a connection, which no other site has.
+fn pin(model: &Model, number: usize, end: usize) -> String {
+    let mut name = format!("connection{}_{}", number + 1, end + 1);
+    while model.sites.iter().any(|site| site.name == name) {
+        name.push('_');
+    }
+    name
+}
+
+fn connections(xml: &mut Xml, model: &Model) {
+    let numbered: Vec<(usize, &Connection)> = model.connections.iter().enumerate().collect();
+    xml.section("equality", &numbered, |xml, &(number, connection)| {
+        let softness =
+            [("solref", numbers(&connection.softness.solref)), ("solimp", numbers(&connection.softness.solimp))];
+        let (tag, ends) = match connection.weld {
+            None => ("connect", vec![("site1", text(&pin(model, number, 0))), ("site2", text(&pin(model, number, 1)))]),
+            Some(weld) => ("weld", welded(model, connection, &weld)),
+        };
+        xml.leaf(tag, &[ends, softness.into()].concat());
+    });
+}
+
+fn welded(model: &Model, connection: &Connection, weld: &Weld) -> Vec<Attribute> {
+    let [one, other] = connection.bodies.map(|body| text(&model.bodies[body].name));
+    let [at, anchor] = connection.anchors.each_ref().map(|anchor| numbers(anchor.as_slice()));
+    vec![
+        ("body1", one),
+        ("body2", other),
+        ("relpose", format!("{at} {}", rotation(&weld.turn))),
+        ("anchor", anchor),
+        ("torquescale", number(weld.torque_scale)),
+    ]
 }
 
 fn actuators(xml: &mut Xml, model: &Model) {

@@ -25,6 +25,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// Couplings, at most one per dependent joint.
     pub couplings: Vec<Coupling>,
+    /// Bodies that are held together.
+    pub connections: Vec<Connection>,
     /// Points fixed to bodies.
     pub sites: Vec<Site>,
     /// Collision shapes.
@@ -143,6 +145,28 @@ pub struct Coupling {
     pub softness: Softness,
 }
 
+/// Two bodies that are held together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connection {
+    /// Indices of the bodies.
+    pub bodies: [usize; 2],
+    /// A point of each, in its frame (m), that coincide.
+    pub anchors: [Vector3<f64>; 2],
+    /// How they are kept from turning against each other, if they are.
+    pub weld: Option<Weld>,
+    /// Softness.
+    pub softness: Softness,
+}
+
+/// How two bodies are kept from turning against each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weld {
+    /// Orientation of the second body in the frame of the first.
+    pub turn: UnitQuaternion<f64>,
+    /// Length (m) by which half an angle counts as a distance.
+    pub torque_scale: f64,
+}
+
 /// A point fixed to a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Site {
@@ -210,10 +234,22 @@ pub struct Contact {
     pub geoms: [usize; 2],
     /// Distance (m) at which the contact force begins.
     pub margin: f64,
-    /// Sliding friction; 0 is none.
-    pub friction: f64,
+    /// What resists sliding along two directions, twisting (m) and rolling about both directions (m); zero where nothing does.
+    pub friction: [f64; 5],
     /// Softness.
     pub softness: Softness,
+}
+
+impl Contact {
+    /// How many dimensions its force has, as MuJoCo counts them: 1, 3, 4 or 6.
+    pub fn condim(&self) -> usize {
+        match self.friction {
+            [0.0, ..] => 1,
+            [_, _, 0.0, ..] => 3,
+            [_, _, _, 0.0, _] => 4,
+            _ => 6,
+        }
+    }
 }
 
 /// A sphere or cylinder (about its z axis, without ends) that muscle paths may run over.

@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 #[cfg(feature = "files")]
 use serde::{Deserialize, Serialize};
 
-use crate::description::{Body, Geom, Joint, ModelDescription, Muscle, Shape, Wrap, WrapShape};
+use crate::description::{Body, Connection, Geom, Joint, ModelDescription, Muscle, Shape, Wrap, WrapShape};
 use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Model, Pulley, Site};
 
@@ -113,6 +113,11 @@ impl ModelDescription {
         let before = lengths(&Model::new(&self)?);
         self.bodies.iter_mut().for_each(|body| scales.body(body));
         self.joints.iter_mut().for_each(|joint| scales.joint(joint));
+        for Connection { bodies, anchors, .. } in &mut self.connections {
+            for (anchor, body) in anchors.iter_mut().zip(&*bodies) {
+                *anchor = scales.point(*anchor, body);
+            }
+        }
         for site in &mut self.sites {
             site.pos = scales.point(site.pos, &site.body);
         }

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use myo_mjcf::{Limits, Mjcf, read_from};
-use myo_model::description::{Joint, JointKind, Landmarks, PathElement, Pulley, Softness, TendonLimit, WrapShape};
+use myo_model::description::{
+    Connection, Contact, Joint, JointKind, Landmarks, PathElement, Pulley, Softness, TendonLimit, Weld, WrapShape,
+};
 use myo_model::import::{ImportOptions, Unsupported, from_mjcf, unused};
 use myo_model::mjcf::{MjcfOptions, to_mjcf};
 use myo_model::{Model, ModelDescription, builtin, builtin_names};
@@ -215,8 +217,8 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
         (["", "", "", "", "forcerange=\"-1 0\""], "arm.xml:15:13: <actuator name=\"BIC\">: limits of muscle force"),
         (["", "", "", "", "gear=\"2\""], "arm.xml:15:13: <actuator name=\"BIC\">: a muscle pulls its tendon as it is"),
         (
-            ["<equality><weld body1=\"humerus\"/></equality>", "", "", "", ""],
-            "arm.xml:3:13: <weld>: of equalities only those of joints",
+            ["<equality><tendon tendon1=\"BIC\"/></equality>", "", "", "", ""],
+            "arm.xml:3:13: <tendon>: equalities of tendons are not simulated",
         ),
         (
             ["<actuator><motor joint=\"elbow\"/></actuator>", "", "", "", ""],
@@ -229,6 +231,59 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
     let text = arm([""; 5]).replace("lengthrange=\"0.7 1.1\" ", "");
     let [one] = &from_mjcf(&read(&text), &options("tip", "humerus")).unwrap_err()[..] else { panic!("one is missing") };
     assert!(one.to_string().contains("its `lengthrange` is not computed; let MuJoCo load"), "{one}");
+}
+
+#[test]
+fn bodies_are_pinned_and_welded() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let of = |equalities: &str| {
+        let body = r#"<body name="hand" pos="0 0 0.5" quat="1 0 0 1"><joint axis="1 0 0"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+          <site name="palm" pos="0.1 0 0" quat="1 0 0 1"/></body>"#;
+        let more = format!("<equality>{equalities}</equality>");
+        let all = from_mjcf(&read(&arm([&more, "", body, "", ""])), &options("tip", "humerus")).unwrap();
+        let back = to_mjcf(&Model::new(&all).unwrap(), &MjcfOptions::default());
+        let back = from_mjcf(&read(&back), &options("tip", "humerus")).unwrap().connections;
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        for (own, back) in all.connections.iter().zip(&back) {
+            assert_eq!((&own.bodies, own.softness), (&back.bodies, back.softness));
+            assert!(close(own.anchors.as_flattened(), back.anchors.as_flattened()), "{own:?} {back:?}");
+            let quat = |connection: &Connection| {
+                connection.weld.map_or([0.0; 5], |Weld { quat: [w, x, y, z], torque_scale }| [w, x, y, z, torque_scale])
+            };
+            assert!(close(&quat(own), &quat(back)), "{own:?} {back:?}");
+        }
+        assert_eq!(
+            ModelDescription::from_yaml(&all.to_yaml().unwrap(), "arm.yaml").unwrap().connections.len(),
+            back.len()
+        );
+        all.connections
+    };
+    // A point of the first body, where the second has it in the pose of the file.
+    let [pinned] = &of("<connect body1=\"humerus\" body2=\"hand\" anchor=\"0.1 0.2 0.5\" solref=\"0.1 0.5\"/>")[..]
+    else {
+        panic!()
+    };
+    assert_eq!((&pinned.bodies, pinned.weld), (&["humerus", "hand"].map(String::from), None));
+    assert!((pinned.anchors[1][0] - 0.2).abs() < 1e-12 && (pinned.anchors[1][1] + 0.1).abs() < 1e-12, "{pinned:?}");
+    assert_eq!(pinned.softness.solref, [0.1, 0.5]);
+    // Without a second body it is the world.
+    let [welded] = &of("<weld body1=\"humerus\" anchor=\"0 0 1\"/>")[..] else { panic!() };
+    assert_eq!((&welded.bodies[1], welded.anchors), (&"world".to_owned(), [[0.0; 3], [0.0, 0.0, 1.0]]));
+    assert_eq!(welded.weld, Some(Weld { quat: [1.0, 0.0, 0.0, 0.0], torque_scale: 1.0 }));
+    // A pose that is told holds as it is; one of sites is that of the bodies then.
+    let [told] =
+        &of("<weld body1=\"humerus\" body2=\"hand\" anchor=\"0 0 1\" relpose=\"1 2 3 0 0 2 0\" torquescale=\"0.2\"/>")
+            [..]
+    else {
+        panic!()
+    };
+    assert_eq!(told.anchors, [[1.0, 2.0, 3.0], [0.0, 0.0, 1.0]]);
+    assert_eq!(told.weld, Some(Weld { quat: [0.0, 0.0, 1.0, 0.0], torque_scale: 0.2 }));
+    let [sites] = &of("<weld site1=\"tip\" site2=\"palm\"/>")[..] else { panic!() };
+    assert_eq!(sites.anchors, [[0.0, 0.0, -0.12], [0.1, 0.0, 0.0]]);
+    let Weld { quat: [w, x, y, z], .. } = sites.weld.unwrap();
+    assert!((w - half).abs() < 1e-12 && (z + half).abs() < 1e-12 && (x, y) == (0.0, 0.0), "{sites:?}");
+    assert_eq!(of("<connect body1=\"humerus\" anchor=\"0 0 0\" active=\"false\"/>"), []);
 }
 
 #[test]
@@ -341,15 +396,20 @@ fn parts_that_touch_are_a_contact() {
     assert_eq!(sliding.contacts[0].friction, 0.0);
     let back = to_mjcf(&Model::new(&sliding).unwrap(), &MjcfOptions::default());
     assert_eq!(from_mjcf(&read(&back), &options("tip", "humerus")).unwrap().contacts, sliding.contacts);
-    let rolling = slippery.replace("condim=\"1\"", "condim=\"4\"");
-    assert!(contacts(&rolling).unwrap_err().contains("only those with `condim` 1, or 3"), "{rolling}");
-    // What a muscle runs over may touch, too.
-    let over = unfiltered.replace("<site site=\"origin\"/><", "<site site=\"origin\"/><geom geom=\"palm\"/><");
-    assert_eq!(contacts(&over), Ok(vec![["bone", "palm_surface"].map(String::from)]));
-    // It goes out as it came in.
-    let model = Model::new(&mixed).unwrap();
-    let back = from_mjcf(&read(&to_mjcf(&model, &MjcfOptions::default())), &options("tip", "humerus")).unwrap();
-    assert_eq!((Model::new(&back).unwrap().contacts, back.geoms.len()), (model.contacts, 2));
+    let resists = |text: &str| {
+        let all = from_mjcf(&read(text), &options("tip", "humerus")).unwrap();
+        let back = to_mjcf(&Model::new(&all).unwrap(), &MjcfOptions::default());
+        assert_eq!(from_mjcf(&read(&back), &options("tip", "humerus")).unwrap().contacts, all.contacts);
+        assert_eq!(ModelDescription::from_yaml(&all.to_yaml().unwrap(), "arm.yaml").unwrap().contacts, all.contacts);
+        let [Contact { friction, friction_across, torsional, rolling, .. }] = all.contacts[..] else { panic!("one") };
+        (friction, friction_across, torsional, rolling)
+    };
+    let across = hand(0.0, none, "<contact><pair geom1=\"bone\" geom2=\"palm\" friction=\"0.3 0.2\"/></contact>");
+    assert_eq!(resists(&across), (0.3, Some(0.2), 0.0, [0.0; 2]));
+    let twisting = slippery.replace("condim=\"1\"", "condim=\"4\"");
+    assert_eq!(resists(&twisting), (1.0, None, 0.005, [0.0; 2]));
+    let rolling = slippery.replace("condim=\"1\"", "condim=\"6\" friction=\"0.4 0.02 0.03\"");
+    assert_eq!(resists(&rolling), (0.4, None, 0.02, [0.03; 2]));
 }
 
 /// A body that falls on a floor or a table, with an arm on a ball joint.

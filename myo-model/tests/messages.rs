@@ -1,8 +1,8 @@
 //! What a person is told when a model is wrong.
 
 use myo_model::description::{
-    Contact, Geom, Hull, Joint, JointKind, Look, Over, PathElement, Pulley, Shape, Softness, TendonLimit, Wrap,
-    WrapShape,
+    Connection, Contact, Geom, Hull, Joint, JointKind, Look, Over, PathElement, Pulley, Shape, Softness, TendonLimit,
+    Weld, Wrap, WrapShape,
 };
 use myo_model::{Model, ModelDescription, builtin};
 
@@ -297,14 +297,46 @@ fn wraps_must_stand_between_two_sites() {
 
 #[test]
 fn friction_is_some_or_none() {
-    let check_friction = |friction: f64, value: &str| {
-        let message = format!("contact `a, b`: `friction` is {value}; it must be at least 0.00001, or 0 for none");
-        let contact =
-            Contact { geoms: ["a", "b"].map(String::from), margin: 0.0, friction, softness: Softness::default() };
-        check(|arm| arm.contacts.push(contact), &message);
+    let check_friction = |contact: Contact, message: &str| {
+        let contact = Contact { geoms: ["a", "b"].map(String::from), ..contact };
+        check(|arm| arm.contacts.push(contact), &format!("contact `a, b`: {message}"));
     };
-    check_friction(-0.1, "-0.1");
-    check_friction(1e-6, "0.000001");
+    let sliding = |friction: f64| Contact { friction, ..Contact::default() };
+    check_friction(sliding(-0.1), "`friction` is -0.1; it must be at least 0.00001, or 0 for none");
+    check_friction(sliding(1e-6), "`friction` is 0.000001; it must be at least 0.00001, or 0 for none");
+    let across = Contact { friction_across: Some(0.0), ..sliding(0.5) };
+    check_friction(across, "`friction_across` is 0; it must be at least 0.00001, and there only with `friction`");
+    let twisting = Contact { torsional: 0.01, ..sliding(0.0) };
+    check_friction(twisting, "`torsional` is 0.01; it must be at least 0.00001 m, and there only with `friction`");
+    let rolling = Contact { rolling: [0.01; 2], ..sliding(0.5) };
+    check_friction(rolling, "`rolling` is 0.01; it must be at least 0.00001 m, and there only with `torsional`");
+    let lame = Contact { torsional: 0.01, rolling: [0.01, 0.0], ..sliding(0.5) };
+    check_friction(lame, "`rolling` is 0; it must be at least 0.00001 m in both directions, or 0 in both");
+}
+
+#[test]
+fn two_bodies_are_held_together() {
+    let held = |bodies: [&str; 2], change: &dyn Fn(&mut Connection)| {
+        let mut connection = Connection {
+            bodies: bodies.map(String::from),
+            anchors: [[0.0; 3]; 2],
+            weld: Some(Weld { quat: [1.0, 0.0, 0.0, 0.0], torque_scale: 1.0 }),
+            softness: Softness::default(),
+        };
+        change(&mut connection);
+        move |arm: &mut ModelDescription| arm.connections.push(connection)
+    };
+    check(held(["hand", "hand"], &|_| {}), "a connection names body `hand` twice; it holds two together");
+    check(
+        held(["hand", "humeru"], &|_| {}),
+        "connection `hand, humeru`: unknown body `humeru`; did you mean `humerus`?",
+    );
+    check(
+        held(["hand", "world"], &|connection| connection.anchors[1][0] = 300.0),
+        "connection `hand, world`: `anchors` is 300 m; it must be within 10 m; is it in millimetres?",
+    );
+    let scale = |connection: &mut Connection| connection.weld.iter_mut().for_each(|weld| weld.torque_scale = -1.0);
+    check(held(["hand", "world"], &scale), "connection `hand, world`: `torque_scale` is -1 m; it must be 0 or more");
 }
 
 #[test]

@@ -38,6 +38,10 @@ MODELS = {
     "legs among ellipsoids": ("torso_root_attach", "sacrum"),
     "myofullbody": ("IFtip_r", "humerus_r"),
     "tumbler": ("tip", "arm"),
+    "linkage": ("tip", "arm"),
+    "twisting tumbler": ("tip", "arm"),
+    "rolling tumbler": ("tip", "arm"),
+    "held myoarm_r": ("IFtip_r", "humerus_r"),
     "sliding myoarm_r": ("IFtip_r", "humerus_r"),
     "myotorso": ("torso_root_attach", "Full Body"),
 }
@@ -48,12 +52,19 @@ CHANGED = {
     # Contacts without friction.
     "sliding myoarm_r": ("<pair ", '<pair condim="1" ', 4),
 }
+#: What makes the falling body resist more than sliding.
+ROUGH = {
+    "twisting tumbler": lambda text: text.replace('condim="3"/>', 'condim="4" friction="0.9 0.6 0.03"/>'),
+    "rolling tumbler": lambda text: text.replace(
+        'condim="3"/>', 'condim="6" friction="0.8 0.8 0.03 0.01 0.02"/>'
+    ).replace("<default>", '<option impratio="3"/><default>'),
+}
 BEFORE_4 = MUJOCO < 4
 #: What a side site says changed with 4.0.
 SIDE_RULE = "mujoco3" if BEFORE_4 else "mujoco4"
 if BEFORE_4:
     # How rods lie on cylinders is another thing there, and what it saves of the others it cannot read, or has no contacts.
-    for name in ["myolegs", "myofullbody", "tumbler", "myoarms", "sliding myoarm_r"]:
+    for name in ["myolegs", "myofullbody", "tumbler", "twisting tumbler", "rolling tumbler", "myoarms", "sliding myoarm_r"]:
         del MODELS[name]
     # Nor are contacts of meshes the same.
     for name in ["myolegs26", "legs among capsules", "legs among ellipsoids"]:
@@ -93,13 +104,24 @@ def among(shapes):
     return spec
 
 
+def held(spec):
+    """An arm whose index finger is pinned to its middle one, and whose hand is welded to the trunk."""
+    bodies = mujoco.mjtObj.mjOBJ_BODY
+    spec.add_equality(type=mujoco.mjtEq.mjEQ_CONNECT, objtype=bodies, name1="distph2_r", name2="distph3_r", data=[0, -0.01, 0, *[0] * 9])
+    spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=bodies, name1="capitate_r", name2="torso", data=[*[0] * 10, 0.2, 0])
+    return spec
+
+
 def spec_of(name):
     """A model as its package builds it."""
     legacy = myo_sim.MODELS_DIR / "legacy"
     if name.startswith("legs among "):
         return among(name.removeprefix("legs among "))
-    if name == "tumbler":
-        return mujoco.MjSpec.from_file(str(ROOT / "myo-dynamics/examples/tumbler.xml"))
+    if "tumbler" in name or name == "linkage":
+        text = (ROOT / f"myo-dynamics/examples/{name.split()[-1]}.xml").read_text()
+        return mujoco.MjSpec.from_string(ROUGH[name](text) if name in ROUGH else text)
+    if name.startswith("held "):
+        return held(compose.build_spec(name.removeprefix("held ")))
     if name == "myoelbow":
         return mujoco.MjSpec.from_file(str(legacy / "elbow/myoelbow_1dof6muscles.xml"))
     if "finger" in name:

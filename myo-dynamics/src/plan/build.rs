@@ -2,9 +2,9 @@
 
 use super::coordinates::Coordinates;
 use super::{
-    BallAxis, Body, Branch, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination, Equality,
-    FixedFrame, Form, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan, PlanError, Point, RoundThing,
-    Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, pairs, reference_pose, sets,
+    BallAxis, Body, Branch, Connection, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination,
+    Equality, FixedFrame, Form, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan, PlanError, Point,
+    RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, connections, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -82,17 +82,20 @@ impl Plan<f64> {
         let bodies = tree.bodies(model);
         let contact_spheres = contact_spheres(model, &tree)?;
         let (pairs, hulls) = pairs::pairs(model, &tree)?;
+        let connections = connections::connections(model, &tree);
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
         let h = model.options.timestep;
         let mut plan = Plan {
             timestep: h,
+            impratio: model.options.impratio,
             implicit_damping: model.options.implicit_joint_damping,
             gravity: model.options.gravity,
             origin: model.shoulder_in_zero_pose().into(),
             curved_joints: coordinates.curved_joints(model),
             limits: limits(model, &coordinates),
             equalities: if coupling == CouplingMode::Soft { equalities(model, &coordinates) } else { vec![] },
+            connections,
             dofs: coordinates.dofs,
             carried: None,
             balls: coordinates.balls,
@@ -140,6 +143,7 @@ impl Plan<f64> {
         used.extend(self.tendons.pairs.iter().flat_map(|pair| [pair.a, pair.b]));
         used.extend(self.contact_spheres.iter().map(|sphere| sphere.centre.link));
         used.extend(self.pairs.iter().flat_map(ContactPair::links));
+        used.extend(self.connections.iter().flat_map(Connection::all_links));
         used.extend(self.tendons.stretches().flat_map(Stretch::pulled_links));
         used.remove(&0);
         sets::connect(self, &used);
@@ -194,7 +198,10 @@ impl Plan<f64> {
             limit.diagonal = mass;
         }
         for (pair, &masses) in self.pairs.iter_mut().zip(&reference.pair_inverse_masses) {
-            pair.weigh(masses);
+            pair.weigh(masses, model.options.impratio);
+        }
+        for (connection, &inverses) in self.connections.iter_mut().zip(&reference.connection_inverses) {
+            connection.weigh(inverses);
         }
         Ok(())
     }

@@ -1,10 +1,10 @@
 //! The same plan in another precision.
 
 use super::{
-    BallAxis, Body, Branch, Bundle, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment, Drive, Elements,
-    EnergyProfile, Equality, FixedFrame, HingeSegment, JointCoordinates, Limit, Link, LinkMotion, Part, PartForm,
-    Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch, TendonLimit,
-    Tendons,
+    BallAxis, Body, Branch, Bundle, Connection, ContactPair, ContactSphere, CurvedJoint, Dof, DoubleHingeSegment,
+    Drive, Elements, EnergyProfile, Equality, FixedFrame, HingeSegment, JointCoordinates, Limit, Link, LinkMotion,
+    Part, PartForm, Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate, RoundThing, Side, Stretch,
+    TendonLimit, Tendons,
 };
 use crate::cast::{Cast, cast};
 use myo_scalar::Real;
@@ -18,8 +18,8 @@ impl Plan<f64> {
 
 cast! {
     Plan {
-        timestep, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
-        equalities, fingertip, arm, fingers, contact_spheres, pairs, joints, elements;
+        timestep, impratio, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
+        equalities, connections, fingertip, arm, fingers, contact_spheres, pairs, joints, elements;
         implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, smooth_activation, hulls
     }
     Elements { bodies, sites, wraps }
@@ -45,9 +45,10 @@ cast! {
     Limit { drive, range, impedance, diagonal }
     TendonLimit { range, margin, impedance, diagonal; muscle, dofs }
     Equality { drive, impedance, diagonal; dependent, at }
+    Connection { frames, coms, torque_scale, impedance, diagonals }
     BallAxis { placement; at, axis }
     ContactSphere { centre, body_com, radius; finger, margin, friction, softness, diagonal, movers }
-    ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, is_along_axis, is_slippery, movers }
+    ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, condim, is_along_axis, movers }
     Part { frame, form, body_com }
 }
 

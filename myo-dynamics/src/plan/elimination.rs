@@ -65,7 +65,9 @@ impl Elimination {
             (0..ndof).filter(moves).collect::<Vec<_>>()
         };
         let parts = spheres.chain(plan.pairs.iter().map(ContactPair::links)).map(of_links);
-        for moving in parts.chain(plan.tendon_limits.iter().map(|limit| limit.dofs.clone())) {
+        let held = plan.connections.iter().map(|connection| connection.dofs(&plan.links));
+        let tendons = plan.tendon_limits.iter().map(|limit| limit.dofs.clone());
+        for moving in parts.chain(tendons).chain(held) {
             pairs.extend(moving.iter().flat_map(|&a| moving.iter().map(move |&b| (a, b))));
         }
         Self::new(ndof, &pairs)

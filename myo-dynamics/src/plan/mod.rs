@@ -5,6 +5,7 @@
 
 mod build;
 mod cast;
+mod connections;
 mod coordinates;
 mod elimination;
 mod error;
@@ -16,11 +17,12 @@ mod sets;
 mod specialise;
 mod wraps;
 
+pub use connections::Connection;
 pub use coordinates::{Ball, Dof, DofKind, Drive, Form, JointCoordinates};
 pub use elimination::{Column, Elimination, Felt, Later};
 pub use error::PlanError;
 pub use movers::{Mover, Movers};
-pub use pairs::{ContactPair, Part, PartForm};
+pub use pairs::{ContactPair, MOST_SLOTS, Part, PartForm};
 
 use crate::impedance::Impedance;
 use crate::mesh::Hull;
@@ -47,6 +49,8 @@ pub enum CouplingMode {
 pub struct Plan<C> {
     /// Physics time step (s).
     pub timestep: C,
+    /// How many times as hard friction is as the normal force of a contact.
+    pub impratio: C,
     /// Whether joint damping is integrated implicitly.
     pub implicit_damping: bool,
     /// Gravity in world axes (m/s^2).
@@ -94,6 +98,8 @@ pub struct Plan<C> {
     pub tendon_limits: Vec<TendonLimit<C>>,
     /// Couplings kept as constraints.
     pub equalities: Vec<Equality<C>>,
+    /// Bodies that are held together.
+    pub connections: Vec<Connection<C>>,
     /// The point that points and presses.
     pub fingertip: Point<C>,
     /// Elbow and wrist, where they were asked for, see [`Plan::with_arm`].
@@ -546,6 +552,10 @@ impl<C> Plan<C> {
     /// Number of positions: as many as coordinates, and one more for each orientation.
     pub fn nq(&self) -> usize {
         self.qpos0.len()
+    }
+    /// Number of rows that always hold: of couplings, then of connections.
+    pub fn equality_rows(&self) -> usize {
+        self.equalities.len() + self.connections.iter().map(Connection::rows).sum::<usize>()
     }
     /// Number of muscles.
     pub fn nmuscle(&self) -> usize {

@@ -10,6 +10,9 @@ use myo_model::model::{Contact, Geom};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
+/// Most contacts that a point of a pair takes.
+pub const MOST_SLOTS: usize = 3;
+
 /// Two parts that do not pass through each other.
 #[derive(Clone, Debug)]
 pub struct ContactPair<C> {
@@ -21,14 +24,15 @@ pub struct ContactPair<C> {
     pub slot: usize,
     /// In how many points they may touch: a rod lies on something flat with both its ends.
     pub points: usize,
+    /// How many dimensions the force in a point has, as MuJoCo counts them: 1 without friction, 3 with what resists sliding, 4 with what resists twisting as well, and
+    /// 6 with what resists rolling.
+    pub condim: usize,
     /// Whether friction is that along the axis of the second part and across: of rods on a plane, as MuJoCo has it.
     pub is_along_axis: bool,
     /// Distance at which the contact force begins (m).
     pub margin: C,
-    /// Sliding friction.
-    pub friction: C,
-    /// Whether there is none: then there is one row, along the normal.
-    pub is_slippery: bool,
+    /// What resists sliding along two directions, twisting (m) and rolling about both directions (m).
+    pub friction: [C; 5],
     /// Softness.
     pub impedance: Impedance<C>,
     /// Inverse inertia of every row.
@@ -77,6 +81,16 @@ pub enum PartForm<C> {
 }
 
 impl<C> ContactPair<C> {
+    /// How many contacts a point takes, each of the four edges that two directions of friction have.
+    pub fn slots_each(&self) -> usize {
+        (self.condim / 2).max(1)
+    }
+
+    /// How many all of them take.
+    pub fn slots(&self) -> usize {
+        self.points * self.slots_each()
+    }
+
     /// The links of both parts.
     pub(crate) fn links(&self) -> [usize; 2] {
         [self.parts[0].frame.origin.link, self.parts[1].frame.origin.link]
@@ -96,16 +110,23 @@ impl<C> Part<C> {
 }
 
 impl<C> Plan<C> {
+    /// Numbers among the contacts of pairs, one for each point in which parts may touch: the others of a point resist twisting and rolling.
+    pub fn pair_points(&self) -> impl Iterator<Item = usize> {
+        let points = |pair: &ContactPair<C>| (pair.slot..pair.slot + pair.slots()).step_by(pair.slots_each());
+        self.pairs.iter().flat_map(points)
+    }
+
     /// Contacts that there may be between parts.
     pub(crate) fn pair_contacts(&self) -> usize {
-        self.pairs.last().map_or(0, |last| last.slot + last.points)
+        self.pairs.last().map_or(0, |last| last.slot + last.slots())
     }
 }
 
 impl ContactPair<f64> {
     /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg).
-    pub(super) fn weigh(&mut self, [one, other]: [f64; 2]) {
-        self.diagonal = if self.is_slippery { one + other } else { pyramid_diagonal(self.friction, one + other) };
+    pub(super) fn weigh(&mut self, [one, other]: [f64; 2], impratio: f64) {
+        let mass = one + other;
+        self.diagonal = if self.condim == 1 { mass } else { pyramid_diagonal(self.friction[0], impratio, mass) };
     }
 }
 
@@ -118,7 +139,7 @@ pub(super) fn pairs(model: &Model, tree: &Tree) -> Result<Pairs, PlanError> {
     let mut hulls = Hulls::default();
     for contact in &model.contacts {
         let pair = ContactPair { slot, ..pair(model, tree, contact, &mut hulls)? };
-        slot += pair.points;
+        slot += pair.slots();
         pairs.push(pair);
     }
     Ok((pairs, hulls.all))
@@ -149,7 +170,7 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact, hulls: &mut Hulls) -> Res
         parts,
         margin: contact.margin,
         friction: contact.friction,
-        is_slippery: contact.friction == 0.0,
+        condim: contact.condim(),
         impedance: Impedance::new(&contact.softness, model.options.timestep),
         diagonal: 0.0,
         movers: Movers::default(),

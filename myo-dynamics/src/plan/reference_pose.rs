@@ -2,7 +2,7 @@
 //!
 //! MuJoCo's `dof_invweight0`, `body_invweight0`, `tendon_invweight0` and `actuator_acc0`, of the model with all joints.
 
-use super::{ContactPair, Plan, PlanError, Point, TendonLimit};
+use super::{Connection, ContactPair, Plan, PlanError, Point, TendonLimit};
 use crate::spatial::{Vec3, Wrench};
 use crate::step::{cholesky, force, inertia, kinematics, tendon};
 use crate::workspace::{State, Workspace};
@@ -15,6 +15,8 @@ pub(super) struct ReferencePose {
     pub sphere_inverse_masses: Vec<f64>,
     /// The same of both bodies of each pair of parts that touch.
     pub pair_inverse_masses: Vec<[f64; 2]>,
+    /// Inverse mass (1/kg) and inverse inertia (1/(kg m^2)) of both bodies of each connection.
+    pub connection_inverses: Vec<[[f64; 2]; 2]>,
     /// Inverse inertia that each limited tendon feels (1/kg).
     pub tendon_inverse_masses: Vec<f64>,
     /// Norm of the joint acceleration per newton, per muscle.
@@ -52,10 +54,20 @@ pub(super) fn measure(plan: &Plan<f64>) -> Result<ReferencePose, PlanError> {
     };
     let tendon_inverse_masses = plan.tendon_limits.iter().map(felt).collect();
     let mass_at = |point: &Point<f64>| inverse_mass(plan, &ws, point, solve);
+    let inverses_at = |point: &Point<f64>| [mass_at(point), inverse_inertia_of(plan, &ws, point.link, solve)];
+    let of_connection = |connection: &Connection<f64>| connection.coms.each_ref().map(inverses_at);
+    let connection_inverses = plan.connections.iter().map(of_connection).collect();
     let sphere_inverse_masses = plan.contact_spheres.iter().map(|sphere| mass_at(&sphere.body_com)).collect();
     let of_pair = |pair: &ContactPair<f64>| [mass_at(&pair.parts[0].body_com), mass_at(&pair.parts[1].body_com)];
     let pair_inverse_masses = plan.pairs.iter().map(of_pair).collect();
-    Ok(ReferencePose { inverse_inertia, sphere_inverse_masses, pair_inverse_masses, tendon_inverse_masses, acc0 })
+    Ok(ReferencePose {
+        inverse_inertia,
+        sphere_inverse_masses,
+        pair_inverse_masses,
+        connection_inverses,
+        tendon_inverse_masses,
+        acc0,
+    })
 }
 
 /// Inverse diagonal of the inverse mass matrix at zero: what each coordinate alone feels (kg m^2 or kg).
@@ -71,10 +83,31 @@ fn inverse_mass(
     solve: impl Fn(&Workspace<f64>, Vec<f64>) -> Vec<f64>,
 ) -> f64 {
     let at = ws.place(point);
-    let screws = &plan.links[point.link].screw_of_dof;
+    mean_inverse(plan, ws, point.link, |direction| Wrench::at(at, direction), solve)
+}
+
+/// Mean inverse inertia (1/(kg m^2)) by which a link turns.
+fn inverse_inertia_of(
+    plan: &Plan<f64>,
+    ws: &Workspace<f64>,
+    link: usize,
+    solve: impl Fn(&Workspace<f64>, Vec<f64>) -> Vec<f64>,
+) -> f64 {
+    mean_inverse(plan, ws, link, |ang| Wrench { ang, lin: Vec3::zero() }, solve)
+}
+
+/// Mean of what a link does under a unit wrench of each axis, along that wrench.
+fn mean_inverse(
+    plan: &Plan<f64>,
+    ws: &Workspace<f64>,
+    link: usize,
+    wrench: impl Fn(Vec3<f64>) -> Wrench<f64>,
+    solve: impl Fn(&Workspace<f64>, Vec<f64>) -> Vec<f64>,
+) -> f64 {
+    let screws = &plan.links[link].screw_of_dof;
     let along = |direction: Vec3<f64>| {
-        let line = Wrench::at(at, direction);
-        let row: Vec<f64> = screws.iter().map(|s| s.map_or(0.0, |s| ws.screw[s].dot(line))).collect();
+        let wrench = wrench(direction);
+        let row: Vec<f64> = screws.iter().map(|s| s.map_or(0.0, |s| ws.screw[s].dot(wrench))).collect();
         solve(ws, row.clone()).iter().zip(&row).map(|(a, b)| a * b).sum::<f64>()
     };
     let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];

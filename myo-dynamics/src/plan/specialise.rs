@@ -9,8 +9,8 @@
 
 use super::build::assign_screws;
 use super::{
-    DofKind, DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part, Placement, Plan,
-    Point, PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
+    Connection, DofKind, DoubleHingeSegment, Drive, Elements, EnergyProfile, HingeSegment, Link, LinkMotion, Part,
+    Placement, Plan, Point, PoseProfile, ProfileSegment, ProfiledCoordinate, Segment, SegmentPair, Stretch, Tendons,
 };
 use crate::polynomial::{Domain, NODES, Polynomial, fit, nodes};
 use crate::spatial::{Motion, Rotation, Vec3};
@@ -89,6 +89,7 @@ impl Plan<f64> {
         used.extend(self.arm.iter().flatten().chain(&self.fingers).map(|point| point.link));
         used.extend(self.contact_spheres.iter().flat_map(|s| [s.centre.link, s.body_com.link]));
         used.extend(self.pairs.iter().flat_map(|pair| &pair.parts).flat_map(Part::links));
+        used.extend(self.connections.iter().flat_map(Connection::all_links));
         // Parents of links that cannot themselves be dropped.
         let alone = |k: usize| self.links[k].screw_of_dof.iter().flatten().count() == 1;
         used.extend((1..self.links.len()).filter(|&k| !alone(k)).map(|k| self.links[k].parent));
@@ -109,6 +110,7 @@ impl Plan<f64> {
             self.tendons.wraps.iter_mut().flat_map(|bundle| &mut bundle.stretches).flat_map(Stretch::points_mut),
         );
         let points = points.chain(self.pairs.iter_mut().flat_map(|pair| &mut pair.parts).flat_map(Part::points_mut));
+        let points = points.chain(self.connections.iter_mut().flat_map(Connection::points_mut));
         for point in points.chain(self.contact_spheres.iter_mut().flat_map(|s| [&mut s.centre, &mut s.body_com])) {
             point.link = new[&point.link];
         }

@@ -197,8 +197,8 @@ fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut W
         further(part, Touch { number, columns }, ws);
     }
     for pair in &plan.pairs {
-        for point in 0..pair.points {
-            further(part, Touch { number: boxes + pair.slot + point, columns: &pair.movers.columns }, ws);
+        for slot in 0..pair.slots() {
+            further(part, Touch { number: boxes + pair.slot + slot, columns: &pair.movers.columns }, ws);
         }
     }
 }

@@ -132,12 +132,13 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
             normal,
             along: None,
             violation: distance - S::splat(touch.margin),
-            friction: touch.friction,
             impedance: &touch.impedance,
             diagonal: touch.diagonal,
             movers: &sphere.movers.each,
         };
-        pyramid(plan, &meeting, state, number, ws);
+        let friction = S::splat(touch.friction);
+        let [first, second] = meeting.tangents().map(|tangent| tangent.scale(friction));
+        pyramid(plan, &meeting, Directions { first, second: Some(second), turn: false }, state, number, ws);
     }
 }
 
@@ -341,8 +342,6 @@ pub(super) struct Meeting<'a, S: Scalar> {
     pub along: Option<Vec3<S>>,
     /// Distance of the surfaces less their margin (m).
     pub violation: S,
-    /// Sliding friction.
-    pub friction: S::Const,
     /// Softness.
     pub impedance: &'a Impedance<S::Const>,
     /// Inverse inertia of every row.
@@ -351,26 +350,44 @@ pub(super) struct Meeting<'a, S: Scalar> {
     pub movers: &'a [Mover],
 }
 
-/// The four edges of a contact's friction pyramid as constraint rows.
+impl<S: Scalar> Meeting<'_, S> {
+    /// The two directions across the normal along which friction is measured.
+    #[inline(always)]
+    pub(super) fn tangents(&self) -> [Vec3<S>; 2] {
+        match self.along {
+            Some(along) => tangents_along(self.normal, along),
+            None => tangents(self.normal),
+        }
+    }
+}
+
+/// Directions in which surfaces resist each other, as long as their friction: along them, or about them.
+#[derive(Clone, Copy)]
+pub(super) struct Directions<S> {
+    pub first: Vec3<S>,
+    /// There may be one only.
+    pub second: Option<Vec3<S>>,
+    /// Whether what resists is a turn about them.
+    pub turn: bool,
+}
+
+/// Two opposite edges of a contact's friction pyramid for each direction, as constraint rows.
 #[inline(always)]
 pub(super) fn pyramid<S: Scalar>(
     plan: &Plan<S::Const>,
     meeting: &Meeting<'_, S>,
+    Directions { first, second, turn }: Directions<S>,
     state: &State<S>,
     number: usize,
     ws: &mut Workspace<S>,
 ) {
-    let [first, second] = match meeting.along {
-        Some(along) => tangents_along(meeting.normal, along),
-        None => tangents(meeting.normal),
-    };
-    let friction = S::splat(meeting.friction);
-    let (first, second) = (first.scale(friction), second.scale(friction));
     let o = S::zero();
     let (mut apart, mut along, mut across) = (o, o, o);
     for mover in meeting.movers {
         let (dof, way, rate) = (mover.dof, moved(mover, meeting.at, ws), state.qvel[mover.dof]);
-        let (out, u, v) = (way.dot(meeting.normal), way.dot(first), way.dot(second));
+        let resisted = if turn { turned(mover, ws) } else { way };
+        let out = way.dot(meeting.normal);
+        let (u, v) = (resisted.dot(first), second.map_or(o, |second| resisted.dot(second)));
         for (k, entry) in [out + u, out - u, out + v, out - v].into_iter().enumerate() {
             ws.contact_jacobian[(number * PYRAMID + k) * plan.ndof() + dof] = entry;
         }
@@ -379,7 +396,11 @@ pub(super) fn pyramid<S: Scalar>(
         across = v.mul_add(rate, across);
     }
     for (k, velocity) in [apart + along, apart - along, apart + across, apart - across].into_iter().enumerate() {
-        row(meeting, velocity, (number, k), ws);
+        if k < 2 || second.is_some() {
+            row(meeting, velocity, (number, k), ws);
+        } else {
+            ws.contacts[number].rows[k] = workspace::Row::none();
+        }
     }
 }
 
@@ -413,6 +434,13 @@ fn moved<S: Scalar>(mover: &Mover, at: Vec3<S>, ws: &Workspace<S>) -> Vec3<S> {
         (Some(under), Some(over)) => (ws.screw[over] - ws.screw[under]).at(at),
         (None, None) => Vec3::zero(),
     }
+}
+
+/// How a coordinate turns the second surface (1 or 1/m), as seen from the first.
+#[inline(always)]
+fn turned<S: Scalar>(mover: &Mover, ws: &Workspace<S>) -> Vec3<S> {
+    let of = |screw: Option<usize>| screw.map_or_else(Vec3::zero, |screw| ws.screw[screw].ang);
+    of(mover.over) - of(mover.under)
 }
 
 /// A row of a contact whose surfaces move apart with a velocity (m/s) along its direction.

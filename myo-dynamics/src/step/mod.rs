@@ -5,6 +5,7 @@
 
 pub mod boxes;
 pub mod cholesky;
+mod connection;
 pub mod constraint;
 pub mod contact;
 mod cylinder;
@@ -120,6 +121,7 @@ impl StepStage for Constraints {
     ) {
         constraint::limits(plan, state, ws);
         constraint::equalities(plan, state, ws);
+        connection::connections(plan, ws);
         contact::contact(plan, obstacles, state, ws);
         pair::pairs(plan, state, ws);
         constraint::solve(plan, ws);

@@ -1,12 +1,12 @@
 //! Contact of parts of the body with each other and with what stands around: MuJoCo's geometry of planes and capsules, and the least way out
 //! of ellipsoids and cylinders.
 
-use super::contact::{Edges, Meeting, pyramid, slide};
+use super::contact::{Directions, Edges, Meeting, pyramid, slide};
 use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
 use super::mesh;
 use super::support::{Apart, Oval, Segment, Smooth, ovals};
-use crate::plan::{ContactPair, Part, PartForm, Plan};
+use crate::plan::{ContactPair, MOST_SLOTS, Part, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
 use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
@@ -52,8 +52,8 @@ struct Found<'a, S: Scalar> {
 
 impl<S: Scalar> Carried<S> for Found<'_, S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        for point in 0..self.pair.points {
-            let number = self.ws.box_slots + self.pair.slot + point;
+        for slot in 0..self.pair.slots() {
+            let number = self.ws.box_slots + self.pair.slot + slot;
             let Contact { exists, distance, normal, .. } = &mut self.ws.contacts[number];
             visitor.mask(exists);
             visitor.numbers([distance, &mut normal.x, &mut normal.y, &mut normal.z]);
@@ -101,25 +101,45 @@ fn touch<S: Scalar>(
     ws: &mut Workspace<S>,
 ) {
     let along = pair.is_along_axis.then(|| axis(&pair.parts[1], ws));
-    let number = ws.box_slots + pair.slot + point;
+    let first = ws.box_slots + pair.slot + point * pair.slots_each();
     let violation = distance - S::splat(pair.margin);
-    let contact = &mut ws.contacts[number];
-    (contact.exists, contact.distance, contact.normal) = (near & violation.lt(S::zero()), distance, normal);
+    let exists = near & violation.lt(S::zero());
+    for contact in &mut ws.contacts[first..first + pair.slots_each()] {
+        (contact.exists, contact.distance, contact.normal) = (exists, distance, normal);
+    }
     let meeting = Meeting {
         at,
         normal,
         along,
         violation,
-        friction: pair.friction,
         impedance: &pair.impedance,
         diagonal: pair.diagonal,
         movers: &pair.movers.each,
     };
-    if pair.is_slippery {
-        slide(plan, &meeting, state, number, ws);
-    } else {
-        pyramid(plan, &meeting, state, number, ws);
+    if pair.condim == 1 {
+        slide(plan, &meeting, state, first, ws);
+        return;
     }
+    for (slot, directions) in directions(pair, &meeting).into_iter().flatten().enumerate() {
+        pyramid(plan, &meeting, directions, state, first + slot, ws);
+    }
+}
+
+/// The directions in which a pair resists, two to each contact of a point.
+#[inline(always)]
+fn directions<S: Scalar>(
+    pair: &ContactPair<S::Const>,
+    meeting: &Meeting<'_, S>,
+) -> [Option<Directions<S>>; MOST_SLOTS] {
+    let [first, second] = meeting.tangents();
+    let [along, across, twisting, rolling, rolling_across] = pair.friction.map(S::splat);
+    let is = |condim: usize| pair.condim >= condim;
+    let twist = meeting.normal.scale(twisting);
+    [
+        Some(Directions { first: first.scale(along), second: Some(second.scale(across)), turn: false }),
+        is(4).then(|| Directions { first: twist, second: is(6).then(|| first.scale(rolling)), turn: true }),
+        is(6).then(|| Directions { first: second.scale(rolling_across), second: None, turn: true }),
+    ]
 }
 
 /// How two parts meet in a point.

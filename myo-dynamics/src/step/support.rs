@@ -170,17 +170,18 @@ impl<S: Scalar> Carried<S> for Apart<S> {
     }
 }
 
-/// The search: a direction, how long a step may be (rad), and whether it goes on.
+/// The search: a direction, how far apart the bodies are along it (m), how long a step may be (rad), and whether it goes on.
 struct Climb<S: Scalar> {
     normal: Vec3<S>,
+    distance: S,
     longest: S,
     goes_on: S::Mask,
 }
 
 impl<S: Scalar> Carried<S> for Climb<S> {
     fn visit(&mut self, visitor: &mut impl Visitor<S>) {
-        let Self { normal: Vec3 { x, y, z }, longest, goes_on } = self;
-        visitor.numbers([x, y, z, longest]);
+        let Self { normal: Vec3 { x, y, z }, distance, longest, goes_on } = self;
+        visitor.numbers([x, y, z, distance, longest]);
         visitor.mask(goes_on);
     }
 }
@@ -219,8 +220,9 @@ pub(super) fn climb<S: Scalar>(
     between: Vec3<S>,
     start: Vec3<S>,
 ) -> Vec3<S> {
-    let mut climb = Climb { normal: start, longest: S::lit(LONGEST), goes_on: S::Mask::splat(true) };
     let (first, second) = (*first, *second);
+    let distance = apart(&first, &second, between, start).distance;
+    let mut climb = Climb { normal: start, distance, longest: S::lit(LONGEST), goes_on: S::Mask::splat(true) };
     S::repeat_while(MAX_ROUNDS, &mut climb, |climb| {
         S::outline(Step { first, second, between, climb });
         climb.goes_on
@@ -241,8 +243,7 @@ impl<S: Scalar, A: Smooth<S>, B: Smooth<S>> Stage<S> for Step<'_, S, A, B> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        let Self { first, second, between, climb: Climb { normal, longest, goes_on } } = self;
-        let out = |way: Vec3<S>| apart(&first, &second, between, way).distance;
+        let Self { first, second, between, climb: Climb { normal, distance, longest, goes_on } } = self;
         let step = newton_step(&first, &second, between, *normal);
         let square = step.dot(step);
         let length = square.max(S::lit(TINY));
@@ -250,8 +251,10 @@ impl<S: Scalar, A: Smooth<S>, B: Smooth<S>> Stage<S> for Step<'_, S, A, B> {
         let share = (*longest * inverse).min(S::lit(1.0));
         let next = step.mul_add(share, *normal).unit();
         // A step that goes down was too long.
-        let rises = out(*normal).le(out(next));
+        let reached = apart(&first, &second, between, next).distance;
+        let rises = distance.le(reached);
         *normal = Vec3::select(*goes_on & rises, next, *normal);
+        *distance = S::select(*goes_on & rises, reached, *distance);
         let taken = share * length * inverse;
         *longest = S::select(rises, (taken + taken).max(*longest).min(S::lit(LONGEST)), taken * S::lit(SHORTER));
         *goes_on = *goes_on & S::lit(SETTLED * S::EPSILON).lt(taken);

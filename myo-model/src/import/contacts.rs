@@ -1,12 +1,11 @@
 //! Which parts of a body may touch each other.
 
-use super::Import;
 use super::apart::{Apart, frame};
 use super::meshes::Meshes;
+use super::{Import, written};
 use crate::compile::SMALLEST_FRICTION;
 use crate::description::{Contact, Geom, Shape, Softness};
 use myo_mjcf::{self as source, Cone, Pair, Place, Switch};
-use nalgebra::UnitQuaternion;
 use std::cmp::Ordering;
 
 /// A geom, with the number of its body and its own.
@@ -22,7 +21,8 @@ struct Touch<'a> {
     geoms: [Held<'a>; 2],
     place: &'a Place,
     condim: i32,
-    friction: [f64; 2],
+    /// As MuJoCo has it: of two directions, of twisting, and of rolling about both.
+    friction: [f64; 5],
     margin: f64,
     gap: f64,
     adhesion: f64,
@@ -50,7 +50,7 @@ impl<'a> Import<'a> {
         if let Some(first) = others.first() {
             self.refuse_touch(first, others.len(), &meshes);
         }
-        if let Some(rough) = simulated.iter().find(|touch| touch.condim == 3) {
+        if let Some(rough) = simulated.iter().find(|touch| touch.condim > 1) {
             self.check_cone(rough.place);
         }
         let mut geoms: Vec<Geom> = vec![];
@@ -64,8 +64,8 @@ impl<'a> Import<'a> {
         let contact = |touch: &Touch<'_>| Contact {
             geoms: touch.geoms.map(|held| self.geom_name(held)),
             margin: touch.margin,
-            friction: touch.sliding(),
             softness: touch.softness,
+            ..touch.friction()
         };
         let contacts = simulated.iter().map(contact).collect();
         (geoms, contacts)
@@ -76,10 +76,7 @@ impl<'a> Import<'a> {
         self.refuse_all(
             place,
             ("option", None),
-            &[
-                (option.cone() != Cone::Pyramidal, "parts touch with a pyramidal friction cone (`cone`) only"),
-                (option.impratio() != 1.0, "`impratio` other than 1 is not simulated where parts touch"),
-            ],
+            &[(option.cone() != Cone::Pyramidal, "parts touch with a pyramidal friction cone (`cone`) only")],
         );
     }
 
@@ -99,7 +96,7 @@ impl<'a> Import<'a> {
         } else if !touch.is_known() {
             format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
         } else {
-            "of contacts only those with `condim` 1, or 3 and one sliding friction, and neither `gap` nor `adhesion` are simulated".into()
+            "of contacts only those with neither `gap` nor `adhesion` are simulated".into()
         };
         let others = if count > 1 { format!(", nor are {} more pairs like this", count - 1) } else { String::new() };
         let what = format!(
@@ -188,10 +185,6 @@ impl<'a> Import<'a> {
     }
 }
 
-fn written(turn: &UnitQuaternion<f64>) -> [f64; 4] {
-    [turn.w, turn.i, turn.j, turn.k]
-}
-
 fn shape(geom: &source::Geom) -> Option<Shape> {
     // What is fitted to a mesh has its size from there.
     if geom.mesh.is_some() {
@@ -252,7 +245,6 @@ impl<'a> Touch<'a> {
         self.is_known()
             && self.geoms.iter().all(|held| meshes.why_not(held.geom).is_none())
             && (self.gap, self.adhesion) == (0.0, 0.0)
-            && (self.condim == 1 || self.condim == 3 && self.friction[0] == self.friction[1])
     }
 
     /// Whether contacts of such shapes are simulated.
@@ -266,9 +258,18 @@ impl<'a> Touch<'a> {
         self.geoms.iter().any(|held| Form::of(held.geom).is_flat())
     }
 
-    /// Its sliding friction; none where it has no dimension but the normal, else no less than MuJoCo takes.
-    fn sliding(&self) -> f64 {
-        if self.condim == 1 { 0.0 } else { self.friction[0].max(SMALLEST_FRICTION) }
+    /// A contact with its friction: none where it has no dimension for it, else no less than MuJoCo takes.
+    fn friction(&self) -> Contact {
+        let of =
+            |k: usize, condim: i32| if self.condim < condim { 0.0 } else { self.friction[k].max(SMALLEST_FRICTION) };
+        let [friction, across] = [of(0, 3), of(1, 3)];
+        Contact {
+            friction,
+            friction_across: (across != friction).then_some(across),
+            torsional: of(2, 4),
+            rolling: [of(3, 6), of(4, 6)],
+            ..Contact::default()
+        }
     }
 
     /// How near (m) the geoms have to come for any force: what sticks is drawn from farther away.
@@ -277,12 +278,11 @@ impl<'a> Touch<'a> {
     }
 
     fn of_pair(pair: &'a Pair, geoms: [Held<'a>; 2]) -> Self {
-        let [first, second, ..] = pair.friction();
         Self {
             geoms,
             place: &pair.place,
             condim: pair.condim(),
-            friction: [first, second],
+            friction: pair.friction(),
             margin: pair.margin(),
             gap: pair.gap(),
             adhesion: pair.adhesion(),
@@ -310,12 +310,13 @@ impl<'a> Touch<'a> {
                 solimp: std::array::from_fn(|k| between(one.solimp()[k], other.solimp()[k])),
             }
         };
-        let friction = first.map_or_else(|| one.friction()[0].max(other.friction()[0]), |first| first.friction()[0]);
+        let greater = || std::array::from_fn(|k| one.friction()[k].max(other.friction()[k]));
+        let [sliding, torsional, rolling] = first.map_or_else(greater, source::Geom::friction);
         Self {
             geoms,
             place: &one.place,
             condim: first.map_or_else(|| one.condim().max(other.condim()), source::Geom::condim),
-            friction: [friction; 2],
+            friction: [sliding, sliding, torsional, rolling, rolling],
             margin: one.margin() + other.margin(),
             gap: one.gap() + other.gap(),
             adhesion: one.adhesion() + other.adhesion(),

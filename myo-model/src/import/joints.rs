@@ -113,22 +113,24 @@ impl Import<'_> {
     }
 
     fn coupling(&mut self, equality: &source::Equality) -> Option<Coupling> {
-        let tag = match &equality.constraint {
+        match &equality.constraint {
             Constraint::Joint(coupling) => {
                 self.refuse_direct(&equality.place, ("joint", equality.name.as_ref()), equality.solref());
-                return Some(Coupling {
+                Some(Coupling {
                     dependent: coupling.joint1.clone(),
                     independent: coupling.joint2.clone(),
                     polycoef: coupling.polycoef(),
                     softness: Softness { solref: equality.solref(), solimp: equality.solimp() },
-                });
+                })
             }
-            Constraint::Connect(_) => "connect",
-            Constraint::Weld(_) => "weld",
-            Constraint::Tendon(_) => "tendon",
-        };
-        self.refuse(&equality.place, (tag, equality.name.as_ref()), "of equalities only those of joints are simulated");
-        None
+            Constraint::Tendon(_) => {
+                let element = ("tendon", equality.name.as_ref());
+                self.refuse(&equality.place, element, "equalities of tendons are not simulated");
+                None
+            }
+            // See `connections.rs`.
+            Constraint::Connect(_) | Constraint::Weld(_) => None,
+        }
     }
 
     pub(super) fn refuse_direct(&mut self, place: &source::Place, element: (&str, Option<&String>), solref: [f64; 2]) {

@@ -4,6 +4,7 @@
 //! the simulation (cameras, lights, materials, sensors, stored states) is counted, see [`unused`]; what is seen of bodies comes with [`looks()`].
 
 mod apart;
+mod connections;
 mod contacts;
 mod hull;
 mod joints;
@@ -19,6 +20,7 @@ use crate::ModelDescription;
 use crate::compile::FORMAT_VERSION;
 use crate::description::{Body, Geom, Hull, Landmarks, Shape, SideRule, Site, Softness};
 use myo_mjcf::{Folder, Mjcf, Place};
+use nalgebra::UnitQuaternion;
 use std::collections::HashSet;
 use std::fmt;
 
@@ -119,6 +121,7 @@ fn described(
         bodies: import.bodies(),
         joints: import.joints(),
         couplings: import.couplings(),
+        connections: import.connections(),
         sites: import.sites(),
         geoms,
         contacts,
@@ -168,6 +171,11 @@ impl Names {
             sites: named("site", mjcf.sites().map(|(_, site)| site.name.as_ref()).collect()),
         }
     }
+}
+
+/// An orientation as descriptions have it.
+fn written(turn: &UnitQuaternion<f64>) -> [f64; 4] {
+    [turn.w, turn.i, turn.j, turn.k]
 }
 
 /// A name that none of these has.

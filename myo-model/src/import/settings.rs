@@ -52,6 +52,7 @@ impl Import<'_> {
         Options {
             timestep: option.timestep(),
             gravity: if is_on(flags.gravity()) { option.gravity() } else { [0.0; 3] },
+            impratio: option.impratio(),
             implicit_joint_damping: is_on(flags.eulerdamp()),
             side_rule: self.side_rule,
         }

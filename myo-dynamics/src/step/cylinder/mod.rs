@@ -125,7 +125,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn cylinders() -> impl Strategy<Value = Cylinder<f64>> {
-        (0.02..0.3, 0.02..0.3).prop_map(|(radius, half_length)| Cylinder { radius, half_length, margin: 0.0 })
+        // With a margin within which everything is.
+        (0.02..0.3, 0.02..0.3).prop_map(|(radius, half_length)| Cylinder { radius, half_length, margin: 10.0 })
     }
 
     /// How far it reaches.
@@ -163,6 +164,22 @@ mod tests {
             let thinnest = other.radii.into_iter().fold(cylinder.radius.min(cylinder.half_length), f64::min);
             let is_deep = found.distance <= -0.1 * thinnest;
             prop_assert!(is_deep || farthest < found.distance + 1e-9, "{} and {farthest}", found.distance);
+        }
+
+        #[test]
+        fn what_is_within_the_margin_is_where_it_is_with_any_other(
+            cylinder in cylinders(), other in ovals(), middle in prop::array::uniform3(-0.4..0.4),
+            half in prop::array::uniform3(-0.3..0.3), margin in 0.0..0.05
+        ) {
+            let (middle, half) = (vector(middle), vector(half));
+            let [exact, found] = [10.0, margin].map(|margin| {
+                let cylinder = Cylinder { margin, ..cylinder };
+                [oval(&cylinder, &other, middle), nearest(&cylinder, &Segment { middle, half }, 0.03)]
+            });
+            for (exact, found) in exact.into_iter().zip(found) {
+                prop_assert_eq!(exact.distance < margin, found.distance < margin);
+                prop_assert!(exact.distance >= margin || (exact.distance - found.distance).abs() < 1e-12);
+            }
         }
     }
 

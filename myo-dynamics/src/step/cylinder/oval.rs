@@ -11,7 +11,7 @@ const STEPS_TOWARD: usize = 32;
 /// How much a first direction from the rim leans to either side at least.
 const LEAN: f64 = 0.05;
 
-/// An ellipsoid, its middle and axes in those of the cylinder.
+/// An ellipsoid, its middle and axes in those of the cylinder. Of one that is farther than the margin no more is sure than that.
 #[inline(always)]
 pub(in crate::step) fn oval<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, middle: Vec3<S>) -> Apart<S> {
     let (o, one) = (S::zero(), S::lit(1.0));
@@ -23,7 +23,7 @@ pub(in crate::step) fn oval<S: Scalar>(cylinder: &Cylinder<S>, oval: &Oval<S>, m
     // What is over an end is no less deep past its rim.
     let touching = middle - oval.support(best.normal).point;
     let is_inside = touching.x.mul_add(touching.x, touching.y * touching.y).lt(cylinder.radius.sq());
-    let is_open = !(is_inside & S::lit(0.5).lt(best.normal.z.abs()));
+    let is_open = !(is_inside & S::lit(0.5).lt(best.normal.z.abs())) & best.distance.lt(cylinder.margin);
     S::when(is_open, &mut best, |best| S::outline(PastRims { cylinder, oval, middle, side, is_open, best }));
     best
 }
@@ -47,18 +47,75 @@ impl<S: Scalar> Stage<S> for PastRims<'_, S> {
     fn run(self) {
         let Self { cylinder, oval, middle, side, is_open, best } = self;
         let between = toward(cylinder, oval, middle);
-        let apart = along(cylinder, oval, middle, between).distance;
-        for up in [S::lit(1.0), S::lit(-1.0)] {
-            let end = Vec3::new(S::zero(), S::zero(), up);
-            let rim = cylinder.rim(up);
-            let corner = middle - rim.support(side).point;
-            let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
-            let out = out.unit();
-            let start = Vec3::select(along(cylinder, oval, middle, out).distance.lt(apart), between, out);
-            let from_rim = along(cylinder, oval, middle, climb(&rim, oval, middle, start));
-            *best = best.farther(from_rim).or(is_open, *best);
-        }
+        let up = S::select(middle.z.lt(S::zero()), S::lit(-1.0), S::lit(1.0));
+        past_rim(cylinder, oval, middle, PastRim { up, side, between, is_open }, best);
+        // Along directions to the other end it is no farther than its middle is from the axis, less the rim and its least radius.
+        let [a, b, c] = oval.radii;
+        let from_axis = middle.x.mul_add(middle.x, middle.y * middle.y).max(S::lit(TINY)).sqrt();
+        let most = (from_axis - cylinder.radius).max(S::zero()) - a.min(b).min(c);
+        let is_open = is_open & best.distance.lt(most.min(cylinder.margin));
+        S::when(is_open, best, |best| {
+            S::outline(OtherRim { cylinder, oval, middle, past: PastRim { up: -up, side, between, is_open }, best });
+        });
     }
+}
+
+/// The way past the rim at the end where an ellipsoid is not: rarely the least.
+struct OtherRim<'a, S: Scalar> {
+    cylinder: &'a Cylinder<S>,
+    oval: &'a Oval<S>,
+    middle: Vec3<S>,
+    past: PastRim<S>,
+    best: &'a mut Apart<S>,
+}
+
+impl<S: Scalar> Stage<S> for OtherRim<'_, S> {
+    const NAME: &'static str = "ellipsoid past the other rim";
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        past_rim(self.cylinder, self.oval, self.middle, self.past, self.best);
+    }
+}
+
+/// A rim, and where a way past it may begin.
+#[derive(Clone, Copy)]
+struct PastRim<S: Scalar> {
+    /// Its end: one or less one.
+    up: S,
+    /// The way out across the axis.
+    side: Vec3<S>,
+    /// About the direction between the bodies.
+    between: Vec3<S>,
+    /// Where it is looked at.
+    is_open: S::Mask,
+}
+
+/// Takes the way out past a rim if it is less than the best.
+#[inline(always)]
+fn past_rim<S: Scalar>(
+    cylinder: &Cylinder<S>,
+    oval: &Oval<S>,
+    middle: Vec3<S>,
+    PastRim { up, side, between, is_open }: PastRim<S>,
+    best: &mut Apart<S>,
+) {
+    let end = Vec3::new(S::zero(), S::zero(), up);
+    let rim = cylinder.rim(up);
+    let corner = middle - rim.support(side).point;
+    let out = side.scale(corner.dot(side).max(S::lit(LEAN))) + end.scale(corner.dot(end).max(S::lit(LEAN)));
+    // Straight up the way out has an edge, at which a search that comes from the wrong side would end. Towards what is lowest over
+    // the end it rises from there, and a search never goes down.
+    let lowest = middle - oval.support(end).point;
+    let toward = Vec3::new(lowest.x, lowest.y, S::zero());
+    let leaning = end + toward.scale(toward.dot(toward).max(S::lit(TINY)).rsqrt() * S::lit(LEAN));
+    let mut start = between;
+    for other in [out.unit(), leaning.unit()] {
+        let [before, now] = [start, other].map(|way| along(cylinder, oval, middle, way).distance);
+        start = Vec3::select(before.lt(now), other, start);
+    }
+    let from_rim = along(cylinder, oval, middle, climb(&rim, oval, middle, start));
+    *best = best.farther(from_rim).or(is_open, *best);
 }
 
 /// About the direction from a cylinder to an ellipsoid that is apart from it: that of the shortest vector from a point of the one to a point of

@@ -25,17 +25,19 @@ pub(in crate::step) fn rod<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>, 
     [first.or(lies, one), second]
 }
 
-/// Where a capsule is nearest, or which is its least way out.
+/// Where a capsule is nearest, or which is its least way out. Of one that is farther than the margin no more is sure than that.
 #[inline(always)]
 pub(super) fn nearest<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>, radius: S) -> Apart<S> {
     let (o, one) = (S::zero(), S::lit(1.0));
-    // An axis that is out of the cylinder is nearest where its point is, and one that is in it least deep along one of the others.
-    let outermost = outermost(cylinder, rod);
-    let is_in = outermost.distance.lt(o);
-    let mut best = outermost.farther(beside(cylinder, rod));
+    let mut best = beside(cylinder, rod);
     for up in [one, -one] {
         best = best.farther(out(cylinder, rod, Vec3::new(o, o, up)));
     }
+    // An axis that is out of the cylinder is nearest where its point is, and one that is in it least deep along one of the others.
+    let may_touch = best.distance.lt(radius + cylinder.margin);
+    let outermost = outermost(cylinder, rod, may_touch);
+    let is_in = outermost.distance.lt(o);
+    best = outermost.farther(best);
     S::when(is_in, &mut best, |best| S::outline(PastRims { cylinder, rod: *rod, is_in, best }));
     let Apart { distance, normal, at } = best;
     Apart { distance: distance - radius, normal, at: at - normal.scale((distance + radius) * S::lit(0.5)) }
@@ -48,16 +50,16 @@ fn out<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>, normal: Vec3<S>) -> 
     Apart { distance, normal, at: rod.at(along) }
 }
 
-/// The point of an axis that is nearest to a cylinder, if it is out of it. There the distance is a smooth convex function along the axis.
+/// The point of an axis that is nearest to a cylinder, if it is out of it and may touch. There the distance is a smooth convex function along the axis.
 #[inline(always)]
-fn outermost<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>) -> Apart<S> {
+fn outermost<S: Scalar>(cylinder: &Cylinder<S>, rod: &Segment<S>, may_touch: S::Mask) -> Apart<S> {
     let (o, one) = (S::zero(), S::lit(1.0));
     // Over an end the lower of both ends of the axis is nearest.
     let [a, b] = [rod.middle - rod.half, rod.middle + rod.half];
     let is_over = over_end(cylinder, a) & over_end(cylinder, b) & o.lt(a.z * b.z);
     let lower = S::select(a.z.abs().lt(b.z.abs()), -one, one);
     let mut part = Part { first: S::select(is_over, lower, -one), last: S::select(is_over, lower, one) };
-    let searched = !is_over;
+    let searched = !is_over & may_touch;
     S::when(searched, &mut part, |part| S::outline(Search { cylinder, rod: *rod, searched, part }));
     // Where it never rises the last point is nearest, and where it always does the first.
     let at = rod.at((part.first + part.last) * S::lit(0.5));
