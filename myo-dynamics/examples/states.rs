@@ -81,12 +81,15 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
         plan.pair_points().map(|number| &ws.contacts[ws.box_slots + number]).filter(|contact| contact.exists);
     let distances: Vec<f64> = touching.map(|contact| contact.distance).collect();
     let (qacc, muscle_force) = (ws.qacc.clone(), ws.muscle_force[..plan.nmuscle()].to_vec());
+    let mut after = state.clone();
+    step::integrate(plan, &vec![0.0; plan.nmuscle()], &mut after, &mut ws);
     let smooth = smooth_acceleration(plan, &mut ws);
     let [lengths, velocities] = [&ws.tendon_length, &ws.tendon_velocity].map(|all| all[..plan.nmuscle()].to_vec());
     let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| force::moment_arms(plan, muscle, &mut ws)).collect();
     json!({
         "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
         "tendon_length": lengths, "tendon_velocity": velocities, "moments": moments, "muscle_force": muscle_force,
+        "qvel_after": after.qvel, "act_after": after.act,
         "qacc_soft": qacc, "qacc_smooth": smooth, "qfrc_passive": passive_force(plan, &state, &mut ws),
         "distances": distances, "qfrc_bias": bias_force(plan, &state, &mut ws),
     })

@@ -3,6 +3,7 @@
 use crate::mesh::Scratch;
 use crate::plan::Plan;
 use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
+use crate::step::ConeSearch;
 use myo_scalar::{Mask, Real, Scalar, Word};
 
 /// What changes from step to step: the body's full state.
@@ -288,6 +289,8 @@ pub struct Workspace<S: Scalar> {
     pub tendon_velocity: Vec<S>,
     /// Actuator forces (N), negative when pulling: of muscles, and then what of them pulls along each branch.
     pub muscle_force: Vec<S>,
+    /// Moment arms of every path on every coordinate (m or 1), `(paths, ndof)`, of plans whose steps are implicit; else empty.
+    pub arms: Vec<S>,
     /// Mass matrix with armature, `(ndof, ndof)`, lower triangle.
     pub mass: Vec<S>,
     /// Generalised force without constraints, `ndof`.
@@ -325,6 +328,8 @@ pub struct Workspace<S: Scalar> {
     pub qacc: Vec<S>,
     /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`.
     pub step_qacc: Vec<S>,
+    /// Scratch of the solver where there are cones.
+    pub search: ConeSearch<S>,
     /// Where rows were still wrong in the solver's last round.
     pub unsettled: S::Mask,
     /// What the solver did since this was last taken.
@@ -375,6 +380,7 @@ impl<S: Scalar> Workspace<S> {
             tendon_length: vec![o; npath],
             tendon_velocity: vec![o; npath],
             muscle_force: vec![o; npath],
+            arms: vec![o; if plan.implicit_muscles.is_empty() { 0 } else { npath * ndof }],
             mass: vec![o; ndof * ndof],
             torque: vec![o; ndof],
             limit: vec![Row::none(); plan.limits.len()],
@@ -392,6 +398,7 @@ impl<S: Scalar> Workspace<S> {
             pivot: vec![o; ndof],
             qacc: vec![o; ndof],
             step_qacc: vec![o; ndof],
+            search: ConeSearch::new(if plan.has_cones() { ndof } else { 0 }),
             unsettled: S::Mask::splat(false),
             tally: SolverTally::new(),
         }

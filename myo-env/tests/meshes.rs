@@ -23,7 +23,7 @@ fn arm_with_stones() -> Model {
         geoms: ["trunk", "stone"].map(String::from),
         margin: 0.001,
         friction: 0.8,
-        softness: Softness::default(),
+        ..Contact::default()
     });
     Model::new(&arm).unwrap()
 }

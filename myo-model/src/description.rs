@@ -92,14 +92,58 @@ pub struct Options {
     pub timestep: f64,
     /// Gravitational acceleration in world axes (m/s^2).
     pub gravity: [f64; 3],
-    /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`).
+    /// How time steps are made.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Integrator::is_default"))]
+    pub integrator: Integrator,
+    /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`); `implicitfast` always does.
     pub implicit_joint_damping: bool,
+    /// The shape of the cone in which forces of parts of the body that touch are. Boxes of a task are pressed with pyramids.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Cone::is_default"))]
+    pub cone: Cone,
     /// How many times as hard friction is as the normal force of a contact (MuJoCo's `impratio`).
     #[cfg_attr(feature = "files", serde(default = "one", skip_serializing_if = "is_one"))]
     pub impratio: f64,
     /// How side sites tell which way a muscle path takes around a wrap.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "SideRule::is_default"))]
     pub side_rule: SideRule,
+}
+
+/// How time steps are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(rename_all = "lowercase"))]
+pub enum Integrator {
+    /// New velocities with forces as they are, then positions with these.
+    #[default]
+    Euler,
+    /// The same, with forces of muscles and dampers as they become with the new velocities: MuJoCo's `implicitfast`.
+    ImplicitFast,
+}
+
+#[cfg(feature = "files")]
+impl Integrator {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The cone of forces that a contact can have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "files", serde(rename_all = "lowercase"))]
+pub enum Cone {
+    /// A pyramid with two opposite edges for each direction.
+    #[default]
+    Pyramidal,
+    /// A cone over an ellipse, as Coulomb's friction has it.
+    Elliptic,
+}
+
+#[cfg(feature = "files")]
+impl Cone {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// How the side site of a muscle path tells which way the path takes around a sphere or cylinder. MuJoCo changed that in 4.0.

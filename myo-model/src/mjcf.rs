@@ -4,7 +4,7 @@
 //! the same. Numbers are printed so that they read back bit for bit. What MuJoCo derives (inverse weights, automatic muscle
 //! force) is left to MuJoCo.
 
-use crate::description::{Shape, SideRule, Softness, WrapShape};
+use crate::description::{Cone, Integrator, Shape, SideRule, Softness, WrapShape};
 use crate::model::{Body, Connection, Geom, Joint, Model, Muscle, WORLD, Weld, Wrap};
 use myo_muscle::CurveParameters;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -91,13 +91,21 @@ fn settings(xml: &mut Xml, model: &Model, options: &MjcfOptions) {
             ("fusestatic", text("false")),
         ],
     );
+    let integrator = match model.options.integrator {
+        Integrator::Euler => "Euler",
+        Integrator::ImplicitFast => "implicitfast",
+    };
+    let cone = match model.options.cone {
+        Cone::Pyramidal => "pyramidal",
+        Cone::Elliptic => "elliptic",
+    };
     xml.open(
         "option",
         &[
             ("timestep", number(model.options.timestep)),
             ("gravity", numbers(&model.options.gravity)),
-            ("integrator", text("Euler")),
-            ("cone", text("pyramidal")),
+            ("integrator", text(integrator)),
+            ("cone", text(cone)),
             ("impratio", number(model.options.impratio)),
             ("solver", text("Newton")),
             ("jacobian", text("dense")),

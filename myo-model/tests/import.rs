@@ -166,7 +166,10 @@ fn hung(joint: &str) -> String {
 fn what_cannot_be_simulated_is_refused_by_name_and_place() {
     let told = |parts| import(parts).unwrap_err().iter().map(ToString::to_string).collect::<Vec<_>>();
     for (parts, start) in [
-        (["<option integrator=\"RK4\"/>", "", "", "", ""], "arm.xml:3:3: <option>: only `integrator=\"Euler\"`"),
+        (
+            ["<option integrator=\"RK4\"/>", "", "", "", ""],
+            "arm.xml:3:3: <option>: of integrators only `Euler` and `implicitfast`",
+        ),
         (["<option density=\"1.2\"/>", "", "", "", ""], "arm.xml:3:3: <option>: forces of a medium"),
         (["<option><flag refsafe=\"disable\"/></option>", "", "", "", ""], "arm.xml:3:11: <flag>: time constants"),
         (["<compiler settotalmass=\"60\"/>", "", "", "", ""], "arm.xml:3:3: <compiler>: bodies are not scaled"),

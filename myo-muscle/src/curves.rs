@@ -198,6 +198,13 @@ impl<S: Scalar> ForceCurves<S> {
         self.gain(length, velocity) * activation
     }
 
+    /// By how much the force grows with the rate of the tendon's length (N s/m), against it: the muscle as a damper, as
+    /// MuJoCo's implicit integrators have it. Never negative.
+    #[inline(always)]
+    pub fn damping(&self, length: S, velocity: S, activation: S) -> S {
+        self.twice_force_length(length) * self.force_velocity_slope(velocity) * self.half_force * activation
+    }
+
     /// Active force (N) of a muscle that is fully active.
     #[inline(always)]
     fn gain(&self, length: S, velocity: S) -> S {
@@ -226,6 +233,15 @@ impl<S: Scalar> ForceCurves<S> {
         let lengthen = (velocity * self.lengthening_scale).clamp(0.0, 1.0);
         let rise = lengthen * self.saturation * (S::lit(2.0) - lengthen);
         shorten.mul_add(shorten, rise)
+    }
+
+    /// Derivative of the force-velocity curve by the rate of the tendon's length (s/m). Both parabolas begin with the same slope.
+    #[inline(always)]
+    fn force_velocity_slope(&self, velocity: S) -> S {
+        let shorten = velocity.mul_add(self.velocity_scale, S::lit(1.0)).clamp(0.0, 1.0);
+        let lengthen = (velocity * self.lengthening_scale).clamp(0.0, 1.0);
+        let share = S::select(S::zero().lt(velocity), S::lit(1.0) - lengthen, shorten);
+        share * (self.velocity_scale + self.velocity_scale)
     }
 
     /// Passive force (N): quadratic from optimal length to the inflection point, `t^2`, then its tangent `2 t - 1`.

@@ -41,6 +41,12 @@ MODELS = {
     "linkage": ("tip", "arm"),
     "twisting tumbler": ("tip", "arm"),
     "rolling tumbler": ("tip", "arm"),
+    "implicit tumbler": ("tip", "arm"),
+    "implicit myofinger": ("IFtip", "proximal"),
+    "implicit myoarm_r": ("IFtip_r", "humerus_r"),
+    "elliptic tumbler": ("tip", "arm"),
+    "elliptic rolling tumbler": ("tip", "arm"),
+    "elliptic myolegs": ("torso_root_attach", "sacrum"),
     "held myoarm_r": ("IFtip_r", "humerus_r"),
     "sliding myoarm_r": ("IFtip_r", "humerus_r"),
     "myotorso": ("torso_root_attach", "Full Body"),
@@ -58,13 +64,19 @@ ROUGH = {
     "rolling tumbler": lambda text: text.replace(
         'condim="3"/>', 'condim="6" friction="0.8 0.8 0.03 0.01 0.02"/>'
     ).replace("<default>", '<option impratio="3"/><default>'),
+    "elliptic tumbler": lambda text: text.replace('condim="3"/>', 'condim="4" friction="0.9 0.6 0.03"/>', 3).replace(
+        "<default>", '<option cone="elliptic"/><default>'
+    ),
+    "elliptic rolling tumbler": lambda text: text.replace(
+        'condim="3"/>', 'condim="6" friction="0.8 0.6 0.03 0.01 0.02"/>'
+    ).replace("<default>", '<option impratio="3" cone="elliptic"/><default>'),
 }
 BEFORE_4 = MUJOCO < 4
 #: What a side site says changed with 4.0.
 SIDE_RULE = "mujoco3" if BEFORE_4 else "mujoco4"
 if BEFORE_4:
     # How rods lie on cylinders is another thing there, and what it saves of the others it cannot read, or has no contacts.
-    for name in ["myolegs", "myofullbody", "tumbler", "twisting tumbler", "rolling tumbler", "myoarms", "sliding myoarm_r"]:
+    for name in ["myolegs", "elliptic myolegs", "myofullbody", *[name for name in MODELS if "tumbler" in name], "myoarms", "sliding myoarm_r"]:
         del MODELS[name]
     # Nor are contacts of meshes the same.
     for name in ["myolegs26", "legs among capsules", "legs among ellipsoids"]:
@@ -72,7 +84,7 @@ if BEFORE_4:
 NO_CONTACTS = '<option><flag contact="disable"/></option>'
 #: Greatest errors: lengths (m), moment arms (m), velocities (m/s), forces and accelerations relative. Ways round cylinders
 #: are found by rounds of iteration, here as there.
-MOST = {"length": 1e-9, "moment": 1e-7, "velocity": 1e-6, "force": 1e-5, "distance": 1e-7, "bias": 1e-9, "smooth": 1e-6, "qacc": 1e-4}
+MOST = {"length": 1e-9, "moment": 1e-7, "velocity": 1e-6, "force": 1e-5, "distance": 1e-7, "bias": 1e-9, "smooth": 1e-6, "qacc": 1e-4, "step": 1e-4}
 
 
 #: Sizes of what stands among legs, from and to (m), and how many there are of each.
@@ -113,15 +125,24 @@ def held(spec):
 
 
 def spec_of(name):
-    """A model as its package builds it."""
+    """A model as its package builds it, or as its name says it is changed."""
+    first, _, rest = name.partition(" ")
+    if first == "implicit":
+        spec = spec_of(rest)
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        return spec
+    if first == "held":
+        return held(spec_of(rest))
+    if name == "elliptic myolegs":
+        spec = spec_of(rest)
+        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        return spec
     legacy = myo_sim.MODELS_DIR / "legacy"
     if name.startswith("legs among "):
         return among(name.removeprefix("legs among "))
     if "tumbler" in name or name == "linkage":
         text = (ROOT / f"myo-dynamics/examples/{name.split()[-1]}.xml").read_text()
         return mujoco.MjSpec.from_string(ROUGH[name](text) if name in ROUGH else text)
-    if name.startswith("held "):
-        return held(compose.build_spec(name.removeprefix("held ")))
     if name == "myoelbow":
         return mujoco.MjSpec.from_file(str(legacy / "elbow/myoelbow_1dof6muscles.xml"))
     if "finger" in name:
@@ -175,6 +196,14 @@ def compared(request, tmp_path_factory):
     return name, *in_states(name, MODELS[name], tmp_path_factory.mktemp(name))
 
 
+def step_error(model, data, state):
+    """How far velocities and activations are after a step, as rates of change."""
+    before = data.qvel.copy()
+    mujoco.mj_step(model, data)
+    change, found = data.qvel - before, np.asarray(state["qvel_after"]) - before
+    return max(relative_error(found, change), np.abs(data.act - state["act_after"]).max())
+
+
 def errors(model, state):
     """How far Myo is from MuJoCo in one state."""
     data = forward(model, state)
@@ -195,6 +224,7 @@ def errors(model, state):
         "bias": relative_error(state["qfrc_bias"], data.qfrc_bias),
         "smooth": relative_error(state["qacc_smooth"], data.qacc_smooth),
         "qacc": relative_error(state["qacc_soft"], data.qacc),
+        "step": step_error(model, data, state),
     }
 
 

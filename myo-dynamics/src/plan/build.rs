@@ -3,12 +3,13 @@
 use super::coordinates::Coordinates;
 use super::{
     BallAxis, Body, Branch, Connection, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination,
-    Equality, FixedFrame, Form, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan, PlanError, Point,
-    RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, connections, pairs, reference_pose, sets,
+    Equality, FixedFrame, Form, ImplicitMuscle, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan,
+    PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, connections, pairs,
+    reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
-use myo_model::description::{JointKind, Shape};
+use myo_model::description::{Integrator, JointKind, Shape};
 use myo_muscle::Muscle;
 use myo_nearest::Nearest;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -85,11 +86,14 @@ impl Plan<f64> {
         let connections = connections::connections(model, &tree);
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
+        let is_implicit = model.options.integrator == Integrator::ImplicitFast;
+        let along = |muscle| ImplicitMuscle { dofs: tree.dofs_along(model, muscle), pairs: vec![] };
+        let implicit_muscles = model.muscles.iter().filter(|_| is_implicit).map(along).collect();
         let h = model.options.timestep;
         let mut plan = Plan {
             timestep: h,
             impratio: model.options.impratio,
-            implicit_damping: model.options.implicit_joint_damping,
+            implicit_damping: model.options.implicit_joint_damping || is_implicit,
             gravity: model.options.gravity,
             origin: model.shoulder_in_zero_pose().into(),
             curved_joints: coordinates.curved_joints(model),
@@ -111,6 +115,7 @@ impl Plan<f64> {
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
+            implicit_muscles,
             hulls,
             smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
             tendon_limits,
@@ -148,6 +153,8 @@ impl Plan<f64> {
         used.remove(&0);
         sets::connect(self, &used);
         self.elimination = Elimination::of(self);
+        let along = self.implicit_muscles.iter().map(|muscle| ImplicitMuscle::of(muscle.dofs.clone(), self));
+        self.implicit_muscles = along.collect();
         for sphere in &mut self.contact_spheres {
             sphere.movers = Movers::of([0, sphere.centre.link], &self.links, &self.elimination);
         }

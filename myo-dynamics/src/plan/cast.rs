@@ -20,7 +20,7 @@ cast! {
     Plan {
         timestep, impratio, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
         equalities, connections, fingertip, arm, fingers, contact_spheres, pairs, joints, elements;
-        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, smooth_activation, hulls
+        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, implicit_muscles, smooth_activation, hulls
     }
     Elements { bodies, sites, wraps }
     Dof { range, stiffness, spring_torque, damping, armature; name, kind, at }
@@ -48,7 +48,7 @@ cast! {
     Connection { frames, coms, torque_scale, impedance, diagonals }
     BallAxis { placement; at, axis }
     ContactSphere { centre, body_com, radius; finger, margin, friction, softness, diagonal, movers }
-    ContactPair { parts, far, margin, friction, impedance, diagonal; slot, points, condim, is_along_axis, movers }
+    ContactPair { parts, far, margin, friction, opening, impedance, diagonal; slot, points, condim, is_cone, is_along_axis, movers }
     Part { frame, form, body_com }
 }
 

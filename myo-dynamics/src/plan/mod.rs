@@ -9,6 +9,7 @@ mod connections;
 mod coordinates;
 mod elimination;
 mod error;
+mod implicit;
 mod mass;
 mod movers;
 mod pairs;
@@ -21,6 +22,7 @@ pub use connections::Connection;
 pub use coordinates::{Ball, Dof, DofKind, Drive, Form, JointCoordinates};
 pub use elimination::{Column, Elimination, Felt, Later};
 pub use error::PlanError;
+pub use implicit::ImplicitMuscle;
 pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, MOST_SLOTS, Part, PartForm};
 
@@ -90,6 +92,8 @@ pub struct Plan<C> {
     pub tendons: Tendons<C>,
     /// Muscle curves.
     pub muscles: Vec<Muscle<C>>,
+    /// Of each muscle what an implicit step asks; none where steps are explicit.
+    pub implicit_muscles: Vec<ImplicitMuscle>,
     /// Whether the time constants of any muscle's activation blend.
     pub smooth_activation: bool,
     /// Joint limits.

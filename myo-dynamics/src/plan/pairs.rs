@@ -5,7 +5,7 @@ use super::{FixedFrame, Movers, Plan, PlanError, Point};
 use crate::impedance::{Impedance, pyramid_diagonal};
 use crate::mesh::{Hull, MOST_CONTACTS};
 use myo_model::Model;
-use myo_model::description::Shape;
+use myo_model::description::{Cone, Shape};
 use myo_model::model::{Contact, Geom};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -31,8 +31,12 @@ pub struct ContactPair<C> {
     pub is_along_axis: bool,
     /// Distance at which the contact force begins (m).
     pub margin: C,
+    /// Whether its forces are in an elliptic cone; else each direction has two opposite edges.
+    pub is_cone: bool,
     /// What resists sliding along two directions, twisting (m) and rolling about both directions (m).
     pub friction: [C; 5],
+    /// Of cones: how much force along the normal counts as much as sliding, of which each direction counts as its friction.
+    pub opening: C,
     /// Softness.
     pub impedance: Impedance<C>,
     /// Inverse inertia of every row.
@@ -81,9 +85,9 @@ pub enum PartForm<C> {
 }
 
 impl<C> ContactPair<C> {
-    /// How many contacts a point takes, each of the four edges that two directions of friction have.
+    /// How many contacts a point takes, each of four rows: the edges of two directions of friction, or as many dimensions of a cone.
     pub fn slots_each(&self) -> usize {
-        (self.condim / 2).max(1)
+        if self.is_cone { self.condim.div_ceil(4) } else { (self.condim / 2).max(1) }
     }
 
     /// How many all of them take.
@@ -116,6 +120,11 @@ impl<C> Plan<C> {
         self.pairs.iter().flat_map(points)
     }
 
+    /// Whether forces of any pair are in an elliptic cone.
+    pub fn has_cones(&self) -> bool {
+        self.pairs.iter().any(|pair| pair.is_cone)
+    }
+
     /// Contacts that there may be between parts.
     pub(crate) fn pair_contacts(&self) -> usize {
         self.pairs.last().map_or(0, |last| last.slot + last.slots())
@@ -126,7 +135,11 @@ impl ContactPair<f64> {
     /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg).
     pub(super) fn weigh(&mut self, [one, other]: [f64; 2], impratio: f64) {
         let mass = one + other;
-        self.diagonal = if self.condim == 1 { mass } else { pyramid_diagonal(self.friction[0], impratio, mass) };
+        self.diagonal = match self.condim {
+            1 => mass,
+            _ if self.is_cone => mass * self.opening * self.opening,
+            _ => pyramid_diagonal(self.friction[0], impratio, mass),
+        };
     }
 }
 
@@ -171,6 +184,8 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact, hulls: &mut Hulls) -> Res
         margin: contact.margin,
         friction: contact.friction,
         condim: contact.condim(),
+        is_cone: contact.condim() > 1 && model.options.cone == Cone::Elliptic,
+        opening: contact.friction[0] / model.options.impratio.sqrt(),
         impedance: Impedance::new(&contact.softness, model.options.timestep),
         diagonal: 0.0,
         movers: Movers::default(),

@@ -11,7 +11,7 @@
 //! least-index rule never meets a set twice). Both rules stop at the same set, since there is only one.
 
 use crate::plan::{Column, Elimination, Form, Plan};
-use crate::step::{cholesky, kinematics::joint_state};
+use crate::step::{cholesky, cone, kinematics::joint_state};
 use crate::workspace::{PYRAMID, Row, State, Workspace};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor, Word};
 
@@ -75,11 +75,23 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let tethered = ws.tendon_limit.iter().any(|row| row.exists.any());
     let rows = Rows { limited: violated.any(), tethered, touching };
     ws.tally.rounds = ws.tally.rounds + S::Word::splat(1);
+    if plan.has_cones() {
+        cone::solve(plan, ws, rows);
+    } else {
+        exchange(plan, ws, rows);
+    }
+    let (none, one) = (S::Word::splat(0), S::Word::splat(1));
+    ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
+}
+
+/// Solves by exchange of rows, as there are no cones.
+#[inline(always)]
+fn exchange<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     ws.unsettled = S::Mask::splat(false);
     // One loop for both rules: what a round computes stands in a card's kernel once.
     S::repeat_while(MAX_ROUNDS, &mut Round { ws, number: S::zero() }, |Round { ws, number }| {
         accelerate(plan, ws, rows);
-        if rows.limited || rows.tethered || rows.touching {
+        if rows.any() {
             let early = number.lt(S::lit(BLOCK_ROUNDS as f64));
             for (mask, is_early) in [(early, true), (!early, false)] {
                 let exchange =
@@ -90,8 +102,6 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
         }
         ws.unsettled
     });
-    let (none, one) = (S::Word::splat(0), S::Word::splat(1));
-    ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
     if rows.touching {
         each_contact(Weigh, plan, ws);
     }
@@ -99,11 +109,17 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
 
 /// Which rows there may be in any lane.
 #[derive(Clone, Copy)]
-struct Rows {
-    limited: bool,
+pub(super) struct Rows {
+    pub limited: bool,
     /// Tendons at their limits.
-    tethered: bool,
-    touching: bool,
+    pub tethered: bool,
+    pub touching: bool,
+}
+
+impl Rows {
+    pub(super) fn any(self) -> bool {
+        self.limited || self.tethered || self.touching
+    }
 }
 
 /// What a round hands on: its number, the acceleration, and what it exchanged.
@@ -145,7 +161,7 @@ fn accelerate<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Row
 
 /// `matrix = M + J^T D J` and `qacc = tau + J^T D aref` over the rows that push.
 #[inline(always)]
-fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
+pub(super) fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     let n = plan.ndof();
     cholesky::copy(&plan.elimination, &ws.mass, &mut ws.matrix);
     ws.qacc.copy_from_slice(&ws.torque);
@@ -171,24 +187,24 @@ fn assemble<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows)
 }
 
 /// What a round does with a contact.
-trait Part<S: Scalar>: Copy {
+pub(super) trait Part<S: Scalar>: Copy {
     /// Does it with a contact.
     fn run(self, contact: Touch<'_>, ws: &mut Workspace<S>);
 }
 
 /// A contact of a plan.
 #[derive(Clone, Copy)]
-struct Touch<'a> {
+pub(super) struct Touch<'a> {
     /// Its number.
-    number: usize,
+    pub number: usize,
     /// Coordinates that move its surfaces, with what they feel of each other.
-    columns: &'a [Column],
+    pub columns: &'a [Column],
 }
 
-/// Does a part of a round with every contact. The first one of a step is there so often that a card does not branch for it;
+/// Does a part of a round with every contact that has rows. The first one of a step is there so often that a card does not branch for it;
 /// others are stages, since a closure that is not inlined would be compiled without its level's instructions.
 #[inline(always)]
-fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+pub(super) fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     let (columns, boxes) = (&plan.elimination.columns[..], ws.box_slots);
     if boxes > 0 {
         part.run(Touch { number: 0, columns }, ws);
@@ -196,7 +212,7 @@ fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>, ws: &mut W
     for number in 1..boxes {
         further(part, Touch { number, columns }, ws);
     }
-    for pair in &plan.pairs {
+    for pair in plan.pairs.iter().filter(|pair| !pair.is_cone) {
         for slot in 0..pair.slots() {
             further(part, Touch { number: boxes + pair.slot + slot, columns: &pair.movers.columns }, ws);
         }
@@ -229,9 +245,9 @@ impl<S: Scalar, P: Part<S>> Stage<S> for FurtherContact<'_, S, P> {
 }
 
 /// What a contact's part of a round changes.
-struct Touched<'a, S: Scalar> {
-    contact: Touch<'a>,
-    ws: &'a mut Workspace<S>,
+pub(super) struct Touched<'a, S: Scalar> {
+    pub contact: Touch<'a>,
+    pub ws: &'a mut Workspace<S>,
 }
 
 impl<S: Scalar> Carried<S> for Touched<'_, S> {
@@ -250,6 +266,7 @@ impl<S: Scalar> Carried<S> for Touched<'_, S> {
         }
         visitor.number(&mut contact.force);
         visitor.mask(&mut ws.unsettled);
+        ws.search.visit(visitor);
     }
 }
 
@@ -324,6 +341,13 @@ impl<S: Scalar> Stage<S> for ExchangeRows<'_, S> {
 /// Changes all rows that are wrong at the new acceleration; `unsettled` is where there were any.
 #[inline(always)]
 fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
+    judge_all(plan, ws, rows);
+    settle(ws, ws.unsettled);
+}
+
+/// Decides which rows push at the new acceleration; `unsettled` is where that is news.
+#[inline(always)]
+pub(super) fn judge_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
     let mut changed = S::Mask::splat(false);
     for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
         if let Some(dof) = limit.drive.dof {
@@ -340,7 +364,6 @@ fn exchange_all<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: R
     if rows.touching {
         each_contact(Judge, plan, ws);
     }
-    settle(ws, ws.unsettled);
 }
 
 /// Decides which rows push; adds to `unsettled` where that is news.
@@ -432,7 +455,7 @@ fn change_unless<S: Scalar>(changed: &mut S::Mask, row: &mut Row<S>, acceleratio
 
 /// Ends a round in which rows changed where the mask is true.
 #[inline(always)]
-fn settle<S: Scalar>(ws: &mut Workspace<S>, changed: S::Mask) {
+pub(super) fn settle<S: Scalar>(ws: &mut Workspace<S>, changed: S::Mask) {
     ws.unsettled = changed;
     let (none, one) = (S::Word::splat(0), S::Word::splat(1));
     ws.tally.rounds = ws.tally.rounds + S::select_word(changed, one, none);
@@ -454,7 +477,7 @@ fn product<S: Scalar>(a: &[S], b: &[S]) -> S {
 
 /// Normal forces: the sum of the pyramid's edge forces `-D (J a - aref)` of each contact.
 #[derive(Clone, Copy)]
-struct Weigh;
+pub(super) struct Weigh;
 
 impl<S: Scalar> Part<S> for Weigh {
     #[inline(always)]

@@ -404,6 +404,34 @@ pub(super) fn pyramid<S: Scalar>(
     }
 }
 
+/// A contact whose force is in an elliptic cone, as one row for each dimension: a direction, the normal first, and whether it is turned about.
+#[inline(always)]
+pub(super) fn cone<S: Scalar>(
+    plan: &Plan<S::Const>,
+    meeting: &Meeting<'_, S>,
+    dimensions: impl Iterator<Item = (Vec3<S>, bool)>,
+    state: &State<S>,
+    first: usize,
+    ws: &mut Workspace<S>,
+) {
+    let (n, exists) = (plan.ndof(), ws.contacts[first].exists);
+    for (k, (direction, turn)) in dimensions.enumerate() {
+        let mut velocity = S::zero();
+        for mover in meeting.movers {
+            let way = if turn { turned(mover, ws) } else { moved(mover, meeting.at, ws) };
+            let entry = way.dot(direction);
+            ws.contact_jacobian[(first * PYRAMID + k) * n + mover.dof] = entry;
+            velocity = entry.mul_add(state.qvel[mover.dof], velocity);
+        }
+        // Only along the normal are they anywhere.
+        let away = if k == 0 { meeting.violation * direction.dot(meeting.normal) } else { S::zero() };
+        let (weight, reference) =
+            meeting.impedance.row_of(meeting.violation, away, velocity, S::splat(meeting.diagonal));
+        let row = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
+        ws.contacts[first + k / PYRAMID].rows[k % PYRAMID] = row;
+    }
+}
+
 /// A contact without friction as one row, along the normal; the others of the pyramid are not there.
 #[inline(always)]
 pub(super) fn slide<S: Scalar>(

@@ -5,12 +5,14 @@
 
 pub mod boxes;
 pub mod cholesky;
+mod cone;
 mod connection;
 pub mod constraint;
 pub mod contact;
 mod cylinder;
 pub mod ellipsoid;
 pub mod force;
+mod implicit;
 pub mod inertia;
 pub mod kinematics;
 mod mesh;
@@ -20,6 +22,8 @@ mod support;
 pub mod tendon;
 pub mod tendon_limit;
 pub mod wrap;
+
+pub use cone::ConeSearch;
 
 use crate::obstacles::Obstacles;
 use crate::plan::{DofKind, Plan};
@@ -170,16 +174,17 @@ pub fn muscle_forces<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mu
 #[inline(always)]
 pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State<S>, ws: &mut Workspace<S>) {
     let h = S::splat(plan.timestep);
-    let dynamics = |muscle: usize| plan.muscles[muscle].dynamics.row();
-    let is_smooth = plan.smooth_activation;
-    S::for_rows(dynamics, [ctrl], &mut state.act, |dynamics, [excitation], act| {
-        ActivationDynamics::from_row(dynamics).rate(is_smooth, excitation, act).mul_add(h, act)
-    });
+    // Before activations change.
     if plan.implicit_damping {
         damp_implicitly(plan, state, ws);
     } else {
         ws.step_qacc.copy_from_slice(&ws.qacc);
     }
+    let dynamics = |muscle: usize| plan.muscles[muscle].dynamics.row();
+    let is_smooth = plan.smooth_activation;
+    S::for_rows(dynamics, [ctrl], &mut state.act, |dynamics, [excitation], act| {
+        ActivationDynamics::from_row(dynamics).rate(is_smooth, excitation, act).mul_add(h, act)
+    });
     for (k, dof) in plan.dofs.iter().enumerate() {
         state.qvel[k] = ws.step_qacc[k].mul_add(h, state.qvel[k]);
         if dof.kind != DofKind::Turn {
@@ -193,7 +198,7 @@ pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State
     }
 }
 
-/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`. The
+/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`, and with muscles as dampers its `implicitfast`. The
 /// forces of constraints stay those of the explicit acceleration.
 #[inline(always)]
 fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
@@ -208,6 +213,9 @@ fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
         let slope = kinematics::joint_state(&joint.drive, &state.qpos, &state.qvel).slope;
         let dof = joint.drive.dof.expect("curved joints follow a coordinate");
         ws.matrix[dof * n + dof] += h * S::splat(joint.damping) * slope * slope;
+    }
+    if !plan.implicit_muscles.is_empty() {
+        implicit::resist(plan, state, ws);
     }
     cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
 }

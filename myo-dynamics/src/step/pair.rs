@@ -1,7 +1,7 @@
 //! Contact of parts of the body with each other and with what stands around: MuJoCo's geometry of planes and capsules, and the least way out
 //! of ellipsoids and cylinders.
 
-use super::contact::{Directions, Edges, Meeting, pyramid, slide};
+use super::contact::{Directions, Edges, Meeting, cone, pyramid, slide};
 use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
 use super::mesh;
@@ -120,9 +120,31 @@ fn touch<S: Scalar>(
         slide(plan, &meeting, state, first, ws);
         return;
     }
+    if pair.is_cone {
+        return cone(plan, &meeting, dimensions(pair, &meeting), state, first, ws);
+    }
     for (slot, directions) in directions(pair, &meeting).into_iter().flatten().enumerate() {
         pyramid(plan, &meeting, directions, state, first + slot, ws);
     }
+}
+
+/// The directions in which a pair resists, as long as they count, and whether what resists is a turn about them.
+#[inline(always)]
+fn dimensions<S: Scalar>(
+    pair: &ContactPair<S::Const>,
+    meeting: &Meeting<'_, S>,
+) -> impl Iterator<Item = (Vec3<S>, bool)> + Clone {
+    let (normal, [first, second]) = (meeting.normal, meeting.tangents());
+    let [along, across, twisting, rolling, rolling_across] = pair.friction.map(S::splat);
+    let all = [
+        (normal.scale(S::splat(pair.opening)), false),
+        (first.scale(along), false),
+        (second.scale(across), false),
+        (normal.scale(twisting), true),
+        (first.scale(rolling), true),
+        (second.scale(rolling_across), true),
+    ];
+    all.into_iter().take(pair.condim)
 }
 
 /// The directions in which a pair resists, two to each contact of a point.

@@ -5,7 +5,7 @@ use super::meshes::Meshes;
 use super::{Import, written};
 use crate::compile::SMALLEST_FRICTION;
 use crate::description::{Contact, Geom, Shape, Softness};
-use myo_mjcf::{self as source, Cone, Pair, Place, Switch};
+use myo_mjcf::{self as source, Cone, Pair, Switch};
 use std::cmp::Ordering;
 
 /// A geom, with the number of its body and its own.
@@ -19,7 +19,6 @@ pub(super) struct Held<'a> {
 /// Two geoms that may touch, and how.
 struct Touch<'a> {
     geoms: [Held<'a>; 2],
-    place: &'a Place,
     condim: i32,
     /// As MuJoCo has it: of two directions, of twisting, and of rolling about both.
     friction: [f64; 5],
@@ -27,6 +26,8 @@ struct Touch<'a> {
     gap: f64,
     adhesion: f64,
     softness: Softness,
+    /// Whether friction is as soft as something else, which pyramids do not ask.
+    slides_otherwise: bool,
 }
 
 impl<'a> Import<'a> {
@@ -50,9 +51,6 @@ impl<'a> Import<'a> {
         if let Some(first) = others.first() {
             self.refuse_touch(first, others.len(), &meshes);
         }
-        if let Some(rough) = simulated.iter().find(|touch| touch.condim > 1) {
-            self.check_cone(rough.place);
-        }
         let mut geoms: Vec<Geom> = vec![];
         for held in simulated.iter().flat_map(|touch| touch.geoms) {
             let name = self.geom_name(held);
@@ -71,15 +69,6 @@ impl<'a> Import<'a> {
         (geoms, contacts)
     }
 
-    fn check_cone(&mut self, place: &Place) {
-        let option = &self.mjcf.option;
-        self.refuse_all(
-            place,
-            ("option", None),
-            &[(option.cone() != Cone::Pyramidal, "parts touch with a pyramidal friction cone (`cone`) only")],
-        );
-    }
-
     /// Refuses the first contact of a kind that is not simulated, and says how many there are.
     fn refuse_touch(&mut self, touch: &Touch<'_>, count: usize, meshes: &Meshes<'_>) {
         let [one, other] = touch.geoms;
@@ -96,7 +85,7 @@ impl<'a> Import<'a> {
         } else if !touch.is_known() {
             format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
         } else {
-            "of contacts only those with neither `gap` nor `adhesion` are simulated".into()
+            "of contacts only those with neither `gap` nor `adhesion`, nor `solreffriction` in elliptic cones, are simulated".into()
         };
         let others = if count > 1 { format!(", nor are {} more pairs like this", count - 1) } else { String::new() };
         let what = format!(
@@ -114,7 +103,9 @@ impl<'a> Import<'a> {
         let find = |name: &str| geoms.iter().find(|held| held.geom.name.as_deref() == Some(name)).copied();
         let named = |pair: &'a Pair| {
             let geoms = [find(&pair.geom1)?, find(&pair.geom2)?];
-            (welded.with[geoms[0].body] != welded.with[geoms[1].body]).then(|| Touch::of_pair(pair, geoms))
+            let slides_otherwise = pair.solreffriction() != [0.0; 2] && self.mjcf.option.cone() == Cone::Elliptic;
+            let touch = Touch { slides_otherwise, ..Touch::of_pair(pair, geoms) };
+            (welded.with[geoms[0].body] != welded.with[geoms[1].body]).then_some(touch)
         };
         let mut touches: Vec<Touch<'a>> = self.mjcf.pairs.iter().filter_map(named).collect();
         let asked: Vec<[usize; 2]> = touches.iter().map(|touch| touch.geoms.map(|held| held.number)).collect();
@@ -245,6 +236,7 @@ impl<'a> Touch<'a> {
         self.is_known()
             && self.geoms.iter().all(|held| meshes.why_not(held.geom).is_none())
             && (self.gap, self.adhesion) == (0.0, 0.0)
+            && !self.slides_otherwise
     }
 
     /// Whether contacts of such shapes are simulated.
@@ -280,13 +272,13 @@ impl<'a> Touch<'a> {
     fn of_pair(pair: &'a Pair, geoms: [Held<'a>; 2]) -> Self {
         Self {
             geoms,
-            place: &pair.place,
             condim: pair.condim(),
             friction: pair.friction(),
             margin: pair.margin(),
             gap: pair.gap(),
             adhesion: pair.adhesion(),
             softness: Softness { solref: pair.solref(), solimp: pair.solimp() },
+            slides_otherwise: false,
         }
     }
 
@@ -314,13 +306,13 @@ impl<'a> Touch<'a> {
         let [sliding, torsional, rolling] = first.map_or_else(greater, source::Geom::friction);
         Self {
             geoms,
-            place: &one.place,
             condim: first.map_or_else(|| one.condim().max(other.condim()), source::Geom::condim),
             friction: [sliding, sliding, torsional, rolling, rolling],
             margin: one.margin() + other.margin(),
             gap: one.gap() + other.gap(),
             adhesion: one.adhesion() + other.adhesion(),
             softness: first.map_or_else(mixed, |first| Softness { solref: first.solref(), solimp: first.solimp() }),
+            slides_otherwise: false,
         }
     }
 }

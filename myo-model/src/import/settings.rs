@@ -1,8 +1,8 @@
 //! What holds for the whole model.
 
 use super::Import;
-use crate::description::Options;
-use myo_mjcf::{Integrator, Switch};
+use crate::description::{Cone, Integrator, Options};
+use myo_mjcf::{self as source, Switch};
 
 impl Import<'_> {
     pub(super) fn settings(&mut self) -> Options {
@@ -14,7 +14,10 @@ impl Import<'_> {
             &option.place,
             ("option", None),
             &[
-                (option.integrator() != Integrator::Euler, "only `integrator=\"Euler\"` is simulated"),
+                (
+                    !matches!(option.integrator(), source::Integrator::Euler | source::Integrator::ImplicitFast),
+                    "of integrators only `Euler` and `implicitfast` are simulated",
+                ),
                 (
                     option.density() != 0.0 || option.viscosity() != 0.0,
                     "forces of a medium (`density`, `viscosity`) are not simulated",
@@ -49,10 +52,16 @@ impl Import<'_> {
                 "bodies are not scaled to a total mass (`settotalmass`); let MuJoCo load the model and save it with `mj_saveLastXML`",
             )],
         );
+        let is_euler = option.integrator() == source::Integrator::Euler;
         Options {
             timestep: option.timestep(),
             gravity: if is_on(flags.gravity()) { option.gravity() } else { [0.0; 3] },
+            cone: match option.cone() {
+                source::Cone::Pyramidal => Cone::Pyramidal,
+                source::Cone::Elliptic => Cone::Elliptic,
+            },
             impratio: option.impratio(),
+            integrator: if is_euler { Integrator::Euler } else { Integrator::ImplicitFast },
             implicit_joint_damping: is_on(flags.eulerdamp()),
             side_rule: self.side_rule,
         }
