@@ -297,6 +297,14 @@ pub enum ModelError {
         /// The body.
         body: String,
     },
+    /// A sensor measures what its element does not have.
+    #[error("{element}: {why}")]
+    NothingToMeasure {
+        /// The sensor.
+        element: Element,
+        /// What is not there.
+        why: &'static str,
+    },
     /// A muscle has no force to scale.
     #[error(
         "{element} does not tell its peak isometric `force`, so that its model cannot be made as large as somebody else; give `gain` and `bias` of \
@@ -356,6 +364,8 @@ pub enum ElementKind {
     Look,
     /// A convex mesh, by its number.
     Hull,
+    /// What is measured.
+    Sensor,
 }
 
 impl fmt::Display for ElementKind {
@@ -375,6 +385,7 @@ impl fmt::Display for ElementKind {
             Self::Muscle => "muscle",
             Self::Look => "look",
             Self::Hull => "hull",
+            Self::Sensor => "sensor",
         })
     }
 }

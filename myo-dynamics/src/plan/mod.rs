@@ -12,6 +12,7 @@ mod mass;
 mod movers;
 mod pairs;
 mod reference_pose;
+mod sensors;
 mod sets;
 mod specialise;
 mod wraps;
@@ -21,6 +22,8 @@ pub use elimination::{Column, Elimination, Felt, Later};
 pub use error::PlanError;
 pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, Part, PartForm};
+pub use sensors::Sensors;
+pub(crate) use sensors::{Feeling, Measured, Seen, Sensor, Turn};
 
 use crate::impedance::Impedance;
 use crate::mesh::Hull;
