@@ -216,6 +216,9 @@ impl Bodies {
 
     /// What sensors read of the bodies as they are now, in double precision: `(num_bodies, size)` of each, by its name.
     fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        if self.sensor_names.is_empty() {
+            return Ok(PyDict::new(py));
+        }
         let states: Vec<State<f64>> = {
             let batch = self.open()?;
             let wide = |row: Vec<f32>| row.into_iter().map(f64::from).collect();
