@@ -2,7 +2,7 @@
 
 use super::Index;
 use crate::check::Check;
-use crate::description::{FrameQuantity, JointQuantity, Measure, ModelDescription, Shape};
+use crate::description::{FrameQuantity, JointKind, JointQuantity, Measure, ModelDescription, Shape};
 use crate::error::{ElementKind, ModelError};
 use crate::model::{Geom, Joint, Muscle, Sensor, Site, Wrap};
 
@@ -68,7 +68,7 @@ fn missing(measures: &Measure<usize>, of: &Measured<'_>) -> Option<&'static str>
 
 fn missing_of_joint(joint: &Joint, quantity: JointQuantity) -> Option<&'static str> {
     let is_motion = matches!(quantity, JointQuantity::Position | JointQuantity::Velocity);
-    if joint.kind.sizes()[0] == 7 {
+    if joint.kind == JointKind::Free {
         Some("its joint is a free one; measure the frame of its body")
     } else if !joint.kind.is_scalar() && !is_motion {
         Some("its joint is a ball joint, of which only `position` and `velocity` are measured")
