@@ -1,7 +1,7 @@
 """Sensors: numbers of one thousand random states against MuJoCo's `sensordata`.
 
-All that sensors measure of a hand, of a finger whose tendons come to their limits, of a small body that falls on floor and
-table, and of legs whose bones touch each other.
+All that sensors measure of a hand, an arm, a finger whose tendons come to their limits, a small body that falls on floor
+and table, and legs whose bones touch each other.
 """
 
 import json
@@ -163,7 +163,8 @@ def test_every_sensor_reads_what_mujocos_reads(name, tmp_path):
     assert name not in TOUCHED or min(felt.values()) > 100, felt
 
 
-#: Bodies whose shapes tell what they weigh: where their centres of mass are is known, how their principal axes are sorted is not.
+#: Bodies whose shapes tell what they weigh: it is known where their centres of mass are, but not how their principal axes
+#: are sorted.
 SHAPES = """<mujoco>
   <worldbody>
     <geom name="floor" type="plane" size="1 1 1"/>
