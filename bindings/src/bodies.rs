@@ -2,12 +2,13 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
-use myo::dynamics::{Batch, CouplingMode, Plan, Workspace, step};
+use myo::dynamics::{Batch, CouplingMode, Obstacles, Plan, Sensors, State, Workspace, step};
 use myo::scalar::Level;
 use numpy::ndarray::{Array2, Array3, ArrayView2, Axis, ShapeError};
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
@@ -25,6 +26,9 @@ pub struct Bodies {
     live: Mutex<Batch>,
     /// With places of all sites, in double precision.
     exact: Plan<f64>,
+    /// Of the exact plan.
+    sensors: Sensors,
+    sensor_names: Vec<String>,
     site_names: Vec<String>,
     muscle_names: Vec<String>,
     pool: Arc<ThreadPool>,
@@ -75,6 +79,12 @@ impl Bodies {
     }
 }
 
+/// What sensors read in a state: the numbers of each.
+fn read(exact: &Plan<f64>, sensors: &Sensors, ws: &mut Workspace<f64>, state: &State<f64>) -> Vec<Vec<f64>> {
+    step::forward(exact, &Obstacles::none(exact), state, ws);
+    sensors.read(exact, state, ws)
+}
+
 /// Numbers that do not fill an array.
 fn wrong(error: ShapeError) -> PyErr {
     PyValueError::new_err(error.to_string())
@@ -112,6 +122,8 @@ impl Bodies {
         let level = Level::detect().map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Self {
             live: Mutex::new(Batch::new(&exact.specialised(), num_bodies, level)),
+            sensors: Sensors::new(model, &exact),
+            sensor_names: model.sensors.iter().map(|sensor| sensor.name.clone()).collect(),
             site_names: model.sites.iter().map(|site| site.name.clone()).collect(),
             muscle_names: model.muscles.iter().map(|muscle| muscle.name.clone()).collect(),
             exact,
@@ -200,6 +212,43 @@ impl Bodies {
         let places = compute(py, || self.pool.install(|| self.places(poses.view(), &numbers)))?;
         let flat: Vec<f64> = places.into_iter().flatten().collect();
         Ok(Array3::from_shape_vec((count, numbers.len(), 3), flat).map_err(wrong)?.into_pyarray(py))
+    }
+
+    /// What sensors read of the bodies as they are now, in double precision: `(num_bodies, size)` of each, by its name.
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        if self.sensor_names.is_empty() {
+            return Ok(PyDict::new(py));
+        }
+        let states: Vec<State<f64>> = {
+            let batch = self.open()?;
+            let wide = |row: Vec<f32>| row.into_iter().map(f64::from).collect();
+            let state =
+                |body| State { qpos: wide(batch.qpos(body)), qvel: wide(batch.qvel(body)), act: wide(batch.act(body)) };
+            (0..batch.size()).map(state).collect()
+        };
+        let start = || Workspace::new(&self.exact);
+        let read = |ws: &mut Workspace<f64>, state: &State<f64>| read(&self.exact, &self.sensors, ws, state);
+        let rows: Vec<Vec<Vec<f64>>> =
+            compute(py, || self.pool.install(|| states.par_iter().map_init(start, read).collect()))?;
+        let out = PyDict::new(py);
+        for (number, (name, size)) in self.sensor_names.iter().zip(self.sensors.sizes()).enumerate() {
+            let flat = rows.iter().flat_map(|row| row[number].iter().copied()).collect();
+            let array = Array2::from_shape_vec((rows.len(), size), flat).map_err(wrong)?;
+            out.set_item(name, array.into_pyarray(py))?;
+        }
+        Ok(out)
+    }
+
+    /// Names of the sensors, in the order of the model.
+    #[getter]
+    fn sensor_names(&self) -> Vec<String> {
+        self.sensor_names.clone()
+    }
+
+    /// How many numbers each sensor reads.
+    #[getter]
+    fn sensor_sizes(&self) -> Vec<usize> {
+        self.sensors.sizes().collect()
     }
 
     /// Positions of the joints (rad or m), `(num_bodies, nq)`: of a ball joint a quaternion (w, x, y, z), of a free one its place in the world and then that.

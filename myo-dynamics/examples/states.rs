@@ -6,7 +6,7 @@
 
 use myo_dynamics::plan::DofKind;
 use myo_dynamics::step::{self, force};
-use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace};
+use myo_dynamics::{CouplingMode, Obstacles, Plan, Sensors, State, Workspace};
 use myo_mjcf::Folder;
 use myo_model::Model;
 use myo_model::description::Landmarks;
@@ -39,7 +39,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let list = |all: Vec<_>| all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     let model = Model::new(&from_mjcf_in(&mjcf, &options, &Folder::new(Path::new(root))?).map_err(list)?)?;
     let (soft, reduced) = (Plan::exact(&model, CouplingMode::Soft)?, Plan::exact(&model, CouplingMode::Reduced)?);
-    let states = (0..count.parse()?).map(|case| state(&soft, &reduced, Draws::new(8, case)));
+    let sensors = Sensors::new(&model, &soft);
+    let names: Vec<&str> = model.sensors.iter().map(|sensor| sensor.name.as_str()).collect();
+    let states = (0..count.parse()?).map(|case| {
+        let (state, mut ws, mut values) = state(&soft, &reduced, Draws::new(8, case));
+        let read = sensors.read(&soft, &state, &mut ws);
+        values["sensors"] = names.iter().zip(read).map(|(name, read)| ((*name).to_owned(), json!(read))).collect();
+        values
+    });
     println!("{}", Value::from_iter(states));
     Ok(())
 }
@@ -66,8 +73,8 @@ fn positions(plan: &Plan<f64>, beyond: f64, draws: &mut Draws) -> Vec<f64> {
     qpos
 }
 
-/// Every quantity of one evaluation in one state.
-fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
+/// A state, its evaluation, and every quantity of that.
+fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> (State<f64>, Workspace<f64>, Value) {
     let beyond = if draws.case.is_multiple_of(2) { BEYOND } else { 0.0 };
     let free = positions(reduced, beyond, &mut draws);
     let rates = draws.vector(reduced.ndof(), -3.0, 3.0);
@@ -77,6 +84,7 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let state = State { qpos, qvel, act: draws.vector(plan.nmuscle(), 0.0, 1.0) };
     let mut ws = Workspace::<f64>::new(plan);
     step::forward(plan, &Obstacles::none(plan), &state, &mut ws);
+    let forward = ws.clone();
     let touching =
         plan.pair_points().map(|number| &ws.contacts[ws.box_slots + number]).filter(|contact| contact.exists);
     let distances: Vec<f64> = touching.map(|contact| contact.distance).collect();
@@ -86,11 +94,12 @@ fn state(plan: &Plan<f64>, reduced: &Plan<f64>, mut draws: Draws) -> Value {
     let smooth = smooth_acceleration(plan, &mut ws);
     let [lengths, velocities] = [&ws.tendon_length, &ws.tendon_velocity].map(|all| all[..plan.nmuscle()].to_vec());
     let moments: Vec<Vec<f64>> = (0..plan.nmuscle()).map(|muscle| force::moment_arms(plan, muscle, &mut ws)).collect();
-    json!({
+    let values = json!({
         "qpos": state.qpos, "qvel": state.qvel, "act": state.act, "ctrl": vec![0.0; plan.nmuscle()],
         "tendon_length": lengths, "tendon_velocity": velocities, "moments": moments, "muscle_force": muscle_force,
         "qvel_after": after.qvel, "act_after": after.act,
         "qacc_soft": qacc, "qacc_smooth": smooth, "qfrc_passive": passive_force(plan, &state, &mut ws),
         "distances": distances, "qfrc_bias": bias_force(plan, &state, &mut ws),
-    })
+    });
+    (state, forward, values)
 }

@@ -10,6 +10,7 @@
 //!   for bit; other widths of lanes differ by rounding.
 //! - Positions and rates are counted apart: [`Plan::nq`] numbers of `qpos` and [`Plan::ndof`] of `qvel`, in MuJoCo's order. They differ where
 //!   a ball joint or a free body has a quaternion.
+//! - [`Sensors`] read what a model's sensors measure, for whoever asks; a step knows nothing of them.
 //! - [`ReachableSpace`] tells how near the fingertip comes to a point, [`Strength`] whether muscles can hold it there.
 //!
 //! Joint couplings are compiled away ([`CouplingMode::Reduced`]) or kept as MuJoCo's soft constraints ([`CouplingMode::Soft`]).
@@ -64,6 +65,7 @@ mod obstacles;
 pub mod plan;
 mod polynomial;
 mod reach;
+mod sense;
 pub mod spatial;
 pub mod step;
 mod strength;
@@ -76,7 +78,7 @@ pub use exertion::{Exerter, Exertion};
 pub use isometric::{Isometric, Pull};
 pub use myo_model::StaticBox;
 pub use obstacles::{Obstacles, Surface};
-pub use plan::{CouplingMode, Plan, PlanError};
+pub use plan::{CouplingMode, Plan, PlanError, Sensors};
 pub use reach::{BodyPlaces, Nearest, PointerPlace, ReachableSpace};
 pub use strength::Strength;
 pub use workspace::{Clearance, SolverCount, SolverTally, State, Workspace};

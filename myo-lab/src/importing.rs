@@ -98,7 +98,8 @@ pub fn import_model(file: &Path, root: Option<&Path>, options: &ImportOptions) -
         Err(_) => from_mjcf(&mjcf, options),
     };
     let mut description = described.map_err(|all| ImportError::Unsupported { all })?;
-    let mut passed_over: Vec<String> = unused(&mjcf).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    let mut passed_over: Vec<String> =
+        unused(&mjcf, &description).iter().map(|(kind, count)| format!("{count} {kind}")).collect();
     description.looks = seen(&mjcf, here, &mut passed_over);
     let named = || file.to_owned();
     let model = Model::new(&description).map_err(|why| ImportError::Model { file: named(), why })?;

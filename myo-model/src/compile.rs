@@ -3,6 +3,7 @@
 mod connections;
 mod hulls;
 mod looks;
+mod sensors;
 
 use crate::check::{Bound, Check};
 use crate::description::{self as source, JointKind, ModelDescription, PathElement, Shape};
@@ -10,6 +11,7 @@ use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use sensors::Measured;
 use std::collections::HashMap;
 
 pub(crate) use hulls::MOST_CORNERS;
@@ -74,6 +76,15 @@ impl Model {
         let body = |name: &Option<String>| name.as_deref().map(|name| body_index.find(name, &landmarks)).transpose();
         let fingers = fingers(description, &site_index)?;
         let looks = looks::looks(description, &body_index)?;
+        let measured = Measured {
+            bodies: &body_index,
+            joints: &joints,
+            sites: &sites,
+            geoms: &geoms,
+            wraps: &wraps,
+            muscles: &muscles,
+        };
+        let sensors = sensors::sensors(description, &measured)?;
         Ok(Self {
             name: description.name.clone(),
             changes: description.changes.clone(),
@@ -94,6 +105,7 @@ impl Model {
             wraps,
             muscles,
             hulls,
+            sensors,
             looks,
         })
     }
@@ -421,7 +433,11 @@ fn sites(description: &ModelDescription, bodies: &Index) -> Result<Vec<Site>, Mo
         let check = Check::new(ElementKind::Site, &site.name);
         check.within("pos", &site.pos, &Bound::LENGTH)?;
         let body = bodies.find(&site.body, &check.element)?;
-        sites.push(Site { name: site.name.clone(), body, pos: site.pos.into() });
+        if let Some(form) = &site.shape {
+            shape(&check, form, description.hulls.len())?;
+        }
+        let (pos, quat) = (site.pos.into(), check.rotation("quat", site.quat)?);
+        sites.push(Site { name: site.name.clone(), body, pos, quat, shape: site.shape });
     }
     sites.sort_by_key(|site: &Site| site.body);
     Ok(sites)
@@ -447,7 +463,22 @@ fn geom(geom: &source::Geom, bodies: &Index, hulls: usize) -> Result<Geom, Model
         check.not_negative("friction", coefficient, "")?;
         check.within("friction", &[coefficient], &Bound::RATIO)?;
     }
-    match geom.shape {
+    shape(&check, &geom.shape, hulls)?;
+    Ok(Geom {
+        name: geom.name.clone(),
+        body: bodies.find(&geom.body, &check.element)?,
+        shape: geom.shape,
+        pos: geom.pos.into(),
+        quat: check.rotation("quat", geom.quat)?,
+        margin: geom.margin,
+        friction: geom.friction,
+        softness: geom.softness,
+    })
+}
+
+/// Sizes of a shape, of which there are so many hulls.
+fn shape(check: &Check, shape: &Shape, hulls: usize) -> Result<(), ModelError> {
+    match *shape {
         Shape::Sphere { radius } => {
             check.above("radius", radius, 0.0, " m", "above 0 m")?;
             check.within("radius", &[radius], &Bound::LENGTH)?;
@@ -472,23 +503,14 @@ fn geom(geom: &source::Geom, bodies: &Index, hulls: usize) -> Result<Geom, Model
             }
         }
         Shape::Mesh { hull, .. } if hull >= hulls => {
-            return Err(ModelError::NoHull { element: check.element, hull, count: hulls });
+            return Err(ModelError::NoHull { element: check.element.clone(), hull, count: hulls });
         }
         Shape::Mesh { scale, .. } => {
             check.at_least("scale", scale, SMALLEST_SCALE, "", "at least 0.001")?;
             check.within("scale", &[scale], &Bound::RATIO)?;
         }
     }
-    Ok(Geom {
-        name: geom.name.clone(),
-        body: bodies.find(&geom.body, &check.element)?,
-        shape: geom.shape,
-        pos: geom.pos.into(),
-        quat: check.rotation("quat", geom.quat)?,
-        margin: geom.margin,
-        friction: geom.friction,
-        softness: geom.softness,
-    })
+    Ok(())
 }
 
 fn contacts(description: &ModelDescription, geoms: &[Geom]) -> Result<Vec<Contact>, ModelError> {

@@ -17,9 +17,11 @@ mod connection;
 #[cfg(feature = "files")]
 mod flat;
 mod path;
+mod sensor;
 
 pub use connection::{Connection, Weld};
 pub use path::{Over, PathElement, Pulley};
+pub use sensor::{Frame, FrameQuantity, JointQuantity, Measure, MuscleQuantity, Sensor, SubtreeQuantity};
 
 /// A whole model file.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +78,9 @@ pub struct ModelDescription {
     /// Convex meshes that geoms have for a shape.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub hulls: Vec<Hull>,
+    /// What is measured.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub sensors: Vec<Sensor>,
     /// What is seen of bodies, where more is known than their bones.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub looks: Vec<Look>,
@@ -362,6 +367,12 @@ pub struct Site {
     pub body: String,
     /// Position in the body frame (m).
     pub pos: [f64; 3],
+    /// Orientation in the body frame (w, x, y, z), which sensors see.
+    #[cfg_attr(feature = "files", serde(default = "identity_quat", skip_serializing_if = "is_identity"))]
+    pub quat: [f64; 4],
+    /// Where it feels touch.
+    #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub shape: Option<Shape>,
 }
 
 /// Shape of a collision geometry.
@@ -637,4 +648,9 @@ fn as_large() -> f64 {
 #[cfg(feature = "files")]
 fn identity_quat() -> [f64; 4] {
     [1.0, 0.0, 0.0, 0.0]
+}
+
+#[cfg(feature = "files")]
+fn is_identity(quat: &[f64; 4]) -> bool {
+    *quat == identity_quat()
 }

@@ -303,6 +303,14 @@ pub enum ModelError {
         /// The body.
         body: String,
     },
+    /// A sensor measures what its element does not have.
+    #[error("{element}: {why}")]
+    NothingToMeasure {
+        /// The sensor.
+        element: Element,
+        /// What is not there.
+        why: &'static str,
+    },
     /// A muscle has no force to scale.
     #[error(
         "{element} does not tell its peak isometric `force`, so that its model cannot be made as large as somebody else; give `gain` and `bias` of \
@@ -364,6 +372,8 @@ pub enum ElementKind {
     Look,
     /// A convex mesh, by its number.
     Hull,
+    /// What is measured.
+    Sensor,
 }
 
 impl fmt::Display for ElementKind {
@@ -384,6 +394,7 @@ impl fmt::Display for ElementKind {
             Self::Muscle => "muscle",
             Self::Look => "look",
             Self::Hull => "hull",
+            Self::Sensor => "sensor",
         })
     }
 }

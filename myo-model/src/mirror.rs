@@ -27,6 +27,7 @@ impl ModelDescription {
         }
         for site in &mut self.sites {
             site.pos = point(site.pos);
+            site.quat = turn(site.quat);
         }
         for geom in &mut self.geoms {
             geom.pos = point(geom.pos);

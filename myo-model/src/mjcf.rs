@@ -4,8 +4,10 @@
 //! the same. Numbers are printed so that they read back bit for bit. What MuJoCo derives (inverse weights, automatic muscle
 //! force) is left to MuJoCo.
 
+mod sensors;
+
 use crate::description::{Cone, Integrator, Shape, SideRule, Softness, WrapShape};
-use crate::model::{Body, Connection, Geom, Joint, Model, Muscle, WORLD, Weld, Wrap};
+use crate::model::{Body, Connection, Geom, Joint, Model, Muscle, Site, WORLD, Weld, Wrap};
 use myo_muscle::CurveParameters;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
@@ -72,7 +74,7 @@ pub fn to_mjcf(model: &Model, options: &MjcfOptions) -> String {
     couplings(&mut xml, model);
     connections(&mut xml, model);
     actuators(&mut xml, model);
-    sensors(&mut xml, &options.buttons);
+    sensors(&mut xml, model, &options.buttons);
     xml.close("mujoco");
     xml.text
 }
@@ -211,15 +213,13 @@ fn meshes(xml: &mut Xml, model: &Model) {
 }
 
 fn points_and_shapes(xml: &mut Xml, model: &Model, body: usize) {
-    let point = |name: &str, pos: &Vector3<f64>| {
-        [("name", text(name)), ("pos", numbers(pos.as_slice())), ("size", number(0.001))]
-    };
     for site in model.sites.iter().filter(|site| site.body == body) {
-        xml.leaf("site", &point(&site.name, &site.pos));
+        xml.leaf("site", &site_attributes(site));
     }
     for (number, connection) in pins(model) {
         for end in (0..2).filter(|&end| connection.bodies[end] == body) {
-            xml.leaf("site", &point(&pin(model, number, end), &connection.anchors[end]));
+            let pos = numbers(connection.anchors[end].as_slice());
+            xml.leaf("site", &[("name", text(&pin(model, number, end))), ("pos", pos)]);
         }
     }
     for (index, geom) in model.geoms.iter().enumerate().filter(|(_, geom)| geom.body == body) {
@@ -248,9 +248,22 @@ fn wrap_attributes(wrap: &Wrap) -> Vec<Attribute> {
     ]
 }
 
-/// Geoms of contacts touch what those say, the others (which press) buttons.
-fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
-    let (kind, size) = match geom.shape {
+fn site_attributes(site: &Site) -> Vec<Attribute> {
+    let (kind, size) = site.shape.map_or_else(|| ("sphere", vec![0.001]), named);
+    let mut attributes =
+        vec![("name", text(&site.name)), ("pos", numbers(site.pos.as_slice())), ("size", numbers(&size))];
+    if site.shape.is_some() {
+        attributes.push(("type", text(kind)));
+    }
+    if site.quat != UnitQuaternion::identity() {
+        attributes.push(("quat", rotation(&site.quat)));
+    }
+    attributes
+}
+
+/// MuJoCo's name of a shape, and its sizes.
+fn named(shape: Shape) -> (&'static str, Vec<f64>) {
+    match shape {
         Shape::Sphere { radius } => ("sphere", vec![radius]),
         Shape::Capsule { radius, half_length } => ("capsule", vec![radius, half_length]),
         Shape::Ellipsoid { radii } => ("ellipsoid", radii.to_vec()),
@@ -259,7 +272,12 @@ fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
         Shape::Plane => ("plane", vec![1.0, 1.0, 0.1]),
         Shape::Box { half_size } => ("box", half_size.to_vec()),
         Shape::Mesh { .. } => ("mesh", vec![]),
-    };
+    }
+}
+
+/// Geoms of contacts touch what those say, the others (which press) buttons.
+fn geom_attributes(geom: &Geom, presses: bool) -> Vec<Attribute> {
+    let (kind, size) = named(geom.shape);
     let mut attributes = vec![
         ("name", text(&geom.name)),
         ("type", text(kind)),
@@ -433,10 +451,16 @@ fn curve(curve: &CurveParameters) -> String {
     numbers(&[lower, upper, force, curve.scale, curve.lmin, curve.lmax, curve.vmax, curve.fpmax, curve.fvmax])
 }
 
-fn sensors(xml: &mut Xml, buttons: &[Button]) {
-    xml.section("sensor", buttons, |xml, button| {
+fn sensors(xml: &mut Xml, model: &Model, buttons: &[Button]) {
+    if buttons.is_empty() && model.sensors.is_empty() {
+        return;
+    }
+    xml.open("sensor", &[]);
+    for button in buttons {
         xml.leaf("touch", &[("name", text(&button.name)), ("site", text(&button.name))]);
-    });
+    }
+    model.sensors.iter().for_each(|sensor| sensors::sensor(xml, model, sensor));
+    xml.close("sensor");
 }
 
 /// Name and value, the value escaped already.

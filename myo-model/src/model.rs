@@ -1,6 +1,6 @@
 //! The checked model: indices instead of names, parents before children, everything in f64.
 
-use crate::description::{JointKind, Options, Shape, Softness, TendonLimit, WrapShape};
+use crate::description::{JointKind, Measure, Options, Shape, Softness, TendonLimit, WrapShape};
 use myo_muscle::MuscleParameters;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -39,6 +39,8 @@ pub struct Model {
     pub muscles: Vec<Muscle>,
     /// Convex meshes that geoms have for a shape.
     pub hulls: Vec<Hull>,
+    /// What is measured, in the order of the description.
+    pub sensors: Vec<Sensor>,
     /// What is seen of bodies, in their order.
     pub looks: Vec<Look>,
     /// Index of the site that points and presses.
@@ -176,6 +178,21 @@ pub struct Site {
     pub body: usize,
     /// Position in the body frame (m).
     pub pos: Vector3<f64>,
+    /// Orientation in the body frame.
+    pub quat: UnitQuaternion<f64>,
+    /// Where it feels touch.
+    pub shape: Option<Shape>,
+}
+
+/// A sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// Name.
+    pub name: String,
+    /// What it measures, of elements by their indices.
+    pub measures: Measure<usize>,
+    /// Greatest size of each of its numbers; 0 is any.
+    pub cutoff: f64,
 }
 
 /// What is seen of a body.

@@ -120,6 +120,9 @@ impl ModelDescription {
         }
         for site in &mut self.sites {
             site.pos = scales.point(site.pos, &site.body);
+            if site.body != "world" {
+                site.shape = site.shape.map(|shape| times(shape, scales.of(&site.body).length));
+            }
         }
         self.geoms.iter_mut().for_each(|geom| scales.geom(geom));
         for look in &mut self.looks {
@@ -198,19 +201,7 @@ impl Scales {
         }
         let length = self.of(&geom.body).length;
         geom.pos = geom.pos.map(|x| x * length);
-        geom.shape = match geom.shape {
-            Shape::Sphere { radius } => Shape::Sphere { radius: radius * length },
-            Shape::Capsule { radius, half_length } => {
-                Shape::Capsule { radius: radius * length, half_length: half_length * length }
-            }
-            Shape::Cylinder { radius, half_length } => {
-                Shape::Cylinder { radius: radius * length, half_length: half_length * length }
-            }
-            Shape::Plane => Shape::Plane,
-            Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|x| x * length) },
-            Shape::Box { half_size } => Shape::Box { half_size: half_size.map(|x| x * length) },
-            Shape::Mesh { hull, scale } => Shape::Mesh { hull, scale: scale * length },
-        };
+        geom.shape = times(geom.shape, length);
     }
 
     fn wrap(&self, wrap: &mut Wrap) {
@@ -243,6 +234,23 @@ impl Scales {
             *force *= self.torque / longer;
         }
         Ok(())
+    }
+}
+
+/// A shape that is so many times as large.
+fn times(shape: Shape, length: f64) -> Shape {
+    match shape {
+        Shape::Sphere { radius } => Shape::Sphere { radius: radius * length },
+        Shape::Capsule { radius, half_length } => {
+            Shape::Capsule { radius: radius * length, half_length: half_length * length }
+        }
+        Shape::Cylinder { radius, half_length } => {
+            Shape::Cylinder { radius: radius * length, half_length: half_length * length }
+        }
+        Shape::Plane => Shape::Plane,
+        Shape::Ellipsoid { radii } => Shape::Ellipsoid { radii: radii.map(|x| x * length) },
+        Shape::Box { half_size } => Shape::Box { half_size: half_size.map(|x| x * length) },
+        Shape::Mesh { hull, scale } => Shape::Mesh { hull, scale: scale * length },
     }
 }
 

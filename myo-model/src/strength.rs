@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::description::{ModelDescription, Muscle};
+use crate::description::{Measure, ModelDescription, Muscle};
 use crate::error::{Element, ElementKind, ModelError};
 use myo_muscle::MuscleGroup;
 use myo_nearest::Nearest;
@@ -47,6 +47,7 @@ impl ModelDescription {
             moved.parameters.length_range = target.parameters.length_range;
             self.muscles.remove(recipient);
         }
+        self.leave_sensors();
         Ok(self)
     }
 
@@ -58,6 +59,18 @@ impl ModelDescription {
         if let Some((_, heir)) = others.into_iter().find(|(_, other)| other.path == path && other.limit.is_none()) {
             heir.limit = Some(limit);
         }
+    }
+
+    /// Leaves out sensors of muscles that pull no more, and of limits that these had.
+    fn leave_sensors(&mut self) {
+        let Self { muscles, sensors, .. } = self;
+        sensors.retain(|sensor| match &sensor.measures {
+            Measure::Muscle { of, quantity } => {
+                let muscle = muscles.iter().find(|muscle| muscle.name == *of);
+                muscle.is_some_and(|muscle| muscle.limit.is_some() || !quantity.is_of_limit())
+            }
+            _ => true,
+        });
     }
 
     fn know_muscles_or_groups<'a>(&self, mut names: impl Iterator<Item = &'a String>) -> Result<(), ModelError> {

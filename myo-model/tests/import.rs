@@ -531,8 +531,8 @@ fn what_has_no_name_gets_one_and_what_has_no_part_is_counted() {
     let body = r#"<body><joint axis="1 0 0"/><geom size="0.02" contype="0" conaffinity="0"/><site/><camera/></body>"#;
     let text = arm(["<asset><material name=\"bone\"/></asset>", "", body, "", ""]);
     let mjcf = read(&text);
-    assert_eq!(unused(&mjcf), [("cameras", 1), ("materials", 1)]);
     let all = from_mjcf(&mjcf, &options("tip", "humerus")).unwrap();
+    assert_eq!(unused(&mjcf, &all), [("cameras".into(), 1), ("materials".into(), 1)]);
     assert_eq!((&*all.bodies[1].name, &*all.joints[1].name, &*all.sites[3].name), ("body3", "joint2", "site4"));
     // A ball about the fingertip is what presses.
     let body = r#"<geom name="pad" size="0.008" pos="0 0 -0.12" margin="0.001"/>"#;

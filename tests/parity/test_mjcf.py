@@ -150,9 +150,9 @@ def spec_of(name):
     return compose.build_spec(name.removeprefix("sliding "))
 
 
-def saved(name, folder):
-    """What MuJoCo saves of a model, and what it makes of that."""
-    spec = spec_of(name)
+def saved(name, folder, spec=None):
+    """What MuJoCo saves of a model, or of what was made of it, and what it makes of that."""
+    spec = spec or spec_of(name)
     spec.compiler.saveinertial = 1
     spec.compile()
     text = spec.to_xml()
@@ -181,9 +181,9 @@ def example(package, name):
     return str(ROOT / "target/debug/examples" / name)
 
 
-def in_states(name, landmarks, folder):
+def in_states(name, landmarks, folder, spec=None):
     """MuJoCo's model, its file, and what Myo makes of that in many states."""
-    path, model = saved(name, folder)
+    path, model = saved(name, folder, spec)
     model.opt.tolerance, model.opt.iterations = 1e-12, 300
     model.opt.ccd_tolerance, model.opt.ccd_iterations = 1e-12, 500
     states = output(example("myo-dynamics", "states"), str(path), *landmarks, str(STATES), SIDE_RULE, "/")

@@ -344,6 +344,15 @@ class Bodies:
     def site_positions(self, sites: Sequence[str], qpos: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
         """Positions of sites in these poses `(n, nq)`, in axes of the model's world (m), `(n, nsite, 3)`; poses of
         the bodies if none are told."""
+    def sensors(self) -> dict[str, NDArray[np.float64]]:
+        """What sensors read of the bodies as they are now, in double precision: `(num_bodies, size)` of each, by its
+        name."""
+    @property
+    def sensor_names(self) -> list[str]:
+        """Names of the sensors, in the order of the model."""
+    @property
+    def sensor_sizes(self) -> list[int]:
+        """How many numbers each sensor reads."""
     @property
     def qpos(self) -> NDArray[np.float32]:
         """Positions of the joints (rad or m), `(num_bodies, nq)`: of a ball joint a quaternion (w, x, y, z), of a free

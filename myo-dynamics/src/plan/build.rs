@@ -215,7 +215,7 @@ impl Plan<f64> {
 }
 
 /// How a joint moves that can come to a limit: one that is held at a position cannot.
-fn limited<'a>(
+pub(super) fn limited<'a>(
     joint: &myo_model::model::Joint,
     place: &'a JointCoordinates<f64>,
 ) -> Option<(&'a Drive<f64>, [f64; 2])> {

@@ -14,6 +14,7 @@ mod mass;
 mod movers;
 mod pairs;
 mod reference_pose;
+mod sensors;
 mod sets;
 mod specialise;
 mod wraps;
@@ -25,6 +26,8 @@ pub use error::PlanError;
 pub use implicit::ImplicitMuscle;
 pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, MOST_SLOTS, Part, PartForm};
+pub use sensors::Sensors;
+pub(crate) use sensors::{Feeling, Measured, Seen, Sensor, Turn};
 
 use crate::impedance::Impedance;
 use crate::mesh::Hull;

@@ -175,6 +175,16 @@ pub(super) struct Meets<S> {
     pub at: Vec3<S>,
 }
 
+/// Where a pair meets (m, from O), in as many points as it may; of meaning for the contacts that are there.
+pub(crate) fn places(plan: &Plan<f64>, pair: &ContactPair<f64>, ws: &mut Workspace<f64>) -> Vec<Vec3<f64>> {
+    let mut places: Vec<Vec3<f64>> = match pair.parts[1].form {
+        PartForm::Mesh(hull) => mesh::meet(plan, pair, hull, true, ws).map(|(_, meets)| meets.at).into(),
+        _ => meet(pair, ws).map(|meets| meets.at).into(),
+    };
+    places.truncate(pair.points);
+    places
+}
+
 /// How two parts meet, in as many points as they may: of those that meet in one the second says nothing.
 #[inline(always)]
 fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>; 2] {

@@ -43,14 +43,35 @@ impl Import<'_> {
         mass
     }
 
-    fn mass_of_shapes(&mut self, body: &Body, moves: bool) -> Mass {
+    /// Whether mass and centre of mass of a body are MuJoCo's: those of one that stands still may be left out.
+    pub(super) fn mass_is_known(&self, number: usize) -> bool {
+        let (body, compiler) = (&self.mjcf.bodies[number], &self.mjcf.compiler);
+        let is_written = body.inertial.is_some() && compiler.inertiafromgeom() != Auto::Yes;
+        let mut unknown = self.weighed(body).filter(|geom| part(geom).is_none() && !is_massless(geom));
+        number == 0 || is_written || compiler.inertiafromgeom() == Auto::No || unknown.next().is_none()
+    }
+
+    /// Whether its principal axes are MuJoCo's, too, which sorts those that it computes.
+    pub(super) fn axes_are_known(&self, number: usize) -> bool {
+        let (body, compiler) = (&self.mjcf.bodies[number], &self.mjcf.compiler);
+        match &body.inertial {
+            Some(inertial) => inertial.fullinertia.is_none() && compiler.inertiafromgeom() != Auto::Yes,
+            None => number == 0 || body.geoms.is_empty(),
+        }
+    }
+
+    /// Geoms that make the mass of a body.
+    fn weighed<'b>(&self, body: &'b Body) -> impl Iterator<Item = &'b Geom> + use<'b> {
         let [first, last] = self.mjcf.compiler.inertiagrouprange();
+        body.geoms.iter().filter(move |geom| (first..=last).contains(&geom.group()))
+    }
+
+    fn mass_of_shapes(&mut self, body: &Body, moves: bool) -> Mass {
         let mut parts = vec![];
-        for geom in body.geoms.iter().filter(|geom| (first..=last).contains(&geom.group())) {
-            let is_massless = geom.mass == Some(0.0) || geom.mass.is_none() && geom.density() == 0.0;
+        for geom in self.weighed(body) {
             match part(geom) {
                 Some(part) => parts.push(part),
-                None if moves && !is_massless && !matches!(geom.kind(), Shape::Plane | Shape::HeightField) => self.refuse(
+                None if moves && !is_massless(geom) => self.refuse(
                     &geom.place,
                     ("geom", geom.name.as_ref()),
                     "mass of meshes and of shells is not computed; give the body an `inertial`, or load the model in MuJoCo with `<compiler saveinertial=\"true\"/>` and save it with `mj_saveLastXML`",
@@ -64,6 +85,12 @@ impl Import<'_> {
 
 /// Mass, centre of mass (m) and inertia about it (kg m^2) in the axes of the body.
 type Part = (f64, Vector3<f64>, Matrix3<f64>);
+
+/// Whether a geom that is no solid weighs nothing.
+fn is_massless(geom: &Geom) -> bool {
+    let has_none = geom.mass == Some(0.0) || geom.mass.is_none() && geom.density() == 0.0;
+    has_none || matches!(geom.kind(), Shape::Plane | Shape::HeightField)
+}
 
 /// Of a geom; none of one without volume, or whose volume is not known here.
 fn part(geom: &Geom) -> Option<Part> {

@@ -1,7 +1,7 @@
 //! MJCF in: what is read of MuJoCo's files becomes a description, or is refused by name.
 //!
 //! What this crate cannot simulate as MuJoCo does is never left out: all of it is listed, with its place. What has no part in
-//! the simulation (cameras, lights, materials, sensors, stored states) is counted, see [`unused`]; what is seen of bodies comes with [`looks()`].
+//! the simulation (cameras, lights, materials, stored states, some sensors) is counted, see [`unused`]; what is seen of bodies comes with [`looks()`].
 
 mod apart;
 mod connections;
@@ -14,6 +14,7 @@ mod mass;
 mod meshes;
 mod muscles;
 mod ranges;
+mod sensors;
 mod settings;
 
 use crate::ModelDescription;
@@ -111,7 +112,7 @@ fn described(
     for site in [&landmarks.fingertip].into_iter().chain(landmarks.fingers.values()) {
         geoms.extend(import.fingertip(site, &geoms));
     }
-    let description = ModelDescription {
+    let mut description = ModelDescription {
         version: FORMAT_VERSION,
         name: mjcf.model.clone().unwrap_or_else(|| "model".into()),
         source: mjcf.bodies.first().map_or_else(String::new, |world| world.place.file.to_string()),
@@ -128,23 +129,25 @@ fn described(
         wraps: import.wraps(),
         muscles: import.muscles(),
         hulls: std::mem::take(&mut import.hulls),
+        sensors: vec![],
         looks: vec![],
         landmarks,
     };
+    import.add_sensors(&mut description);
     if import.unsupported.is_empty() { Ok(description) } else { Err(import.unsupported) }
 }
 
-/// Kinds of elements of a file that have no part in the simulation, and how many there are of each.
-pub fn unused(mjcf: &Mjcf) -> Vec<(&'static str, usize)> {
+/// Kinds of elements of a file that its description leaves out, as they have no part in the simulation, and how many there are of each.
+pub fn unused(mjcf: &Mjcf, description: &ModelDescription) -> Vec<(String, usize)> {
     let all = [
         ("cameras", mjcf.cameras().count()),
         ("lights", mjcf.lights().count()),
         ("textures", mjcf.textures.len()),
         ("materials", mjcf.materials.len()),
-        ("sensors", mjcf.sensors.len()),
         ("stored states", mjcf.keys.len()),
     ];
-    all.into_iter().filter(|(_, count)| *count > 0).collect()
+    let all = all.into_iter().filter(|(_, count)| *count > 0).map(|(kind, count)| (kind.to_owned(), count));
+    all.chain(sensors::passed_over(mjcf, &Names::of(mjcf).sensors, description)).collect()
 }
 
 /// Names of all elements in MuJoCo's order, those of the nameless included.
@@ -153,6 +156,7 @@ struct Names {
     joints: Vec<String>,
     sites: Vec<String>,
     geoms: Vec<String>,
+    sensors: Vec<String>,
 }
 
 impl Names {
@@ -168,6 +172,7 @@ impl Names {
             bodies: named("body", mjcf.bodies.iter().map(|body| body.name.as_ref()).collect()),
             joints: named("joint", mjcf.joints().map(|(_, joint)| joint.name.as_ref()).collect()),
             geoms: named("geom", mjcf.geoms().map(|(_, geom)| geom.name.as_ref()).collect()),
+            sensors: named("sensor", mjcf.sensors.iter().map(|sensor| sensor.name.as_ref()).collect()),
             sites: named("site", mjcf.sites().map(|(_, site)| site.name.as_ref()).collect()),
         }
     }
@@ -253,6 +258,8 @@ impl Import<'_> {
             name: name.clone(),
             body: self.names.bodies[body].clone(),
             pos: site.pose.pos(),
+            quat: [1.0, 0.0, 0.0, 0.0],
+            shape: None,
         };
         self.mjcf.sites().zip(&self.names.sites).map(site).collect()
     }
