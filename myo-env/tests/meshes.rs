@@ -2,7 +2,7 @@
 
 use myo_env::gpu::record;
 use myo_env::{CpuEnv, EnvConfig, ReferenceEnv, StepStorage, VectorEnv};
-use myo_model::description::{Contact, Geom, Hull, Shape, Softness};
+use myo_model::description::{Contact, Geom, Hull, Shape};
 use myo_model::{Model, builtin};
 use myo_tasks::preset;
 

@@ -20,7 +20,10 @@ BODIES = ["tumbler", "tight finger", "myohand_r", "myoarm_r", "myolegs26", "roll
 TOUCHED = ["tumbler", "myoarm_r", "myolegs26", "rolling tumbler", "elliptic rolling tumbler"]
 SENSOR, OBJECT, GEOM = mujoco.mjtSensor, mujoco.mjtObj, mujoco.mjtGeom
 #: Greatest errors by the kind of number: of places (m) and orientations, of velocities, and of forces, relative.
-MOST = {"place": 1e-9, "velocity": 1e-6, "force": 1e-4}
+MOST = {"place": 1e-9, "velocity": 1e-6, "force": 1e-4, "touch": 1e-4}
+#: Where what touches may not roll either, a force along the normal, which may be a small one, is the sum of greater ones, and the direction
+#: between a capsule and an ellipsoid, to which MuJoCo comes within 1e-6, counts more.
+ROLLING = {"touch": 5e-4}
 FORCES = ["TOUCH", "ACTUATORFRC", "JOINTACTFRC", "TENDONACTFRC", "JOINTLIMITFRC", "TENDONLIMITFRC"]
 VELOCITIES = [
     *["GYRO", "VELOCIMETER", "JOINTVEL", "BALLANGVEL", "TENDONVEL", "ACTUATORVEL", "JOINTLIMITVEL", "TENDONLIMITVEL"],
@@ -33,7 +36,7 @@ VOLUMES = ["SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER", "BOX"]
 
 def quantity(tag):
     """What an error of a sensor is compared with."""
-    return "force" if tag in FORCES else "velocity" if tag in VELOCITIES else "place"
+    return "touch" if tag == "TOUCH" else "force" if tag in FORCES else "velocity" if tag in VELOCITIES else "place"
 
 
 class Sensing:
@@ -158,7 +161,8 @@ def test_every_sensor_reads_what_mujocos_reads(name, tmp_path):
                 felt[True] += int(sum(feels))
                 felt[False] += len(feels) - int(sum(feels))
     print(name, felt, {tag: f"{error:.1e}" for tag, error in worst.items()})
-    assert all(error < MOST[quantity(tag)] for tag, error in worst.items()), worst
+    most = MOST | (ROLLING if "rolling" in name else {})
+    assert all(error < most[quantity(tag)] for tag, error in worst.items()), worst
     # Volumes are met, and others are missed.
     assert name not in TOUCHED or min(felt.values()) > 100, felt
 
