@@ -5,7 +5,7 @@ mod common;
 
 use common::{Look, difference, greatest, in_lanes, narrow_state, recorded};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
-use myo_model::description::{Integrator, Landmarks};
+use myo_model::description::{Connection, Integrator, Landmarks, Softness, Weld};
 use myo_model::import::{ImportOptions, from_mjcf};
 use myo_model::{Model, builtin};
 use myo_scalar::{Level, Scalar};
@@ -225,4 +225,27 @@ fn what_resists_twisting_stops_a_spin_and_what_resists_rolling_a_ball() {
     assert!((rolls - (0.5 - 0.3 * 0.01 * 2.0 * 9.81 / 0.028 * 0.1)).abs() < 0.03, "{rolls} m/s");
     let [rolls, _] = ball(6, [0.5, 0.0], 2.0);
     assert!(rolls.abs() < 0.01, "it stands: {rolls} m/s");
+}
+
+/// A left arm on a strap moves as a right one does.
+#[test]
+fn a_mirrored_arm_is_held_alike() {
+    let mut arm = builtin("mobl-arms").unwrap();
+    let hold = |body: &str, weld: Option<Weld>| Connection {
+        bodies: [body, "thorax"].map(String::from),
+        anchors: [[0.02, 0.01, 0.03], [0.3, -0.2, 0.2]],
+        weld,
+        softness: Softness { solref: [0.1, 1.0], ..Softness::default() },
+    };
+    arm.connections.push(hold("radius", None));
+    arm.connections.push(hold("hand", Some(Weld { quat: [0.5, 0.5, 0.1, 0.7], torque_scale: 0.3 })));
+    let free = Plan::exact(&Model::new(&builtin("mobl-arms").unwrap()).unwrap(), CouplingMode::Reduced).unwrap();
+    let [right, left] = [arm.clone(), arm.mirrored()]
+        .map(|arm| Plan::exact(&Model::new(&arm).unwrap(), CouplingMode::Reduced).unwrap());
+    for state in states(&right, 50) {
+        let [right, left, free] =
+            [&right, &left, &free].map(|plan| Forward.look(plan, &state, &mut Workspace::new(plan)));
+        assert!(difference(&right, &left) < 1e-9 * greatest(&right), "{right:?} {left:?}");
+        assert!(difference(&right, &free) > 0.1, "it is held");
+    }
 }

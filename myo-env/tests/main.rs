@@ -12,6 +12,7 @@ mod exploring;
 mod fatigue;
 mod fingers;
 mod groups;
+mod held;
 mod late;
 mod limits;
 mod meshes;

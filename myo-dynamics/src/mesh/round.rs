@@ -7,6 +7,8 @@ use nalgebra::{Unit, Vector3};
 
 /// What a height may be off by rounding (m).
 const ROUNDING: f64 = 1e-12;
+/// How many corners are remembered that were deepest.
+const DEEP: usize = 4;
 /// How often the arc between the normals of two faces is halved at most to look for least overlaps, and the share that is left then.
 const HALVES: usize = 5;
 const SMALLEST: f64 = 1.0 / (1 << HALVES) as f64;
@@ -25,7 +27,28 @@ pub(super) struct Search<'a, R> {
     pub hull: &'a Placed<'a>,
     vertices: &'a [Vector3<f64>],
     normals: &'a [Vector3<f64>],
+    /// Corners that were deepest along normals before, the latest in the place that `turn` is past.
+    deep: [usize; DEEP],
+    turn: usize,
+    corners: Corners,
     pub best: Touch,
+}
+
+/// Points of a shape that are furthest along the diagonals of the eight octants. That of the octant which a normal points into is nearly as far along it as any.
+#[derive(Clone, Copy, Debug)]
+struct Corners([Vector3<f64>; 8]);
+
+impl Corners {
+    fn of(shape: &impl Round) -> Self {
+        let side = |number: usize, bit: usize| if number & bit == 0 { 1.0 } else { -1.0 };
+        Self(std::array::from_fn(|k| shape.furthest(&Vector3::new(side(k, 1), side(k, 2), side(k, 4)))))
+    }
+
+    /// The one of a direction's octant.
+    fn along(&self, direction: &Vector3<f64>) -> &Vector3<f64> {
+        let bit = |x: f64, bit: usize| if x < 0.0 { bit } else { 0 };
+        &self.0[bit(direction.x, 1) | bit(direction.y, 2) | bit(direction.z, 4)]
+    }
 }
 
 impl<'a, R: Round> Search<'a, R> {
@@ -42,9 +65,14 @@ impl<'a, R: Round> Search<'a, R> {
             points: [Vector3::zeros(); 2],
             features: [Feature::vertex(0); 2],
         };
-        let mut search = Self { shape, hull, vertices, normals, best: none };
+        let mut search =
+            Self { shape, hull, vertices, normals, deep: [0; DEEP], turn: 0, corners: Corners::of(shape), best: none };
         for (triangle, normal) in hull.hull.triangles.iter().zip(search.normals) {
             let corner = search.vertices[triangle.corners[0]];
+            // Any point of the shape tells how deep it is at least.
+            if (corner - search.corners.along(&-normal)).dot(normal) >= search.best.depth {
+                continue;
+            }
             let (first, feature) = (search.shape.furthest(&-normal), Feature::triangle(triangle.corners));
             let depth = (corner - first).dot(normal);
             search.best.keep_less(depth, || on_first(-normal, depth, first, feature));
@@ -75,9 +103,13 @@ impl<'a, R: Round> Search<'a, R> {
     pub fn at_vertex(&mut self, normal: &Vector3<f64>, vertex: usize) {
         let second = self.vertices[vertex];
         let overlap = |vertex: usize| (self.shape.furthest(normal) - self.vertices[vertex]).dot(normal);
-        if overlap(vertex) < self.best.depth {
-            let depth = overlap(self.deepest(normal));
-            if depth <= overlap(vertex) + ROUNDING {
+        let least = overlap(vertex);
+        // What was deepest along another normal nearly always tells that this corner is not.
+        if least < self.best.depth && self.deep.iter().all(|&deep| overlap(deep) <= least + ROUNDING) {
+            let deepest = self.deepest(normal);
+            let depth = overlap(deepest);
+            (self.deep[self.turn % DEEP], self.turn) = (deepest, self.turn + 1);
+            if depth <= least + ROUNDING {
                 self.best.keep_less(depth, || at_second(*normal, depth, second, Feature::vertex(vertex)));
             }
         }
@@ -109,7 +141,7 @@ impl<'a, R: Round> Search<'a, R> {
         for edge in &self.hull.hull.edges {
             let [begin, end] = edge.sides.map(|side| -self.normals[side]);
             let corner = self.vertices[edge.ends[0]];
-            let arc = Arc { shape: self.shape, begin, end, corner };
+            let arc = Arc { shape: self.shape, corners: self.corners, begin, end, corner };
             arc.minima(&mut |normal| {
                 let Some(normal) = normal else { return self.best.depth };
                 let first = self.shape.furthest(&normal);
@@ -154,22 +186,26 @@ fn lines_meet([point, u]: [Vector3<f64>; 2], [other, v]: [Vector3<f64>; 2]) -> [
 /// The normals between those of two faces, turned to the shape.
 struct Arc<'a, R> {
     shape: &'a R,
+    corners: Corners,
     begin: Vector3<f64>,
     end: Vector3<f64>,
     corner: Vector3<f64>,
 }
 
 impl<R: Round> Arc<'_, R> {
-    /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as three points of the shape tell: along any it is no
+    /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as four points of the shape tell: along any it is no
     /// less than that of any one point, and this, where it is positive, no less than at the worse of both; else no more than so much further below
     /// as normals between are shorter when mixed.
     fn is_no_less(&self, begin: &Vector3<f64>, end: &Vector3<f64>, bound: f64) -> bool {
         let mixed = begin + end;
         let bound = if bound < 0.0 { bound * 0.5 * mixed.norm() } else { bound };
-        [&mixed, begin, end].into_iter().any(|normal| {
-            let off = self.shape.furthest(normal) - self.corner;
+        let tells = |point: &Vector3<f64>| {
+            let off = point - self.corner;
             begin.dot(&off) >= bound && end.dot(&off) >= bound
-        })
+        };
+        // The first is known already.
+        tells(self.corners.along(&mixed))
+            || [&mixed, begin, end].into_iter().any(|normal| tells(&self.shape.furthest(normal)))
     }
 
     fn normal(&self, place: f64) -> Vector3<f64> {
