@@ -413,6 +413,8 @@ fn parts_that_touch_are_a_contact() {
     assert_eq!(resists(&twisting), (1.0, None, 0.005, [0.0; 2]));
     let rolling = slippery.replace("condim=\"1\"", "condim=\"6\" friction=\"0.4 0.02 0.03\"");
     assert_eq!(resists(&rolling), (0.4, None, 0.02, [0.03; 2]));
+    let odd = slippery.replace("condim=\"1\"", "condim=\"2\"");
+    assert!(contacts(&odd).unwrap_err().contains("`condim` is 2; there are 1, 3, 4 and 6"), "{odd}");
 }
 
 /// A body that falls on a floor or a table, with an arm on a ball joint.

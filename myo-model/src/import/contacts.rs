@@ -16,6 +16,9 @@ pub(super) struct Held<'a> {
     pub geom: &'a source::Geom,
 }
 
+/// How many dimensions the force of a contact may have.
+const CONDIMS: [i32; 4] = [1, 3, 4, 6];
+
 /// Two geoms that may touch, and how.
 struct Touch<'a> {
     geoms: [Held<'a>; 2],
@@ -84,6 +87,8 @@ impl<'a> Import<'a> {
             format!("the mesh of {}: {why}", name(*held))
         } else if !touch.is_known() {
             format!("contact of {} and {} is not simulated", kinds[0], kinds[1])
+        } else if !CONDIMS.contains(&touch.condim) {
+            format!("`condim` is {}; there are 1, 3, 4 and 6", touch.condim)
         } else {
             "of contacts only those with neither `gap` nor `adhesion`, nor `solreffriction` in elliptic cones, are simulated".into()
         };
@@ -237,6 +242,7 @@ impl<'a> Touch<'a> {
             && self.geoms.iter().all(|held| meshes.why_not(held.geom).is_none())
             && (self.gap, self.adhesion) == (0.0, 0.0)
             && !self.slides_otherwise
+            && CONDIMS.contains(&self.condim)
     }
 
     /// Whether contacts of such shapes are simulated.
