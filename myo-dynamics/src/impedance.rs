@@ -8,7 +8,7 @@ use myo_scalar::{Real, Scalar};
 /// Bounds that MuJoCo clips impedances to.
 const IMPEDANCE_RANGE: (f64, f64) = (1e-4, 0.9999);
 /// MuJoCo's smallest divisor.
-const TINY: f64 = 1e-15;
+pub(crate) const TINY: f64 = 1e-15;
 
 /// A constraint's softness, worked out for one time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,14 +82,15 @@ impl<C: Real> Impedance<C> {
     /// whose unconstrained inverse inertia is `diagonal`.
     #[inline(always)]
     pub fn row<S: Scalar<Const = C>>(&self, violation: S, velocity: S, diagonal: S) -> (S, S) {
-        self.row_of(violation, violation, velocity, diagonal)
+        self.row_of(violation, violation, velocity, diagonal, S::lit(TINY))
     }
 
-    /// The same of one of several rows that are one violation together: `norm` of all is what impedance goes with.
+    /// The same of one of several rows that are one violation together: `norm` of all is what impedance goes with, and `least` what the share of
+    /// the inverse inertia in the regularisation is not below.
     #[inline(always)]
-    pub fn row_of<S: Scalar<Const = C>>(&self, norm: S, violation: S, velocity: S, diagonal: S) -> (S, S) {
+    pub fn row_of<S: Scalar<Const = C>>(&self, norm: S, violation: S, velocity: S, diagonal: S, least: S) -> (S, S) {
         let imp = self.at(norm);
-        let weight = imp * ((S::lit(1.0) - imp) * diagonal).max(S::lit(TINY)).recip();
+        let weight = imp * ((S::lit(1.0) - imp) * diagonal).max(least).recip();
         let elastic = S::splat(self.stiffness) * imp * violation;
         (weight, -(S::splat(self.damping).mul_add(velocity, elastic)))
     }
@@ -111,6 +112,22 @@ fn reference(solref: [f64; 2], at_width: f64, timestep: f64) -> (f64, f64) {
 /// Inverse inertia of every row of a friction pyramid, from its first sliding friction, how many times as hard friction is as the normal force, and the
 /// inverse mass (1/kg) that its two surfaces have together: MuJoCo scales the regularisation of a pyramid so that its stiffness does not depend on
 /// the friction.
-pub(crate) fn pyramid_diagonal(friction: f64, impratio: f64, inverse_mass: f64) -> f64 {
-    2.0 * friction * friction / impratio * (1.0 + friction * friction) * inverse_mass
+pub(crate) fn pyramid_diagonal(friction: f64, impratio: f64, inverse_mass: f64) -> Scaled {
+    Scaled::new((1.0 + friction * friction) * inverse_mass, 2.0 * friction * friction / impratio)
+}
+
+/// An inverse inertia that rows have in other units than the contact has: what MuJoCo keeps from vanishing is the contact's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Scaled {
+    /// Inverse inertia of every row.
+    pub diagonal: f64,
+    /// What the share of it in the regularisation is not below.
+    pub least: f64,
+}
+
+impl Scaled {
+    /// So much, in units of which one is `scale` of the contact's.
+    pub(crate) fn new(own: f64, scale: f64) -> Self {
+        Self { diagonal: own * scale, least: TINY * scale }
+    }
 }

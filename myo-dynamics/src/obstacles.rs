@@ -52,12 +52,15 @@ pub struct Touch<C> {
     pub impedance: Impedance<C>,
     /// Inverse inertia of every pyramid row.
     pub diagonal: C,
+    /// What the share of it in the regularisation is not below.
+    pub least: C,
 }
 
 impl<C: Real> Touch<C> {
     fn new(sphere: &ContactSphere<C>, surface: &Surface, timestep: f64, impratio: f64) -> Self {
         let c = C::from_f64;
         let friction = sphere.friction.max(surface.friction);
+        let scaled = pyramid_diagonal(friction, impratio, sphere.diagonal);
         let mean = |a: f64, b: f64| 0.5 * (a + b);
         let mut softness = surface.softness;
         softness.solref.iter_mut().zip(sphere.softness.solref).for_each(|(a, b)| *a = mean(*a, b));
@@ -66,7 +69,8 @@ impl<C: Real> Touch<C> {
             margin: c(sphere.margin + surface.margin),
             friction: c(friction),
             impedance: Impedance::new(&softness, timestep),
-            diagonal: c(pyramid_diagonal(friction, impratio, sphere.diagonal)),
+            diagonal: c(scaled.diagonal),
+            least: c(scaled.least),
         }
     }
 }

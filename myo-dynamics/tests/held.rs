@@ -191,6 +191,33 @@ fn a_cone_brakes_in_all_directions_alike() {
     assert!((along - 0.3).abs() < 1e-9 && (between - 0.3 * 0.5_f64.sqrt()).abs() < 0.01, "{along} {between}");
 }
 
+/// However little friction there is, a heavy thing is held up as hard as without any.
+#[test]
+fn next_to_no_friction_is_as_hard_as_none() {
+    let upwards = |options: &str, geom: &str| {
+        let hard = "solimp=\"0.9999 0.9999 0.001\"";
+        let plan = plan_of(&format!(
+            r#"<mujoco><option {options}/><compiler angle="radian"/><worldbody>
+  <geom name="floor" type="plane" size="1 1 1" friction="0" {hard} {geom}/><site name="hook" pos="0 0 1"/>
+  <body name="arm" pos="0 0 2"><joint axis="0 1 0"/><inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>
+    <site name="tip" pos="0.1 0 0"/></body>
+  <body name="thing" pos="0 0 0.099"><freejoint/><inertial pos="0 0 0" mass="100" diaginertia="9 9 9"/>
+    <geom name="thing" size="0.1" friction="0" {hard} {geom}/></body>
+</worldbody>
+<tendon><spatial name="m"><site site="hook"/><site site="tip"/></spatial></tendon>
+<actuator><muscle tendon="m" lengthrange="0.2 2" force="0.001"/></actuator></mujoco>"#
+        ));
+        let mut ws = Workspace::new(&plan);
+        step::forward(&plan, &Obstacles::none(&plan), &State::<f64>::new(&plan), &mut ws);
+        ws.qacc[3]
+    };
+    let none = upwards("", "condim=\"1\"");
+    for options in ["", "impratio=\"10\"", "cone=\"elliptic\"", "cone=\"elliptic\" impratio=\"10\""] {
+        let some = upwards(options, "condim=\"3\"");
+        assert!((some - none).abs() < 1e-3 * none, "{options}: {some} for {none} m/s^2");
+    }
+}
+
 /// A ball of 2 kg and 10 cm on a floor, thrown.
 fn ball(condim: u32, [x, spin]: [f64; 2], seconds: f64) -> [f64; 2] {
     let plan = plan_of(&format!(

@@ -6,7 +6,7 @@ mod looks;
 mod sensors;
 
 use crate::check::{Bound, Check};
-use crate::description::{self as source, JointKind, ModelDescription, PathElement, Shape};
+use crate::description::{self as source, Integrator, JointKind, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
@@ -23,6 +23,9 @@ pub const FORMAT_VERSION: u32 = 1;
 
 /// Fingers that a model may name beside the one that points: with it those of a hand.
 pub const MOST_FINGERS: usize = 4;
+
+/// How many times as hard friction may be as the normal force.
+const IMPRATIOS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Time steps (s) that models may ask for.
 const TIMESTEPS: std::ops::RangeInclusive<f64> = 1e-5..=0.02;
@@ -61,6 +64,7 @@ impl Model {
         check_anthropometry(description, &body_index)?;
         let joints = joints(description, &body_index)?;
         check_freedom(&bodies, &joints)?;
+        check_alone(&bodies, &joints, description.options.integrator)?;
         check_moving_mass(&bodies, &joints)?;
         let couplings = couplings(description, &joints)?;
         let connections = connections::connections(description, &body_index)?;
@@ -170,8 +174,7 @@ fn check_options(description: &ModelDescription) -> Result<(), ModelError> {
     let check = Check::new(ElementKind::Options, "");
     check.within("gravity", &description.options.gravity, &Bound::ACCELERATION)?;
     let impratio = description.options.impratio;
-    check.above("impratio", impratio, 0.0, "", "above 0")?;
-    check.within("impratio", &[impratio], &Bound::RATIO)?;
+    check.require(IMPRATIOS.contains(&impratio), "impratio", impratio, "", "from 0.001 to 1000")?;
     let timestep = description.options.timestep;
     check.require(TIMESTEPS.contains(&timestep), "timestep", timestep, " s", "from 0.00001 to 0.02 s")
 }
@@ -301,6 +304,24 @@ fn check_freedom(bodies: &[Body], joints: &[Joint]) -> Result<(), ModelError> {
         }
     }
     Ok(())
+}
+
+/// A body that moves freely and carries nothing that moves turns implicitly, too, in MuJoCo's `implicitfast`, which is not simulated.
+fn check_alone(bodies: &[Body], joints: &[Joint], integrator: Integrator) -> Result<(), ModelError> {
+    let carries = |mut below: usize, body: usize| {
+        while below != WORLD && below != body {
+            below = bodies[below].parent;
+        }
+        below == body
+    };
+    let is_alone = |joint: &&Joint| {
+        let mut others = joints.iter().filter(|other| other.name != joint.name);
+        joint.kind == JointKind::Free && !others.any(|other| carries(other.body, joint.body))
+    };
+    match joints.iter().find(is_alone).filter(|_| integrator == Integrator::ImplicitFast) {
+        Some(joint) => Err(ModelError::ImplicitAlone { element: Element::new(ElementKind::Joint, &joint.name) }),
+        None => Ok(()),
+    }
 }
 
 fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {

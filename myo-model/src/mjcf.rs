@@ -21,7 +21,7 @@ const FRICTION: [f64; 5] = [1.0, 1.0, 0.005, 0.0001, 0.0001];
 /// What [`to_mjcf`] adds to the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MjcfOptions {
-    /// Boxes that stand still in the world and feel touch.
+    /// Boxes that stand still in the world and feel touch. MuJoCo presses them with the model's cone of friction, Myo always with pyramids.
     pub buttons: Vec<Button>,
     /// Relative improvement at which MuJoCo's solver stops; 0 iterates until nothing improves any more.
     pub tolerance: f64,

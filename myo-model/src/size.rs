@@ -131,6 +131,13 @@ impl ModelDescription {
             look.step *= length;
         }
         self.wraps.iter_mut().for_each(|wrap| scales.wrap(wrap));
+        for contact in &mut self.contacts {
+            let one = self.geoms.iter().find(|geom| geom.name == contact.geoms[0]);
+            let length = one.map_or(1.0, |geom| scales.of(&geom.body).length);
+            // As the surfaces that twist and roll on each other.
+            contact.torsional *= length;
+            contact.rolling = contact.rolling.map(|x| x * length);
+        }
         let after = lengths(&Model::new(&self)?);
         for (muscle, (before, after)) in self.muscles.iter_mut().zip(before.into_iter().zip(after)) {
             scales.muscle(muscle, if before > 0.0 { after / before } else { 1.0 })?;

@@ -48,7 +48,7 @@ cast! {
     Connection { frames, coms, torque_scale, impedance, diagonals }
     BallAxis { placement; at, axis }
     ContactSphere { centre, body_com, radius; finger, margin, friction, softness, diagonal, movers }
-    ContactPair { parts, far, margin, friction, opening, impedance, diagonal; slot, points, condim, is_cone, is_along_axis, movers }
+    ContactPair { parts, far, margin, friction, opening, impedance, diagonal, least; slot, points, condim, is_cone, is_along_axis, movers }
     Part { frame, form, body_com }
 }
 

@@ -2,7 +2,7 @@
 
 use super::build::Tree;
 use super::{FixedFrame, Movers, Plan, PlanError, Point};
-use crate::impedance::{Impedance, pyramid_diagonal};
+use crate::impedance::{Impedance, Scaled, pyramid_diagonal};
 use crate::mesh::{Hull, MOST_CONTACTS};
 use myo_model::Model;
 use myo_model::description::{Cone, Shape};
@@ -41,6 +41,8 @@ pub struct ContactPair<C> {
     pub impedance: Impedance<C>,
     /// Inverse inertia of every row.
     pub diagonal: C,
+    /// What the share of it in the regularisation is not below.
+    pub least: C,
     /// Coordinates that move the parts against each other.
     pub movers: Movers,
 }
@@ -135,11 +137,12 @@ impl ContactPair<f64> {
     /// Sets the inverse inertia of the rows from the inverse masses of both bodies (1/kg).
     pub(super) fn weigh(&mut self, [one, other]: [f64; 2], impratio: f64) {
         let mass = one + other;
-        self.diagonal = match self.condim {
-            1 => mass,
-            _ if self.is_cone => mass * self.opening * self.opening,
+        let scaled = match self.condim {
+            1 => Scaled::new(mass, 1.0),
+            _ if self.is_cone => Scaled::new(mass, self.opening * self.opening),
             _ => pyramid_diagonal(self.friction[0], impratio, mass),
         };
+        (self.diagonal, self.least) = (scaled.diagonal, scaled.least);
     }
 }
 
@@ -188,6 +191,7 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact, hulls: &mut Hulls) -> Res
         opening: contact.friction[0] / model.options.impratio.sqrt(),
         impedance: Impedance::new(&contact.softness, model.options.timestep),
         diagonal: 0.0,
+        least: 0.0,
         movers: Movers::default(),
     })
 }

@@ -4,6 +4,7 @@
 //! turns the second into the first, in axes of the second: about half the angle. Rows are the derivatives of these. What they
 //! would accelerate by without any acceleration of coordinates is taken off the reference, as MuJoCo has it since 3.4.
 
+use crate::impedance::TINY;
 use crate::plan::{Connection, Plan};
 use crate::spatial::{Vec3, quaternion_between};
 use crate::workspace::{Row, Workspace};
@@ -170,7 +171,8 @@ fn fill<S: Scalar>(
     let [violation, velocity, drift] = [violation, velocity, drift].map(Vec3::array);
     let always = S::Mask::splat(true);
     for k in 0..3 {
-        let (weight, reference) = connection.impedance.row_of(norm, violation[k], velocity[k], S::splat(diagonal));
+        let (weight, reference) =
+            connection.impedance.row_of(norm, violation[k], velocity[k], S::splat(diagonal), S::lit(TINY));
         let reference = reference - drift[k];
         ws.equality[first + k] = Row { exists: always, active: always, weight, reference, slope: S::lit(1.0) };
     }

@@ -134,6 +134,7 @@ impl<S: Scalar> Stage<S> for Pressed<'_, S> {
             violation: distance - S::splat(touch.margin),
             impedance: &touch.impedance,
             diagonal: touch.diagonal,
+            least: touch.least,
             movers: &sphere.movers.each,
         };
         let friction = S::splat(touch.friction);
@@ -346,6 +347,8 @@ pub(super) struct Meeting<'a, S: Scalar> {
     pub impedance: &'a Impedance<S::Const>,
     /// Inverse inertia of every row.
     pub diagonal: S::Const,
+    /// What the share of it in the regularisation is not below.
+    pub least: S::Const,
     /// Coordinates that move the surfaces against each other.
     pub movers: &'a [Mover],
 }
@@ -425,8 +428,13 @@ pub(super) fn cone<S: Scalar>(
         }
         // Only along the normal are they anywhere.
         let away = if k == 0 { meeting.violation * direction.dot(meeting.normal) } else { S::zero() };
-        let (weight, reference) =
-            meeting.impedance.row_of(meeting.violation, away, velocity, S::splat(meeting.diagonal));
+        let (weight, reference) = meeting.impedance.row_of(
+            meeting.violation,
+            away,
+            velocity,
+            S::splat(meeting.diagonal),
+            S::splat(meeting.least),
+        );
         let row = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
         ws.contacts[first + k / PYRAMID].rows[k % PYRAMID] = row;
     }
@@ -475,7 +483,8 @@ fn turned<S: Scalar>(mover: &Mover, ws: &Workspace<S>) -> Vec3<S> {
 #[inline(always)]
 fn row<S: Scalar>(meeting: &Meeting<'_, S>, velocity: S, (number, k): (usize, usize), ws: &mut Workspace<S>) {
     let exists = ws.contacts[number].exists;
-    let (weight, reference) = meeting.impedance.row(meeting.violation, velocity, S::splat(meeting.diagonal));
+    let (diagonal, least) = (S::splat(meeting.diagonal), S::splat(meeting.least));
+    let (weight, reference) = meeting.impedance.row_of(meeting.violation, meeting.violation, velocity, diagonal, least);
     ws.contacts[number].rows[k] = workspace::Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
 }
 

@@ -114,6 +114,7 @@ fn touch<S: Scalar>(
         violation,
         impedance: &pair.impedance,
         diagonal: pair.diagonal,
+        least: pair.least,
         movers: &pair.movers.each,
     };
     if pair.condim == 1 {
