@@ -132,8 +132,9 @@ impl ModelDescription {
         }
         self.wraps.iter_mut().for_each(|wrap| scales.wrap(wrap));
         for contact in &mut self.contacts {
-            let one = self.geoms.iter().find(|geom| geom.name == contact.geoms[0]);
-            let length = one.map_or(1.0, |geom| scales.of(&geom.body).length);
+            // What stands around keeps its size.
+            let mut parts = self.geoms.iter().filter(|geom| geom.body != "world" && contact.geoms.contains(&geom.name));
+            let length = parts.next().map_or(1.0, |geom| scales.of(&geom.body).length);
             // As the surfaces that twist and roll on each other.
             contact.torsional *= length;
             contact.rolling = contact.rolling.map(|x| x * length);

@@ -27,13 +27,7 @@ enum Stays {
 
 impl<'a> Apart<'a> {
     pub(super) fn of(mjcf: &'a Mjcf, meshes: &'a Meshes<'a>) -> Self {
-        let mut frames: Vec<Isometry3<f64>> = Vec::with_capacity(mjcf.bodies.len());
-        for body in &mjcf.bodies {
-            let pose = frame(&body.pose);
-            // Parents stand before their children, and the world before all.
-            frames.push(frames.get(body.parent).map_or(pose, |parent| parent * pose));
-        }
-        Self { mjcf, frames, meshes }
+        Self { mjcf, frames: frames(mjcf), meshes }
     }
 
     /// Whether two geoms never come within a margin (m) of each other.
@@ -143,6 +137,17 @@ pub(super) fn reach(geom: &myo_mjcf::Geom) -> Option<f64> {
         Shape::Box => Some(a.hypot(b).hypot(c)),
         Shape::Plane | Shape::HeightField | Shape::Mesh | Shape::Sdf => None,
     }
+}
+
+/// Frames of all bodies in the pose of the file.
+pub(super) fn frames(mjcf: &Mjcf) -> Vec<Isometry3<f64>> {
+    let mut frames: Vec<Isometry3<f64>> = Vec::with_capacity(mjcf.bodies.len());
+    for body in &mjcf.bodies {
+        let pose = frame(&body.pose);
+        // Parents stand before their children, and the world before all.
+        frames.push(frames.get(body.parent).map_or(pose, |parent| parent * pose));
+    }
+    frames
 }
 
 pub(super) fn frame(pose: &myo_mjcf::Pose) -> Isometry3<f64> {

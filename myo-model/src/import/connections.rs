@@ -1,6 +1,6 @@
 //! Bodies that equalities hold together: MuJoCo's `connect` and `weld`.
 
-use super::apart::frame;
+use super::apart::{frame, frames};
 use super::{Import, written};
 use crate::description::{Connection, Softness, Weld};
 use myo_mjcf::{self as source, Constraint, Equality};
@@ -48,7 +48,7 @@ impl Import<'_> {
             return Some(sites);
         }
         let [one, other] = self.bodies_of(&connect.body1, &connect.body2)?;
-        let frames = self.frames();
+        let frames = frames(self.mjcf);
         let anchor = Point3::from(connect.anchor());
         let seen = frames[other].inverse() * frames[one] * anchor;
         Some([(one, anchor), (other, seen)].map(|(body, anchor)| End { body, place: anchor.coords.into() }))
@@ -66,7 +66,7 @@ impl Import<'_> {
         let anchor = Point3::from(weld.anchor());
         let [x, y, z, quat @ ..] = weld.relpose();
         let (at, turn) = if quat == [0.0; 4] {
-            let frames = self.frames();
+            let frames = frames(self.mjcf);
             let between = frames[one].inverse() * frames[other];
             (between * anchor, between.rotation)
         } else {
@@ -94,16 +94,5 @@ impl Import<'_> {
             None => 0,
         };
         Some([find(one.as_ref()?)?, second])
-    }
-
-    /// Frames of all bodies in the pose of the file.
-    fn frames(&self) -> Vec<Isometry3<f64>> {
-        let mut frames: Vec<Isometry3<f64>> = Vec::with_capacity(self.mjcf.bodies.len());
-        for body in &self.mjcf.bodies {
-            let own = frame(&body.pose);
-            // Parents come first; the world is its own.
-            frames.push(frames.get(body.parent).map_or(own, |parent| parent * own));
-        }
-        frames
     }
 }

@@ -186,13 +186,22 @@ fn shape(geom: &source::Geom) -> Option<Shape> {
     if geom.mesh.is_some() {
         return None;
     }
-    let [a, b, c] = geom.size();
     match geom.kind() {
+        source::Shape::Plane => Some(Shape::Plane),
+        // Nothing is simulated to touch it.
+        source::Shape::Box => None,
+        kind => solid(kind, geom.size()),
+    }
+}
+
+/// A shape with an inside, of MuJoCo's kind and sizes.
+pub(super) fn solid(kind: source::Shape, [a, b, c]: [f64; 3]) -> Option<Shape> {
+    match kind {
         source::Shape::Sphere => Some(Shape::Sphere { radius: a }),
         source::Shape::Capsule => Some(Shape::Capsule { radius: a, half_length: b }),
         source::Shape::Ellipsoid => Some(Shape::Ellipsoid { radii: [a, b, c] }),
-        source::Shape::Plane => Some(Shape::Plane),
         source::Shape::Cylinder => Some(Shape::Cylinder { radius: a, half_length: b }),
+        source::Shape::Box => Some(Shape::Box { half_size: [a, b, c] }),
         _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! Mass of bodies, as the file gives it or as their shapes make it.
 
-use super::Import;
+use super::{Import, written};
 use myo_mjcf::{Auto, Body, Geom, Shape};
 use nalgebra::{Matrix3, Quaternion, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
@@ -159,5 +159,5 @@ fn axes(inertia: Matrix3<f64>) -> ([f64; 3], [f64; 4]) {
         eigenvectors.column_mut(2).neg_mut();
     }
     let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(eigenvectors));
-    (eigenvalues.into(), [turn.w, turn.i, turn.j, turn.k])
+    (eigenvalues.into(), written(&turn))
 }

@@ -1,6 +1,7 @@
 //! Sensors of what a model keeps; others are passed over, since they have no part in the simulation.
 
 use super::Import;
+use super::contacts::solid;
 use crate::ModelDescription;
 use crate::description::{
     Frame, FrameQuantity, JointKind, JointQuantity, Measure, MuscleQuantity, Sensor, Shape, SubtreeQuantity,
@@ -190,15 +191,7 @@ fn sees(measures: &Measure<String>, site: &str) -> bool {
 
 /// The volume of a site.
 fn volume(site: &source::Site) -> Option<Shape> {
-    let [a, b, c] = site.size();
-    match site.kind() {
-        source::Shape::Sphere => Some(Shape::Sphere { radius: a }),
-        source::Shape::Capsule => Some(Shape::Capsule { radius: a, half_length: b }),
-        source::Shape::Ellipsoid => Some(Shape::Ellipsoid { radii: [a, b, c] }),
-        source::Shape::Cylinder => Some(Shape::Cylinder { radius: a, half_length: b }),
-        source::Shape::Box => Some(Shape::Box { half_size: [a, b, c] }),
-        _ => None,
-    }
+    solid(site.kind(), site.size())
 }
 
 /// Sensors that a description does not have, by their kinds.
