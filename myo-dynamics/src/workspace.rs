@@ -75,6 +75,12 @@ pub struct Row<S: Scalar> {
 }
 
 impl<S: Scalar> Row<S> {
+    /// How hard it pushes where its acceleration is so.
+    #[inline(always)]
+    pub(crate) fn force(&self, acceleration: S) -> S {
+        (self.weight * (self.reference - acceleration)).only(self.active)
+    }
+
     pub(crate) fn none() -> Self {
         let no = S::Mask::splat(false);
         Self { exists: no, active: no, weight: S::zero(), reference: S::zero(), slope: S::zero() }
@@ -326,7 +332,7 @@ pub struct Workspace<S: Scalar> {
     pub pivot: Vec<S>,
     /// Generalised acceleration, `ndof`.
     pub qacc: Vec<S>,
-    /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`.
+    /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`. Until then the solver's, where there are cones.
     pub step_qacc: Vec<S>,
     /// Scratch of the solver where there are cones.
     pub search: ConeSearch<S>,

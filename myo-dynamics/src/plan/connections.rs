@@ -1,7 +1,7 @@
 //! Bodies that are held together.
 
 use super::build::Tree;
-use super::{FixedFrame, Link, Point};
+use super::{FixedFrame, Point};
 use crate::impedance::Impedance;
 use myo_model::Model;
 use nalgebra::Vector3;
@@ -41,12 +41,6 @@ impl<C> Connection<C> {
     /// Points that it refers to.
     pub(super) fn points_mut(&mut self) -> impl Iterator<Item = &mut Point<C>> {
         self.frames.iter_mut().map(|frame| &mut frame.origin).chain(&mut self.coms)
-    }
-
-    /// Coordinates that move one of them or both.
-    pub(super) fn dofs(&self, links: &[Link<f64>]) -> Vec<usize> {
-        let [one, other] = self.links().map(|link| &links[link].screw_of_dof);
-        (0..one.len()).filter(|&dof| one[dof].is_some() || other[dof].is_some()).collect()
     }
 }
 

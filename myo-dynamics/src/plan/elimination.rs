@@ -6,7 +6,7 @@
 //! joints, or a coordinate that drives joints on several branches, makes coordinates of two branches feel each other: what
 //! elimination fills in then is found here by going through it once without numbers.
 
-use super::{ContactPair, Plan};
+use super::{Connection, ContactPair, Plan};
 use std::collections::BTreeSet;
 
 /// The order of elimination, with the entries that are not always zero. Entries are numbered `row * ndof + column` in the
@@ -50,24 +50,25 @@ pub struct Later {
     pub products: Vec<[usize; 2]>,
 }
 
+/// Pairs of coordinates that feel each other's inertia: the entries of the mass matrix off its diagonal, and some on it.
+pub(super) fn inertial(plan: &Plan<f64>) -> impl Iterator<Item = (usize, usize)> {
+    plan.mass_terms.iter().flat_map(|term| term.rows.iter().map(|&(_, dof)| (dof, term.column)))
+}
+
 impl Elimination {
     /// Of a plan whose mass matrix, couplings, contact and limited tendons are known.
     pub(super) fn of(plan: &Plan<f64>) -> Self {
         let ndof = plan.ndof();
-        let mut pairs: BTreeSet<(usize, usize)> = BTreeSet::new();
-        for term in &plan.mass_terms {
-            pairs.extend(term.rows.iter().map(|&(_, dof)| (dof, term.column)));
-        }
+        let mut pairs: BTreeSet<(usize, usize)> = inertial(plan).collect();
         pairs.extend(plan.equalities.iter().filter_map(|row| Some((row.dependent, row.drive.dof?))));
         let spheres = plan.contact_spheres.iter().map(|sphere| [0, sphere.centre.link]);
         let of_links = |links: [usize; 2]| {
             let moves = |dof: &usize| links.iter().any(|&link| plan.links[link].screw_of_dof[*dof].is_some());
             (0..ndof).filter(moves).collect::<Vec<_>>()
         };
-        let parts = spheres.chain(plan.pairs.iter().map(ContactPair::links)).map(of_links);
-        let held = plan.connections.iter().map(|connection| connection.dofs(&plan.links));
-        let tendons = plan.tendon_limits.iter().map(|limit| limit.dofs.clone());
-        for moving in parts.chain(tendons).chain(held) {
+        let parts = spheres.chain(plan.pairs.iter().map(ContactPair::links));
+        let parts = parts.chain(plan.connections.iter().map(Connection::links)).map(of_links);
+        for moving in parts.chain(plan.tendon_limits.iter().map(|limit| limit.dofs.clone())) {
             pairs.extend(moving.iter().flat_map(|&a| moving.iter().map(move |&b| (a, b))));
         }
         Self::new(ndof, &pairs)

@@ -1,6 +1,7 @@
 //! What an implicit step needs to know of muscles.
 
 use super::Plan;
+use super::elimination::inertial;
 use std::collections::BTreeSet;
 
 /// A muscle whose force at the end of a step counts.
@@ -15,12 +16,10 @@ pub struct ImplicitMuscle {
 impl ImplicitMuscle {
     /// Of the coordinates along its path, in a plan whose mass matrix is known.
     pub(super) fn of(dofs: Vec<usize>, plan: &Plan<f64>) -> Self {
-        let felt = plan.mass_terms.iter().flat_map(|term| term.rows.iter().map(|&(_, dof)| (dof, term.column)));
-        let both: BTreeSet<(usize, usize)> = felt.flat_map(|(a, b)| [(a.max(b), a.min(b))]).collect();
-        let on = plan.energy_profiles.iter().map(|profile| plan.profiled[profile.coordinate].dof);
-        let own: BTreeSet<(usize, usize)> = on.map(|dof| (dof, dof)).collect();
-        let all = || both.union(&own).filter(|(a, b)| dofs.contains(a) && dofs.contains(b));
-        let pairs = all().map(|&(a, b)| [a, b]).collect();
-        Self { dofs, pairs }
+        let own = dofs.iter().map(|&dof| [dof, dof]);
+        let felt = inertial(plan).map(|(a, b)| [a.max(b), a.min(b)]);
+        let all: BTreeSet<[usize; 2]> =
+            own.chain(felt.filter(|pair| pair.iter().all(|dof| dofs.contains(dof)))).collect();
+        Self { dofs, pairs: all.into_iter().collect() }
     }
 }

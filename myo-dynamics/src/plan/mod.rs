@@ -25,7 +25,7 @@ pub use elimination::{Column, Elimination, Felt, Later};
 pub use error::PlanError;
 pub use implicit::ImplicitMuscle;
 pub use movers::{Mover, Movers};
-pub use pairs::{ContactPair, MOST_SLOTS, Part, PartForm};
+pub use pairs::{ContactPair, Part, PartForm};
 pub use sensors::Sensors;
 pub(crate) use sensors::{Feeling, Measured, Seen, Sensor, Turn};
 

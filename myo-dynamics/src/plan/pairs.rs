@@ -10,9 +10,6 @@ use myo_model::model::{Contact, Geom};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Most contacts that a point of a pair takes.
-pub const MOST_SLOTS: usize = 3;
-
 /// Two parts that do not pass through each other.
 #[derive(Clone, Debug)]
 pub struct ContactPair<C> {

@@ -4,9 +4,10 @@ mod volume;
 
 use crate::plan::{Feeling, FixedFrame, JointCoordinates, Measured, Plan, Seen, Sensors, Turn};
 use crate::spatial::{Frame, Motion, Vec3, Wrench};
+use crate::step::constraint::within;
 use crate::step::kinematics::joint_state;
 use crate::step::{force, pair};
-use crate::workspace::{Row, State, Workspace};
+use crate::workspace::{State, Workspace};
 use myo_model::description::{FrameQuantity, JointQuantity, MuscleQuantity, SubtreeQuantity};
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -114,11 +115,11 @@ impl Reading<'_> {
             return 0.0;
         }
         let joint = joint_state(&limit.drive, &self.state.qpos, &self.state.qvel);
-        let [distance, sign] = beyond(joint.position, limit.range);
+        let (distance, sign) = within(limit.range, joint.position);
         match quantity {
             JointQuantity::LimitDistance => distance,
             JointQuantity::LimitVelocity => sign * joint.rate,
-            _ => pushes(row, limit.drive.dof.map_or(0.0, |dof| row.slope * self.ws.qacc[dof])),
+            _ => row.force(limit.drive.dof.map_or(0.0, |dof| row.slope * self.ws.qacc[dof])),
         }
     }
 
@@ -137,14 +138,14 @@ impl Reading<'_> {
         if !row.exists {
             return 0.0;
         }
-        let [distance, sign] = beyond(self.ws.tendon_length[limit.muscle], limit.range);
+        let (distance, sign) = within(limit.range, self.ws.tendon_length[limit.muscle]);
         match quantity {
             MuscleQuantity::LimitDistance => distance - limit.margin,
             MuscleQuantity::LimitVelocity => sign * self.ws.tendon_velocity[limit.muscle],
             _ => {
                 let n = self.plan.ndof();
                 let jacobian = &self.ws.tendon_limit_jacobian[number * n..][..n];
-                pushes(row, jacobian.iter().zip(&self.ws.qacc).map(|(slope, a)| slope * a).sum())
+                row.force(jacobian.iter().zip(&self.ws.qacc).map(|(slope, a)| slope * a).sum())
             }
         }
     }
@@ -214,15 +215,4 @@ impl Reading<'_> {
 
 fn numbers(turn: &UnitQuaternion<f64>) -> Vec<f64> {
     vec![turn.w, turn.i, turn.j, turn.k]
-}
-
-/// Distance from the nearer of two ends, negative beyond it, and the way back: one upwards, less one downwards.
-fn beyond(position: f64, [low, high]: [f64; 2]) -> [f64; 2] {
-    let (above, below) = (position - low, high - position);
-    if above < below { [above, 1.0] } else { [below, -1.0] }
-}
-
-/// The force of a row whose coordinates accelerate so.
-fn pushes(row: &Row<f64>, acceleration: f64) -> f64 {
-    if row.active { row.weight * (row.reference - acceleration) } else { 0.0 }
 }

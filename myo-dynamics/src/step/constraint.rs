@@ -28,12 +28,7 @@ const ROUNDING: f64 = 64.0;
 pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
     for (k, limit) in plan.limits.iter().enumerate() {
         let joint = joint_state(&limit.drive, &state.qpos, &state.qvel);
-        let (lo, hi) = (S::splat(limit.range[0]), S::splat(limit.range[1]));
-        // Only the nearer bound can be violated.
-        let (above, below) = (joint.position - lo, hi - joint.position);
-        let lower = above.lt(below);
-        let distance = above.min(below);
-        let sign = S::select(lower, S::lit(1.0), S::lit(-1.0));
+        let (distance, sign) = within(limit.range.map(S::splat), joint.position);
         let (weight, mut reference) = limit.impedance.row(distance, sign * joint.rate, S::splat(limit.diagonal));
         // The row's acceleration is `J a + Jdot v`, and the solver compares `J a`.
         if limit.drive.form == Form::Curved {
@@ -42,6 +37,14 @@ pub fn limits<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Works
         let exists = distance.lt(S::zero());
         ws.limit[k] = Row { exists, active: exists, weight, reference, slope: sign * joint.slope };
     }
+}
+
+/// Distance of a position from the nearer end of its range, negative beyond it, and the way back: 1 upwards, -1 downwards. Only that end
+/// can be violated.
+#[inline(always)]
+pub(crate) fn within<S: Scalar>([low, high]: [S; 2], position: S) -> (S, S) {
+    let (above, below) = (position - low, high - position);
+    (above.min(below), S::select(above.lt(below), S::lit(1.0), S::lit(-1.0)))
 }
 
 /// Fills the rows of couplings that are kept as constraints.
@@ -486,7 +489,7 @@ impl<S: Scalar> Part<S> for Weigh {
         let touched = &mut ws.contacts[contact.number];
         let mut force = S::zero();
         for (row, acceleration) in touched.rows.iter().zip(accelerations) {
-            force += (row.weight * (row.reference - acceleration)).only(row.active);
+            force += row.force(acceleration);
         }
         touched.force = force;
     }

@@ -412,13 +412,13 @@ pub(super) fn pyramid<S: Scalar>(
 pub(super) fn cone<S: Scalar>(
     plan: &Plan<S::Const>,
     meeting: &Meeting<'_, S>,
-    dimensions: impl Iterator<Item = (Vec3<S>, bool)>,
+    dimensions: &[(Vec3<S>, bool)],
     state: &State<S>,
     first: usize,
     ws: &mut Workspace<S>,
 ) {
     let (n, exists) = (plan.ndof(), ws.contacts[first].exists);
-    for (k, (direction, turn)) in dimensions.enumerate() {
+    for (k, &(direction, turn)) in dimensions.iter().enumerate() {
         let mut velocity = S::zero();
         for mover in meeting.movers {
             let way = if turn { turned(mover, ws) } else { moved(mover, meeting.at, ws) };

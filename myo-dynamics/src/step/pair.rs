@@ -6,7 +6,7 @@ use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
 use super::mesh;
 use super::support::{Apart, Oval, Segment, Smooth, ovals};
-use crate::plan::{ContactPair, MOST_SLOTS, Part, PartForm, Plan};
+use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
 use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
@@ -121,47 +121,30 @@ fn touch<S: Scalar>(
         slide(plan, &meeting, state, first, ws);
         return;
     }
+    let dimensions = &dimensions(pair, &meeting)[..pair.condim];
     if pair.is_cone {
-        return cone(plan, &meeting, dimensions(pair, &meeting), state, first, ws);
+        return cone(plan, &meeting, dimensions, state, first, ws);
     }
-    for (slot, directions) in directions(pair, &meeting).into_iter().flatten().enumerate() {
+    // Two to each contact of a point, of sliding or of turning.
+    for (slot, two) in dimensions[1..].chunks(2).enumerate() {
+        let (first_way, turn) = two[0];
+        let directions = Directions { first: first_way, second: two.get(1).map(|&(way, _)| way), turn };
         pyramid(plan, &meeting, directions, state, first + slot, ws);
     }
 }
 
-/// The directions in which a pair resists, as long as they count, and whether what resists is a turn about them.
+/// The directions in which a pair resists, the normal first, as long as they count, and whether what resists is a turn about them.
 #[inline(always)]
-fn dimensions<S: Scalar>(
-    pair: &ContactPair<S::Const>,
-    meeting: &Meeting<'_, S>,
-) -> impl Iterator<Item = (Vec3<S>, bool)> + Clone {
+fn dimensions<S: Scalar>(pair: &ContactPair<S::Const>, meeting: &Meeting<'_, S>) -> [(Vec3<S>, bool); 6] {
     let (normal, [first, second]) = (meeting.normal, meeting.tangents());
     let [along, across, twisting, rolling, rolling_across] = pair.friction.map(S::splat);
-    let all = [
+    [
         (normal.scale(S::splat(pair.opening)), false),
         (first.scale(along), false),
         (second.scale(across), false),
         (normal.scale(twisting), true),
         (first.scale(rolling), true),
         (second.scale(rolling_across), true),
-    ];
-    all.into_iter().take(pair.condim)
-}
-
-/// The directions in which a pair resists, two to each contact of a point.
-#[inline(always)]
-fn directions<S: Scalar>(
-    pair: &ContactPair<S::Const>,
-    meeting: &Meeting<'_, S>,
-) -> [Option<Directions<S>>; MOST_SLOTS] {
-    let [first, second] = meeting.tangents();
-    let [along, across, twisting, rolling, rolling_across] = pair.friction.map(S::splat);
-    let is = |condim: usize| pair.condim >= condim;
-    let twist = meeting.normal.scale(twisting);
-    [
-        Some(Directions { first: first.scale(along), second: Some(second.scale(across)), turn: false }),
-        is(4).then(|| Directions { first: twist, second: is(6).then(|| first.scale(rolling)), turn: true }),
-        is(6).then(|| Directions { first: second.scale(rolling_across), second: None, turn: true }),
     ]
 }
 

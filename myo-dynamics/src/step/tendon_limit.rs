@@ -3,6 +3,7 @@
 //! How a length changes with every coordinate is asked for only then: it takes a pull of one newton along the tendon, as far as forces go.
 
 use crate::plan::Plan;
+use crate::step::constraint::within;
 use crate::step::force;
 use crate::workspace::{Row, Workspace};
 use myo_scalar::{Carried, Scalar, Stage, Visitor};
@@ -13,11 +14,8 @@ use myo_scalar::{Carried, Scalar, Stage, Visitor};
 pub fn tendon_limits<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     for (number, limit) in plan.tendon_limits.iter().enumerate() {
         let (length, rate) = (ws.tendon_length[limit.muscle], ws.tendon_velocity[limit.muscle]);
-        let [shortest, longest] = limit.range.map(S::splat);
-        let (above, below) = (length - shortest, longest - length);
-        // Only the nearer end can be violated.
-        let sign = S::select(above.lt(below), S::lit(1.0), S::lit(-1.0));
-        let violation = above.min(below) - S::splat(limit.margin);
+        let (distance, sign) = within(limit.range.map(S::splat), length);
+        let violation = distance - S::splat(limit.margin);
         let (weight, reference) = limit.impedance.row(violation, sign * rate, S::splat(limit.diagonal));
         let exists = violation.lt(S::zero());
         ws.tendon_limit[number] = Row { exists, active: exists, weight, reference, slope: S::lit(1.0) };
