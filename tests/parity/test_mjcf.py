@@ -76,7 +76,8 @@ BEFORE_4 = MUJOCO < 4
 SIDE_RULE = "mujoco3" if BEFORE_4 else "mujoco4"
 if BEFORE_4:
     # How rods lie on cylinders is another thing there, and what it saves of the others it cannot read, or has no contacts.
-    for name in ["myolegs", "elliptic myolegs", "myofullbody", *[name for name in MODELS if "tumbler" in name], "myoarms", "sliding myoarm_r"]:
+    tumblers = [name for name in MODELS if "tumbler" in name]
+    for name in [*tumblers, "myolegs", "elliptic myolegs", "myofullbody", "myoarms", "sliding myoarm_r"]:
         del MODELS[name]
     # Nor are contacts of meshes the same.
     for name in ["myolegs26", "legs among capsules", "legs among ellipsoids"]:
@@ -118,9 +119,15 @@ def among(shapes):
 
 def held(spec):
     """An arm whose index finger is pinned to its middle one, and whose hand is welded to the trunk."""
-    bodies = mujoco.mjtObj.mjOBJ_BODY
-    spec.add_equality(type=mujoco.mjtEq.mjEQ_CONNECT, objtype=bodies, name1="distph2_r", name2="distph3_r", data=[0, -0.01, 0, *[0] * 9])
-    spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, objtype=bodies, name1="capitate_r", name2="torso", data=[*[0] * 10, 0.2, 0])
+    anchor, pose = [0, -0.01, 0, *[0] * 9], [*[0] * 10, 0.2, 0]
+    for kind, one, other, data in [("CONNECT", "distph2_r", "distph3_r", anchor), ("WELD", "capitate_r", "torso", pose)]:
+        spec.add_equality(
+            type=getattr(mujoco.mjtEq, f"mjEQ_{kind}"),
+            objtype=mujoco.mjtObj.mjOBJ_BODY,
+            name1=one,
+            name2=other,
+            data=data,
+        )
     return spec
 
 

@@ -15,15 +15,16 @@ from test_mjcf import MODELS, SIDE_RULE, STATES, example, in_states, spec_of
 
 pytestmark = pytest.mark.skipif(MUJOCO < 4, reason="sensors are held against MuJoCo 4")
 
-BODIES = ["tumbler", "tight finger", "myohand_r", "myoarm_r", "myolegs26", "rolling tumbler", "elliptic rolling tumbler"]
+ROUGH = ["rolling tumbler", "elliptic rolling tumbler"]
+BODIES = ["tumbler", "tight finger", "myohand_r", "myoarm_r", "myolegs26", *ROUGH]
 #: Those of which parts touch each other, or what stands around.
-TOUCHED = ["tumbler", "myoarm_r", "myolegs26", "rolling tumbler", "elliptic rolling tumbler"]
+TOUCHED = ["tumbler", "myoarm_r", "myolegs26", *ROUGH]
 SENSOR, OBJECT, GEOM = mujoco.mjtSensor, mujoco.mjtObj, mujoco.mjtGeom
 #: Greatest errors by the kind of number: of places (m) and orientations, of velocities, and of forces, relative.
 MOST = {"place": 1e-9, "velocity": 1e-6, "force": 1e-4, "touch": 1e-4}
-#: Where what touches may not roll either, a force along the normal, which may be a small one, is the sum of greater ones, and the direction
-#: between a capsule and an ellipsoid, to which MuJoCo comes within 1e-6, counts more.
-ROLLING = {"touch": 5e-4}
+#: Where what touches may not roll either, a small force along the normal is a sum of greater ones, and it counts more where MuJoCo's
+#: search finds ways out of ellipsoids and cylinders. In the other states forces agree to 6e-7.
+ROLLING = {"touch": 3e-4}
 FORCES = ["TOUCH", "ACTUATORFRC", "JOINTACTFRC", "TENDONACTFRC", "JOINTLIMITFRC", "TENDONLIMITFRC"]
 VELOCITIES = [
     *["GYRO", "VELOCIMETER", "JOINTVEL", "BALLANGVEL", "TENDONVEL", "ACTUATORVEL", "JOINTLIMITVEL", "TENDONLIMITVEL"],
@@ -161,7 +162,7 @@ def test_every_sensor_reads_what_mujocos_reads(name, tmp_path):
                 felt[True] += int(sum(feels))
                 felt[False] += len(feels) - int(sum(feels))
     print(name, felt, {tag: f"{error:.1e}" for tag, error in worst.items()})
-    most = MOST | (ROLLING if "rolling" in name else {})
+    most = MOST | (ROLLING if name in ROUGH else {})
     assert all(error < most[quantity(tag)] for tag, error in worst.items()), worst
     # Volumes are met, and others are missed.
     assert name not in TOUCHED or min(felt.values()) > 100, felt
