@@ -161,7 +161,7 @@ pub enum BuildError {
     /// Convex meshes touch, which no kernel looks for.
     #[cfg(feature = "gpu")]
     #[error(
-        "contacts of meshes are not simulated on graphics cards; take the cpu backend, or import the body without contacts \
+        "contacts of meshes, and of boxes with anything but planes, spheres and capsules, are not simulated on graphics cards; take the cpu backend, or import the body without contacts \
          (`myo model import --without-contacts`)"
     )]
     MeshesOnGpu,

@@ -35,7 +35,7 @@ fn meshes_that_touch_are_refused_by_cards_and_nothing_else() {
     let reference = ReferenceEnv::new(&model, &task, &EnvConfig { num_envs: 1, ..config }).unwrap();
     assert_eq!(
         record::check(reference.tables()).unwrap_err().to_string(),
-        "contacts of meshes are not simulated on graphics cards; take the cpu backend, or import the body without contacts (`myo model import --without-contacts`)"
+        "contacts of meshes, and of boxes with anything but planes, spheres and capsules, are not simulated on graphics cards; take the cpu backend, or import the body without contacts (`myo model import --without-contacts`)"
     );
     let mut env = CpuEnv::new(&model, &task, &config).unwrap();
     let mut out = StepStorage::new(env.spec());

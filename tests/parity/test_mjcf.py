@@ -36,9 +36,13 @@ MODELS = {
     "myolegs26": ("torso_root_attach", "sacrum"),
     "legs among capsules": ("torso_root_attach", "sacrum"),
     "legs among ellipsoids": ("torso_root_attach", "sacrum"),
+    "legs among boxes": ("torso_root_attach", "sacrum"),
+    "legs among spheres": ("torso_root_attach", "sacrum"),
     "myofullbody": ("IFtip_r", "humerus_r"),
     "tumbler": ("tip", "arm"),
     "linkage": ("tip", "arm"),
+    "blocks": ("tip", "arm"),
+    "elliptic blocks": ("tip", "arm"),
     "twisting tumbler": ("tip", "arm"),
     "rolling tumbler": ("tip", "arm"),
     "implicit tumbler": ("tip", "arm"),
@@ -67,6 +71,7 @@ ROUGH = {
     "elliptic tumbler": lambda text: text.replace('condim="3"/>', 'condim="4" friction="0.9 0.6 0.03"/>', 3).replace(
         "<default>", '<option cone="elliptic"/><default>'
     ),
+    "elliptic blocks": lambda text: text.replace("<default>", '<option cone="elliptic"/><default>'),
     "elliptic rolling tumbler": lambda text: text.replace(
         'condim="3"/>', 'condim="6" friction="0.8 0.6 0.03 0.01 0.02"/>'
     ).replace("<default>", '<option impratio="3" cone="elliptic"/><default>'),
@@ -80,7 +85,7 @@ if BEFORE_4:
     for name in [*tumblers, "myolegs", "elliptic myolegs", "myofullbody", "myoarms", "sliding myoarm_r"]:
         del MODELS[name]
     # Nor are contacts of meshes the same.
-    for name in ["myolegs26", "legs among capsules", "legs among ellipsoids"]:
+    for name in ["myolegs26", *(name for name in MODELS if name.startswith("legs among"))]:
         del MODELS[name]
 NO_CONTACTS = '<option><flag contact="disable"/></option>'
 #: Greatest errors: lengths (m), moment arms (m), velocities (m/s), forces and accelerations relative. Ways round cylinders
@@ -92,6 +97,8 @@ MOST = {"length": 1e-9, "moment": 1e-7, "velocity": 1e-6, "force": 1e-5, "distan
 AMONG = {
     "capsules": ("CAPSULE", ([0.02, 0.05, 0], [0.06, 0.15, 0])),
     "ellipsoids": ("ELLIPSOID", ([0.03] * 3, [0.12] * 3)),
+    "boxes": ("BOX", ([0.03] * 3, [0.12] * 3)),
+    "spheres": ("SPHERE", ([0.03, 0, 0], [0.12, 0, 0])),
     "cylinders": ("CYLINDER", ([0.03, 0.02, 0], [0.12, 0.15, 0])),
 }
 OBSTACLES = 40
@@ -147,7 +154,7 @@ def spec_of(name):
     legacy = myo_sim.MODELS_DIR / "legacy"
     if name.startswith("legs among "):
         return among(name.removeprefix("legs among "))
-    if "tumbler" in name or name == "linkage":
+    if "tumbler" in name or "blocks" in name or name == "linkage":
         text = (ROOT / f"myo-dynamics/examples/{name.split()[-1]}.xml").read_text()
         return mujoco.MjSpec.from_string(ROUGH[name](text) if name in ROUGH else text)
     if name == "myoelbow":

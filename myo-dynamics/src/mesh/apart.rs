@@ -122,7 +122,8 @@ pub(super) fn nearest(
     let s = if determinant > 0.0 { free.clamp(0.0, 1.0) } else { 0.0 };
     let free = (mixed * s + other_along) / other_square;
     let t = free.clamp(0.0, 1.0);
-    let s = if t == free { s } else { ((mixed * t - along) / square).clamp(0.0, 1.0) };
+    // A segment without length has one point.
+    let s = if t == free || square == 0.0 { s } else { ((mixed * t - along) / square).clamp(0.0, 1.0) };
     ([begin + s * edge, other_begin + t * other_edge], [s, t])
 }
 

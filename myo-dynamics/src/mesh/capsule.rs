@@ -1,4 +1,4 @@
-//! A capsule and a convex mesh: the axis and the hull touch, or are apart, and the radius is added. A capsule lies on a face with the line of its surface, half
+//! A capsule, or a ball, and a convex mesh: the axis and the hull touch, or are apart, and the radius is added. A capsule lies on a face with the line of its surface, half
 //! a margin outside; it has no faces of its own.
 
 use super::apart::{ROUNDING, is_over, nearest, part_of_edge};

@@ -22,13 +22,19 @@ pub struct Contact {
 }
 
 /// Contacts of a pair.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Contacts {
-    all: [Option<Contact>; MOST_CONTACTS],
+#[derive(Clone, Copy, Debug)]
+pub struct Contacts<const MOST: usize = MOST_CONTACTS> {
+    all: [Option<Contact>; MOST],
     count: usize,
 }
 
-impl Contacts {
+impl<const MOST: usize> Default for Contacts<MOST> {
+    fn default() -> Self {
+        Self { all: [None; MOST], count: 0 }
+    }
+}
+
+impl<const MOST: usize> Contacts<MOST> {
     /// Adds one; more than there may be are left out.
     pub(super) fn push(&mut self, contact: Contact) {
         if let Some(slot) = self.all.get_mut(self.count) {
@@ -45,7 +51,9 @@ impl Contacts {
     pub(super) fn is_empty(&self) -> bool {
         self.count == 0
     }
+}
 
+impl Contacts {
     /// These, or without any the one of a touch.
     pub(super) fn or_single(self, touch: &Touch) -> Self {
         if self.is_empty() { single(touch, 0.0) } else { self }

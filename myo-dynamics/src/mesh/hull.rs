@@ -19,6 +19,10 @@ pub struct Hull {
     pub(super) reach: f64,
 }
 
+/// Faces of a box in MuJoCo's order: across x, y and z, each the positive one first, and from the corner that counts. The bits of a corner tell along which
+/// axes it is on the positive side.
+const BOX_FACES: [[usize; 4]; 6] = [[5, 1, 3, 7], [0, 4, 6, 2], [6, 7, 3, 2], [0, 1, 5, 4], [4, 5, 7, 6], [1, 0, 2, 3]];
+
 /// A triangle of the hull.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Triangle {
@@ -52,14 +56,32 @@ impl Hull {
     pub fn new(hull: &model::Hull, scale: f64) -> Self {
         let points: Vec<Vector3<f64>> = hull.points.iter().map(|point| scale * point).collect();
         let rounded = |point: &Vector3<f64>| point.map(|x| f64::from(x as f32));
-        let vertices: Vec<Vector3<f64>> = points.iter().map(rounded).collect();
+        Self::with_vertices(points.iter().map(rounded).collect(), &points, hull)
+    }
+
+    /// A box of these half sides (m), which are not rounded.
+    pub fn of_box(half_size: [f64; 3]) -> Self {
+        let side =
+            |corner: usize, axis: usize| if corner >> axis & 1 == 1 { half_size[axis] } else { -half_size[axis] };
+        let points: Vec<Vector3<f64>> = (0..8).map(|corner| [0, 1, 2].map(|axis| side(corner, axis)).into()).collect();
+        let halves = |&[a, b, c, d]: &[usize; 4]| [[a, b, c], [a, c, d]];
+        let hull = model::Hull {
+            points: points.clone(),
+            triangles: BOX_FACES.iter().flat_map(halves).collect(),
+            polygons: BOX_FACES.iter().map(|corners| corners.to_vec()).collect(),
+        };
+        Self::with_vertices(points.clone(), &points, &hull)
+    }
+
+    /// Corners as they collide, and as normals of polygons are made of them.
+    fn with_vertices(vertices: Vec<Vector3<f64>>, points: &[Vector3<f64>], hull: &model::Hull) -> Self {
         let triangle = |&corners: &[usize; 3]| {
             let normal = |of: &[Vector3<f64>]| {
                 let [a, b, c] = corners.map(|corner| of[corner]);
                 (b - a).cross(&(c - a)).try_normalize(f64::MIN_POSITIVE)
             };
             // Narrow ones may lose their area in rounding.
-            let normal = normal(&vertices).or_else(|| normal(&points)).unwrap_or_default();
+            let normal = normal(&vertices).or_else(|| normal(points)).unwrap_or_default();
             Triangle { corners, normal, height: normal.dot(&vertices[corners[0]]) }
         };
         // Normals are those of the points before these are rounded.

@@ -3,6 +3,7 @@
 //! The rules are MuJoCo's, see `docs/mesh-contacts.md`.
 
 mod apart;
+mod box_box;
 mod cap;
 mod capsule;
 mod clip;
@@ -20,6 +21,7 @@ mod scratch;
 mod tests;
 mod touch;
 
+pub use box_box::{BOX_CONTACTS, box_box};
 pub use contacts::{Contacts, MOST_CONTACTS};
 pub use hull::Hull;
 pub use scratch::Scratch;

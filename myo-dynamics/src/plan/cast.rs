@@ -87,6 +87,7 @@ impl<C: Real + Cast<D, Output = D>, D: Real> Cast<D> for PartForm<C> {
                 PartForm::Capsule { radius: radius.cast(), half_length: half_length.cast() }
             }
             Self::Ellipsoid { radii } => PartForm::Ellipsoid { radii: radii.cast() },
+            Self::Box { half_size } => PartForm::Box { half_size: half_size.cast() },
             Self::Mesh(number) => PartForm::Mesh(*number),
         }
     }

@@ -48,7 +48,7 @@ pub enum PlanError {
     },
     /// A contact of shapes that are not compared.
     #[error(
-        "contact of geoms '{}' and '{}': spheres, capsules and ellipsoids touch each other, planes and cylinders, and meshes touch all but spheres; boxes touch nothing, nor do two planes or cylinders; give one of the two another shape",
+        "contact of geoms '{}' and '{}': all shapes touch each other but two planes and two cylinders; give one of the two another shape",
         .geoms[0], .geoms[1]
     )]
     UnlikeParts {

@@ -3,7 +3,8 @@
 use super::build::Tree;
 use super::{FixedFrame, Movers, Plan, PlanError, Point};
 use crate::impedance::{Impedance, Scaled, pyramid_diagonal};
-use crate::mesh::{Hull, MOST_CONTACTS};
+use crate::mesh::{BOX_CONTACTS, Hull, MOST_CONTACTS};
+use crate::step::LOWEST;
 use myo_model::Model;
 use myo_model::description::{Cone, Shape};
 use myo_model::model::{Contact, Geom};
@@ -15,7 +16,7 @@ use std::sync::Arc;
 pub struct ContactPair<C> {
     /// Their shapes, in the order of [`PartForm`].
     pub parts: [Part<C>; 2],
-    /// Distance of their middles, or of the second's from a plane or cylinder (m), from which on they do not touch.
+    /// Distance of their middles, of the second's from a plane or cylinder, or of a capsule's from a box (m), from which on they do not touch.
     pub far: C,
     /// Number of its first contact among those of all pairs.
     pub slot: usize,
@@ -79,7 +80,12 @@ pub enum PartForm<C> {
         /// Half of the length without the balls (m); zero for a ball.
         half_length: C,
     },
-    /// A convex mesh, by its number among the plan's.
+    /// A box.
+    Box {
+        /// Half of its sides (m).
+        half_size: [C; 3],
+    },
+    /// A convex mesh, or a box beside one or beside a cylinder or an ellipsoid, by its number among the plan's.
     Mesh(usize),
 }
 
@@ -124,6 +130,13 @@ impl<C> Plan<C> {
         self.pairs.iter().any(|pair| pair.is_cone)
     }
 
+    /// Whether some contacts are looked for [one body at a time](Scalar::lane_by_lane): those of convex meshes, and of boxes with anything but planes and
+    /// capsules. Graphics cards do not do that.
+    pub fn touches_one_by_one(&self) -> bool {
+        let is_box = |part: &Part<C>| matches!(part.form, PartForm::Box { .. });
+        !self.hulls.is_empty() || self.pairs.iter().any(|pair| pair.parts.iter().all(is_box))
+    }
+
     /// Contacts that there may be between parts.
     pub(crate) fn pair_contacts(&self) -> usize {
         self.pairs.last().map_or(0, |last| last.slot + last.slots())
@@ -164,19 +177,23 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact, hulls: &mut Hulls) -> Res
     geoms.sort_unstable_by_key(|&geom| matches!(model.geoms[geom].shape, Shape::Mesh { .. }).then_some(geom));
     let geoms = geoms.map(|geom| &model.geoms[geom]);
     let unlike = || PlanError::UnlikeParts { geoms: geoms.map(|geom| geom.name.clone()) };
-    let [first, second] = geoms.map(|geom| part(model, tree, geom, hulls));
-    let mut parts = [first.ok_or_else(unlike)?, second.ok_or_else(unlike)?];
+    let mut parts = geoms.map(|geom| part(model, tree, geom, hulls));
     parts.sort_by_key(|part| part.form.rank());
+    hulls.take_for_boxes(&mut parts);
     let is_flat = |form: PartForm<f64>| matches!(form, PartForm::Plane | PartForm::Cylinder { .. });
     let [one, other] = parts.each_ref().map(|part| part.form);
-    let is_mesh = |form: PartForm<f64>| matches!(form, PartForm::Mesh(_));
-    let is_ball = matches!(one, PartForm::Capsule { half_length, .. } if half_length == 0.0);
-    if is_flat(one) && is_flat(other) || is_mesh(other) && is_ball {
+    if matches!(
+        (one, other),
+        (PartForm::Plane, PartForm::Plane) | (PartForm::Cylinder { .. }, PartForm::Cylinder { .. })
+    ) {
         return Err(unlike());
     }
-    let is_rod = matches!(other, PartForm::Capsule { half_length, .. } if half_length > 0.0);
+    let is_rod = matches!(other, PartForm::Capsule { .. }) && !is_ball(other);
+    let is_capsule_on_box = matches!((one, other), (PartForm::Capsule { .. }, PartForm::Box { .. }));
+    let first_reach = if is_flat(one) { 0.0 } else { one.reach(hulls) };
+    let second_reach = if is_capsule_on_box { 0.0 } else { other.reach(hulls) };
     Ok(ContactPair {
-        far: if is_flat(one) { 0.0 } else { one.reach(hulls) } + other.reach(hulls) + contact.margin,
+        far: first_reach + second_reach + contact.margin,
         slot: 0,
         points: points(one, other),
         is_along_axis: one == PartForm::Plane && is_rod,
@@ -197,48 +214,86 @@ fn pair(model: &Model, tree: &Tree, contact: &Contact, hulls: &mut Hulls) -> Res
 fn points(one: PartForm<f64>, other: PartForm<f64>) -> usize {
     match (one, other) {
         (PartForm::Ellipsoid { .. }, PartForm::Mesh(_)) => 1,
+        (PartForm::Capsule { .. }, PartForm::Mesh(_)) if is_ball(one) => 1,
         (PartForm::Capsule { .. }, PartForm::Mesh(_)) => 2,
         (_, PartForm::Mesh(_)) => MOST_CONTACTS,
-        (PartForm::Plane | PartForm::Cylinder { .. }, PartForm::Capsule { half_length, .. }) if half_length > 0.0 => 2,
+        (PartForm::Box { .. }, PartForm::Box { .. }) => BOX_CONTACTS,
+        (PartForm::Plane, PartForm::Box { .. } | PartForm::Cylinder { .. }) => LOWEST,
+        (PartForm::Plane | PartForm::Cylinder { .. }, PartForm::Capsule { .. }) if !is_ball(other) => 2,
+        (PartForm::Capsule { .. }, PartForm::Box { .. }) if !is_ball(one) => 2,
         _ => 1,
     }
 }
 
-fn part(model: &Model, tree: &Tree, geom: &Geom, hulls: &mut Hulls) -> Option<Part<f64>> {
+/// A capsule without length.
+fn is_ball(form: PartForm<f64>) -> bool {
+    matches!(form, PartForm::Capsule { half_length, .. } if half_length == 0.0)
+}
+
+fn part(model: &Model, tree: &Tree, geom: &Geom, hulls: &mut Hulls) -> Part<f64> {
     let com: Vector3<f64> = model.bodies[geom.body].com;
     let frame = tree.placed(geom.body, geom.pos, geom.quat);
-    Some(Part { frame, form: form(model, geom.shape, hulls)?, body_com: tree.point(geom.body, com) })
+    Part { frame, form: form(model, geom.shape, hulls), body_com: tree.point(geom.body, com) }
 }
 
 /// Convex meshes of all pairs.
 #[derive(Default)]
 struct Hulls {
     all: Vec<Arc<Hull>>,
-    /// Which hull of the model each of them is, and how large (bits).
-    numbers: Vec<(usize, u64)>,
+    /// What each of them is.
+    sources: Vec<HullSource>,
+}
+
+/// What a convex mesh is, its sizes as bits.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum HullSource {
+    /// A hull of the model, so much larger.
+    Model { hull: usize, scale: u64 },
+    /// A box of these half sides.
+    Box([u64; 3]),
 }
 
 impl Hulls {
     /// The number of the hull of a model, of this size.
     fn number(&mut self, model: &Model, hull: usize, scale: f64) -> usize {
-        let key = (hull, scale.to_bits());
-        self.numbers.iter().position(|other| *other == key).unwrap_or_else(|| {
-            self.numbers.push(key);
-            self.all.push(Arc::new(Hull::new(&model.hulls[hull], scale)));
+        let source = HullSource::Model { hull, scale: scale.to_bits() };
+        self.of_source(source, || Hull::new(&model.hulls[hull], scale))
+    }
+
+    /// Boxes are convex meshes beside whatever else is looked for as one.
+    fn take_for_boxes(&mut self, [one, other]: &mut [Part<f64>; 2]) {
+        match (one.form, other.form) {
+            (PartForm::Cylinder { .. } | PartForm::Ellipsoid { .. }, PartForm::Box { half_size }) => {
+                other.form = self.of_box(half_size);
+            }
+            (PartForm::Box { half_size }, PartForm::Mesh(_)) => one.form = self.of_box(half_size),
+            _ => {}
+        }
+    }
+
+    fn of_box(&mut self, half_size: [f64; 3]) -> PartForm<f64> {
+        let source = HullSource::Box(half_size.map(f64::to_bits));
+        PartForm::Mesh(self.of_source(source, || Hull::of_box(half_size)))
+    }
+
+    fn of_source(&mut self, source: HullSource, make: impl FnOnce() -> Hull) -> usize {
+        self.sources.iter().position(|other| *other == source).unwrap_or_else(|| {
+            self.sources.push(source);
+            self.all.push(Arc::new(make()));
             self.all.len() - 1
         })
     }
 }
 
-fn form(model: &Model, shape: Shape, hulls: &mut Hulls) -> Option<PartForm<f64>> {
+fn form(model: &Model, shape: Shape, hulls: &mut Hulls) -> PartForm<f64> {
     match shape {
-        Shape::Mesh { hull, scale } => Some(PartForm::Mesh(hulls.number(model, hull, scale))),
-        Shape::Plane => Some(PartForm::Plane),
-        Shape::Cylinder { radius, half_length } => Some(PartForm::Cylinder { radius, half_length }),
-        Shape::Ellipsoid { radii } => Some(PartForm::Ellipsoid { radii }),
-        Shape::Sphere { radius } => Some(PartForm::Capsule { radius, half_length: 0.0 }),
-        Shape::Capsule { radius, half_length } => Some(PartForm::Capsule { radius, half_length }),
-        Shape::Box { .. } => None,
+        Shape::Mesh { hull, scale } => PartForm::Mesh(hulls.number(model, hull, scale)),
+        Shape::Plane => PartForm::Plane,
+        Shape::Cylinder { radius, half_length } => PartForm::Cylinder { radius, half_length },
+        Shape::Ellipsoid { radii } => PartForm::Ellipsoid { radii },
+        Shape::Sphere { radius } => PartForm::Capsule { radius, half_length: 0.0 },
+        Shape::Capsule { radius, half_length } => PartForm::Capsule { radius, half_length },
+        Shape::Box { half_size } => PartForm::Box { half_size },
     }
 }
 
@@ -250,6 +305,7 @@ impl PartForm<f64> {
             Self::Cylinder { radius, half_length } => radius.hypot(half_length),
             Self::Ellipsoid { radii } => radii.into_iter().fold(0.0, f64::max),
             Self::Capsule { radius, half_length } => radius + half_length,
+            Self::Box { half_size } => Vector3::from(half_size).norm(),
             Self::Mesh(number) => hulls.all[number].reach(),
         }
     }
@@ -261,7 +317,8 @@ impl PartForm<f64> {
             Self::Cylinder { .. } => 1,
             Self::Ellipsoid { .. } => 2,
             Self::Capsule { .. } => 3,
-            Self::Mesh(_) => 4,
+            Self::Box { .. } => 4,
+            Self::Mesh(_) => 5,
         }
     }
 }

@@ -9,6 +9,7 @@ mod cone;
 mod connection;
 pub mod constraint;
 pub mod contact;
+mod cuboid;
 mod cylinder;
 pub mod ellipsoid;
 pub mod force;
@@ -24,6 +25,7 @@ pub mod tendon_limit;
 pub mod wrap;
 
 pub use cone::ConeSearch;
+pub(crate) use pair::LOWEST;
 
 use crate::obstacles::Obstacles;
 use crate::plan::{DofKind, Plan};

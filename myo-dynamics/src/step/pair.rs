@@ -2,6 +2,7 @@
 //! of ellipsoids and cylinders.
 
 use super::contact::{Directions, Edges, Meeting, cone, pyramid, slide};
+use super::cuboid::{self, Cuboid};
 use super::cylinder::{self, Cylinder};
 use super::ellipsoid::{Deepest, TINY, deepest};
 use super::mesh;
@@ -13,6 +14,8 @@ use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
 
 /// Squares of distances (m^2) below which two points are one, in reach of single precision.
 const SAME: f64 = 1e-24;
+/// Points in which something with corners stands on a plane.
+pub(crate) const LOWEST: usize = 4;
 /// Share of its greatest value below which the square of the sine between two axes is lost in rounding, in units of it.
 const PARALLEL: f64 = 8.0;
 
@@ -33,6 +36,10 @@ fn is_near<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> S::Mas
     let [one, other] = &pair.parts;
     let apart = ws.place(&other.frame.origin) - ws.place(&one.frame.origin);
     let far = S::splat(pair.far);
+    if let (PartForm::Capsule { .. }, PartForm::Box { half_size }) = (one.form, other.form) {
+        let seen = ws.fixed(&other.frame).rotation.apply_inverse(-apart);
+        return Cuboid { half_size: half_size.map(S::splat) }.square_outside(seen).lt(far.sq());
+    }
     match one.form {
         PartForm::Plane => apart.dot(axis(one, ws)).lt(far),
         PartForm::Cylinder { radius, half_length } => {
@@ -77,17 +84,35 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
     #[inline(always)]
     fn run(self) {
         let Self { plan, pair, near, state, ws } = self;
-        if let PartForm::Mesh(hull) = pair.parts[1].form {
-            for (point, (exists, meets)) in mesh::meet(plan, pair, hull, near, ws).into_iter().enumerate() {
-                if point < pair.points {
-                    touch(plan, pair, state, (point, exists, meets), ws);
-                }
+        match pair.parts.each_ref().map(|part| part.form) {
+            [_, PartForm::Mesh(hull)] => {
+                let meets = mesh::meet(plan, pair, hull, near, ws);
+                touch_where(plan, pair, state, &meets, ws);
             }
-            return;
+            [PartForm::Box { half_size: one }, PartForm::Box { half_size: other }] => {
+                let meets = mesh::meet_boxes(pair, [one, other], near, ws);
+                touch_where(plan, pair, state, &meets, ws);
+            }
+            [PartForm::Plane, PartForm::Box { .. } | PartForm::Cylinder { .. }] => {
+                let meets = stands(&pair.parts[0], &pair.parts[1], ws);
+                touch_where(plan, pair, state, &meets.map(|meets| (near, meets)), ws);
+            }
+            _ => touch_where(plan, pair, state, &meet(pair, ws).map(|meets| (near, meets)), ws),
         }
-        for (point, &meets) in meet(pair, ws).iter().take(pair.points).enumerate() {
-            touch(plan, pair, state, (point, near, meets), ws);
-        }
+    }
+}
+
+/// Points in which a pair touches, of those that it may.
+#[inline(always)]
+fn touch_where<S: Scalar>(
+    plan: &Plan<S::Const>,
+    pair: &ContactPair<S::Const>,
+    state: &State<S>,
+    meets: &[(S::Mask, Meets<S>)],
+    ws: &mut Workspace<S>,
+) {
+    for (point, &(exists, meets)) in meets.iter().take(pair.points).enumerate() {
+        touch(plan, pair, state, (point, exists, meets), ws);
     }
 }
 
@@ -161,8 +186,15 @@ pub(super) struct Meets<S> {
 
 /// Where a pair meets (m, from O), in as many points as it may; of meaning for the contacts that are there.
 pub(crate) fn places(plan: &Plan<f64>, pair: &ContactPair<f64>, ws: &mut Workspace<f64>) -> Vec<Vec3<f64>> {
-    let mut places: Vec<Vec3<f64>> = match pair.parts[1].form {
-        PartForm::Mesh(hull) => mesh::meet(plan, pair, hull, true, ws).map(|(_, meets)| meets.at).into(),
+    let [one, other] = &pair.parts;
+    let mut places: Vec<Vec3<f64>> = match [one.form, other.form] {
+        [_, PartForm::Mesh(hull)] => mesh::meet(plan, pair, hull, true, ws).map(|(_, meets)| meets.at).into(),
+        [PartForm::Box { half_size: one }, PartForm::Box { half_size: other }] => {
+            mesh::meet_boxes(pair, [one, other], true, ws).map(|(_, meets)| meets.at).into()
+        }
+        [PartForm::Plane, PartForm::Box { .. } | PartForm::Cylinder { .. }] => {
+            stands(one, other, ws).map(|meets| meets.at).into()
+        }
         _ => meet(pair, ws).map(|meets| meets.at).into(),
     };
     places.truncate(pair.points);
@@ -185,8 +217,11 @@ fn meet<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> [Meets<S>
             alone(two_ovals((one, radii), (other, others), ws))
         }
         (PartForm::Ellipsoid { radii }, _) => alone(rod_in_oval(one, other, radii, ws)),
+        (PartForm::Capsule { .. }, PartForm::Box { half_size }) => rod_on_box(one, other, half_size, ws),
         (PartForm::Capsule { .. }, _) => alone(rods(one, other, ws)),
-        (PartForm::Mesh(_), _) => unreachable!("meshes are the last of all forms, and looked for apart"),
+        (PartForm::Box { .. } | PartForm::Mesh(_), _) => {
+            unreachable!("boxes and meshes are the last of all forms, and looked for apart")
+        }
     }
 }
 
@@ -261,6 +296,35 @@ fn rod_on_plane<S: Scalar>(plane: &Part<S::Const>, other: &Part<S::Const>, ws: &
     [over_plane(plane, low + half, normal, ws), over_plane(plane, low - half, normal, ws)]
 }
 
+/// The lowest points of a box or a cylinder over a plane.
+#[inline(always)]
+fn stands<S: Scalar>(plane: &Part<S::Const>, other: &Part<S::Const>, ws: &Workspace<S>) -> [Meets<S>; LOWEST] {
+    let (normal, frame) = (axis(plane, ws), ws.fixed(&other.frame));
+    let lowest = match other.form {
+        PartForm::Box { half_size } => cuboid::lowest(&frame, half_size.map(S::splat), normal),
+        PartForm::Cylinder { radius, half_length } => {
+            cylinder::lowest(&frame, [radius, half_length].map(S::splat), normal)
+        }
+        _ => unreachable!("nothing else stands on corners"),
+    };
+    lowest.map(|point| over_plane(plane, point, normal, ws))
+}
+
+/// A capsule on a box.
+#[inline(always)]
+fn rod_on_box<S: Scalar>(
+    one: &Part<S::Const>,
+    other: &Part<S::Const>,
+    half_size: [S::Const; 3],
+    ws: &Workspace<S>,
+) -> [Meets<S>; 2] {
+    let (radius, middle, half) = rod(one, ws);
+    let frame = ws.fixed(&other.frame);
+    let axis = Segment { middle: frame.seen(middle), half: frame.rotation.apply_inverse(half) };
+    let [first, second] = cuboid::rod(&Cuboid { half_size: half_size.map(S::splat) }, &axis, radius);
+    [placed(&frame, first), placed(&frame, second)]
+}
+
 /// What has its lowest point here.
 #[inline(always)]
 fn over_plane<S: Scalar>(plane: &Part<S::Const>, lowest: Vec3<S>, normal: Vec3<S>, ws: &Workspace<S>) -> Meets<S> {
@@ -310,7 +374,7 @@ fn axis<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> Vec3<S> {
 #[inline(always)]
 fn rod<S: Scalar>(part: &Part<S::Const>, ws: &Workspace<S>) -> (S, Vec3<S>, Vec3<S>) {
     let PartForm::Capsule { radius, half_length } = part.form else {
-        unreachable!("capsules are the last of all forms but meshes")
+        unreachable!("capsules are the last of all forms but boxes and meshes")
     };
     let half = part.frame.axes[2].map(|x| S::Const::from_f64(x.to_f64() * half_length.to_f64()));
     let half = ws.rotation[part.frame.origin.link].apply(Vec3::splat(half));

@@ -45,9 +45,9 @@ const fn shared(binding: u32) -> Buffer {
 /// Whether what a body does can be recorded.
 ///
 /// # Errors
-/// Its meshes touch.
+/// Its meshes touch, or boxes of it touch something else than planes and capsules.
 pub fn check(tables: &Tables<f64>) -> Result<(), BuildError> {
-    if tables.plan.hulls.is_empty() { Ok(()) } else { Err(BuildError::MeshesOnGpu) }
+    if tables.plan.touches_one_by_one() { Err(BuildError::MeshesOnGpu) } else { Ok(()) }
 }
 
 /// One control step with everything that belongs to it but the reset, which is the next kernel's: in one kernel, all of a state would have to be handed on

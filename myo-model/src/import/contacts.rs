@@ -188,8 +188,6 @@ fn shape(geom: &source::Geom) -> Option<Shape> {
     }
     match geom.kind() {
         source::Shape::Plane => Some(Shape::Plane),
-        // Nothing is simulated to touch it.
-        source::Shape::Box => None,
         kind => solid(kind, geom.size()),
     }
 }
@@ -214,6 +212,7 @@ enum Form {
     Sphere,
     Capsule,
     Ellipsoid,
+    Box,
     Mesh,
     Other,
 }
@@ -226,21 +225,23 @@ impl Form {
             (Some(Shape::Sphere { .. }), _) => Self::Sphere,
             (Some(Shape::Capsule { .. }), _) => Self::Capsule,
             (Some(Shape::Ellipsoid { .. }), _) => Self::Ellipsoid,
+            (Some(Shape::Box { .. }), _) => Self::Box,
             (None, source::Shape::Mesh) => Self::Mesh,
             _ => Self::Other,
         }
     }
 
+    /// Whether things often stand around in this form.
     fn is_flat(self) -> bool {
-        matches!(self, Self::Plane | Self::Cylinder)
+        matches!(self, Self::Plane | Self::Cylinder | Self::Box)
     }
 
-    /// Whether contacts of two are simulated: anything round with anything, and meshes with all but spheres.
+    /// Whether contacts of two are simulated: of all but two cylinders.
     fn meets(self, other: Self) -> bool {
         match (self, other) {
             (Self::Other, _) | (_, Self::Other) => false,
-            (Self::Mesh, other) | (other, Self::Mesh) => other != Self::Sphere,
-            (one, other) => !(one.is_flat() && other.is_flat()),
+            (Self::Plane, Self::Plane) | (Self::Cylinder, Self::Cylinder) => false,
+            _ => true,
         }
     }
 }
@@ -260,7 +261,7 @@ impl<'a> Touch<'a> {
         one.meets(other)
     }
 
-    /// Whether one of them is a plane or cylinder.
+    /// Whether one of them is a plane, cylinder or box.
     fn has_flat_shape(&self) -> bool {
         self.geoms.iter().any(|held| Form::of(held.geom).is_flat())
     }

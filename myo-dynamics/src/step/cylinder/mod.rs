@@ -6,9 +6,11 @@
 mod lying;
 mod oval;
 mod rod;
+mod standing;
 
 pub(super) use oval::oval;
 pub(super) use rod::rod;
+pub(super) use standing::lowest;
 
 use crate::spatial::Vec3;
 use crate::step::ellipsoid::TINY;
