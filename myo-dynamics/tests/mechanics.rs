@@ -252,12 +252,10 @@ fn models_that_cannot_be_simulated_are_refused_by_name() {
     model.contacts.push(contact);
     let plan = Plan::exact(&model, CouplingMode::Reduced).unwrap();
     assert!(plan.contact_spheres.is_empty() && plan.pairs.len() == 1);
-    for shape in
-        [Shape::Box { half_size: [0.01; 3] }, Shape::Plane, Shape::Cylinder { radius: 0.01, half_length: 0.01 }]
-    {
+    for shape in [Shape::Plane, Shape::Cylinder { radius: 0.01, half_length: 0.01 }] {
         model.geoms.iter_mut().for_each(|geom| geom.shape = shape);
         let refused = Plan::exact(&model, CouplingMode::Reduced).unwrap_err();
-        assert!(refused.to_string().starts_with("contact of geoms 'fingertip' and 'thumb': spheres,"), "{refused}");
+        assert!(refused.to_string().starts_with("contact of geoms 'fingertip' and 'thumb': all shapes"), "{refused}");
     }
 
     let mut model = arm("mobl-arms");

@@ -344,23 +344,26 @@ fn contacts(text: &str) -> Result<Vec<[String; 2]>, String> {
     Ok(all.contacts.into_iter().map(|contact| contact.geoms).collect())
 }
 
+/// Of a geom that begins to press only when it is deeper: not simulated.
+const GAP: &str = "gap=\"0.01\"";
+
 #[test]
 fn parts_that_may_touch_are_refused_unless_they_need_not() {
     let none = Ok(vec![]);
     assert_eq!(
-        contacts(&hand(0.99, "", "")).unwrap_err(),
-        "arm.xml:4:14: <geom name=\"table\">: it may touch `palm`: contact of box and sphere is not simulated; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)"
+        contacts(&hand(0.99, GAP, "")).unwrap_err(),
+        "arm.xml:4:14: <geom name=\"table\">: it may touch `palm`: of contacts only those with neither `gap` nor `adhesion`, nor `solreffriction` in elliptic cones, are simulated; let parts pass through each other (`--without-contacts`, or `<option><flag contact=\"disable\"/></option>`)"
     );
     // By distance, bits, names, the whole, and by who asks.
-    assert_eq!(contacts(&hand(0.9, "", "")), none);
-    assert_eq!(contacts(&hand(0.99, "contype=\"0\" conaffinity=\"2\"", "")), none);
-    assert_eq!(contacts(&hand(0.99, "", "<contact><exclude body1=\"world\" body2=\"hand\"/></contact>")), none);
-    assert_eq!(contacts(&hand(0.99, "", "<option><flag contact=\"disable\"/></option>")), none);
+    assert_eq!(contacts(&hand(0.9, GAP, "")), none);
+    assert_eq!(contacts(&hand(0.99, "contype=\"0\" conaffinity=\"2\" gap=\"0.01\"", "")), none);
+    assert_eq!(contacts(&hand(0.99, GAP, "<contact><exclude body1=\"world\" body2=\"hand\"/></contact>")), none);
+    assert_eq!(contacts(&hand(0.99, GAP, "<option><flag contact=\"disable\"/></option>")), none);
     let options = ImportOptions { without_contacts: true, ..options("tip", "humerus") };
-    assert!(from_mjcf(&read(&hand(0.99, "", "")), &options).is_ok());
+    assert!(from_mjcf(&read(&hand(0.99, GAP, "")), &options).is_ok());
     // By limits, and 0.35 rad beyond: at 130 and 20 degrees the palm is 0.83 m above the ground; by one limit more it is not known.
     let held = |height: f64, limits: &str| {
-        let text = hand(height, "", "").replace("<body name=\"hand\">", "<body name=\"hand\" pos=\"0 0 0.2\">");
+        let text = hand(height, GAP, "").replace("<body name=\"hand\">", "<body name=\"hand\" pos=\"0 0 0.2\">");
         contacts(&text.replace("<joint axis=\"1 0 0\"/>", &format!("<joint axis=\"1 0 0\" {limits}/>")))
     };
     assert_eq!(held(0.8, "range=\"-5 5\""), none);
@@ -369,19 +372,22 @@ fn parts_that_may_touch_are_refused_unless_they_need_not() {
     assert!(held(0.8, "").unwrap_err().contains("it may touch `palm`"));
     // What is fitted to a mesh has its size from there.
     let asset = r#"<asset><mesh name="hull" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>"#;
-    let fitted = hand(0.5, "", asset).replace("size=\"0.02\"", "type=\"capsule\" mesh=\"hull\" mass=\"0\"");
+    let fitted = hand(0.5, GAP, asset).replace("size=\"0.02\"", "type=\"capsule\" mesh=\"hull\" mass=\"0\"");
     let all = from_mjcf(&read(&fitted), &self::options("tip", "humerus")).unwrap_err();
     assert!(all.iter().any(|one| one.to_string().contains("it may touch `palm`")), "{all:?}");
     // What hangs on a slide may be anywhere.
-    let sliding = hand(0.0, "", "").replace("<joint axis=\"1 0 0\"/>", "<joint type=\"slide\" axis=\"1 0 0\"/>");
+    let sliding = hand(0.0, GAP, "").replace("<joint axis=\"1 0 0\"/>", "<joint type=\"slide\" axis=\"1 0 0\"/>");
     assert!(contacts(&sliding).unwrap_err().contains("it may touch `palm`"));
-    let lifted = hand(0.99, "gap=\"0.01\"", "")
-        .replace("type=\"box\" size=\"1 1 0.1\" pos=\"0 0 0.89\"", "size=\"0.05\" pos=\"0 0 0.99\"");
-    assert!(contacts(&lifted).unwrap_err().contains("neither `gap` nor"), "{:?}", contacts(&lifted));
+    let posts = hand(0.99, "type=\"cylinder\"", "")
+        .replace("type=\"box\" size=\"1 1 0.1\" pos=\"0 0 0.89\"", "type=\"cylinder\" size=\"1 0.1\" pos=\"0 0 0.89\"")
+        .replace("size=\"0.02\"", "size=\"0.02 0.02\"");
+    let refused = contacts(&posts).unwrap_err();
+    assert!(refused.contains("contact of cylinder and cylinder is not simulated"), "{refused}");
 }
 
 #[test]
 fn parts_that_touch_are_a_contact() {
+    assert_eq!(contacts(&hand(0.99, "", "")), Ok(vec![["table", "palm"].map(String::from)]));
     let both = vec![["palm", "bone"].map(String::from)];
     // A pair that is asked for touches whatever its bits say; parent and child do not by themselves.
     let none = "contype=\"0\" conaffinity=\"0\"";

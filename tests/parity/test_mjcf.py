@@ -81,8 +81,8 @@ BEFORE_4 = MUJOCO < 4
 SIDE_RULE = "mujoco3" if BEFORE_4 else "mujoco4"
 if BEFORE_4:
     # How rods lie on cylinders is another thing there, and what it saves of the others it cannot read, or has no contacts.
-    tumblers = [name for name in MODELS if "tumbler" in name]
-    for name in [*tumblers, "myolegs", "elliptic myolegs", "myofullbody", "myoarms", "sliding myoarm_r"]:
+    others = [name for name in MODELS if "tumbler" in name or "blocks" in name]
+    for name in [*others, "myolegs", "elliptic myolegs", "myofullbody", "myoarms", "sliding myoarm_r"]:
         del MODELS[name]
     # Nor are contacts of meshes the same.
     for name in ["myolegs26", *(name for name in MODELS if name.startswith("legs among"))]:
@@ -138,6 +138,18 @@ def held(spec):
     return spec
 
 
+def by_a_post(spec):
+    """Boxes that touch nothing but a cylinder."""
+    for pair in list(spec.pairs):
+        spec.delete(pair)
+    cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
+    spec.worldbody.add_geom(
+        name="post", type=cylinder, size=[0.12, 0.2, 0], pos=[0.3, 0.3, 0.5], quat=[0.9, 0.3, 0.1, 0], contype=0, conaffinity=0
+    )
+    spec.add_pair(geomname1="post", geomname2="fist", condim=3)
+    return spec
+
+
 def spec_of(name):
     """A model as its package builds it, or as its name says it is changed."""
     first, _, rest = name.partition(" ")
@@ -154,6 +166,8 @@ def spec_of(name):
     legacy = myo_sim.MODELS_DIR / "legacy"
     if name.startswith("legs among "):
         return among(name.removeprefix("legs among "))
+    if name == "blocks by a post":
+        return by_a_post(spec_of(first))
     if "tumbler" in name or "blocks" in name or name == "linkage":
         text = (ROOT / f"myo-dynamics/examples/{name.split()[-1]}.xml").read_text()
         return mujoco.MjSpec.from_string(ROUGH[name](text) if name in ROUGH else text)
@@ -210,16 +224,16 @@ def compared(request, tmp_path_factory):
     return name, *in_states(name, MODELS[name], tmp_path_factory.mktemp(name))
 
 
-def step_error(model, data, state):
+def step_error(model, data, state, floor):
     """How far velocities and activations are after a step, as rates of change."""
     before = data.qvel.copy()
     mujoco.mj_step(model, data)
     change, found = data.qvel - before, np.asarray(state["qvel_after"]) - before
-    return max(relative_error(found, change), np.abs(data.act - state["act_after"]).max())
+    return max(relative_error(found, change, floor), np.abs(data.act - state["act_after"]).max())
 
 
-def errors(model, state):
-    """How far Myo is from MuJoCo in one state."""
+def errors(model, state, floor=1e-30):
+    """How far Myo is from MuJoCo in one state; forces and accelerations in units of the greatest, or of a floor."""
     data = forward(model, state)
     moments = np.zeros((model.nu, model.nv))
     mujoco.mju_sparse2dense(
@@ -235,10 +249,10 @@ def errors(model, state):
         "velocity": np.abs(data.actuator_velocity - state["tendon_velocity"]).max(),
         "force": force.max(),
         "distance": np.abs(distances - np.sort(state["distances"])).max(initial=0.0),
-        "bias": relative_error(state["qfrc_bias"], data.qfrc_bias),
-        "smooth": relative_error(state["qacc_smooth"], data.qacc_smooth),
-        "qacc": relative_error(state["qacc_soft"], data.qacc),
-        "step": step_error(model, data, state),
+        "bias": relative_error(state["qfrc_bias"], data.qfrc_bias, floor),
+        "smooth": relative_error(state["qacc_smooth"], data.qacc_smooth, floor),
+        "qacc": relative_error(state["qacc_soft"], data.qacc, floor),
+        "step": step_error(model, data, state, floor),
     }
 
 
@@ -254,8 +268,10 @@ def test_every_quantity_is_mujocos(compared):
 
 
 @pytest.mark.skipif(BEFORE_4, reason="contacts of meshes are another thing before MuJoCo 4")
-def test_bones_lie_on_cylinders_as_mujocos(tmp_path):
-    model, _, states = in_states("legs among cylinders", MODELS["myolegs26"], tmp_path)
+@pytest.mark.parametrize("name", ["legs among cylinders", "blocks by a post"])
+def test_bones_and_boxes_lie_on_cylinders_as_mujocos(name, tmp_path):
+    landmarks = MODELS["blocks" if "blocks" in name else "myolegs26"]
+    model, _, states = in_states(name, landmarks, tmp_path)
     others, most, touching = 0, 0.0, 0
     for state in states:
         wanted, found = np.sort(forward(model, state).contact.dist), np.sort(state["distances"])
@@ -269,7 +285,7 @@ def test_bones_lie_on_cylinders_as_mujocos(tmp_path):
     print(f"{touching} states with contacts, {others} others than MuJoCo's, the rest within {most:.1e} m")
     # Where a cylinder stands on a vertex, MuJoCo takes a line of its side by chance, once in ten thousand pairs one
     # that is over the bone. And of the sixteen corners of an end two may be as good as each other.
-    assert touching > 0.5 * STATES and others <= 5
+    assert touching > 0.2 * STATES and others <= 5
 
 
 def test_a_model_file_is_made_of_it(compared, tmp_path):
@@ -331,9 +347,9 @@ def test_hulls_of_meshes_are_mujocos(tmp_path):
 def test_contacts_are_refused_with_their_place(tmp_path):
     path, _ = saved("myotorso", tmp_path)
     text = path.read_text().replace(NO_CONTACTS, "")
-    # A box in place of the floor.
+    # Where it is touched, only by what is deeper than its gap.
     pattern = r'name="floor" size="7 7 0.1" pos="[^"]*" type="plane"'
-    text, count = re.subn(pattern, 'name="floor" size="7 7 0.1" pos="0 0 0.9" type="box"', text)
+    text, count = re.subn(pattern, 'name="floor" size="7 7 0.1" pos="0 0 0.9" type="plane" gap="0.01"', text)
     assert count == 1
     path.write_text(text)
     fingertip, shoulder = MODELS["myotorso"]

@@ -270,3 +270,72 @@ fn cut(polygon: &[Vector3<f64>], axis: usize, sign: f64, limit: f64, kept: &mut 
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Hull;
+    use crate::mesh::placed::Placed;
+    use crate::mesh::tests::Draws;
+    use crate::mesh::touch::least_overlap;
+
+    /// Two boxes that may touch.
+    fn pair(draws: &mut Draws) -> ([Vector3<f64>; 2], Place) {
+        let sizes = [0, 1].map(|_| draws.vector().map(|x| 0.11 + 0.09 * x));
+        (sizes, draws.place(0.3))
+    }
+
+    fn distances(contacts: &Contacts<BOX_CONTACTS>) -> Vec<f64> {
+        let mut all: Vec<f64> = contacts.iter().map(|contact| contact.distance).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    #[test]
+    fn boxes_are_as_deep_in_each_other_as_hulls_of_their_corners() {
+        let (mut scratch, mut hulls) = (Scratch::default(), Scratch::default());
+        let (mut touching, mut draws) = ([0; 2], Draws(1));
+        for number in 0..3000 {
+            let (sizes, place) = pair(&mut draws);
+            let contacts = box_box(sizes, &place, 0.0, &mut scratch);
+            let [one, other] = sizes.map(|size| Hull::of_box(size.into()));
+            let second = Placed { hull: &other, rotation: place.rotation, position: place.position };
+            let depth = least_overlap(&Placed::at_rest(&one), &second, &mut hulls).depth;
+            let Some(deepest) = distances(&contacts).first().copied() else {
+                assert!(depth < 1e-12, "{number}: {depth} m deep, and no contact");
+                continue;
+            };
+            // Several points are taken for one that is a twentieth better.
+            let is_one = contacts.iter().count() == 1;
+            touching[usize::from(is_one)] += 1;
+            let most = depth * (1.0 + MUCH_BETTER) / (1.0 - MUCH_BETTER);
+            assert!(
+                -deepest <= most + 1e-12 && (!is_one || -deepest < depth * 1.06),
+                "{number}: {deepest} and {depth} m"
+            );
+        }
+        assert!(touching.iter().all(|&count| count > 300), "{touching:?}");
+    }
+
+    #[test]
+    fn it_is_the_same_from_the_other_side() {
+        let (mut scratch, mut draws) = (Scratch::default(), Draws(2));
+        for number in 0..2000 {
+            let (sizes, place) = pair(&mut draws);
+            let contacts = box_box(sizes, &place, 0.003, &mut scratch);
+            let rotation = place.rotation.transpose();
+            let back = Place { rotation, position: -(rotation * place.position) };
+            let mirrored = box_box([sizes[1], sizes[0]], &back, 0.003, &mut scratch);
+            let [one, other] = [&contacts, &mirrored].map(distances);
+            assert_eq!(one.len(), other.len(), "{number}");
+            assert!(one.iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-12), "{number}: {one:?} {other:?}");
+            for contact in contacts.iter() {
+                let seen = rotation * (contact.at - place.position);
+                let is_there = |other: &Contact| {
+                    (other.at - seen).norm() < 1e-10 && (other.normal + rotation * contact.normal).norm() < 1e-10
+                };
+                assert!(mirrored.iter().any(is_there), "{number}: {contact:?}");
+            }
+        }
+    }
+}

@@ -13,6 +13,8 @@ pub struct Hull {
     pub(super) polygons: Vec<Polygon>,
     /// Of each corner the polygons around it, in their order.
     pub(super) around: Vec<Vec<usize>>,
+    /// Of each corner the other ends of its edges, in the order in which they are tried: in each polygon around it the corner before.
+    pub(super) neighbours: Vec<Vec<usize>>,
     /// Of each corner the triangles around it.
     pub(super) triangles_around: Vec<Vec<usize>>,
     /// Radius of a ball about the origin that holds it (m).
@@ -70,7 +72,9 @@ impl Hull {
             triangles: BOX_FACES.iter().flat_map(halves).collect(),
             polygons: BOX_FACES.iter().map(|corners| corners.to_vec()).collect(),
         };
-        Self::with_vertices(points.clone(), &points, &hull)
+        // Along x, y and z.
+        let neighbours = (0..8).map(|corner| vec![corner ^ 1, corner ^ 2, corner ^ 4]).collect();
+        Self { neighbours, ..Self::with_vertices(points.clone(), &points, &hull) }
     }
 
     /// Corners as they collide, and as normals of polygons are made of them.
@@ -90,9 +94,13 @@ impl Hull {
             let sum: Vector3<f64> = corners.iter().zip(next).map(|(&a, &b)| points[a].cross(&points[b])).sum();
             Polygon { corners: corners.clone(), normal: sum.normalize() }
         };
-        let mut around = vec![vec![]; vertices.len()];
+        let (mut around, mut neighbours) = (vec![vec![]; vertices.len()], vec![vec![]; vertices.len()]);
         for (number, corners) in hull.polygons.iter().enumerate() {
-            corners.iter().for_each(|&corner| around[corner].push(number));
+            let before = corners.iter().cycle().skip(corners.len().saturating_sub(1));
+            for (&corner, &before) in corners.iter().zip(before) {
+                around[corner].push(number);
+                neighbours[corner].push(before);
+            }
         }
         let mut triangles_around = vec![vec![]; vertices.len()];
         for (number, corners) in hull.triangles.iter().enumerate() {
@@ -104,6 +112,7 @@ impl Hull {
             edges: edges(&hull.triangles),
             polygons: hull.polygons.iter().map(polygon).collect(),
             around,
+            neighbours,
             reach: vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max),
             vertices,
         }

@@ -70,16 +70,11 @@ impl Feature {
         hull.around[self.corners[0]].iter().filter(has_all).take(MOST_FACES[self.size]).copied()
     }
 
-    /// Ends of an edge itself, or of a vertex in each polygon around it the edge to the corner before; none of a triangle.
+    /// Ends of an edge itself, or of a vertex its edges; none of a triangle.
     pub fn edge_ends(self, hull: &Hull) -> impl Iterator<Item = [usize; 2]> + '_ {
         let [first, second, _] = self.corners;
         let own = (self.size == 2).then_some([first, second]);
-        let around: &[usize] = if self.size == 1 { &hull.around[first] } else { &[] };
-        let before = move |&polygon: &usize| {
-            let corners = &hull.polygons[polygon].corners;
-            let place = corners.iter().position(|&corner| corner == first)?;
-            Some([first, corners[(place + corners.len() - 1) % corners.len()]])
-        };
-        own.into_iter().chain(around.iter().filter_map(before))
+        let others: &[usize] = if self.size == 1 { &hull.neighbours[first] } else { &[] };
+        own.into_iter().chain(others.iter().map(move |&other| [first, other]))
     }
 }

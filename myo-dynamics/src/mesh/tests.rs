@@ -15,20 +15,20 @@ use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
 /// Numbers from -1 to 1 that look random.
-struct Draws(u64);
+pub(super) struct Draws(pub u64);
 
 impl Draws {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    fn vector(&mut self) -> Vector3<f64> {
+    pub fn vector(&mut self) -> Vector3<f64> {
         Vector3::from_fn(|_, _| self.next())
     }
 
     /// Anywhere within a distance (m), turned any way.
-    fn place(&mut self, distance: f64) -> Place {
+    pub fn place(&mut self, distance: f64) -> Place {
         let turn = UnitQuaternion::from_scaled_axis(4.0 * self.vector());
         Place { rotation: turn.to_rotation_matrix().into_inner(), position: distance * self.vector() }
     }

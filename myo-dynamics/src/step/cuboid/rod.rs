@@ -3,8 +3,8 @@
 //! The point of the axis that is nearest to the box is at one of its ends, over a face, or where it passes an edge. From there the axis may run along the
 //! face or the edge; then there is a second contact as far along as both of them go.
 //!
-//! Of an axis in the box MuJoCo takes the point that is nearest to an edge, and so does this. It passes over edges that are exactly parallel to the axis, which are
-//! looked at here.
+//! An axis that goes through the box is taken as if it did not, as MuJoCo does: an end of it over a face, or a point near an edge. It passes over edges that are exactly
+//! parallel to the axis, which are looked at here.
 
 use super::Cuboid;
 use crate::spatial::Vec3;
@@ -243,4 +243,52 @@ fn choose<S: Scalar>(mask: S::Mask, a: S::Mask, b: S::Mask) -> S::Mask {
 #[inline(always)]
 fn differ<S: Scalar>(a: S::Mask, b: S::Mask) -> S::Mask {
     (a & !b) | (!a & b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The next of numbers between -1 and 1 that go round.
+    fn draws() -> impl FnMut() -> f64 {
+        let mut at: f64 = 0.3;
+        move || {
+            at = (at * 997.13 + 0.618).fract();
+            2.0 * at - 1.0
+        }
+    }
+
+    #[test]
+    fn the_nearest_point_of_an_axis_is_the_nearest_of_all() {
+        let mut next = draws();
+        let (mut touching, mut twice) = (0, 0);
+        for case in 0..3000 {
+            let cuboid = Cuboid { half_size: [0, 1, 2].map(|_| 0.11 + 0.09 * next()) };
+            let mut vector = |length: f64| Vec3::new(length * next(), length * next(), length * next());
+            let axis = Segment { middle: vector(0.4), half: vector(0.15) };
+            let distance = |share: f64| cuboid.square_outside(axis.half.mul_add(share, axis.middle)).sqrt();
+            let nearest = (0..=4000).map(|k| distance(f64::from(k) / 2000.0 - 1.0)).fold(f64::INFINITY, f64::min);
+            let [first, second] = rod(&cuboid, &axis, 0.03);
+            // Of an axis that goes through the box it is another point.
+            if nearest == 0.0 {
+                continue;
+            }
+            touching += 1;
+            assert!((first.distance + 0.03 - nearest).abs() < 1e-6, "{case}: {} and {nearest}", first.distance);
+            twice += u32::from(second.distance < FAR);
+            assert!(second.distance >= first.distance - 1e-12, "{case}: {} and {}", first.distance, second.distance);
+        }
+        assert!(touching > 1000 && twice > 300, "{touching} {twice}");
+    }
+
+    /// MuJoCo passes over such edges.
+    #[test]
+    fn a_capsule_along_an_edge_touches_it() {
+        let cuboid = Cuboid { half_size: [0.3, 0.2, 0.1] };
+        for half in [Vec3::new(0.1, 0.0, 0.0), Vec3::new(-0.1, 1e-9, 0.0)] {
+            let axis = Segment { middle: Vec3::new(0.05, 0.22, 0.12), half };
+            let [first, _] = rod::<f64>(&cuboid, &axis, 0.03);
+            assert!((first.distance - (0.02f64.hypot(0.02) - 0.03)).abs() < 1e-8, "{}", first.distance);
+        }
+    }
 }
