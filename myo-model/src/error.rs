@@ -264,7 +264,7 @@ pub enum ModelError {
     },
     /// A body that moves freely alone, whose steps are to be implicit.
     #[error(
-        "{element} moves a body that carries nothing that moves, which `integrator: implicitfast` is not simulated for; take `euler`"
+        "{element} moves a body that carries nothing that moves, which `integrator: implicitfast` is not simulated for; take `implicit` or `euler`"
     )]
     ImplicitAlone {
         /// The joint.

@@ -168,7 +168,7 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
     for (parts, start) in [
         (
             ["<option integrator=\"RK4\"/>", "", "", "", ""],
-            "arm.xml:3:3: <option>: of integrators only `Euler` and `implicitfast`",
+            "arm.xml:3:3: <option>: of integrators only `Euler`, `implicit` and `implicitfast`",
         ),
         (["<option density=\"1.2\"/>", "", "", "", ""], "arm.xml:3:3: <option>: forces of a medium"),
         (["<option><flag refsafe=\"disable\"/></option>", "", "", "", ""], "arm.xml:3:11: <flag>: time constants"),

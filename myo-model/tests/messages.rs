@@ -329,7 +329,7 @@ fn what_moves_freely_alone_is_not_implicit() {
         });
         arm.bodies.push(ball);
     };
-    let message = "joint `ball` moves a body that carries nothing that moves, which `integrator: implicitfast` is not simulated for; take `euler`";
+    let message = "joint `ball` moves a body that carries nothing that moves, which `integrator: implicitfast` is not simulated for; take `implicit` or `euler`";
     check(loose, message);
 }
 

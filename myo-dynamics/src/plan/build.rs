@@ -4,8 +4,8 @@ use super::coordinates::Coordinates;
 use super::{
     BallAxis, Body, Branch, Connection, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination,
     Equality, FixedFrame, Form, ImplicitMuscle, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan,
-    PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, connections, pairs,
-    reference_pose, sets,
+    PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, Unsymmetric, connections,
+    pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -86,7 +86,8 @@ impl Plan<f64> {
         let connections = connections::connections(model, &tree);
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
-        let is_implicit = model.options.integrator == Integrator::ImplicitFast;
+        let integrator = model.options.integrator;
+        let is_implicit = integrator != Integrator::Euler;
         let along = |muscle| ImplicitMuscle { dofs: tree.dofs_along(model, muscle), pairs: vec![] };
         let implicit_muscles = model.muscles.iter().filter(|_| is_implicit).map(along).collect();
         let h = model.options.timestep;
@@ -110,6 +111,7 @@ impl Plan<f64> {
             sets: vec![],
             mass_terms: vec![],
             elimination: Elimination::default(),
+            unsymmetric: (integrator == Integrator::Implicit).then(Unsymmetric::default),
             projections: vec![],
             profiled: vec![],
             energy_profiles: vec![],
@@ -153,6 +155,7 @@ impl Plan<f64> {
         used.remove(&0);
         sets::connect(self, &used);
         self.elimination = Elimination::of(self);
+        self.unsymmetric = self.unsymmetric.as_ref().map(|_| Unsymmetric::of(&self.elimination));
         let along = self.implicit_muscles.iter().map(|muscle| ImplicitMuscle::of(muscle.dofs.clone(), self));
         self.implicit_muscles = along.collect();
         for sphere in &mut self.contact_spheres {

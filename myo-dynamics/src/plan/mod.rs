@@ -17,6 +17,7 @@ mod reference_pose;
 mod sensors;
 mod sets;
 mod specialise;
+mod unsymmetric;
 mod wraps;
 
 pub use connections::Connection;
@@ -28,6 +29,7 @@ pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, Part, PartForm};
 pub use sensors::Sensors;
 pub(crate) use sensors::{Feeling, Measured, Seen, Sensor, Turn};
+pub use unsymmetric::{FeltBothWays, LaterBothWays, Unsymmetric, UnsymmetricColumn};
 
 use crate::impedance::Impedance;
 use crate::mesh::Hull;
@@ -83,6 +85,8 @@ pub struct Plan<C> {
     pub mass_terms: Vec<MassTerm>,
     /// Which entries of the mass matrix are not always zero, and in which order coordinates are eliminated.
     pub elimination: Elimination,
+    /// The same of a matrix whose halves differ, where steps take Coriolis forces implicitly (MuJoCo's `implicit`); else none.
+    pub unsymmetric: Option<Unsymmetric>,
     /// Which wrench does work on which screw.
     pub projections: Vec<Projection>,
     /// Joints whose coupling is not linear: their passive forces do not fold into [`Dof`].

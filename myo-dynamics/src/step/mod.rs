@@ -9,12 +9,14 @@ mod cone;
 mod connection;
 pub mod constraint;
 pub mod contact;
+mod coriolis;
 mod cylinder;
 pub mod ellipsoid;
 pub mod force;
 mod implicit;
 pub mod inertia;
 pub mod kinematics;
+mod lu;
 mod mesh;
 pub mod nearby;
 pub mod pair;
@@ -24,6 +26,7 @@ pub mod tendon_limit;
 pub mod wrap;
 
 pub use cone::ConeSearch;
+pub use coriolis::{Coriolis, Turning};
 
 use crate::obstacles::Obstacles;
 use crate::plan::{DofKind, Plan};
@@ -217,7 +220,14 @@ fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
     if !plan.implicit_muscles.is_empty() {
         implicit::resist(plan, state, ws);
     }
-    cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
+    match &plan.unsymmetric {
+        None => cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc),
+        Some(elimination) => {
+            lu::mirror(elimination, &mut ws.matrix);
+            coriolis::resist(plan, state, ws);
+            lu::factor_and_solve(elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
+        }
+    }
 }
 
 /// Positions of the fingers that the plan [keeps](Plan::with_fingers) (m, from the shoulder centre), after [`kinematics::kinematics`].

@@ -53,7 +53,7 @@ impl Import<'_> {
                 ),
                 (
                     is_free && self.mjcf.option.integrator() == source::Integrator::ImplicitFast && self.is_alone(body),
-                    "a body that moves freely and carries nothing that moves is not simulated with `implicitfast`, which turns it implicitly; take `Euler`",
+                    "a body that moves freely and carries nothing that moves is not simulated with `implicitfast`, which turns it implicitly; take `implicit` or `Euler`",
                 ),
                 (aligns, "a body's frame is not moved to its centre of mass (`align`, `alignfree`)"),
                 (!is_scalar && is_limited, "limits of ball joints (`range`) are not simulated"),
