@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 const LINKAGE: &str = include_str!("../examples/linkage.xml");
 /// A free body with a ball joint.
 const TUMBLER: &str = include_str!("../examples/tumbler.xml");
+/// Free bodies that carry nothing, and others.
+const JUGGLER: &str = include_str!("../examples/juggler.xml");
 
 fn model_of(text: &str) -> Model {
     let files = BTreeMap::from([("body.xml".to_owned(), text.to_owned())]);
@@ -48,7 +50,12 @@ fn levers() -> Model {
 /// Bodies of every kind, exact and specialised.
 fn plans(integrator: Integrator) -> Vec<(&'static str, Plan<f64>)> {
     let arms = ["mobl-arms", "myo-arm", "myo-hand"].map(|name| (name, arm(name)));
-    let all = [("linkage", model_of(LINKAGE)), ("tumbler", model_of(TUMBLER)), ("levers", levers())];
+    let all = [
+        ("linkage", model_of(LINKAGE)),
+        ("tumbler", model_of(TUMBLER)),
+        ("juggler", model_of(JUGGLER)),
+        ("levers", levers()),
+    ];
     let modes = [CouplingMode::Reduced, CouplingMode::Soft];
     let of_model = |(name, model): (&'static str, Model)| {
         let [reduced, soft] = modes.map(|mode| plan_of(model.clone(), mode, integrator));
@@ -106,22 +113,19 @@ fn a_step_takes_forces_as_they_become() {
     assert!(explicit > 1e-3, "what `implicitfast` leaves out is much more: {explicit:e}");
 }
 
-/// How much more energy there is after so many seconds in which nothing acts, and how much more angular momentum, as shares.
+/// How much more energy a free body has after so many seconds in which nothing acts on it, as a share.
 fn gained(plan: &Plan<f64>, seconds: f64) -> f64 {
-    let mut state = State::new(plan);
-    let spin = [0.3, 12.0, 0.2];
-    state.qvel[3..6].copy_from_slice(&spin);
-    let (mut ws, nothing) = (Workspace::new(plan), Obstacles::none(plan));
-    let energy = |state: &State<f64>, ws: &Workspace<f64>| -> f64 {
+    let (mut state, mut ws, nothing) = (State::new(plan), Workspace::new(plan), Obstacles::none(plan));
+    state.qvel[3..6].copy_from_slice(&[0.3, 12.0, 0.2]);
+    let mut energy = |state: &State<f64>, ws: &mut Workspace<f64>| -> f64 {
+        step::forward(plan, &nothing, state, ws);
         product(plan, &ws.mass, &state.qvel).iter().zip(&state.qvel).map(|(p, v)| 0.5 * p * v).sum()
     };
-    step::forward(plan, &nothing, &state, &mut ws);
-    let before = energy(&state, &ws);
+    let before = energy(&state, &mut ws);
     for _ in 0..(seconds / plan.timestep) as usize {
         step::step(plan, &nothing, &vec![0.0; plan.nmuscle()], &mut state, &mut ws);
     }
-    step::forward(plan, &nothing, &state, &mut ws);
-    energy(&state, &ws) / before - 1.0
+    energy(&state, &mut ws) / before - 1.0
 }
 
 /// A body that spins about its middle axis tumbles on and on. Euler's method lets it gain energy with every turn.
@@ -132,8 +136,32 @@ fn what_tumbles_gains_no_energy() {
 <site name="tip"/><site name="top" pos="0 0 1"/></body></worldbody>
 <tendon><spatial name="m"><site site="tip"/><site site="top"/></spatial></tendon>
 <actuator><muscle name="m" tendon="m" lengthrange="0.1 2" force="1"/></actuator></mujoco>"#;
-    let [euler, implicit] = [Integrator::Euler, Integrator::Implicit]
+    let [euler, implicit, fast] = [Integrator::Euler, Integrator::Implicit, Integrator::ImplicitFast]
         .map(|integrator| gained(&plan_of(model_of(text), CouplingMode::Reduced, integrator), 20.0));
     println!("Euler {euler:.3}, implicit {implicit:.3}");
     assert!(euler > 0.1 && (-0.4..0.0).contains(&implicit), "{euler}, {implicit}");
+    // As a free body that carries nothing it is the same with `implicitfast`.
+    assert_eq!(implicit, fast);
+}
+
+/// Of bodies whose mass matrix is diagonal as they are written MuJoCo's `implicitfast` knows nothing else.
+#[test]
+fn what_slides_along_its_axes_is_taken_apart() {
+    let apart = |inertial: &str, joint: &str, integrator| {
+        let text = format!(
+            r#"<mujoco><default><geom contype="0" conaffinity="0"/></default><worldbody><site name="hook" pos="1 1 1"/>
+<body name="arm"><joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>{joint}
+<inertial mass="1" diaginertia="0.01 0.02 0.025" {inertial}/><site name="tip"/></body></worldbody>
+<tendon><spatial name="m"><site site="hook"/><site site="tip"/></spatial></tendon>
+<actuator><muscle name="m" tendon="m" lengthrange="0.1 2" force="1"/></actuator></mujoco>"#
+        );
+        let plan = plan_of(model_of(&text), CouplingMode::Reduced, integrator);
+        plan.implicit_muscles[0].pairs.iter().filter(|[a, b]| a != b).count()
+    };
+    let (centred, turn) = ("pos=\"0 0 0\"", "<joint name=\"turn\" axis=\"0 0 1\"/>");
+    assert_eq!(apart(centred, "", Integrator::ImplicitFast), 0);
+    assert_eq!(apart(centred, turn, Integrator::ImplicitFast), 0);
+    assert_eq!(apart(centred, "", Integrator::Implicit), 1);
+    assert_eq!(apart("pos=\"0 0 0.1\"", turn, Integrator::ImplicitFast), 3);
+    assert_eq!(apart("pos=\"0 0 0\" quat=\"0 1 0 0\"", "", Integrator::ImplicitFast), 1);
 }

@@ -121,8 +121,7 @@ pub enum Integrator {
     /// New velocities with forces as they are, then positions with these.
     #[default]
     Euler,
-    /// The same, with forces of muscles and dampers as they become with the new velocities: MuJoCo's `implicitfast`, but not for bodies that move freely and carry
-    /// nothing that moves.
+    /// The same, with forces of muscles and dampers as they become with the new velocities: MuJoCo's `implicitfast`.
     ImplicitFast,
     /// The same with Coriolis and centrifugal forces, too, as they become with the new velocities: MuJoCo's `implicit`.
     Implicit,

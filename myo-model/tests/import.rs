@@ -220,16 +220,6 @@ fn what_cannot_be_simulated_is_refused_by_name_and_place() {
         (["", "", "", "", "forcerange=\"-1 0\""], "arm.xml:15:13: <actuator name=\"BIC\">: limits of muscle force"),
         (["", "", "", "", "gear=\"2\""], "arm.xml:15:13: <actuator name=\"BIC\">: a muscle pulls its tendon as it is"),
         (
-            [
-                "<option integrator=\"implicitfast\"/><worldbody><body name=\"ball\"><freejoint name=\"ball\"/><geom size=\"0.1\"/></body></worldbody>",
-                "",
-                "",
-                "",
-                "",
-            ],
-            "arm.xml:3:67: <joint name=\"ball\">: a body that moves freely and carries nothing that moves",
-        ),
-        (
             ["<equality><tendon tendon1=\"BIC\"/></equality>", "", "", "", ""],
             "arm.xml:3:13: <tendon>: equalities of tendons are not simulated",
         ),

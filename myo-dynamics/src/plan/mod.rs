@@ -101,6 +101,8 @@ pub struct Plan<C> {
     pub muscles: Vec<Muscle<C>>,
     /// Of each muscle what an implicit step asks; none where steps are explicit.
     pub implicit_muscles: Vec<ImplicitMuscle>,
+    /// Pairs of coordinates, the greater one first, which no muscle ties together in such steps.
+    pub apart: Vec<[usize; 2]>,
     /// Whether the time constants of any muscle's activation blend.
     pub smooth_activation: bool,
     /// Joint limits.

@@ -1,4 +1,4 @@
-//! How Coriolis and centrifugal forces change with the velocities: what MuJoCo's `implicit` has and `implicitfast` leaves out.
+//! How Coriolis and centrifugal forces change with the velocities: what MuJoCo's `implicit` has, and `implicitfast` of free bodies alone.
 //!
 //! A link with inertia `I` and velocity `v` feels the wrench `I a + v x* I v` (Featherstone 2008, doi 10.1007/978-1-4899-7560-7, 5.3).
 //! When the speed of a coordinate changes, which moves the link along the screw `s`, its velocity changes by `s` and its acceleration by `d - v x s`:
@@ -8,7 +8,7 @@
 //! `B` is short: of a point with mass `m` and velocity `u` the force changes by `2 m w x u` with the angular part `w` of `s`, and nothing by its
 //! linear part.
 
-use crate::plan::{Body, Form, LinkMotion, LinkSet, Plan};
+use crate::plan::{Body, Form, LinkMotion, LinkSet, Plan, Unsymmetric};
 use crate::spatial::{Inertia, Motion, Symmetric, Vec3, Wrench};
 use crate::step::inertia::about_com;
 use crate::step::kinematics::{curvature, joint_state, motion};
@@ -35,12 +35,10 @@ impl<S: Scalar> Turning<S> {
     fn of_inertia(inertia: Symmetric<S>, velocity: Vec3<S>) -> Self {
         // w x (2 I - tr I), column by column.
         let (d, off) = (inertia.diagonal, inertia.off.scale(S::lit(2.0)));
-        let columns = [
-            Vec3::new(d.x - d.y - d.z, off.z, off.y),
-            Vec3::new(off.z, d.y - d.x - d.z, off.x),
-            Vec3::new(off.y, off.x, d.z - d.x - d.y),
-        ];
-        Self { moment: columns.map(|column| velocity.cross(column)), momentum: Vec3::zero() }
+        let x = velocity.cross(Vec3::new(d.x - d.y - d.z, off.z, off.y));
+        let y = velocity.cross(Vec3::new(off.z, d.y - d.x - d.z, off.x));
+        let z = velocity.cross(Vec3::new(off.y, off.x, d.z - d.x - d.y));
+        Self { moment: [x, y, z], momentum: Vec3::zero() }
     }
 
     /// The same, and a mass at a point `c` with such a momentum.
@@ -66,8 +64,8 @@ impl<S: Scalar> Turning<S> {
     /// `B^T s`, of which there is an angular part only.
     #[inline(always)]
     fn apply_transposed(&self, screw: Motion<S>) -> Vec3<S> {
-        let [x, y, z] = self.moment.map(|column| column.dot(screw.ang));
-        Vec3::new(x, y, z) + self.momentum.cross(screw.lin)
+        let [x, y, z] = self.moment;
+        Vec3::new(x.dot(screw.ang), y.dot(screw.ang), z.dot(screw.ang)) + self.momentum.cross(screw.lin)
     }
 
     #[inline(always)]
@@ -129,8 +127,10 @@ impl<S: Scalar> Stage<S> for Turnings<'_, S> {
         }
         for (k, screw) in plan.screws.iter().enumerate() {
             let own = ws.coriolis.drift[screw.link];
-            let all = screw.parent.map_or(own, |parent| ws.coriolis.drift[parent] + own);
-            ws.coriolis.drift[plan.links.len() + k] = all;
+            ws.coriolis.drift[plan.links.len() + k] = match screw.parent {
+                Some(parent) => ws.coriolis.drift[parent] + own,
+                None => own,
+            };
         }
         for body in &plan.bodies {
             ws.coriolis.link[body.link] = turning(body, ws);
@@ -188,8 +188,11 @@ fn turning<S: Scalar>(body: &Body<S::Const>, ws: &Workspace<S>) -> Turning<S> {
 fn turning_of_set<S: Scalar>(set: &LinkSet, ws: &Workspace<S>) -> Turning<S> {
     let of = &ws.coriolis;
     let mut all = set.sets.iter().map(|&k| of.set[k]).chain(set.links.iter().map(|&k| of.link[k]));
-    let first = all.next().expect("a set has members");
-    all.fold(first, Turning::plus)
+    let mut sum = all.next().expect("a set has members");
+    for turning in all {
+        sum = sum.plus(turning);
+    }
+    sum
 }
 
 /// The entries of the matrix.
@@ -205,17 +208,21 @@ impl<S: Scalar> Stage<S> for Changes<'_, S> {
     #[inline(always)]
     fn run(self) {
         let Self { plan, state, ws } = self;
-        of_links(plan, ws);
-        of_coordinates(plan, state, ws);
+        let Some(unsymmetric) = &plan.unsymmetric else { return };
+        of_links(plan, unsymmetric, ws);
+        if unsymmetric.only.is_none() {
+            of_coordinates(plan, state, ws);
+        }
     }
 }
 
 /// Adds what links do to each other, in the terms of the mass matrix.
 #[inline(always)]
-fn of_links<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
+fn of_links<S: Scalar>(plan: &Plan<S::Const>, unsymmetric: &Unsymmetric, ws: &mut Workspace<S>) {
     let (n, h) = (plan.ndof(), S::splat(plan.timestep));
     let Workspace { matrix, screw: screws, coriolis, set_inertia, .. } = ws;
-    for term in &plan.mass_terms {
+    for &number in &unsymmetric.terms {
+        let term = &plan.mass_terms[number];
         let (inertia, turning): (&Inertia<S>, &Turning<S>) = (&set_inertia[term.set], &coriolis.set[term.set]);
         let screw = screws[term.screw];
         let by_column = inertia.apply(coriolis.drift[term.screw]) + turning.apply(screw);

@@ -8,9 +8,11 @@ use myo_scalar::Scalar;
 /// Copies the lower triangle into the upper one.
 #[inline(always)]
 pub fn mirror<S: Scalar>(elimination: &Unsymmetric, matrix: &mut [S]) {
-    for later in elimination.columns.iter().flat_map(|column| &column.after) {
-        let [a, b] = later.entries;
-        matrix[a.min(b)] = matrix[a.max(b)];
+    for column in &elimination.columns {
+        for later in &column.after {
+            let [a, b] = later.entries;
+            matrix[a.min(b)] = matrix[a.max(b)];
+        }
     }
 }
 

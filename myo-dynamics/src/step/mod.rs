@@ -16,7 +16,7 @@ pub mod force;
 mod implicit;
 pub mod inertia;
 pub mod kinematics;
-mod lu;
+pub(crate) mod lu;
 mod mesh;
 pub mod nearby;
 pub mod pair;
@@ -201,8 +201,8 @@ pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State
     }
 }
 
-/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`, and with muscles as dampers its `implicitfast`. The
-/// forces of constraints stay those of the explicit acceleration.
+/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`, with muscles as dampers its `implicitfast`, and with Coriolis
+/// forces its `implicit`, whose matrix is not symmetric. The forces of constraints stay those of the explicit acceleration.
 #[inline(always)]
 fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
     let n = plan.ndof();
