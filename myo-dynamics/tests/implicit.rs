@@ -117,7 +117,7 @@ fn a_step_takes_forces_as_they_become() {
 fn gained(plan: &Plan<f64>, seconds: f64) -> f64 {
     let (mut state, mut ws, nothing) = (State::new(plan), Workspace::new(plan), Obstacles::none(plan));
     state.qvel[3..6].copy_from_slice(&[0.3, 12.0, 0.2]);
-    let mut energy = |state: &State<f64>, ws: &mut Workspace<f64>| -> f64 {
+    let energy = |state: &State<f64>, ws: &mut Workspace<f64>| -> f64 {
         step::forward(plan, &nothing, state, ws);
         product(plan, &ws.mass, &state.qvel).iter().zip(&state.qvel).map(|(p, v)| 0.5 * p * v).sum()
     };
