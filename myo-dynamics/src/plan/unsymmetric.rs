@@ -52,7 +52,7 @@ pub struct LaterBothWays {
 }
 
 impl Unsymmetric {
-    /// For steps of a model: MuJoCo's `implicitfast` takes Coriolis forces along of [bodies alone](alone).
+    /// For steps of a model: MuJoCo's `implicitfast` takes Coriolis forces along of free bodies that carry no other joint.
     pub(super) fn asked(model: &Model, coordinates: &Coordinates) -> Option<Self> {
         match model.options.integrator {
             Integrator::Euler => None,
