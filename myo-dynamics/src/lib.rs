@@ -52,7 +52,7 @@
 //!
 //! This crate does not know tasks, rewards, observations, random numbers of an environment, files or Python. So far it has
 //! hinges, slides, ball joints and free bodies, bodies that are pinned and welded, muscle paths through points and over spheres and cylinders, one sphere that presses boxes, and contacts of
-//! planes, spheres, capsules, ellipsoids, cylinders, boxes and convex meshes with each other but for two cylinders, in friction pyramids and cones; steps are semi-implicit or `implicitfast`; what it cannot simulate faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
+//! planes, spheres, capsules, ellipsoids, cylinders, boxes and convex meshes with each other but for two cylinders, in friction pyramids and cones; steps are semi-implicit, `implicitfast` or `implicit`; what it cannot simulate faithfully it refuses ([`PlanError`]); whether a model's numbers go together tells [`Plan::try_out`].
 
 mod batch;
 mod cast;

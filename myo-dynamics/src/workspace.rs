@@ -3,7 +3,7 @@
 use crate::mesh::Scratch;
 use crate::plan::Plan;
 use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
-use crate::step::ConeSearch;
+use crate::step::{ConeSearch, Coriolis};
 use myo_scalar::{Mask, Real, Scalar, Word};
 
 /// What changes from step to step: the body's full state.
@@ -334,6 +334,8 @@ pub struct Workspace<S: Scalar> {
     pub qacc: Vec<S>,
     /// The acceleration that the last step integrated: `qacc`, or with damping taken implicitly, `ndof`. Until then the solver's, where there are cones.
     pub step_qacc: Vec<S>,
+    /// Scratch of implicit steps that take Coriolis forces along.
+    pub coriolis: Coriolis<S>,
     /// Scratch of the solver where there are cones.
     pub search: ConeSearch<S>,
     /// Where rows were still wrong in the solver's last round.
@@ -404,6 +406,7 @@ impl<S: Scalar> Workspace<S> {
             pivot: vec![o; ndof],
             qacc: vec![o; ndof],
             step_qacc: vec![o; ndof],
+            coriolis: Coriolis::new(plan),
             search: ConeSearch::new(if plan.has_cones() { ndof } else { 0 }),
             unsettled: S::Mask::splat(false),
             tally: SolverTally::new(),

@@ -18,6 +18,8 @@ const STATES: u32 = 512;
 const LINKAGE: &str = include_str!("../examples/linkage.xml");
 /// A free body that falls on floor and table.
 const TUMBLER: &str = include_str!("../examples/tumbler.xml");
+/// Free bodies that carry nothing, which `implicitfast` takes as `implicit` takes all.
+const JUGGLER: &str = include_str!("../examples/juggler.xml");
 
 fn model_of(text: &str) -> Model {
     let files = BTreeMap::from([("body.xml".to_owned(), text.to_owned())]);
@@ -30,14 +32,14 @@ fn plan_of(text: &str) -> Plan<f64> {
 }
 
 /// An arm of our own that steps implicitly, muscles along its girdle included.
-fn implicit(name: &str) -> Plan<f64> {
+fn implicit(name: &str, integrator: Integrator) -> Plan<f64> {
     let mut arm = builtin(name).unwrap();
-    arm.options.integrator = Integrator::ImplicitFast;
+    arm.options.integrator = integrator;
     Plan::exact(&Model::new(&arm).unwrap(), CouplingMode::Reduced).unwrap()
 }
 
-/// The linkage; the falling body where it twists and rolls against what it touches, harder than it presses, with pyramids and with cones; and arms that step implicitly.
-fn plans() -> [(&'static str, Plan<f64>); 5] {
+/// The linkage; the falling body where it twists and rolls against what it touches, harder than it presses, with pyramids and with cones; and arms; with steps of every kind.
+fn plans() -> Vec<(&'static str, Plan<f64>)> {
     let rough = |options: &str| {
         let text = TUMBLER
             .replacen("condim=\"3\"", "condim=\"4\" friction=\"0.9 0.6 0.03\"", 1)
@@ -49,9 +51,16 @@ fn plans() -> [(&'static str, Plan<f64>); 5] {
     assert_eq!(pyramids.pairs.iter().map(|pair| pair.condim).collect::<Vec<_>>(), [4, 3, 1, 3, 3, 1, 6, 6, 6]);
     let cones = rough("cone=\"elliptic\" integrator=\"implicitfast\"");
     assert_eq!(cones.pairs.iter().filter(|pair| pair.is_cone).count(), 7);
-    let arms = ["mobl-arms", "myo-arm"].map(|name| (name, implicit(name)));
-    let [one, other] = arms;
-    [("linkage", plan_of(LINKAGE)), ("pyramids", pyramids), ("cones", cones), one, other]
+    let held = LINKAGE.replacen("<default>", "<option integrator=\"implicit\"/><default>", 1);
+    let mut all = vec![("linkage", plan_of(LINKAGE)), ("pyramids", pyramids), ("cones", cones)];
+    all.extend([("implicit linkage", plan_of(&held)), ("implicit pyramids", rough("integrator=\"implicit\""))]);
+    let thrown = JUGGLER.replacen("<option ", "<option integrator=\"implicitfast\" ", 1);
+    all.push(("juggler", plan_of(&thrown)));
+    all.extend(["mobl-arms", "myo-arm"].map(|name| (name, implicit(name, Integrator::ImplicitFast))));
+    let full = [("implicit mobl-arms", "mobl-arms"), ("implicit myo-arm", "myo-arm")];
+    all.extend(full.map(|(name, arm)| (name, implicit(arm, Integrator::Implicit))));
+    assert_eq!(all.iter().filter(|(_, plan)| plan.unsymmetric.is_some()).count(), 5);
+    all
 }
 
 /// Accelerations, and those of a step.

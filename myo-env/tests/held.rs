@@ -6,9 +6,9 @@ use myo_model::description::{Cone, Connection, Contact, Geom, Integrator, Shape,
 use myo_model::{Model, builtin};
 
 /// The arm with its forearm on a strap and its hand on a spring, and a pad on its hand that rubs against its trunk.
-fn held(cone: Cone) -> Model {
+fn held(cone: Cone, integrator: Integrator) -> Model {
     let mut arm = builtin("mobl-arms").unwrap();
-    (arm.options.cone, arm.options.integrator, arm.options.impratio) = (cone, Integrator::ImplicitFast, 2.0);
+    (arm.options.cone, arm.options.integrator, arm.options.impratio) = (cone, integrator, 2.0);
     let softness = Softness { solref: [0.3, 1.0], ..Softness::default() };
     let hold = |body: &str, weld: Option<Weld>| Connection {
         bodies: [body, "thorax"].map(String::from),
@@ -42,8 +42,12 @@ fn runs(env: &mut dyn VectorEnv) -> Vec<StepStorage> {
 #[test]
 fn lanes_and_cards_follow_the_reference() {
     let (task, config) = (fast("pointing-uitb"), EnvConfig { num_envs: 32, ..EnvConfig::default() });
-    for cone in [Cone::Elliptic, Cone::Pyramidal] {
-        let model = held(cone);
+    for (cone, integrator) in [
+        (Cone::Elliptic, Integrator::ImplicitFast),
+        (Cone::Pyramidal, Integrator::ImplicitFast),
+        (Cone::Pyramidal, Integrator::Implicit),
+    ] {
+        let model = held(cone, integrator);
         let mut reference = ReferenceEnv::new(&model, &task, &config).unwrap();
         let wanted = runs(&mut reference);
         let saved = reference.save_state().unwrap();
@@ -51,12 +55,12 @@ fn lanes_and_cards_follow_the_reference() {
         assert!((0..config.num_envs).all(|env| moved(env).iter().any(|rate| rate.abs() > 1e-3)), "they move");
         let mut lanes = CpuEnv::new(&model, &task, &config).unwrap();
         for (step, (got, want)) in runs(&mut lanes).iter().zip(&wanted).enumerate() {
-            assert_follows(&reference, got, want, &format!("lanes, {cone:?}, step {step}"));
+            assert_follows(&reference, got, want, &format!("lanes, {cone:?}, {integrator:?}, step {step}"));
         }
         if !without_gpu() {
             let mut card = GpuEnv::new(&gpu(), &model, &task, &config).unwrap();
             for (step, (got, want)) in runs(&mut card).iter().zip(&wanted).enumerate() {
-                assert_follows(&reference, got, want, &format!("card, {cone:?}, step {step}"));
+                assert_follows(&reference, got, want, &format!("card, {cone:?}, {integrator:?}, step {step}"));
             }
         }
     }

@@ -6,7 +6,7 @@ mod looks;
 mod sensors;
 
 use crate::check::{Bound, Check};
-use crate::description::{self as source, Integrator, JointKind, ModelDescription, PathElement, Shape};
+use crate::description::{self as source, JointKind, ModelDescription, PathElement, Shape};
 use crate::error::{Element, ElementKind, ModelError};
 use crate::model::{Body, Contact, Coupling, Geom, Joint, Model, Muscle, Over, Pulley, Site, WORLD, Wrap};
 use myo_nearest::Nearest;
@@ -64,7 +64,6 @@ impl Model {
         check_anthropometry(description, &body_index)?;
         let joints = joints(description, &body_index)?;
         check_freedom(&bodies, &joints)?;
-        check_alone(&bodies, &joints, description.options.integrator)?;
         check_moving_mass(&bodies, &joints)?;
         let couplings = couplings(description, &joints)?;
         let connections = connections::connections(description, &body_index)?;
@@ -304,24 +303,6 @@ fn check_freedom(bodies: &[Body], joints: &[Joint]) -> Result<(), ModelError> {
         }
     }
     Ok(())
-}
-
-/// A body that moves freely and carries nothing that moves turns implicitly, too, in MuJoCo's `implicitfast`, which is not simulated.
-fn check_alone(bodies: &[Body], joints: &[Joint], integrator: Integrator) -> Result<(), ModelError> {
-    let carries = |mut below: usize, body: usize| {
-        while below != WORLD && below != body {
-            below = bodies[below].parent;
-        }
-        below == body
-    };
-    let is_alone = |joint: &&Joint| {
-        let mut others = joints.iter().filter(|other| other.name != joint.name);
-        joint.kind == JointKind::Free && !others.any(|other| carries(other.body, joint.body))
-    };
-    match joints.iter().find(is_alone).filter(|_| integrator == Integrator::ImplicitFast) {
-        Some(joint) => Err(ModelError::ImplicitAlone { element: Element::new(ElementKind::Joint, &joint.name) }),
-        None => Ok(()),
-    }
 }
 
 fn joint(joint: &source::Joint, bodies: &Index) -> Result<Joint, ModelError> {

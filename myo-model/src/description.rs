@@ -100,7 +100,7 @@ pub struct Options {
     /// How time steps are made.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Integrator::is_default"))]
     pub integrator: Integrator,
-    /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`); `implicitfast` always does.
+    /// Whether joint damping is integrated implicitly (MuJoCo's `eulerdamp`); `implicitfast` and `implicit` always do.
     pub implicit_joint_damping: bool,
     /// The shape of the cone in which forces of parts of the body that touch are. Boxes of a task are pressed with pyramids.
     #[cfg_attr(feature = "files", serde(default, skip_serializing_if = "Cone::is_default"))]
@@ -121,9 +121,10 @@ pub enum Integrator {
     /// New velocities with forces as they are, then positions with these.
     #[default]
     Euler,
-    /// The same, with forces of muscles and dampers as they become with the new velocities: MuJoCo's `implicitfast`, but not for bodies that move freely and carry
-    /// nothing that moves.
+    /// The same, with forces of muscles and dampers as they become with the new velocities: MuJoCo's `implicitfast`.
     ImplicitFast,
+    /// The same with Coriolis and centrifugal forces, too, as they become with the new velocities: MuJoCo's `implicit`.
+    Implicit,
 }
 
 #[cfg(feature = "files")]

@@ -262,14 +262,6 @@ pub enum ModelError {
         /// The geom.
         geom: String,
     },
-    /// A body that moves freely alone, whose steps are to be implicit.
-    #[error(
-        "{element} moves a body that carries nothing that moves, which `integrator: implicitfast` is not simulated for; take `euler`"
-    )]
-    ImplicitAlone {
-        /// The joint.
-        element: Element,
-    },
     /// A body is asked to hold itself.
     #[error("a connection names body `{body}` twice; it holds two together")]
     HeldToItself {

@@ -96,6 +96,7 @@ fn settings(xml: &mut Xml, model: &Model, options: &MjcfOptions) {
     let integrator = match model.options.integrator {
         Integrator::Euler => "Euler",
         Integrator::ImplicitFast => "implicitfast",
+        Integrator::Implicit => "implicit",
     };
     let cone = match model.options.cone {
         Cone::Pyramidal => "pyramidal",

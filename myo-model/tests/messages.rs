@@ -1,8 +1,8 @@
 //! What a person is told when a model is wrong.
 
 use myo_model::description::{
-    Body, Connection, Contact, Geom, Hull, Integrator, Joint, JointKind, Look, Over, PathElement, Pulley, Shape,
-    Softness, TendonLimit, Weld, Wrap, WrapShape,
+    Connection, Contact, Geom, Hull, Joint, JointKind, Look, Over, PathElement, Pulley, Shape, Softness, TendonLimit,
+    Weld, Wrap, WrapShape,
 };
 use myo_model::{Model, ModelDescription, builtin};
 
@@ -312,25 +312,6 @@ fn friction_is_some_or_none() {
     check_friction(rolling, "`rolling` is 0.01; it must be at least 0.00001 m, and there only with `torsional`");
     let lame = Contact { torsional: 0.01, rolling: [0.01, 0.0], ..sliding(0.5) };
     check_friction(lame, "`rolling` is 0; it must be at least 0.00001 m in both directions, or 0 in both");
-}
-
-#[test]
-fn what_moves_freely_alone_is_not_implicit() {
-    let loose = |arm: &mut ModelDescription| {
-        arm.options.integrator = Integrator::ImplicitFast;
-        let ball = Body { name: "ball".into(), parent: "world".into(), ..arm.bodies[1].clone() };
-        arm.joints.push(Joint {
-            name: "ball".into(),
-            body: "ball".into(),
-            kind: JointKind::Free,
-            axis: [0.0; 3],
-            range: None,
-            ..arm.joints[0].clone()
-        });
-        arm.bodies.push(ball);
-    };
-    let message = "joint `ball` moves a body that carries nothing that moves, which `integrator: implicitfast` is not simulated for; take `euler`";
-    check(loose, message);
 }
 
 #[test]

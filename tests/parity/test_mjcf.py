@@ -45,9 +45,16 @@ MODELS = {
     "elliptic blocks": ("tip", "arm"),
     "twisting tumbler": ("tip", "arm"),
     "rolling tumbler": ("tip", "arm"),
+    "implicitfast tumbler": ("tip", "arm"),
+    "implicitfast myofinger": ("IFtip", "proximal"),
+    "implicitfast myoarm_r": ("IFtip_r", "humerus_r"),
+    "implicitfast juggler": ("tip", "arm"),
     "implicit tumbler": ("tip", "arm"),
+    "implicit linkage": ("tip", "arm"),
+    "implicit juggler": ("tip", "arm"),
     "implicit myofinger": ("IFtip", "proximal"),
     "implicit myoarm_r": ("IFtip_r", "humerus_r"),
+    "implicit myolegs": ("torso_root_attach", "sacrum"),
     "elliptic tumbler": ("tip", "arm"),
     "elliptic rolling tumbler": ("tip", "arm"),
     "elliptic myolegs": ("torso_root_attach", "sacrum"),
@@ -80,9 +87,9 @@ BEFORE_4 = MUJOCO < 4
 #: What a side site says changed with 4.0.
 SIDE_RULE = "mujoco3" if BEFORE_4 else "mujoco4"
 if BEFORE_4:
-    # How rods lie on cylinders is another thing there, and what it saves of the others it cannot read, or has no contacts.
-    others = [name for name in MODELS if "tumbler" in name or "blocks" in name]
-    for name in [*others, "myolegs", "elliptic myolegs", "myofullbody", "myoarms", "sliding myoarm_r"]:
+    # How rods lie on cylinders and how free bodies turn implicitly is another thing there, and what it saves of the others it cannot read, or has no contacts.
+    others = [name for name in MODELS if {"tumbler", "juggler", "blocks", "myolegs"} & set(name.split())]
+    for name in [*others, "myofullbody", "myoarms", "sliding myoarm_r"]:
         del MODELS[name]
     # Nor are contacts of meshes the same.
     for name in ["myolegs26", *(name for name in MODELS if name.startswith("legs among"))]:
@@ -153,9 +160,9 @@ def by_a_post(spec):
 def spec_of(name):
     """A model as its package builds it, or as its name says it is changed."""
     first, _, rest = name.partition(" ")
-    if first == "implicit":
+    if first in ("implicit", "implicitfast"):
         spec = spec_of(rest)
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{first.upper()}")
         return spec
     if first == "held":
         return held(spec_of(rest))
@@ -168,7 +175,7 @@ def spec_of(name):
         return among(name.removeprefix("legs among "))
     if name == "blocks by a post":
         return by_a_post(spec_of(first))
-    if "tumbler" in name or "blocks" in name or name == "linkage":
+    if name.split()[-1] in ("tumbler", "juggler", "blocks", "linkage"):
         text = (ROOT / f"myo-dynamics/examples/{name.split()[-1]}.xml").read_text()
         return mujoco.MjSpec.from_string(ROUGH[name](text) if name in ROUGH else text)
     if name == "myoelbow":

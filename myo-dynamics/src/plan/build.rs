@@ -4,8 +4,8 @@ use super::coordinates::Coordinates;
 use super::{
     BallAxis, Body, Branch, Connection, ContactPair, ContactSphere, CouplingMode, Drive, Elements, Elimination,
     Equality, FixedFrame, Form, ImplicitMuscle, JointCoordinates, Limit, Link, LinkMotion, Movers, Placement, Plan,
-    PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, connections, pairs,
-    reference_pose, sets,
+    PlanError, Point, RoundThing, Screw, Segment, SegmentPair, Stretch, TendonLimit, Tendons, Unsymmetric, connections,
+    implicit, pairs, reference_pose, sets,
 };
 use crate::impedance::Impedance;
 use myo_model::Model;
@@ -86,9 +86,11 @@ impl Plan<f64> {
         let connections = connections::connections(model, &tree);
         let fingertip = tree.site(model, model.fingertip_site);
         let elements = tree.elements(model);
-        let is_implicit = model.options.integrator == Integrator::ImplicitFast;
+        let is_implicit = model.options.integrator != Integrator::Euler;
         let along = |muscle| ImplicitMuscle { dofs: tree.dofs_along(model, muscle), pairs: vec![] };
         let implicit_muscles = model.muscles.iter().filter(|_| is_implicit).map(along).collect();
+        let unsymmetric = Unsymmetric::asked(model, &coordinates);
+        let apart = implicit::apart(model, &coordinates);
         let h = model.options.timestep;
         let mut plan = Plan {
             timestep: h,
@@ -110,12 +112,14 @@ impl Plan<f64> {
             sets: vec![],
             mass_terms: vec![],
             elimination: Elimination::default(),
+            unsymmetric,
             projections: vec![],
             profiled: vec![],
             energy_profiles: vec![],
             tendons,
             muscles: vec![],
             implicit_muscles,
+            apart,
             hulls,
             smooth_activation: model.muscles.iter().any(|muscle| muscle.parameters.tau_smooth > 0.0),
             tendon_limits,
@@ -153,6 +157,7 @@ impl Plan<f64> {
         used.remove(&0);
         sets::connect(self, &used);
         self.elimination = Elimination::of(self);
+        self.unsymmetric = self.unsymmetric.take().map(|unsymmetric| unsymmetric.of(self));
         let along = self.implicit_muscles.iter().map(|muscle| ImplicitMuscle::of(muscle.dofs.clone(), self));
         self.implicit_muscles = along.collect();
         for sphere in &mut self.contact_spheres {

@@ -20,7 +20,7 @@ cast! {
     Plan {
         timestep, impratio, gravity, origin, dofs, qpos0, links, bodies, curved_joints, profiled, energy_profiles, tendons, muscles, limits, tendon_limits,
         equalities, connections, fingertip, arm, fingers, contact_spheres, pairs, joints, elements;
-        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, projections, implicit_muscles, smooth_activation, hulls
+        implicit_damping, carried, balls, screws, sets, mass_terms, elimination, unsymmetric, projections, implicit_muscles, apart, smooth_activation, hulls
     }
     Elements { bodies, sites, wraps }
     Dof { range, stiffness, spring_torque, damping, armature; name, kind, at }

@@ -244,6 +244,15 @@ impl<C> JointCoordinates<C> {
         }
     }
 
+    /// Coordinates that are this joint's own.
+    pub(super) fn dofs(&self) -> Range<usize> {
+        match self {
+            Self::One(Drive { dof: Some(dof), form: Form::Identity, .. }) => *dof..dof + 1,
+            Self::One(_) => 0..0,
+            Self::Many { qvel, .. } => qvel.clone(),
+        }
+    }
+
     /// Whether anything moves it.
     pub(super) fn moves(&self) -> bool {
         self.drive().is_none_or(|drive| drive.dof.is_some())

@@ -137,7 +137,8 @@ impl Elimination {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::step::cholesky;
+    use crate::plan::Unsymmetric;
+    use crate::step::{cholesky, lu};
     use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
 
@@ -189,6 +190,27 @@ mod tests {
                 let mut lower: Vec<f64> = (0..ndof * ndof).map(|at| matrix[(at / ndof, at % ndof)]).collect();
                 let (mut pivot, mut x) = (vec![0.0; ndof], right.as_slice().to_vec());
                 cholesky::factor_and_solve(&elimination, &mut lower, &mut pivot, &mut x);
+                for (x, wanted) in x.iter().zip(&wanted) {
+                    prop_assert!((x - wanted).abs() < 1e-12, "{x} and {wanted}");
+                }
+            }
+        }
+
+        #[test]
+        fn halves_that_differ_are_solved_too((ndof, pairs) in pattern()) {
+            let mut matrix = matrix(ndof, &pairs);
+            for row in 0..ndof {
+                for column in 0..row {
+                    matrix[(row, column)] *= 0.3;
+                }
+            }
+            let right = DVector::from_fn(ndof, |k, _| (k as f64 + 1.0).cos());
+            let wanted = matrix.clone().lu().solve(&right).expect("it is not singular");
+            for order in [(0..ndof).collect::<Vec<_>>(), (0..ndof).rev().collect()] {
+                let elimination = Unsymmetric { columns: Unsymmetric::columns(&Elimination::in_order(&order, &pairs)), ..Unsymmetric::default() };
+                let mut entries: Vec<f64> = (0..ndof * ndof).map(|at| matrix[(at / ndof, at % ndof)]).collect();
+                let (mut pivot, mut x) = (vec![0.0; ndof], right.as_slice().to_vec());
+                lu::factor_and_solve(&elimination, &mut entries, &mut pivot, &mut x);
                 for (x, wanted) in x.iter().zip(&wanted) {
                     prop_assert!((x - wanted).abs() < 1e-12, "{x} and {wanted}");
                 }

@@ -17,6 +17,7 @@ mod reference_pose;
 mod sensors;
 mod sets;
 mod specialise;
+mod unsymmetric;
 mod wraps;
 
 pub use connections::Connection;
@@ -28,6 +29,7 @@ pub use movers::{Mover, Movers};
 pub use pairs::{ContactPair, Part, PartForm};
 pub use sensors::Sensors;
 pub(crate) use sensors::{Feeling, Measured, Seen, Sensor, Turn};
+pub use unsymmetric::{FeltBothWays, LaterBothWays, Unsymmetric, UnsymmetricColumn};
 
 use crate::impedance::Impedance;
 use crate::mesh::Hull;
@@ -83,6 +85,8 @@ pub struct Plan<C> {
     pub mass_terms: Vec<MassTerm>,
     /// Which entries of the mass matrix are not always zero, and in which order coordinates are eliminated.
     pub elimination: Elimination,
+    /// The same of a matrix whose halves differ, where steps take Coriolis forces implicitly (MuJoCo's `implicit`); else none.
+    pub unsymmetric: Option<Unsymmetric>,
     /// Which wrench does work on which screw.
     pub projections: Vec<Projection>,
     /// Joints whose coupling is not linear: their passive forces do not fold into [`Dof`].
@@ -97,6 +101,8 @@ pub struct Plan<C> {
     pub muscles: Vec<Muscle<C>>,
     /// Of each muscle what an implicit step asks; none where steps are explicit.
     pub implicit_muscles: Vec<ImplicitMuscle>,
+    /// Pairs of coordinates, the greater one first, which no muscle ties together in such steps.
+    pub apart: Vec<[usize; 2]>,
     /// Whether the time constants of any muscle's activation blend.
     pub smooth_activation: bool,
     /// Joint limits.

@@ -1,4 +1,4 @@
-//! Muscles at the end of a step instead of its beginning: MuJoCo's `implicitfast`.
+//! Muscles at the end of a step instead of its beginning: MuJoCo's `implicitfast`, and with Coriolis forces (`coriolis.rs`) its `implicit`.
 //!
 //! A muscle pulls less the faster it shortens, as if it were a damper beside its tendon. With its moment arms `m` and the slope `-d` of its force
 //! by its rate, `h d m m^T` is added to the mass matrix, as `h B` of joint dampers is.

@@ -31,7 +31,7 @@ pub fn resist<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
 
 /// Inertia about the centre of mass in world axes.
 #[inline(always)]
-fn about_com<S: Scalar>(body: &Body<S::Const>, rotation: &Rotation<S>) -> Symmetric<S> {
+pub(super) fn about_com<S: Scalar>(body: &Body<S::Const>, rotation: &Rotation<S>) -> Symmetric<S> {
     let mut sum = Symmetric::isotropic(S::splat(body.isotropic));
     for &arm in &body.arms {
         if arm != [S::Const::default(); 3] {

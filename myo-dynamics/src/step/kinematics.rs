@@ -71,10 +71,18 @@ pub fn joint_state<S: Scalar>(drive: &Drive<S::Const>, qpos: &[S], qvel: &[S]) -
             let position = c4.mul_add(q, c3).mul_add(q, c2).mul_add(q, c1).mul_add(q, c0);
             let (two_c2, three_c3, four_c4) = (c2 * S::lit(2.0), c3 * S::lit(3.0), c4 * S::lit(4.0));
             let slope = four_c4.mul_add(q, three_c3).mul_add(q, two_c2).mul_add(q, c1);
-            let curvature = (four_c4 * S::lit(3.0)).mul_add(q, three_c3 * S::lit(2.0)).mul_add(q, two_c2);
-            JointState { position, rate: slope * v, slope, drift: curvature * v * v, ..still }
+            JointState { position, rate: slope * v, slope, drift: curvature(drive, q) * v * v, ..still }
         }
     }
+}
+
+/// Second derivative `p''(q)` of a joint's position.
+#[inline(always)]
+pub(super) fn curvature<S: Scalar>(drive: &Drive<S::Const>, q: S) -> S {
+    let [_, _, c2, c3, c4] = &drive.poly;
+    let (two_c2, three_c3) = (S::splat(*c2) * S::lit(2.0), S::splat(*c3) * S::lit(3.0));
+    let four_c4 = S::splat(*c4) * S::lit(4.0);
+    (four_c4 * S::lit(3.0)).mul_add(q, three_c3 * S::lit(2.0)).mul_add(q, two_c2)
 }
 
 #[inline(always)]
@@ -196,7 +204,7 @@ fn follow<S: Scalar>(index: usize, profile: &PoseProfile<S::Const>, joint: Joint
 }
 
 #[inline(always)]
-fn motion<S: Scalar>(p: &[[Polynomial<S::Const>; 3]; 2], t: S) -> Motion<S> {
+pub(super) fn motion<S: Scalar>(p: &[[Polynomial<S::Const>; 3]; 2], t: S) -> Motion<S> {
     Motion { ang: vector(&p[0], t), lin: vector(&p[1], t) }
 }
 

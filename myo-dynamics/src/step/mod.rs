@@ -9,6 +9,7 @@ mod cone;
 mod connection;
 pub mod constraint;
 pub mod contact;
+mod coriolis;
 mod cuboid;
 mod cylinder;
 pub mod ellipsoid;
@@ -16,6 +17,7 @@ pub mod force;
 mod implicit;
 pub mod inertia;
 pub mod kinematics;
+pub(crate) mod lu;
 mod mesh;
 pub mod nearby;
 pub mod pair;
@@ -25,6 +27,7 @@ pub mod tendon_limit;
 pub mod wrap;
 
 pub use cone::ConeSearch;
+pub use coriolis::{Coriolis, Turning};
 pub(crate) use pair::LOWEST;
 
 use crate::obstacles::Obstacles;
@@ -200,8 +203,8 @@ pub fn integrate<S: Scalar>(plan: &Plan<S::Const>, ctrl: &[S], state: &mut State
     }
 }
 
-/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`, and with muscles as dampers its `implicitfast`. The
-/// forces of constraints stay those of the explicit acceleration.
+/// Damping at the end of the step instead of its beginning: `(M + h B) step_qacc = M qacc`, MuJoCo's `eulerdamp`, with muscles as dampers its `implicitfast`, and with Coriolis
+/// forces its `implicit`, whose matrix is not symmetric. The forces of constraints stay those of the explicit acceleration.
 #[inline(always)]
 fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) {
     let n = plan.ndof();
@@ -219,7 +222,14 @@ fn damp_implicitly<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut 
     if !plan.implicit_muscles.is_empty() {
         implicit::resist(plan, state, ws);
     }
-    cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
+    match &plan.unsymmetric {
+        None => cholesky::factor_and_solve(&plan.elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc),
+        Some(elimination) => {
+            lu::mirror(elimination, &mut ws.matrix);
+            coriolis::resist(plan, state, ws);
+            lu::factor_and_solve(elimination, &mut ws.matrix, &mut ws.pivot, &mut ws.step_qacc);
+        }
+    }
 }
 
 /// Positions of the fingers that the plan [keeps](Plan::with_fingers) (m, from the shoulder centre), after [`kinematics::kinematics`].

@@ -51,10 +51,6 @@ impl Import<'_> {
                     joint.reference() != 0.0,
                     "a position in the written pose (`ref`) other than 0 is not simulated; count from the written pose",
                 ),
-                (
-                    is_free && self.mjcf.option.integrator() == source::Integrator::ImplicitFast && self.is_alone(body),
-                    "a body that moves freely and carries nothing that moves is not simulated with `implicitfast`, which turns it implicitly; take `Euler`",
-                ),
                 (aligns, "a body's frame is not moved to its centre of mass (`align`, `alignfree`)"),
                 (!is_scalar && is_limited, "limits of ball joints (`range`) are not simulated"),
                 (
@@ -105,20 +101,6 @@ impl Import<'_> {
             Some(Auto::Auto) | None => self.mjcf.compiler.alignfree(),
         };
         is_asked && self.mjcf.bodies.iter().skip(1).all(|other| other.parent != body)
-    }
-
-    /// Whether no other joint is on a body, or on what hangs on it.
-    fn is_alone(&self, body: usize) -> bool {
-        let bodies = &self.mjcf.bodies;
-        let carries = |mut below: usize| {
-            while below != 0 && below != body {
-                below = bodies[below].parent;
-            }
-            below == body
-        };
-        let joints =
-            bodies.iter().enumerate().filter(|(number, _)| carries(*number)).map(|(_, below)| below.joints.len());
-        joints.sum::<usize>() == 1
     }
 
     pub(super) fn couplings(&mut self) -> Vec<Coupling> {

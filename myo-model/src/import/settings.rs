@@ -4,6 +4,16 @@ use super::Import;
 use crate::description::{Cone, Integrator, Options};
 use myo_mjcf::{self as source, Switch};
 
+/// An integrator, if it is simulated.
+fn integrator(integrator: source::Integrator) -> Option<Integrator> {
+    match integrator {
+        source::Integrator::Euler => Some(Integrator::Euler),
+        source::Integrator::Implicit => Some(Integrator::Implicit),
+        source::Integrator::ImplicitFast => Some(Integrator::ImplicitFast),
+        _ => None,
+    }
+}
+
 impl Import<'_> {
     pub(super) fn settings(&mut self) -> Options {
         let mjcf = self.mjcf;
@@ -15,8 +25,8 @@ impl Import<'_> {
             ("option", None),
             &[
                 (
-                    !matches!(option.integrator(), source::Integrator::Euler | source::Integrator::ImplicitFast),
-                    "of integrators only `Euler` and `implicitfast` are simulated",
+                    integrator(option.integrator()).is_none(),
+                    "of integrators only `Euler`, `implicit` and `implicitfast` are simulated",
                 ),
                 (
                     option.density() != 0.0 || option.viscosity() != 0.0,
@@ -52,7 +62,6 @@ impl Import<'_> {
                 "bodies are not scaled to a total mass (`settotalmass`); let MuJoCo load the model and save it with `mj_saveLastXML`",
             )],
         );
-        let is_euler = option.integrator() == source::Integrator::Euler;
         Options {
             timestep: option.timestep(),
             gravity: if is_on(flags.gravity()) { option.gravity() } else { [0.0; 3] },
@@ -61,7 +70,7 @@ impl Import<'_> {
                 source::Cone::Elliptic => Cone::Elliptic,
             },
             impratio: option.impratio(),
-            integrator: if is_euler { Integrator::Euler } else { Integrator::ImplicitFast },
+            integrator: integrator(option.integrator()).unwrap_or_default(),
             implicit_joint_damping: is_on(flags.eulerdamp()),
             side_rule: self.side_rule,
         }
