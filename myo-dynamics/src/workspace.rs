@@ -260,6 +260,9 @@ pub struct Workspace<S: Scalar> {
     pub is_carried: bool,
     /// What looking for contacts of meshes needs.
     pub touching: Scratch,
+    /// By a pair's first contact, a direction from its first part to the second along which they were far apart, in the first's frame, if the second is a mesh. No result
+    /// depends on it, but where to begin to look.
+    pub towards: Vec<Vec3<S>>,
     /// Screws: one per link, then the plan's further ones.
     pub screw: Vec<Motion<S>>,
     /// Velocity of each link.
@@ -369,6 +372,7 @@ impl<S: Scalar> Workspace<S> {
             position: vec![Vec3::zero(); nlink],
             is_carried: plan.carried.is_some(),
             touching: Scratch::new(plan.hulls.iter().map(AsRef::as_ref)),
+            towards: vec![Vec3::zero(); plan.pair_contacts()],
             screw: vec![Motion::zero(); nscrew],
             velocity: vec![Motion::zero(); nlink],
             acceleration: vec![Motion::zero(); nlink],

@@ -1,15 +1,16 @@
 //! Contacts of convex meshes: looked for in double precision, one body at a time.
 
+use super::gap::Two;
 use super::pair::Meets;
 use crate::mesh::{Contacts, MOST_CONTACTS, Other, Place, contacts};
 use crate::plan::{ContactPair, PartForm, Plan};
-use crate::spatial::{Rotation, Vec3};
+use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::Workspace;
 use myo_scalar::{Mask, Real, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// Numbers that tell where a mesh is in the frame of another shape, and those of all contacts.
-const PLACE: usize = 12;
+/// Numbers that tell where a mesh is in the frame of another shape, and a direction to it; and those of all contacts.
+const PLACE: usize = 15;
 const EACH: usize = 8;
 const ALL: usize = EACH * MOST_CONTACTS;
 
@@ -25,23 +26,29 @@ pub(super) fn meet<S: Scalar>(
     let frame = ws.fixed(&pair.parts[0].frame);
     let seen = ws.fixed(&pair.parts[1].frame);
     let Rotation { x, y, z } = seen.rotation;
-    let mut place = [S::zero(); PLACE];
-    for (numbers, vector) in place.chunks_exact_mut(3).zip([
-        frame.rotation.apply_inverse(x),
-        frame.rotation.apply_inverse(y),
-        frame.rotation.apply_inverse(z),
-        frame.seen(seen.position),
-    ]) {
+    let [x, y, z] = [frame.rotation.apply_inverse(x), frame.rotation.apply_inverse(y), frame.rotation.apply_inverse(z)];
+    let place = Frame { rotation: Rotation { x, y, z }, position: frame.seen(seen.position) };
+    let hull = &plan.hulls[hull];
+    let near = near & !Two { plan, pair, hull, place }.are_apart(&mut ws.towards[pair.slot]);
+    let mut meets =
+        [(S::Mask::splat(false), Meets { distance: S::zero(), normal: Vec3::zero(), at: Vec3::zero() }); MOST_CONTACTS];
+    if !near.any() {
+        return meets;
+    }
+    let mut vectors = [S::zero(); PLACE];
+    for (numbers, vector) in vectors.chunks_exact_mut(3).zip([x, y, z, place.position, ws.towards[pair.slot]]) {
         numbers.copy_from_slice(&vector.array());
     }
     let (form, margin) = (pair.parts[0].form, pair.margin.to_f64());
     let scratch = &mut ws.touching;
-    let found = S::lane_by_lane(near, place, |place| {
+    let found = S::lane_by_lane(near, vectors, |place| {
         let first = other(plan, form);
-        numbers(&contacts(first, &plan.hulls[hull], &placed(place), margin, scratch))
+        let (place, mut towards) = placed(place);
+        let contacts = contacts(first, hull, &place, &mut towards, margin, scratch);
+        numbers(&contacts, &towards)
     });
-    let mut meets =
-        [(S::Mask::splat(false), Meets { distance: S::zero(), normal: Vec3::zero(), at: Vec3::zero() }); MOST_CONTACTS];
+    let better = Vec3::new(found[ALL], found[ALL + 1], found[ALL + 2]);
+    ws.towards[pair.slot] = Vec3::select(near, better, ws.towards[pair.slot]);
     for (point, (exists, meets)) in meets.iter_mut().enumerate() {
         let of = |k: usize| found[EACH * point + k];
         *exists = S::zero().lt(of(0)) & near;
@@ -67,13 +74,15 @@ fn other<C: Real>(plan: &Plan<C>, form: PartForm<C>) -> Other<'_> {
     }
 }
 
-fn placed(numbers: &[f64; PLACE]) -> Place {
-    Place { rotation: Matrix3::from_column_slice(&numbers[..9]), position: Vector3::from_column_slice(&numbers[9..]) }
+fn placed(numbers: &[f64; PLACE]) -> (Place, Vector3<f64>) {
+    let vector = |first: usize| Vector3::from_column_slice(&numbers[first..first + 3]);
+    (Place { rotation: Matrix3::from_column_slice(&numbers[..9]), position: vector(9) }, vector(12))
 }
 
-/// One if there is a contact, its distance, normal and place; of all of them.
-fn numbers(contacts: &Contacts) -> [f64; ALL] {
-    let mut numbers = [0.0; ALL];
+/// One if there is a contact, its distance, normal and place; of all of them, and then a direction.
+fn numbers(contacts: &Contacts, towards: &Vector3<f64>) -> [f64; ALL + 3] {
+    let mut numbers = [0.0; ALL + 3];
+    numbers[ALL..].copy_from_slice(towards.as_slice());
     for (numbers, contact) in numbers.chunks_exact_mut(EACH).zip(contacts.iter()) {
         (numbers[0], numbers[1]) = (1.0, contact.distance);
         numbers[2..5].copy_from_slice(contact.normal.as_slice());

@@ -12,6 +12,7 @@ pub mod contact;
 mod cylinder;
 pub mod ellipsoid;
 pub mod force;
+mod gap;
 mod implicit;
 pub mod inertia;
 pub mod kinematics;

@@ -9,7 +9,7 @@ use super::support::{Apart, Oval, Segment, Smooth, ovals};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
-use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
+use myo_scalar::{Carried, Mask, Real, Scalar, Stage, Visitor};
 
 /// Squares of distances (m^2) below which two points are one, in reach of single precision.
 const SAME: f64 = 1e-24;
@@ -79,7 +79,7 @@ impl<S: Scalar> Stage<S> for Near<'_, S> {
         let Self { plan, pair, near, state, ws } = self;
         if let PartForm::Mesh(hull) = pair.parts[1].form {
             for (point, (exists, meets)) in mesh::meet(plan, pair, hull, near, ws).into_iter().enumerate() {
-                if point < pair.points {
+                if point < pair.points && exists.any() {
                     touch(plan, pair, state, (point, exists, meets), ws);
                 }
             }
