@@ -53,7 +53,7 @@ impl Cylinder {
         margin: f64,
         scratch: &mut Scratch,
     ) -> Contacts {
-        let touch = self.over_end(mesh).unwrap_or_else(|| self.beside(mesh, towards, scratch));
+        let touch = self.nearest(mesh, towards, scratch);
         *towards = touch.normal;
         if touch.depth <= -margin {
             return Contacts::default();
@@ -76,6 +76,11 @@ impl Cylinder {
         [on_rim, Vector3::new(on_rim.x, on_rim.y, -on_rim.z)]
     }
 
+    /// Where it and a mesh touch, or are nearest to each other, found from a direction on.
+    pub(super) fn nearest(&self, mesh: &Placed<'_>, towards: &Vector3<f64>, scratch: &mut Scratch) -> Touch {
+        self.over_end(mesh).unwrap_or_else(|| self.beside(mesh, towards, scratch))
+    }
+
     /// Where a mesh is right over one of the ends: nothing is nearer than the lowest vertex there and its foot.
     fn over_end(&self, mesh: &Placed<'_>) -> Option<Touch> {
         let normal = Vector3::new(0.0, 0.0, outward(&mesh.position));
@@ -86,7 +91,7 @@ impl Cylinder {
         is_over.then(|| at_second(normal, depth, second, Feature::vertex(lowest)))
     }
 
-    /// Where it and a mesh touch, or are nearest to each other, found from a direction on.
+    /// The same of a mesh that is anywhere.
     fn beside(&self, mesh: &Placed<'_>, towards: &Vector3<f64>, scratch: &mut Scratch) -> Touch {
         let overlap = (self.furthest(towards) - mesh.vertex(mesh.furthest(&-towards))).dot(towards);
         if overlap < 0.0 {
@@ -117,7 +122,7 @@ impl Cylinder {
         descent.best
     }
 
-    /// Where it and a mesh touch, wherever they are.
+    /// Where it and a mesh touch, wherever they are, by trying everything.
     pub(super) fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
         let mut search = Search::new(self, mesh, scratch);
         for normal in [Vector3::z(), -Vector3::z()] {

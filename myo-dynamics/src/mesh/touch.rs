@@ -46,7 +46,7 @@ pub(super) fn hulls(
     }
     let nearest = super::apart::apart(one, other, &touch.normal, reach);
     // What is out of reach has no nearest points here.
-    if nearest.depth > -reach { nearest } else { Touch { depth: -reach, ..touch } }
+    if nearest.depth.is_finite() { nearest } else { Touch { depth: -reach, ..touch } }
 }
 
 /// Whether a few steps, the first in a direction from a shape to a hull, find one along which they are at least `reach` apart. Of each direction the
