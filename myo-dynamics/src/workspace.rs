@@ -215,7 +215,7 @@ impl<S: Scalar> Default for SolverTally<S> {
 }
 
 /// Most lanes of any level.
-const MAX_LANES: usize = 16;
+pub(crate) const MAX_LANES: usize = 16;
 
 /// What the constraint solver did for one body, or for several together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -371,7 +371,7 @@ impl<S: Scalar> Workspace<S> {
             rotation: vec![Rotation::identity(); nlink],
             position: vec![Vec3::zero(); nlink],
             is_carried: plan.carried.is_some(),
-            touching: Scratch::new(plan.hulls.iter().map(AsRef::as_ref)),
+            touching: Scratch::new(plan.hulls.iter().map(AsRef::as_ref)).remembering(crate::step::seeds::<S>(plan)),
             towards: vec![Vec3::zero(); plan.pair_contacts()],
             screw: vec![Motion::zero(); nscrew],
             velocity: vec![Motion::zero(); nlink],

@@ -28,7 +28,7 @@ impl<'a, R: Round> Descent<'a, R> {
     /// Of shapes that are apart along a normal.
     pub fn apart(shape: &'a R, hull: &'a Placed<'a>, normal: &Vector3<f64>, visited: &'a mut Vec<usize>) -> Self {
         visited.clear();
-        visited.push(hull.furthest(&-normal));
+        visited.push(hull.climbed(&-normal, None));
         Self::new(shape, hull, false, visited)
     }
 
@@ -40,7 +40,7 @@ impl<'a, R: Round> Descent<'a, R> {
         visited: &'a mut Vec<usize>,
     ) -> Self {
         visited.clear();
-        normals.for_each(|normal| add(visited, hull.furthest(&-normal)));
+        normals.for_each(|normal| add(visited, hull.climbed(&-normal, None)));
         Self::new(shape, hull, true, visited)
     }
 
@@ -75,6 +75,10 @@ impl<'a, R: Round> Descent<'a, R> {
         let second = self.hull.vertex(corner);
         let depth = (self.shape.furthest(normal) - second).dot(normal);
         if depth >= self.best.depth {
+            return;
+        }
+        // Only of what its neighbours do not rule out all corners are asked.
+        if self.hull.climbed(&-normal, Some(corner)) != corner {
             return;
         }
         let deepest = self.hull.vertex(self.hull.furthest(&-normal));

@@ -1,8 +1,8 @@
 //! The least way out of two hulls that overlap, by their difference: a triangle of one and a vertex of the other, or two edges, are a face of it.
 
 use super::placed::{Feature, Placed};
-use super::polytope::{Grown, Point, Polytope, Support};
-use super::scratch::Arc;
+use super::polytope::{Grown, Point, Support};
+use super::scratch::{Arc, Scratch};
 use super::touch::{Touch, nearest};
 use nalgebra::Vector3;
 
@@ -38,14 +38,25 @@ pub(super) fn least(
     one: &Placed<'_>,
     other: &Placed<'_>,
     towards: &Vector3<f64>,
-    polytope: &mut Polytope,
+    scratch: &mut Scratch,
 ) -> Option<Touch> {
-    match polytope.grown(towards, 0.0, &Hulls { one, other })? {
+    match grown(one, other, towards, scratch)? {
         Grown::Apart(normal, gap) => Some(Touch { depth: -gap, ..Touch::none(&normal) }),
         Grown::Least { normal, least, points, .. } => {
             of_face(one, other, &normal, &points).filter(|touch| touch.depth <= least + ROUNDING)
         }
     }
+}
+
+/// What grows of what is remembered, or else anew.
+fn grown(one: &Placed<'_>, other: &Placed<'_>, towards: &Vector3<f64>, scratch: &mut Scratch) -> Option<Grown> {
+    let (polytope, seed) = scratch.remembered();
+    let (hulls, counts) = (Hulls { one, other }, [one, other].map(|placed| placed.hull.vertices.len()));
+    let is_sown = seed.sow(counts, polytope, |of| hulls.point(of));
+    let grown = if is_sown { polytope.ripened(0.0, &hulls) } else { None };
+    let grown = grown.or_else(|| polytope.grown(towards, 0.0, &hulls))?;
+    seed.keep(counts, polytope);
+    Some(grown)
 }
 
 /// The touch along a face of the difference, by three points of it.

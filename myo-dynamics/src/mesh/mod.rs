@@ -20,6 +20,7 @@ mod quad;
 mod root;
 mod round;
 mod scratch;
+mod seed;
 #[cfg(test)]
 mod tests;
 mod touch;

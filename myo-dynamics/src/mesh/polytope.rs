@@ -35,8 +35,8 @@ pub(super) trait Support {
 
 /// A triangle between three points.
 #[derive(Clone, Copy, Debug)]
-struct Face {
-    corners: [usize; 3],
+pub(super) struct Face {
+    pub corners: [usize; 3],
     /// Unit, outward.
     normal: Vector3<f64>,
     /// That of its lowest point along the normal (m).
@@ -46,8 +46,8 @@ struct Face {
 /// A closed surface.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Polytope {
-    points: Vec<Point>,
-    faces: Vec<Face>,
+    pub points: Vec<Point>,
+    pub faces: Vec<Face>,
     /// Edges between what stays and what goes, as triangles that go have them.
     rim: Vec<[usize; 2]>,
 }
@@ -82,6 +82,11 @@ impl Polytope {
     /// Grows from a direction on until the least way out is known, but for a share of it. None if too many triangles are needed, or one that has no area.
     pub fn grown(&mut self, towards: &Vector3<f64>, share: f64, support: &impl Support) -> Option<Grown> {
         self.begin(towards, support)?;
+        self.ripened(share, support)
+    }
+
+    /// The same of a surface that has begun.
+    pub fn ripened(&mut self, share: f64, support: &impl Support) -> Option<Grown> {
         for _ in 0..MOST_ROUNDS {
             let nearest = self.nearest()?;
             let Face { normal, height: least, corners } = self.faces[nearest];
@@ -108,10 +113,14 @@ impl Polytope {
         self.faces.iter().filter(move |face| face.height <= height + ROUNDING).map(|face| &face.normal)
     }
 
-    /// A tetrahedron.
-    fn begin(&mut self, towards: &Vector3<f64>, support: &impl Support) -> Option<()> {
+    pub fn clear(&mut self) {
         self.points.clear();
         self.faces.clear();
+    }
+
+    /// A tetrahedron.
+    fn begin(&mut self, towards: &Vector3<f64>, support: &impl Support) -> Option<()> {
+        self.clear();
         self.points.extend(around(towards).map(|direction| support.near(&direction, None)));
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.points[k].at);
         let is_turned = (b - a).cross(&(c - a)).dot(&(d - a)) < 0.0;
@@ -121,8 +130,8 @@ impl Polytope {
         Some(())
     }
 
-    /// Adds a triangle.
-    fn add(&mut self, corners: [usize; 3]) -> Option<()> {
+    /// Adds a triangle and tells its height (m).
+    pub fn add(&mut self, corners: [usize; 3]) -> Option<f64> {
         if self.faces.len() == MOST_FACES {
             return None;
         }
@@ -130,7 +139,7 @@ impl Polytope {
         let normal = (b - a).cross(&(c - a)).try_normalize(NO_AREA)?;
         let height = a.dot(&normal).min(b.dot(&normal)).min(c.dot(&normal));
         self.faces.push(Face { corners, normal, height });
-        Some(())
+        Some(height)
     }
 
     /// The triangle whose plane is nearest to the origin, or, where that is outside, furthest on its wrong side.
@@ -158,7 +167,7 @@ impl Polytope {
         points.push(point);
         (0..self.rim.len()).try_for_each(|side| {
             let [from, to] = self.rim[side];
-            self.add([from, to, number])
+            self.add([from, to, number]).map(drop)
         })
     }
 }

@@ -238,7 +238,7 @@ impl<R: Round> Arc<'_, R> {
 
     /// The normal within the arc at which the overlap is least, where that is less than `bound`, which is no more than zero.
     pub fn least(&self, bound: f64) -> Option<Vector3<f64>> {
-        if self.is_no_less(&self.begin, &self.end, bound) || self.uphill(0.0) >= 0.0 || self.uphill(1.0) <= 0.0 {
+        if self.uphill(0.0) >= 0.0 || self.uphill(1.0) <= 0.0 || self.is_no_less(&self.begin, &self.end, bound) {
             return None;
         }
         Some(self.normal(root(|place| self.uphill(place), 0.0, 1.0)))

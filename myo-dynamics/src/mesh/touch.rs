@@ -39,7 +39,7 @@ pub(super) fn hulls(
     reach: f64,
     scratch: &mut Scratch,
 ) -> Touch {
-    let found = difference::least(one, other, towards, &mut scratch.polytope);
+    let found = difference::least(one, other, towards, scratch);
     let touch = found.unwrap_or_else(|| least_overlap(one, other, scratch));
     if touch.depth > 0.0 || touch.depth <= -reach {
         return touch;

@@ -5,12 +5,12 @@ use super::pair::Meets;
 use crate::mesh::{Contacts, MOST_CONTACTS, Other, Place, contacts};
 use crate::plan::{ContactPair, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
-use crate::workspace::Workspace;
+use crate::workspace::{MAX_LANES, Workspace};
 use myo_scalar::{Mask, Real, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
-/// Numbers that tell where a mesh is in the frame of another shape, and a direction to it; and those of all contacts.
-const PLACE: usize = 15;
+/// Numbers that tell where a mesh is in the frame of another shape, a direction to it and which lane it is; and those of all contacts.
+const PLACE: usize = 16;
 const EACH: usize = 8;
 const ALL: usize = EACH * MOST_CONTACTS;
 
@@ -39,10 +39,12 @@ pub(super) fn meet<S: Scalar>(
     for (numbers, vector) in vectors.chunks_exact_mut(3).zip([x, y, z, place.position, ws.towards[pair.slot]]) {
         numbers.copy_from_slice(&vector.array());
     }
+    vectors[PLACE - 1] = lane_numbers();
     let (form, margin) = (pair.parts[0].form, pair.margin.to_f64());
     let scratch = &mut ws.touching;
     let found = S::lane_by_lane(near, vectors, |place| {
         let first = other(plan, form);
+        scratch.recall(seed::<S>(pair.slot) + place[PLACE - 1] as usize);
         let (place, mut towards) = placed(place);
         let contacts = contacts(first, hull, &place, &mut towards, margin, scratch);
         numbers(&contacts, &towards)
@@ -57,6 +59,26 @@ pub(super) fn meet<S: Scalar>(
         meets.at = frame.place(Vec3::new(of(5), of(6), of(7)));
     }
     meets
+}
+
+/// Which lane each is.
+#[inline(always)]
+fn lane_numbers<S: Scalar>() -> S {
+    let mut numbers = [S::Const::default(); MAX_LANES];
+    for (number, lane) in numbers.iter_mut().enumerate() {
+        *lane = S::Const::from_f64(number as f64);
+    }
+    S::load(&numbers[..S::LANES])
+}
+
+/// How many touches are remembered.
+pub(crate) fn seeds<S: Scalar>(plan: &Plan<S::Const>) -> usize {
+    if plan.hulls.is_empty() { 0 } else { seed::<S>(plan.pair_contacts() + MOST_CONTACTS) }
+}
+
+/// The number of a pair's first by its first contact: two meshes have so many contacts at least.
+fn seed<S: Scalar>(slot: usize) -> usize {
+    slot / MOST_CONTACTS * S::LANES
 }
 
 /// What a mesh may touch.

@@ -25,6 +25,7 @@ pub mod tendon_limit;
 pub mod wrap;
 
 pub use cone::ConeSearch;
+pub(crate) use mesh::seeds;
 
 use crate::obstacles::Obstacles;
 use crate::plan::{DofKind, Plan};

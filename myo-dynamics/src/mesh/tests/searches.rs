@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::mesh::difference;
-use crate::mesh::polytope::Polytope;
 
 /// A convex body of so many points on an ellipsoid.
 fn pebble(draws: &mut Draws, count: usize, semiaxes: [f64; 3]) -> Vec<Vector3<f64>> {
@@ -29,14 +28,14 @@ fn bodies() -> Vec<[Hull; 2]> {
 fn a_surface_grows_into_the_least_way_out() {
     for [one, other] in &bodies() {
         let mut scratch = Scratch::new([one, other].into_iter());
-        let (mut draws, mut polytope, mut grown, mut overlapping) = (Draws(13), Polytope::new(), 0, 0);
+        let (mut draws, mut grown, mut overlapping) = (Draws(13), 0, 0);
         for case in 0..1000 {
             let distance = [0.0, 0.02, 0.1, 0.15][case % 4];
             let (one, other) = (placed(one, &draws.place(0.01)), placed(other, &draws.place(distance)));
             let wanted = least_overlap(&one, &other, &mut scratch);
             overlapping += usize::from(wanted.depth > 0.0);
             // None is rare, and then everything is tried.
-            let Some(found) = difference::least(&one, &other, &draws.vector(), &mut polytope) else { continue };
+            let Some(found) = difference::least(&one, &other, &draws.vector(), &mut scratch) else { continue };
             grown += 1;
             assert_eq!(found.depth > 0.0, wanted.depth > 0.0, "case {case}: {found:?}, {wanted:?}");
             if wanted.depth > 0.0 {
