@@ -215,7 +215,7 @@ impl<S: Scalar> Default for SolverTally<S> {
 }
 
 /// Most lanes of any level.
-const MAX_LANES: usize = 16;
+pub(crate) const MAX_LANES: usize = 16;
 
 /// What the constraint solver did for one body, or for several together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -260,6 +260,9 @@ pub struct Workspace<S: Scalar> {
     pub is_carried: bool,
     /// What looking for contacts of meshes needs.
     pub touching: Scratch,
+    /// By a pair's first contact, a direction from its first part to the second along which they were far apart, in the first's frame, if the second is a mesh. No result
+    /// depends on it, but where to begin to look.
+    pub towards: Vec<Vec3<S>>,
     /// Screws: one per link, then the plan's further ones.
     pub screw: Vec<Motion<S>>,
     /// Velocity of each link.
@@ -370,7 +373,8 @@ impl<S: Scalar> Workspace<S> {
             rotation: vec![Rotation::identity(); nlink],
             position: vec![Vec3::zero(); nlink],
             is_carried: plan.carried.is_some(),
-            touching: Scratch::new(plan.hulls.iter().map(AsRef::as_ref)),
+            touching: Scratch::new(plan.hulls.iter().map(AsRef::as_ref)).remembering(crate::step::seeds::<S>(plan)),
+            towards: vec![Vec3::zero(); plan.pair_contacts()],
             screw: vec![Motion::zero(); nscrew],
             velocity: vec![Motion::zero(); nlink],
             acceleration: vec![Motion::zero(); nlink],

@@ -26,12 +26,19 @@ impl Round for Capsule {
 
 impl Capsule {
     /// Contacts with a mesh, up to a margin (m).
-    pub fn contacts(&self, mesh: &Placed<'_>, margin: f64, scratch: &mut Scratch) -> Contacts {
+    pub fn contacts(
+        &self,
+        mesh: &Placed<'_>,
+        towards: &mut Vector3<f64>,
+        margin: f64,
+        scratch: &mut Scratch,
+    ) -> Contacts {
         let axis = |direction: &Vector3<f64>| self.furthest(direction);
-        if are_quickly_apart(axis, mesh, mesh.position, self.radius + margin) {
+        if are_quickly_apart(axis, mesh, *towards, self.radius + margin) {
             return Contacts::default();
         }
         let touch = self.touch(mesh, scratch);
+        *towards = touch.normal;
         if touch.depth + self.radius <= -margin {
             return Contacts::default();
         }

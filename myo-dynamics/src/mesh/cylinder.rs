@@ -2,11 +2,13 @@
 
 use super::cap::Cap;
 use super::contacts::{Contacts, several, single};
+use super::descent::{Descent, Two};
 use super::face::{Side, edge_on_face, on_each_other};
-use super::placed::Placed;
-use super::round::{Round, Search, across};
+use super::placed::{Feature, Placed};
+use super::polytope::Grown;
+use super::round::{Round, Search, across, at_second};
 use super::scratch::Scratch;
-use super::touch::{Touch, are_quickly_apart};
+use super::touch::Touch;
 use nalgebra::Vector3;
 
 /// A normal is level, that is, square to the axis, if its cosine with it is less.
@@ -15,6 +17,9 @@ const LEVEL: f64 = 1e-9;
 const STANDING: f64 = 1e-12;
 /// A direction this near to the axis (squares of lengths) has the middle of an end for its furthest point.
 const STRAIGHT: f64 = 1e-15;
+
+/// The share of the least overlap that is left for the walk around it.
+const ENOUGH: f64 = 0.05;
 
 /// A cylinder about z.
 #[derive(Clone, Copy, Debug)]
@@ -41,11 +46,15 @@ impl Cylinder {
     ///
     /// Where the cylinder stands on a vertex, MuJoCo tries a line of its side that is left over from its search. If that lies along a steep face, all of it is
     /// clipped away, as good as always, and the single contact stays.
-    pub fn contacts(&self, mesh: &Placed<'_>, margin: f64, scratch: &mut Scratch) -> Contacts {
-        if are_quickly_apart(|direction| self.furthest(direction), mesh, mesh.position, margin) {
-            return Contacts::default();
-        }
-        let touch = self.touch(mesh, scratch);
+    pub fn contacts(
+        &self,
+        mesh: &Placed<'_>,
+        towards: &mut Vector3<f64>,
+        margin: f64,
+        scratch: &mut Scratch,
+    ) -> Contacts {
+        let touch = self.nearest(mesh, towards, scratch);
+        *towards = touch.normal;
         if touch.depth <= -margin {
             return Contacts::default();
         }
@@ -67,7 +76,53 @@ impl Cylinder {
         [on_rim, Vector3::new(on_rim.x, on_rim.y, -on_rim.z)]
     }
 
-    /// Where it and a mesh touch, wherever they are.
+    /// Where it and a mesh touch, or are nearest to each other, found from a direction on.
+    pub(super) fn nearest(&self, mesh: &Placed<'_>, towards: &Vector3<f64>, scratch: &mut Scratch) -> Touch {
+        self.over_end(mesh).unwrap_or_else(|| self.beside(mesh, towards, scratch))
+    }
+
+    /// Where a mesh is right over one of the ends: nothing is nearer than the lowest vertex there and its foot.
+    fn over_end(&self, mesh: &Placed<'_>) -> Option<Touch> {
+        let normal = Vector3::new(0.0, 0.0, outward(&mesh.position));
+        let lowest = mesh.furthest(&-normal);
+        let second = mesh.vertex(lowest);
+        let depth = self.half_length - second.dot(&normal);
+        let is_over = depth <= 0.0 && second.x * second.x + second.y * second.y <= self.radius * self.radius;
+        is_over.then(|| at_second(normal, depth, second, Feature::vertex(lowest)))
+    }
+
+    /// The same of a mesh that is anywhere.
+    fn beside(&self, mesh: &Placed<'_>, towards: &Vector3<f64>, scratch: &mut Scratch) -> Touch {
+        let overlap = (self.furthest(towards) - mesh.vertex(mesh.furthest(&-towards))).dot(towards);
+        if overlap < 0.0 {
+            return self.walk(Descent::apart(self, mesh, towards, &mut scratch.visited));
+        }
+        let grown = scratch.polytope.grown(towards, ENOUGH, &Two { shape: self, hull: mesh });
+        let Scratch { polytope, visited, .. } = scratch;
+        match grown {
+            None => self.touch(mesh, scratch),
+            Some(Grown::Apart(normal, _)) => self.walk(Descent::apart(self, mesh, &normal, visited)),
+            Some(Grown::Least { depth, .. }) => {
+                self.walk(Descent::overlapping(self, mesh, polytope.within(depth), visited))
+            }
+        }
+    }
+
+    /// The least overlap that a walk finds.
+    fn walk(&self, mut descent: Descent<'_, Self>) -> Touch {
+        while let Some(corner) = descent.next() {
+            let vertex = descent.hull.vertex(corner);
+            descent.at_faces(corner);
+            let ends = [Vector3::z(), -Vector3::z()];
+            for normal in ends.into_iter().chain(across(&vertex)).chain(self.off_rim(&vertex)) {
+                descent.at_vertex(&normal, corner);
+            }
+            descent.at_edges(corner, &Vector3::z(), |normal| self.radius * normal, |normal| normal.z.abs() > LEVEL);
+        }
+        descent.best
+    }
+
+    /// Where it and a mesh touch, wherever they are, by trying everything.
     pub(super) fn touch(&self, mesh: &Placed<'_>, scratch: &mut Scratch) -> Touch {
         let mut search = Search::new(self, mesh, scratch);
         for normal in [Vector3::z(), -Vector3::z()] {

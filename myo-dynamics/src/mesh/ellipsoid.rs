@@ -22,11 +22,18 @@ impl Round for Ellipsoid {
 
 impl Ellipsoid {
     /// The contact with a mesh, up to a margin (m).
-    pub fn contacts(&self, mesh: &Placed<'_>, margin: f64, scratch: &mut Scratch) -> Contacts {
-        if are_quickly_apart(|direction| self.furthest(direction), mesh, mesh.position, margin) {
+    pub fn contacts(
+        &self,
+        mesh: &Placed<'_>,
+        towards: &mut Vector3<f64>,
+        margin: f64,
+        scratch: &mut Scratch,
+    ) -> Contacts {
+        if are_quickly_apart(|direction| self.furthest(direction), mesh, *towards, margin) {
             return Contacts::default();
         }
         let touch = self.touch(mesh, scratch);
+        *towards = touch.normal;
         if touch.depth > -margin { single(&touch, 0.0) } else { Contacts::default() }
     }
 

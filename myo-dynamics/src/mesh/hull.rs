@@ -17,6 +17,14 @@ pub struct Hull {
     pub(super) neighbours: Vec<Vec<usize>>,
     /// Of each corner the triangles around it.
     pub(super) triangles_around: Vec<Vec<usize>>,
+    /// Of each corner the edges that end there.
+    pub(super) edges_around: Vec<Vec<usize>>,
+    /// Of each corner those at the other ends of its edges, and where they are.
+    pub(super) beside: Vec<Vec<(usize, Vector3<f64>)>>,
+    /// Corners that are furthest along the diagonals of the eight octants.
+    starts: [usize; 8],
+    /// Corners once more, as lanes read them.
+    corners: Vec<[f32; 3]>,
     /// Radius of a ball about the origin that holds it (m).
     pub(super) reach: f64,
 }
@@ -106,21 +114,43 @@ impl Hull {
         for (number, corners) in hull.triangles.iter().enumerate() {
             corners.iter().for_each(|&corner| triangles_around[corner].push(number));
         }
-        Self {
+        let edges = edges(&hull.triangles);
+        let mut edges_around = vec![vec![]; vertices.len()];
+        for (number, edge) in edges.iter().enumerate() {
+            edge.ends.iter().for_each(|&end| edges_around[end].push(number));
+        }
+        let mut beside = vec![vec![]; vertices.len()];
+        for [from, to] in edges.iter().map(|edge| edge.ends) {
+            beside[from].push((to, vertices[to]));
+            beside[to].push((from, vertices[from]));
+        }
+        let mut hull = Self {
+            starts: [0; 8],
             triangles_around,
+            edges_around,
+            beside,
+            corners: vertices.iter().map(|vertex| vertex.map(|x| x as f32).into()).collect(),
             triangles: hull.triangles.iter().map(triangle).collect(),
-            edges: edges(&hull.triangles),
+            edges,
             polygons: hull.polygons.iter().map(polygon).collect(),
             around,
             neighbours,
             reach: vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max),
             vertices,
-        }
+        };
+        let side = |octant: usize, bit: usize| if octant & bit == 0 { 1.0 } else { -1.0 };
+        hull.starts = std::array::from_fn(|k| hull.furthest(&Vector3::new(side(k, 1), side(k, 2), side(k, 4))));
+        hull
     }
 
     /// Radius of a ball about the origin that holds it (m).
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Its corners (m).
+    pub fn corners(&self) -> &[[f32; 3]] {
+        &self.corners
     }
 
     /// The corner that is furthest in a direction.
@@ -133,6 +163,29 @@ impl Hull {
             }
         }
         furthest
+    }
+}
+
+impl Hull {
+    /// A corner that no neighbour is further in a direction than, found by walking upward from one, or from that of the direction's octant; but for rounding the
+    /// furthest of all.
+    pub(super) fn climbed(&self, direction: &Vector3<f64>, from: Option<usize>) -> usize {
+        let bit = |x: f64, bit: usize| if x < 0.0 { bit } else { 0 };
+        let octant = bit(direction.x, 1) | bit(direction.y, 2) | bit(direction.z, 4);
+        let from = from.unwrap_or(self.starts[octant]);
+        let (mut corner, mut height) = (from, self.vertices[from].dot(direction));
+        loop {
+            let start = corner;
+            for (other, at) in &self.beside[start] {
+                let other_height = at.dot(direction);
+                if other_height > height {
+                    (corner, height) = (*other, other_height);
+                }
+            }
+            if corner == start {
+                return corner;
+            }
+        }
     }
 }
 

@@ -9,14 +9,19 @@ mod capsule;
 mod clip;
 mod contacts;
 mod cylinder;
+mod descent;
+mod difference;
 mod ellipsoid;
 mod face;
 mod hull;
 mod placed;
 mod plane;
+mod polytope;
 mod quad;
+mod root;
 mod round;
 mod scratch;
+mod seed;
 #[cfg(test)]
 mod tests;
 mod touch;
@@ -57,21 +62,43 @@ pub struct Place {
     pub position: Vector3<f64>,
 }
 
-/// Contacts of a mesh, the second, with something else, the first, in the frame of this; up to a margin (m).
+/// Contacts of a mesh, the second, with something else, the first, in the frame of this; up to a margin (m). They are looked for from a direction on, from the first
+/// to the second, which may be any, but for what it costs, and becomes that along which they are least in each other or furthest apart, if it is found.
 #[inline(never)]
-pub fn contacts(first: Other<'_>, second: &Hull, place: &Place, margin: f64, scratch: &mut Scratch) -> Contacts {
+pub fn contacts(
+    first: Other<'_>,
+    second: &Hull,
+    place: &Place,
+    towards: &mut Vector3<f64>,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Contacts {
     let mesh = Placed { hull: second, rotation: place.rotation, position: place.position };
     match first {
         Other::Plane => plane::plane_mesh(&mesh, margin),
-        Other::Cylinder { radius, half_length } => Cylinder { radius, half_length }.contacts(&mesh, margin, scratch),
-        Other::Ellipsoid { radii } => Ellipsoid { radii: radii.into() }.contacts(&mesh, margin, scratch),
-        Other::Capsule { radius, half_length } => Capsule { radius, half_length }.contacts(&mesh, margin, scratch),
-        Other::Mesh(first) => mesh_mesh(&Placed::at_rest(first), &mesh, margin, scratch),
+        Other::Cylinder { radius, half_length } => {
+            Cylinder { radius, half_length }.contacts(&mesh, towards, margin, scratch)
+        }
+        Other::Ellipsoid { radii } => Ellipsoid { radii: radii.into() }.contacts(&mesh, towards, margin, scratch),
+        Other::Capsule { radius, half_length } => {
+            Capsule { radius, half_length }.contacts(&mesh, towards, margin, scratch)
+        }
+        Other::Mesh(first) => mesh_mesh(&Placed::at_rest(first), &mesh, towards, margin, scratch),
     }
 }
 
-fn mesh_mesh(one: &Placed<'_>, other: &Placed<'_>, margin: f64, scratch: &mut Scratch) -> Contacts {
-    let Some(touch) = touch::hulls(one, other, margin, scratch) else { return Contacts::default() };
+fn mesh_mesh(
+    one: &Placed<'_>,
+    other: &Placed<'_>,
+    towards: &mut Vector3<f64>,
+    margin: f64,
+    scratch: &mut Scratch,
+) -> Contacts {
+    let touch = touch::hulls(one, other, towards, margin, scratch);
+    *towards = touch.normal;
+    if touch.depth <= -margin {
+        return Contacts::default();
+    }
     let [feature, other_feature] = touch.features;
     contacts::several(&touch, [&Side::Hull(one, feature), &Side::Hull(other, other_feature)], margin, scratch)
 }

@@ -40,6 +40,13 @@ impl<'a> Placed<'a> {
     }
 }
 
+impl Placed<'_> {
+    /// A corner than which no neighbour is further in a direction, see [`Hull::climbed`].
+    pub fn climbed(&self, direction: &Vector3<f64>, from: Option<usize>) -> usize {
+        self.hull.climbed(&self.rotation.tr_mul(direction), from)
+    }
+}
+
 /// A vertex, an edge or a triangle of a hull, by one, two or three corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Feature {
@@ -50,6 +57,11 @@ pub(super) struct Feature {
 impl Feature {
     pub fn vertex(number: usize) -> Self {
         Self { corners: [number; 3], size: 1 }
+    }
+
+    /// One to three, some of them perhaps twice.
+    pub fn corners(self) -> [usize; 3] {
+        self.corners
     }
 
     pub fn edge([from, to]: [usize; 2]) -> Self {

@@ -1,12 +1,13 @@
 //! Where a round shape and a hull touch: the least overlap over all normals, which are those of the hull's faces, of its corners and of its edges.
 
 use super::placed::{Feature, Placed};
+use super::root::root;
 use super::scratch::Scratch;
 use super::touch::Touch;
 use nalgebra::{Unit, Vector3};
 
 /// What a height may be off by rounding (m).
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 /// How many corners are remembered that were deepest.
 const DEEP: usize = 4;
 /// How often the arc between the normals of two faces is halved at most to look for least overlaps, and the share that is left then.
@@ -36,10 +37,10 @@ pub(super) struct Search<'a, R> {
 
 /// Points of a shape that are furthest along the diagonals of the eight octants. That of the octant which a normal points into is nearly as far along it as any.
 #[derive(Clone, Copy, Debug)]
-struct Corners([Vector3<f64>; 8]);
+pub(super) struct Corners([Vector3<f64>; 8]);
 
 impl Corners {
-    fn of(shape: &impl Round) -> Self {
+    pub fn of(shape: &impl Round) -> Self {
         let side = |number: usize, bit: usize| if number & bit == 0 { 1.0 } else { -1.0 };
         Self(std::array::from_fn(|k| shape.furthest(&Vector3::new(side(k, 1), side(k, 2), side(k, 4)))))
     }
@@ -59,12 +60,7 @@ impl<'a, R: Round> Search<'a, R> {
         vertices.extend((0..hull.hull.vertices.len()).map(|number| hull.vertex(number)));
         normals.clear();
         normals.extend((0..hull.hull.triangles.len()).map(|number| hull.triangle_normal(number)));
-        let none = Touch {
-            depth: f64::INFINITY,
-            normal: Vector3::z(),
-            points: [Vector3::zeros(); 2],
-            features: [Feature::vertex(0); 2],
-        };
+        let none = Touch::none(&Vector3::z());
         let mut search =
             Self { shape, hull, vertices, normals, deep: [0; DEEP], turn: 0, corners: Corners::of(shape), best: none };
         for (triangle, normal) in hull.hull.triangles.iter().zip(search.normals) {
@@ -119,13 +115,7 @@ impl<'a, R: Round> Search<'a, R> {
     pub fn along_line(&mut self, axis: &Vector3<f64>, point: impl Fn(&Vector3<f64>) -> Vector3<f64>) {
         for edge in &self.hull.hull.edges {
             let [begin, end] = edge.sides.map(|side| -self.normals[side]);
-            let (rise, other_rise) = (begin.dot(axis), end.dot(axis));
-            if rise * other_rise >= 0.0 {
-                continue;
-            }
-            let share = rise / (rise - other_rise);
-            let mixed = begin * (1.0 - share) + end * share;
-            let normal = (mixed - mixed.dot(axis) * axis).normalize();
+            let Some(normal) = level_between(&begin, &end, axis) else { continue };
             let [corner, other] = edge.ends.map(|end| self.vertices[end]);
             let on_line = point(&normal);
             let depth = (on_line - corner).dot(&normal);
@@ -156,8 +146,14 @@ impl<'a, R: Round> Search<'a, R> {
 }
 
 impl Touch {
+    /// One that any other is less than.
+    pub(super) fn none(normal: &Vector3<f64>) -> Self {
+        let (none, origin) = (Feature::vertex(0), Vector3::zeros());
+        Self { depth: f64::INFINITY, normal: *normal, points: [origin; 2], features: [none; 2] }
+    }
+
     /// Becomes another one of less depth.
-    fn keep_less(&mut self, depth: f64, other: impl FnOnce() -> Self) {
+    pub(super) fn keep_less(&mut self, depth: f64, other: impl FnOnce() -> Self) {
         if depth < self.depth {
             *self = other();
         }
@@ -165,17 +161,28 @@ impl Touch {
 }
 
 /// A touch at a point of the first shape.
-fn on_first(normal: Vector3<f64>, depth: f64, first: Vector3<f64>, feature: Feature) -> Touch {
+pub(super) fn on_first(normal: Vector3<f64>, depth: f64, first: Vector3<f64>, feature: Feature) -> Touch {
     Touch { depth, normal, points: [first, first - depth * normal], features: [Feature::vertex(0), feature] }
 }
 
 /// A touch at a point of the second.
-fn at_second(normal: Vector3<f64>, depth: f64, second: Vector3<f64>, feature: Feature) -> Touch {
+pub(super) fn at_second(normal: Vector3<f64>, depth: f64, second: Vector3<f64>, feature: Feature) -> Touch {
     Touch { depth, normal, points: [second + depth * normal, second], features: [Feature::vertex(0), feature] }
 }
 
+/// The normal between two that is square to an axis, if there is one.
+pub(super) fn level_between(begin: &Vector3<f64>, end: &Vector3<f64>, axis: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let (rise, other_rise) = (begin.dot(axis), end.dot(axis));
+    if rise * other_rise >= 0.0 {
+        return None;
+    }
+    let share = rise / (rise - other_rise);
+    let mixed = begin * (1.0 - share) + end * share;
+    Some((mixed - mixed.dot(axis) * axis).normalize())
+}
+
 /// The points of two lines, by a point and a direction each, that are nearest to each other.
-fn lines_meet([point, u]: [Vector3<f64>; 2], [other, v]: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
+pub(super) fn lines_meet([point, u]: [Vector3<f64>; 2], [other, v]: [Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
     let between = other - point;
     let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
     let determinant = uu * vv - uv * uv;
@@ -184,19 +191,19 @@ fn lines_meet([point, u]: [Vector3<f64>; 2], [other, v]: [Vector3<f64>; 2]) -> [
 }
 
 /// The normals between those of two faces, turned to the shape.
-struct Arc<'a, R> {
-    shape: &'a R,
-    corners: Corners,
-    begin: Vector3<f64>,
-    end: Vector3<f64>,
-    corner: Vector3<f64>,
+pub(super) struct Arc<'a, R> {
+    pub shape: &'a R,
+    pub corners: Corners,
+    pub begin: Vector3<f64>,
+    pub end: Vector3<f64>,
+    pub corner: Vector3<f64>,
 }
 
 impl<R: Round> Arc<'_, R> {
     /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as four points of the shape tell: along any it is no
     /// less than that of any one point, and this, where it is positive, no less than at the worse of both; else no more than so much further below
     /// as normals between are shorter when mixed.
-    fn is_no_less(&self, begin: &Vector3<f64>, end: &Vector3<f64>, bound: f64) -> bool {
+    pub fn is_no_less(&self, begin: &Vector3<f64>, end: &Vector3<f64>, bound: f64) -> bool {
         let mixed = begin + end;
         let bound = if bound < 0.0 { bound * 0.5 * mixed.norm() } else { bound };
         let tells = |point: &Vector3<f64>| {
@@ -219,8 +226,26 @@ impl<R: Round> Arc<'_, R> {
         (self.shape.furthest(&normal) - self.corner).dot(&along)
     }
 
+    /// Which way the overlap becomes less where both shapes are apart along some normal of the arc: below zero if it does further on. Unless normals are brought to
+    /// length one it is a convex function, and what is below zero stays one piece with one least value if they are.
+    fn uphill(&self, place: f64) -> f64 {
+        let mixed = self.begin * (1.0 - place) + self.end * place;
+        let off = self.shape.furthest(&mixed) - self.corner;
+        let (chord, overlap) = (self.end - self.begin, off.dot(&mixed));
+        let slope = off.dot(&chord);
+        if overlap < 0.0 { slope - overlap * mixed.dot(&chord) / mixed.norm_squared() } else { slope }
+    }
+
+    /// The normal within the arc at which the overlap is least, where that is less than `bound`, which is no more than zero.
+    pub fn least(&self, bound: f64) -> Option<Vector3<f64>> {
+        if self.uphill(0.0) >= 0.0 || self.uphill(1.0) <= 0.0 || self.is_no_less(&self.begin, &self.end, bound) {
+            return None;
+        }
+        Some(self.normal(root(|place| self.uphill(place), 0.0, 1.0)))
+    }
+
     /// Tells normals at which the overlap is least, of pieces of the arc where it may be less than what `found` tells when it is asked.
-    fn minima(&self, found: &mut impl FnMut(Option<Vector3<f64>>) -> f64) {
+    pub fn minima(&self, found: &mut impl FnMut(Option<Vector3<f64>>) -> f64) {
         // Halves of halves: at most one of each size waits.
         let mut waiting = [(0.0, 0.0); HALVES + 1];
         waiting[0] = (0.0, 1.0);
@@ -240,7 +265,7 @@ impl<R: Round> Arc<'_, R> {
                 waiting[count + 1] = (low, 0.5 * size);
                 count += 2;
             } else if self.slope(low) < 0.0 && self.slope(high) > 0.0 {
-                found(Some(self.normal(bisected(|place| self.slope(place), low, high))));
+                found(Some(self.normal(root(|place| self.slope(place), low, high))));
             }
         }
     }

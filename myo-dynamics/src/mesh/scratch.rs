@@ -1,11 +1,18 @@
 //! Memory that looking for contacts of meshes needs: no step allocates.
 
 use super::hull::Hull;
+use super::polytope::Polytope;
+use super::seed::Seed;
 use nalgebra::Vector3;
 
 /// What the search for a touch of two hulls, and clipping, write down.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
+    /// What is remembered of pairs of hulls, and the number of the one that counts.
+    seeds: Vec<Seed>,
+    seed: usize,
+    /// The difference of two shapes.
+    pub(super) polytope: Polytope,
     /// Of each triangle of a hull how far another one reaches behind it at least.
     pub(super) least: Vec<f64>,
     /// Points of each hull that are deep in the other one.
@@ -15,6 +22,8 @@ pub struct Scratch {
     /// Corners and normals of triangles of a hull where it is.
     pub(super) vertices: Vec<Vector3<f64>>,
     pub(super) normals: Vec<Vector3<f64>>,
+    /// Corners of a hull that a walk came to.
+    pub(super) visited: Vec<usize>,
     /// Corners of a polygon, and of what is left of it.
     pub(super) corners: Vec<Vector3<f64>>,
     pub(super) left: Vec<Vector3<f64>>,
@@ -33,6 +42,22 @@ pub(super) struct Arc {
 }
 
 impl Scratch {
+    /// The same with memory of so many pairs of bodies, instead of one.
+    pub fn remembering(mut self, pairs: usize) -> Self {
+        self.seeds.resize(pairs.max(1), Seed::default());
+        self
+    }
+
+    /// The pair that is looked at next.
+    pub fn recall(&mut self, pair: usize) {
+        self.seed = pair;
+    }
+
+    /// The difference of two shapes, and what is remembered of it.
+    pub(super) fn remembered(&mut self) -> (&mut Polytope, &mut Seed) {
+        (&mut self.polytope, &mut self.seeds[self.seed])
+    }
+
     /// Enough for these.
     pub fn new<'a>(hulls: impl Iterator<Item = &'a Hull>) -> Self {
         let (mut vertices, mut triangles, mut corners) = (0, 0, 0);
@@ -45,10 +70,14 @@ impl Scratch {
         // A closed surface of triangles has three edges for two of them. Each side that clips adds a corner or two.
         let (edges, corners) = (triangles * 3 / 2, 2 * (2 * corners + super::cap::CAP_CORNERS));
         Self {
+            seeds: vec![Seed::default()],
+            seed: 0,
+            polytope: Polytope::new(),
             least: Vec::with_capacity(triangles),
             deep: std::array::from_fn(|_| Vec::with_capacity(vertices)),
             arcs: std::array::from_fn(|_| Vec::with_capacity(edges)),
             vertices: Vec::with_capacity(vertices),
+            visited: Vec::with_capacity(vertices),
             normals: Vec::with_capacity(triangles),
             corners: Vec::with_capacity(corners),
             left: Vec::with_capacity(corners),

@@ -1,5 +1,7 @@
 //! What is found quickly is what trying everything finds; and what is found is the least way out.
 
+mod searches;
+
 use super::cylinder::Cylinder;
 use super::ellipsoid::Ellipsoid;
 use super::hull::Hull;
@@ -37,15 +39,22 @@ impl Draws {
 /// Convex rocks of so many points, a decimetre or two large.
 fn rocks(counts: [usize; 2]) -> [Hull; 2] {
     let mut draws = Draws(3);
-    let mut asset = |count: usize| {
-        let point = |_| 0.1 * draws.vector().normalize().component_mul(&Vector3::new(1.0, 0.7, 0.4));
+    let mut point = |_| 0.1 * draws.vector().normalize().component_mul(&Vector3::new(1.0, 0.7, 0.4));
+    hulls_of(counts.map(|count| (0..count).map(&mut point).collect()))
+}
+
+/// Hulls of points, another number of each.
+fn hulls_of(points: [Vec<Vector3<f64>>; 2]) -> [Hull; 2] {
+    let counts = points.each_ref().map(Vec::len);
+    let asset = |points: Vec<Vector3<f64>>| {
+        let count = points.len();
         let points: Vec<String> =
-            (0..count).map(point).flat_map(|point| [point.x, point.y, point.z]).map(|x| x.to_string()).collect();
+            points.iter().flat_map(|point| [point.x, point.y, point.z]).map(|x| x.to_string()).collect();
         let face = |k: usize| format!("{k} {} {}", (k + 1) % count, (k + 2) % count);
         let faces: Vec<String> = (0..count).map(face).collect();
         format!("<mesh name=\"rock{count}\" vertex=\"{}\" face=\"{}\"/>", points.join(" "), faces.join(" "))
     };
-    let assets = counts.map(&mut asset).concat();
+    let assets = points.map(asset).concat();
     let body = |count: usize| {
         format!(
             "<body name=\"body{count}\"><freejoint/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>\
@@ -123,12 +132,13 @@ fn nearest_points_of_hulls_are_as_far_apart_as_these() {
     for case in 0..3000 {
         let (one, other) = (placed(one, &draws.place(0.01)), placed(other, &draws.place(0.2)));
         let reach = 0.02;
-        let Some(Touch { depth, normal, points: [first, second], features }) = hulls(&one, &other, reach, &mut scratch)
-        else {
+        let Touch { depth, normal, points: [first, second], features } =
+            hulls(&one, &other, &draws.vector(), reach, &mut scratch);
+        if depth <= -reach {
             // A direction proves it, if a rough one.
             assert!(least_of_all(&one, &other) <= 0.0, "case {case}");
             continue;
-        };
+        }
         if depth > 0.0 {
             continue;
         }
@@ -191,7 +201,7 @@ fn contacts_are_whole_numbers_wherever_a_mesh_is() {
                 1 => place = Place { rotation: nalgebra::Matrix3::identity(), position: 0.1 * Vector3::z() },
                 _ => {}
             }
-            let found = contacts(shape, one, &place, 0.001, &mut scratch);
+            let found = contacts(shape, one, &place, &mut draws.vector(), 0.001, &mut scratch);
             for contact in found.iter() {
                 let numbers = [contact.distance, contact.normal.norm_squared(), contact.at.norm()];
                 assert!(numbers.iter().all(|x| x.is_finite()), "{shape:?}: {contact:?}");
@@ -236,7 +246,8 @@ fn a_search_ends_wherever_numbers_are_none() {
         let turned = Place { rotation: nalgebra::Matrix3::repeat(number), ..whole };
         let moved = Place { position: Vector3::repeat(number), ..whole };
         for (shape, place) in shapes.iter().flat_map(|shape| [(shape, &turned), (shape, &moved)]) {
-            let found = contacts(*shape, one, place, 0.001, &mut scratch);
+            let mut towards = place.position;
+            let found = contacts(*shape, one, place, &mut towards, 0.001, &mut scratch);
             assert!(found.iter().count() <= MOST_CONTACTS, "{shape:?}");
         }
     }

@@ -1,8 +1,10 @@
 //! Where two hulls touch: the least way out of each other.
 //!
 //! It is the least over normals of the faces of one, with what of the other is deepest behind them, both ways, and over normals of pairs of
-//! edges whose arcs on the sphere of directions cross. Most edges are ruled out before they are paired.
+//! edges whose arcs on the sphere of directions cross. Their [difference](difference) tells it quickly, or else, if a face of that is none of these, all are looked
+//! at: most edges are ruled out before they are paired.
 
+use super::difference;
 use super::placed::{Feature, Placed};
 use super::scratch::{Arc, Scratch};
 use nalgebra::Vector3;
@@ -29,20 +31,22 @@ impl Touch {
     }
 }
 
-/// How two hulls touch that overlap or are less than `reach` (m) apart.
-pub(super) fn hulls(one: &Placed<'_>, other: &Placed<'_>, reach: f64, scratch: &mut Scratch) -> Option<Touch> {
-    let furthest = |direction: &Vector3<f64>| one.vertex(one.furthest(direction));
-    if are_quickly_apart(furthest, other, other.position - one.position, reach) {
-        return None;
+/// How two hulls touch that overlap or are less than `reach` (m) apart; else a direction along which they are apart at least that much.
+pub(super) fn hulls(
+    one: &Placed<'_>,
+    other: &Placed<'_>,
+    towards: &Vector3<f64>,
+    reach: f64,
+    scratch: &mut Scratch,
+) -> Touch {
+    let found = difference::least(one, other, towards, scratch);
+    let touch = found.unwrap_or_else(|| least_overlap(one, other, scratch));
+    if touch.depth > 0.0 || touch.depth <= -reach {
+        return touch;
     }
-    let touch = least_overlap(one, other, scratch);
-    if touch.depth > 0.0 {
-        return Some(touch);
-    }
-    if -touch.depth >= reach {
-        return None;
-    }
-    Some(super::apart::apart(one, other, &touch.normal, reach)).filter(|touch| -touch.depth < reach)
+    let nearest = super::apart::apart(one, other, &touch.normal, reach);
+    // What is out of reach has no nearest points here.
+    if nearest.depth.is_finite() { nearest } else { Touch { depth: -reach, ..touch } }
 }
 
 /// Whether a few steps, the first in a direction from a shape to a hull, find one along which they are at least `reach` apart. Of each direction the
@@ -187,7 +191,7 @@ fn cross(arc: &Arc, other: &Arc) -> bool {
 }
 
 /// The points of two lines along edges that are nearest to each other.
-fn nearest(arc: &Arc, other: &Arc) -> [Vector3<f64>; 2] {
+pub(super) fn nearest(arc: &Arc, other: &Arc) -> [Vector3<f64>; 2] {
     let (u, v, between) = (arc.along, other.along, other.point - arc.point);
     let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
     let determinant = uu * vv - uv * uv;

@@ -14,6 +14,7 @@ mod cuboid;
 mod cylinder;
 pub mod ellipsoid;
 pub mod force;
+mod gap;
 mod implicit;
 pub mod inertia;
 pub mod kinematics;
@@ -28,6 +29,7 @@ pub mod wrap;
 
 pub use cone::ConeSearch;
 pub use coriolis::{Coriolis, Turning};
+pub(crate) use mesh::seeds;
 pub(crate) use pair::LOWEST;
 
 use crate::obstacles::Obstacles;

@@ -10,7 +10,7 @@ use super::support::{Apart, Oval, Segment, Smooth, ovals};
 use crate::plan::{ContactPair, Part, PartForm, Plan};
 use crate::spatial::{Frame, Rotation, Vec3};
 use crate::workspace::{Contact, State, Workspace};
-use myo_scalar::{Carried, Real, Scalar, Stage, Visitor};
+use myo_scalar::{Carried, Mask, Real, Scalar, Stage, Visitor};
 
 /// Squares of distances (m^2) below which two points are one, in reach of single precision.
 const SAME: f64 = 1e-24;
@@ -112,7 +112,10 @@ fn touch_where<S: Scalar>(
     ws: &mut Workspace<S>,
 ) {
     for (point, &(exists, meets)) in meets.iter().take(pair.points).enumerate() {
-        touch(plan, pair, state, (point, exists, meets), ws);
+        // Contacts are not there unless they are told of.
+        if exists.any() {
+            touch(plan, pair, state, (point, exists, meets), ws);
+        }
     }
 }
 
