@@ -50,6 +50,15 @@ enum Way {
     Edges { axes: [usize; 2], normal: Vector3<f64> },
 }
 
+/// A direction across an edge of each box, and how far the two are apart along it (m).
+struct Across {
+    /// The axes that the edges run along.
+    axes: [usize; 2],
+    /// Unit.
+    normal: Vector3<f64>,
+    apart: f64,
+}
+
 /// Contacts of two boxes of these half sizes (m), the second of which is at a place seen from the first; up to a margin (m).
 #[inline(never)]
 pub fn box_box(
@@ -89,7 +98,7 @@ impl Pair {
     fn best_way(&self, slack: f64) -> Result<Way, Separated> {
         let ([of, axis], face_apart) = self.best_face(slack)?;
         let face = Way::Face { of, axis };
-        let Some((axes, normal, apart)) = self.best_edges(slack, face_apart)? else { return Ok(face) };
+        let Some(Across { axes, normal, apart }) = self.best_edges(slack, face_apart)? else { return Ok(face) };
         let across = if of == 0 { normal[axis] } else { self.rotation.column(axis).dot(&normal) };
         let is_alike = across.abs() > ALIKE_COSINE;
         let is_hardly_better = apart < face_apart + MUCH_BETTER * face_apart.abs() + NOTHING;
@@ -116,8 +125,8 @@ impl Pair {
         Ok(best)
     }
 
-    /// The best pair of edges, by their axes, the direction across both, and how far they are apart along it, if that is further than across the best face.
-    fn best_edges(&self, slack: f64, face: f64) -> Result<Option<([usize; 2], Vector3<f64>, f64)>, Separated> {
+    /// The best pair of edges, if they are further apart than across the best face.
+    fn best_edges(&self, slack: f64, face: f64) -> Result<Option<Across>, Separated> {
         let (mut best, mut found) = (face, None);
         for one in 0..3 {
             for other in 0..3 {
@@ -133,7 +142,7 @@ impl Pair {
                     return Err(Separated);
                 }
                 if apart - PREFERENCE * apart.abs() > best && apart > face {
-                    (best, found) = (apart, Some(([one, other], normal, apart)));
+                    (best, found) = (apart, Some(Across { axes: [one, other], normal, apart }));
                 }
             }
         }
@@ -210,13 +219,13 @@ impl Pair {
             }
             let mut at = Vector3::zeros();
             (at[across[0]], at[across[1]], at[axis]) = (corner.x, corner.y, side * (size[axis] + 0.5 * corner.z));
-            contacts.push(self.from_seen(of, Contact { distance: corner.z, at, normal }));
+            contacts.push(self.unseen(of, Contact { distance: corner.z, at, normal }));
         }
         contacts
     }
 
     /// What is seen from one of them, as the first sees it.
-    fn from_seen(&self, of: usize, contact: Contact) -> Contact {
+    fn unseen(&self, of: usize, contact: Contact) -> Contact {
         if of == 0 {
             return contact;
         }

@@ -238,11 +238,8 @@ impl Form {
 
     /// Whether contacts of two are simulated: of all but two cylinders.
     fn meets(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::Other, _) | (_, Self::Other) => false,
-            (Self::Plane, Self::Plane) | (Self::Cylinder, Self::Cylinder) => false,
-            _ => true,
-        }
+        let is_known = self != Self::Other && other != Self::Other;
+        is_known && !matches!((self, other), (Self::Plane, Self::Plane) | (Self::Cylinder, Self::Cylinder))
     }
 }
 

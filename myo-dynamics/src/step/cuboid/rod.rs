@@ -124,8 +124,8 @@ impl<S: Scalar> Nearest<S> {
         let (is_above, is_below) = (S::lit(1.0).lt(free), free.lt(S::lit(-1.0)));
         self.is_between = choose::<S>(is_nearer, !(is_above | is_below), self.is_between);
         let end = S::select(is_above, S::lit(1.0), S::lit(-1.0));
-        for k in 0..3 {
-            let sign = if k == along { end } else { S::lit(signs[k]) };
+        for (k, sign) in signs.into_iter().enumerate() {
+            let sign = if k == along { end } else { S::lit(sign) };
             self.corner[k] = S::select(is_nearer, sign, self.corner[k]);
             self.edge[k] = choose::<S>(is_nearer, S::Mask::splat(k == along), self.edge[k]);
         }
@@ -135,25 +135,25 @@ impl<S: Scalar> Nearest<S> {
     #[inline(always)]
     fn second(&self, cuboid: &Cuboid<S>, axis: &Segment<S>) -> (S::Mask, S) {
         let lean = Lean::of(axis, self.corner);
-        let over_face = self.from_face(cuboid, axis);
-        let [from_corner, from_edge] = [self.from_corner(cuboid, axis, &lean), self.from_edge(cuboid, axis, &lean)];
+        let over_face = self.past_face(cuboid, axis);
+        let [past_corner, past_edge] = [self.past_corner(cuboid, axis, &lean), self.past_edge(cuboid, axis, &lean)];
         let pick =
             |mask: S::Mask, a: (S::Mask, S), b: (S::Mask, S)| (choose::<S>(mask, a.0, b.0), S::select(mask, a.1, b.1));
-        pick(self.is_over_face, over_face, pick(self.is_between, from_edge, from_corner))
+        pick(self.is_over_face, over_face, pick(self.is_between, past_edge, past_corner))
     }
 
     /// From an end over a face to where the axis leaves what is over it.
     #[inline(always)]
-    fn from_face(&self, cuboid: &Cuboid<S>, axis: &Segment<S>) -> (S::Mask, S) {
+    fn past_face(&self, cuboid: &Cuboid<S>, axis: &Segment<S>) -> (S::Mask, S) {
         let [x, y, z] = self.face;
         let (end, o) = (axis.half.mul_add(self.share, axis.middle).array(), S::zero());
         let mut length = S::lit(2.0);
-        for k in 0..3 {
-            let ahead = -self.share * axis.half.array()[k];
+        for (k, (end, half)) in end.into_iter().zip(axis.half.array()).enumerate() {
+            let ahead = -self.share * half;
             let inverse = inverse_of(ahead.abs());
             let ahead = S::select(ahead.lt(o), -inverse, inverse);
             for side in [cuboid.half_size[k], -cuboid.half_size[k]] {
-                let until = (side - end[k]) * ahead;
+                let until = (side - end) * ahead;
                 let counts = o.lt(until) & until.lt(length) & !self.face[k];
                 length = S::select(counts, until, length);
             }
@@ -163,7 +163,7 @@ impl<S: Scalar> Nearest<S> {
 
     /// From a corner along the edge that the axis runs along, or along the face that it is over.
     #[inline(always)]
-    fn from_corner(&self, cuboid: &Cuboid<S>, axis: &Segment<S>, lean: &Lean<S>) -> (S::Mask, S) {
+    fn past_corner(&self, cuboid: &Cuboid<S>, axis: &Segment<S>, lean: &Lean<S>) -> (S::Mask, S) {
         let [x, y, z] = lean.is_odd;
         let one = S::lit(1.0);
         let of_odd = |values: [S; 3]| S::select(x, values[0], S::select(y, values[1], values[2]));
@@ -180,7 +180,7 @@ impl<S: Scalar> Nearest<S> {
 
     /// From an edge over the face that the axis leans to less.
     #[inline(always)]
-    fn from_edge(&self, cuboid: &Cuboid<S>, axis: &Segment<S>, lean: &Lean<S>) -> (S::Mask, S) {
+    fn past_edge(&self, cuboid: &Cuboid<S>, axis: &Segment<S>, lean: &Lean<S>) -> (S::Mask, S) {
         let (no, one) = (S::Mask::splat(false), S::lit(1.0));
         let lengths = lean.lengths(cuboid);
         let halves = axis.half.array();
