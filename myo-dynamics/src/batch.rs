@@ -183,6 +183,7 @@ impl LaneTask for Steps<'_> {
             for x in arrays.into_iter().flatten() {
                 *x = S::load(entry.next().expect("a block holds every entry"));
             }
+            ws.forget_touches();
             for _ in 0..steps {
                 step(plan, obstacles, &ctrl, &mut state, &mut ws);
             }

@@ -417,6 +417,13 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
+    /// Forgets where meshes touched. Searches begin there, and of two ways that are as good they may find another one: what other bodies did before
+    /// must not count.
+    pub fn forget_touches(&mut self) {
+        self.touching.forget();
+        self.towards.fill(Vec3::zero());
+    }
+
     /// Contacts with boxes of each sphere that presses, in the order of [`Plan::contact_spheres`].
     pub fn box_contacts(&self) -> impl Iterator<Item = &[Contact<S>]> + Clone {
         (0..self.clearance.len()).map(|sphere| &self.contacts[self.slots_of(sphere)])

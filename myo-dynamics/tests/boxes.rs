@@ -189,3 +189,46 @@ fn what_is_put_on_a_table_stays_there() {
     assert!(greatest(&state.qvel[..24]) < 1e-3, "{:?}", state.qvel);
     assert!(difference(&state.qpos[..28], &before[..28]) < 0.005, "{:?}", state.qpos);
 }
+
+/// Cans that stand upright, whose axes are those of their bodies in several ways: rounding must not tell them which way they lean.
+#[test]
+fn cans_stand_in_lanes_and_on_cards() {
+    let cans = ["0 0 -.06 0 0 .06", "0 -.06 0 0 .06 0", "-.06 0 0 .06 0 0"].iter().zip([
+        "1 0 0 0",
+        "0.7071068 0.7071068 0 0",
+        "0.7071068 0 0.7071068 0",
+    ]);
+    let bodies: String = (cans.enumerate())
+        .map(|(number, (ends, turn))| {
+            format!(
+                r#"<body name="can{number}" pos="{number} 0 0.0599" quat="{turn}"><freejoint/><inertial pos="0 0 0" mass="0.5" diaginertia="0.0004 0.0004 0.0004"/>
+                     <geom name="can{number}" type="cylinder" conaffinity="0" size="0.03" fromto="{ends}"/></body>"#
+            )
+        })
+        .collect();
+    let plan = exact(&format!(
+        r#"<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/>{bodies}
+             <body name="arm" pos="0 0 2"><joint name="elbow"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><site name="tip" pos="0 1 0"/></body><site name="post" pos="0.1 0 3"/></worldbody>
+             <tendon><spatial name="pull"><site site="post"/><site site="tip"/></spatial></tendon>
+             <actuator><muscle name="muscle" tendon="pull" force="1" lengthrange="0.5 3"/></actuator></mujoco>"#
+    ));
+    let states = vec![State::<f64>::new(&plan); 16];
+    let wanted = Forward.look(&plan, &states[0], &mut Workspace::new(&plan));
+    let check = |found: &[f64], of: &str| {
+        // Three points of each end, as deep as they stand.
+        for (number, pair) in plan.pairs.iter().enumerate().filter(|(_, pair)| pair.points == 4) {
+            let distances = &found[plan.ndof() + pair.slot..][..4];
+            let deep = distances.iter().filter(|&&distance| (distance + 1e-4).abs() < 1e-6).count();
+            assert_eq!(deep, 3, "{of}, pair {number}: {distances:?}");
+        }
+        let error = difference(&wanted[..plan.ndof()], &found[..plan.ndof()]);
+        assert!(error < 0.01 * greatest(&wanted[..plan.ndof()]), "{of}: {error}");
+    };
+    check(&wanted, "reference");
+    for level in Level::available() {
+        in_lanes(Forward, level, &plan.specialised().cast(), &states)
+            .iter()
+            .for_each(|found| check(found, level.name()));
+    }
+    recorded(Forward, &plan, &states[..1]).iter().for_each(|found| check(found, "recorded"));
+}

@@ -158,7 +158,7 @@ pub enum BuildError {
         /// What the driver said.
         reason: String,
     },
-    /// Convex meshes touch, which no kernel looks for.
+    /// Convex meshes touch, or boxes anything but planes, spheres and capsules, which no kernel looks for.
     #[cfg(feature = "gpu")]
     #[error(
         "contacts of meshes, and of boxes with anything but planes, spheres and capsules, are not simulated on graphics cards; take the cpu backend, or import the body without contacts \

@@ -64,6 +64,7 @@ impl<C: Real, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
                 world = tables.world(first + block * S::LANES);
             }
             load(&mut env, numbers, words);
+            ws.physics.forget_touches();
             let start = (block * S::LANES * nact).min(job.actions.len());
             read_rows(&job.actions[start..], &mut ws.ctrl);
             let outcome = step_and_autoreset(judge, &world, job.autoreset, &mut env, &mut ws);

@@ -6,6 +6,7 @@
 //! on the right side of it, then every ray from there meets the surface no nearer, and the difference, which is convex and has its points, reaches no less far
 //! along any normal. No matter from which points it grew.
 
+use super::seed::POINTS;
 use nalgebra::Vector3;
 
 /// What a height may be off by rounding (m).
@@ -73,7 +74,8 @@ impl Polytope {
     /// Memory for any.
     pub fn new() -> Self {
         Self {
-            points: Vec::with_capacity(FIRST + MOST_ROUNDS),
+            // It may begin with what is remembered.
+            points: Vec::with_capacity(POINTS.max(FIRST) + MOST_ROUNDS),
             faces: Vec::with_capacity(MOST_FACES),
             rim: Vec::with_capacity(3 * MOST_FACES),
         }

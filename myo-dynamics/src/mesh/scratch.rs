@@ -6,7 +6,7 @@ use super::seed::Seed;
 use nalgebra::Vector3;
 
 /// What the search for a touch of two hulls, and clipping, write down.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Scratch {
     /// What is remembered of pairs of hulls, and the number of the one that counts.
     seeds: Vec<Seed>,
@@ -41,11 +41,22 @@ pub(super) struct Arc {
     pub turn: f64,
 }
 
+impl Default for Scratch {
+    fn default() -> Self {
+        Self::new(std::iter::empty())
+    }
+}
+
 impl Scratch {
     /// The same with memory of so many pairs of bodies, instead of one.
     pub fn remembering(mut self, pairs: usize) -> Self {
         self.seeds.resize(pairs.max(1), Seed::default());
         self
+    }
+
+    /// Remembers nothing.
+    pub fn forget(&mut self) {
+        self.seeds.fill(Seed::default());
     }
 
     /// The pair that is looked at next.

@@ -3,7 +3,7 @@
 use super::polytope::{Point, Polytope};
 
 /// Points and triangles that a surface has that is remembered: as a closed one of so many points has.
-const POINTS: usize = 24;
+pub(super) const POINTS: usize = 24;
 const FACES: usize = 2 * POINTS - 4;
 
 /// The origin is not so far outside of what is remembered (m), else it is of another body or long ago.

@@ -24,24 +24,30 @@ pub(super) struct Two<'a, S: Scalar> {
 
 impl<S: Scalar> Two<'_, S> {
     /// Where they are apart by more than the margin along a direction from the first to the second, or, where there is none, along that to the middle of the second.
-    /// It becomes the one that was tried.
+    /// Where they are near, it becomes the one that was tried.
     #[inline(always)]
-    pub fn are_apart(&self, towards: &mut Vec3<S>) -> S::Mask {
+    pub fn are_apart(&self, near: S::Mask, towards: &mut Vec3<S>) -> S::Mask {
         let (square, [least, most]) = (towards.dot(*towards), NEAR_ONE.map(S::lit));
         let is_known = least.lt(square) & square.lt(most);
-        *towards = match self.pair.parts[0].form {
+        let tried = match self.pair.parts[0].form {
             PartForm::Plane => Vec3::new(S::zero(), S::zero(), S::lit(1.0)),
             _ => Vec3::select(is_known, *towards, unit(self.place.position)),
         };
-        (S::splat(self.pair.margin) + self.slack()).lt(self.gap(*towards))
+        *towards = Vec3::select(near, tried, *towards);
+        (S::splat(self.pair.margin) + self.slack()).lt(self.gap(tried))
     }
 
-    /// What rounding may add to a gap (m).
+    /// What rounding may add to a gap (m), that of corners to single precision included.
     #[inline(always)]
     fn slack(&self) -> S {
         let Vec3 { x, y, z } = self.place.position;
         let size = x.abs() + y.abs() + z.abs() + S::lit(2.0 * self.hull.reach());
-        size * S::lit(ROUNDINGS * S::EPSILON)
+        let first = match self.pair.parts[0].form {
+            PartForm::Mesh(first) => self.plan.hulls[first].reach(),
+            _ => 0.0,
+        };
+        let corners = (self.hull.reach() + first) * f64::from(f32::EPSILON);
+        size.mul_add(S::lit(ROUNDINGS * S::EPSILON), S::lit(corners))
     }
 
     /// How far they are apart along a direction (m).

@@ -28,7 +28,7 @@ pub(super) fn meet<S: Scalar>(
 ) -> [(S::Mask, Meets<S>); MOST_CONTACTS] {
     let (frame, place) = second_in_first(pair, ws);
     let hull = &plan.hulls[hull];
-    let near = near & !Two { plan, pair, hull, place }.are_apart(&mut ws.towards[pair.slot]);
+    let near = near & !Two { plan, pair, hull, place }.are_apart(near, &mut ws.towards[pair.slot]);
     if !near.any() {
         return nowhere();
     }

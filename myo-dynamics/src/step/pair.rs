@@ -1,5 +1,5 @@
-//! Contact of parts of the body with each other and with what stands around: MuJoCo's geometry of planes and capsules, and the least way out
-//! of ellipsoids and cylinders.
+//! Contact of parts of the body with each other and with what stands around: MuJoCo's geometry of planes, capsules and boxes, and the least way out
+//! of ellipsoids, cylinders and meshes.
 
 use super::contact::{Directions, Edges, Meeting, cone, pyramid, slide};
 use super::cuboid::{self, Cuboid};
@@ -30,7 +30,7 @@ pub fn pairs<S: Scalar>(plan: &Plan<S::Const>, state: &State<S>, ws: &mut Worksp
     }
 }
 
-/// Whether the balls around two parts are near enough to touch, or that around the second to a first one that is flat.
+/// Whether the balls around two parts are near enough to touch, or that around the second to a first one that is flat, or that around a capsule to a box.
 #[inline(always)]
 fn is_near<S: Scalar>(pair: &ContactPair<S::Const>, ws: &Workspace<S>) -> S::Mask {
     let [one, other] = &pair.parts;

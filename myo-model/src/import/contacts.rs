@@ -34,7 +34,7 @@ struct Touch<'a> {
 }
 
 impl<'a> Import<'a> {
-    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out; so is what stands around (planes, cylinders), or could not be simulated, and is not
+    /// Geoms that touch others, and which ones. What can never touch, however joints stand, is left out; so is what stands around (planes, cylinders, boxes), or could not be simulated, and is not
     /// touched unless joints stand far beyond their limits.
     pub(super) fn contacts(&mut self) -> (Vec<Geom>, Vec<Contact>) {
         if !self.keeps(self.mjcf.flags.contact()) {

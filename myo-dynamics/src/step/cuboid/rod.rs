@@ -18,7 +18,7 @@ const NEARER: f64 = 1e-15;
 /// Below this a share of the axis is none; in reach of single precision.
 const NONE: f64 = 1e-30;
 /// Share of its greatest value below which the square of the sine between axis and edge is lost in rounding, in units of it.
-const PARALLEL: f64 = 8.0;
+const PARALLEL: f64 = 1.0;
 /// Square of the cosine between the axis and an edge from which on it runs along the edge and not along a face.
 const ALONG: f64 = 0.5;
 

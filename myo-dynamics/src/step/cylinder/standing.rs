@@ -15,8 +15,8 @@ pub(in crate::step) fn lowest<S: Scalar>(
     let (x, z) = (frame.rotation.x, frame.rotation.z);
     let rise = z.dot(normal);
     let axis = Vec3::select(S::zero().lt(rise), -z, z);
-    // What is left of the way down across the axis.
-    let down = axis.scale(axis.dot(normal)) - normal;
+    // What of the way down is across the axis: so also where rounding is all that there is.
+    let down = axis.cross(axis.cross(normal));
     let square = down.dot(down);
     let leans = S::lit(TINY).lt(square);
     let out = Vec3::select(leans, down.scale(square.max(S::lit(TINY)).rsqrt()), x);
