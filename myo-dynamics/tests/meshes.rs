@@ -2,16 +2,14 @@
 
 mod common;
 
-use common::{Look, difference, greatest, in_lanes, narrow_state, random_state};
+use common::parts::{Forward, STATES, errors, in_double_precision};
+use common::{Look, in_lanes, narrow_state, random_state};
 use myo_dynamics::{CouplingMode, Obstacles, Plan, State, Workspace, step};
 use myo_model::Model;
 use myo_model::description::Landmarks;
 use myo_model::import::{ImportOptions, from_mjcf};
-use myo_scalar::{Level, Scalar};
+use myo_scalar::Level;
 use std::collections::BTreeMap;
-
-/// A multiple of any number of lanes.
-const STATES: u32 = 1024;
 
 /// A body that stands nowhere, with an arm, both with a rock of eight corners that no two coordinates of are the same; over a floor, beside one of every shape.
 const ROCKS: &str = r#"<mujoco model="rocks">
@@ -53,37 +51,6 @@ fn exact() -> Plan<f64> {
     let mjcf = myo_mjcf::read_from(&files, "rocks.xml", myo_mjcf::Limits::default()).unwrap();
     let options = ImportOptions::new(Landmarks::new("tip", "trunk"));
     Plan::exact(&Model::new(&from_mjcf(&mjcf, &options).unwrap()).unwrap(), CouplingMode::Reduced).unwrap()
-}
-
-/// Accelerations, then of each contact its distance where there is one.
-#[derive(Clone, Copy)]
-struct Forward;
-
-impl Look for Forward {
-    #[inline(always)]
-    fn look<S: Scalar>(self, plan: &Plan<S::Const>, state: &State<S>, ws: &mut Workspace<S>) -> Vec<S> {
-        step::forward(plan, &Obstacles::none(plan), state, ws);
-        let mut all = ws.qacc.clone();
-        all.extend(ws.contacts[ws.box_slots..].iter().map(|contact| contact.distance.only(contact.exists)));
-        all
-    }
-}
-
-fn in_double_precision(plan: &Plan<f64>) -> Vec<Vec<f64>> {
-    let mut ws = Workspace::new(plan);
-    (0..STATES).map(|number| Forward.look(plan, &narrow_state(plan, number), &mut ws)).collect()
-}
-
-/// Greatest error of accelerations relative to the greatest of them, and of distances (m), which one is which aside: the ends of an edge may come in either order.
-fn errors(ndof: usize, wanted: &[f64], found: &[f64]) -> [f64; 2] {
-    let (wanted, found) = (wanted.split_at(ndof), found.split_at(ndof));
-    let sorted = |distances: &[f64]| {
-        let mut sorted = distances.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        sorted
-    };
-    let distance = difference(&sorted(wanted.1), &sorted(found.1));
-    [difference(wanted.0, found.0) / greatest(wanted.0).max(1.0), distance]
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! What the tests of this crate share.
 #![allow(dead_code)] // every test file uses a part of it
 
+pub mod parts;
+
 use myo_dynamics::plan::DofKind;
 use myo_dynamics::{CouplingMode, Plan, State, Workspace};
 use myo_model::{Model, builtin};
