@@ -45,7 +45,7 @@ pub(super) struct Face {
 }
 
 /// A closed surface.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Polytope {
     pub points: Vec<Point>,
     pub faces: Vec<Face>,

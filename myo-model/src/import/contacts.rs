@@ -46,7 +46,7 @@ impl<'a> Import<'a> {
         let apart = Apart::of(self.mjcf, &meshes);
         touches.retain(|touch| !apart.always(touch.geoms, touch.reach()));
         let never = |touch: &Touch<'_>| {
-            let is_sure = touch.is_simulated(&meshes) && !touch.has_flat_shape();
+            let is_sure = touch.is_simulated(&meshes) && !touch.has_scenery();
             !is_sure && apart.within_limits(touch.geoms, touch.reach(), |joint| self.hard_range(joint))
         };
         touches.retain(|touch| !never(touch));
@@ -232,7 +232,7 @@ impl Form {
     }
 
     /// Whether things often stand around in this form.
-    fn is_flat(self) -> bool {
+    fn is_scenery(self) -> bool {
         matches!(self, Self::Plane | Self::Cylinder | Self::Box)
     }
 
@@ -258,9 +258,9 @@ impl<'a> Touch<'a> {
         one.meets(other)
     }
 
-    /// Whether one of them is a plane, cylinder or box.
-    fn has_flat_shape(&self) -> bool {
-        self.geoms.iter().any(|held| Form::of(held.geom).is_flat())
+    /// Whether one of them often stands around: a plane, cylinder or box.
+    fn has_scenery(&self) -> bool {
+        self.geoms.iter().any(|held| Form::of(held.geom).is_scenery())
     }
 
     /// A contact with its friction: none where it has no dimension for it, else no less than MuJoCo takes.
