@@ -1,12 +1,15 @@
 //! Many bodies stepped together on the CPU: lanes across bodies, threads across blocks of lanes.
 
+use crate::native::{NativeStep, NotCompiled};
 use crate::obstacles::{Obstacles, Surface};
 use crate::plan::Plan;
 use crate::step::step;
 use crate::workspace::{SolverCount, State, Workspace};
 use myo_model::StaticBox;
+use myo_native::{LANES, Memory, NativeError};
 use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// States of many bodies of one plan, in single precision.
 ///
@@ -19,6 +22,8 @@ pub struct Batch {
     /// Boxes that can be touched at once, at most.
     contacts: usize,
     level: Level,
+    /// Machine code for this plan, in place of lanes.
+    native: Option<Arc<NativeStep>>,
     size: usize,
     blocks: Vec<f32>,
     solver: Vec<SolverCount>,
@@ -41,7 +46,7 @@ impl Batch {
         let nblock = size.div_ceil(level.lanes());
         let blocks = vec![0.0; nblock * entries(&plan) * level.lanes()];
         let solver = vec![SolverCount::default(); size];
-        let mut batch = Self { plan, obstacles, contacts: 1, level, size, blocks, solver };
+        let mut batch = Self { plan, obstacles, contacts: 1, level, native: None, size, blocks, solver };
         batch.fill_qpos();
         batch
     }
@@ -56,11 +61,25 @@ impl Batch {
         }
     }
 
-    /// The same with boxes that every fingertip can press.
+    /// The same with boxes that every fingertip can press, on lanes.
     pub fn touching(mut self, boxes: &[StaticBox], surface: Surface) -> Self {
         self.obstacles = Obstacles::new(&self.plan, boxes, surface);
         self.contacts = self.obstacles.most_at_once(&self.plan);
+        self.native = None;
         self
+    }
+
+    /// Bodies at rest in the pose of reference that are stepped by machine code made for their plan, which processors with AVX-512 run
+    /// faster than lanes go through tables. Compiling takes milliseconds to a second.
+    ///
+    /// # Errors
+    /// The processor has no AVX-512, or the plan is not one to compile.
+    pub fn compiled(plan: &Plan<f64>, size: usize) -> Result<Self, NotCompiled> {
+        let level = Level::widest();
+        if level.lanes() != LANES {
+            return Err(NativeError::Unsupported.into());
+        }
+        Ok(Self { native: Some(Arc::new(NativeStep::compile(plan)?)), ..Self::new(plan, size, level) })
     }
 
     /// Number of bodies.
@@ -105,13 +124,19 @@ impl Batch {
 
     /// Advances every body by `steps` physics steps, on the current rayon threads.
     pub fn step(&mut self, steps: usize) {
-        let Self { plan, obstacles, contacts, level, blocks, solver, .. } = self;
-        let block = entries(plan) * level.lanes();
+        let Self { plan, obstacles, contacts, level, native, blocks, solver, .. } = self;
+        let (block, native) = (entries(plan) * level.lanes(), native.as_deref());
         // Several blocks to a task, so that scratch memory is allocated rarely.
         let per_task = (blocks.len() / block).div_ceil(4 * rayon::current_num_threads()).max(1);
         let solver = solver.par_chunks_mut(level.lanes() * per_task);
-        blocks.par_chunks_mut(block * per_task).zip(solver).for_each(|(blocks, solver)| {
-            dispatch(*level, Steps { plan, obstacles, contacts: *contacts, blocks, solver, steps });
+        blocks.par_chunks_mut(block * per_task).zip(solver).for_each(|(blocks, solver)| match native {
+            Some(native) => {
+                let mut memory = Memory::default();
+                for (block, solver) in blocks.chunks_exact_mut(block).zip(solver.chunks_mut(LANES)) {
+                    native.run(block, steps, solver, &mut memory);
+                }
+            }
+            None => dispatch(*level, Steps { plan, obstacles, contacts: *contacts, blocks, solver, steps }),
         });
     }
 

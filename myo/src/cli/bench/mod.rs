@@ -60,26 +60,48 @@ pub fn run(command: &Command, threads: Option<usize>) -> Result<()> {
     }
 }
 
-/// An instruction-set level by name.
+/// What steps bodies, by name.
 #[derive(Clone, Copy, ValueEnum)]
-enum LevelName {
+enum CodeName {
     /// Plain code, NEON on ARM
     Portable,
     /// 8 lanes
     Avx2,
     /// 16 lanes
     Avx512,
+    /// Machine code made for the model, with AVX-512
+    Compiled,
 }
 
-impl LevelName {
-    /// The level, if this processor has it.
-    fn level(self) -> Result<Level> {
+/// What steps bodies.
+#[derive(Clone, Copy)]
+enum Code {
+    /// Lanes that go through the tables of a body.
+    Lanes(Level),
+    /// Machine code made for it.
+    Compiled,
+}
+
+impl CodeName {
+    /// The code, if this processor has the level.
+    fn code(self) -> Result<Code> {
         let name = match self {
             Self::Portable => "portable",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
+            Self::Compiled => return Ok(Code::Compiled),
         };
-        Ok(Level::named(name)?)
+        Ok(Code::Lanes(Level::named(name)?))
+    }
+}
+
+impl Code {
+    /// Short name, as on the command line.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Lanes(level) => level.name(),
+            Self::Compiled => "compiled",
+        }
     }
 }
 

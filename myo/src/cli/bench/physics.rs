@@ -12,7 +12,7 @@ use serde_json::json;
 use super::machine::Machine;
 use super::mujoco::{Opponent, default_python};
 use super::random::Random;
-use super::{LevelName, best_and_median};
+use super::{Code, CodeName, best_and_median};
 use crate::cli::failure::{Failure, Result, complain};
 use crate::cli::output::{percent, print, print_json, rounded, row, table};
 use crate::cli::{model, parse};
@@ -37,9 +37,9 @@ pub struct PhysicsArgs {
     #[arg(long, value_name = "PYTHON", num_args = 0..=1)]
     against_mujoco: Option<Option<PathBuf>>,
 
-    /// Instruction sets, separated by commas [default: the widest of this processor]
+    /// Instruction sets, separated by commas [default: machine code if there can be any, and the widest of this processor]
     #[arg(long, value_enum, value_delimiter = ',')]
-    level: Vec<LevelName>,
+    level: Vec<CodeName>,
 
     /// Name of a model, or a model file
     #[arg(long, default_value = "mobl-arms")]
@@ -57,7 +57,7 @@ pub struct PhysicsArgs {
 const HELP: &str = "\
 Examples:
   myo bench physics
-  myo bench physics --against-mujoco --level avx512,avx2
+  myo bench physics --against-mujoco --level compiled,avx512,avx2
   myo bench physics --threads 8 --json
 
 Every body gets new random excitations in [0, 1] every 25 physics steps of 2 ms. Rates are those of the best of 11
@@ -94,8 +94,7 @@ struct Row {
 pub fn run(args: &PhysicsArgs, threads: usize) -> Result<()> {
     // Before this process stays on one core, which is then all that it could tell of.
     let machine = Machine::here();
-    let levels = args.level.iter().map(|name| name.level()).collect::<Result<Vec<_>>>()?;
-    let levels = if levels.is_empty() { vec![Level::detect()?] } else { levels };
+    let codes = args.level.iter().map(|name| name.code()).collect::<Result<Vec<_>>>()?;
     let model = model::open(&args.model)?;
     let python = args.against_mujoco.clone().map(|python| python.unwrap_or_else(default_python));
     // Before the threads start, because they stay on the core of the one that starts them.
@@ -104,9 +103,22 @@ pub fn run(args: &PhysicsArgs, threads: usize) -> Result<()> {
     let pool = pool.map_err(|error| Failure::sentence(format!("cannot start {threads} threads: {error}")))?;
     let plan = Plan::exact(&model, CouplingMode::Reduced)?.specialised();
     let envs = args.envs.unwrap_or(1024 * threads);
+    let codes = if codes.is_empty() { usual(&plan)? } else { codes };
     let mut scene = Scene { model: &model.name, plan, envs, pool, opponent, machine };
-    let rows = levels.into_iter().map(|level| scene.measure(level)).collect::<Result<Vec<_>>>()?.concat();
+    let rows = codes.into_iter().map(|code| scene.measure(code)).collect::<Result<Vec<_>>>()?.concat();
     show(args.json, &rows, &scene.machine)
+}
+
+/// Machine code if there can be any of a plan, and the lanes of this processor.
+fn usual(plan: &Plan<f64>) -> Result<Vec<Code>> {
+    let lanes = Code::Lanes(Level::detect()?);
+    Ok(match Batch::compiled(plan, 1) {
+        Ok(_) => vec![Code::Compiled, lanes],
+        Err(reason) => {
+            complain(&format!("without machine code: {reason}"));
+            vec![lanes]
+        }
+    })
 }
 
 /// What is measured, and against whom.
@@ -120,10 +132,10 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The row of a level, and that of MuJoCo measured in turns with it.
-    fn measure(&mut self, level: Level) -> Result<Vec<Row>> {
-        complain(&format!("measuring {} bodies with {}", self.envs, level.name()));
-        let mut runner = Runner::new(&self.plan, self.envs, level);
+    /// The row of some code, and that of MuJoCo measured in turns with it.
+    fn measure(&mut self, code: Code) -> Result<Vec<Row>> {
+        complain(&format!("measuring {} bodies with {}", self.envs, code.name()));
+        let mut runner = Runner::new(&self.plan, self.envs, code)?;
         self.pool.install(|| runner.measure(WARM_UP));
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for _ in 0..REPEATS {
@@ -134,7 +146,7 @@ impl Scene<'_> {
         }
         let threads = self.pool.current_num_threads();
         let mut own = self.row("cpu", (self.envs, threads), STEPS, &ours);
-        own.level = Some(level.name());
+        own.level = Some(code.name());
         let solver: SolverCount = runner.batch.solver_counts().iter().copied().sum();
         own.solver_rounds = Some(solver.rounds as f64 / solver.steps as f64);
         own.solver_unsolved = Some(solver.unsolved);
@@ -178,9 +190,12 @@ struct Runner<'a> {
 }
 
 impl<'a> Runner<'a> {
-    fn new(plan: &'a Plan<f64>, envs: usize, level: Level) -> Self {
-        let ctrl = vec![0.0; plan.nmuscle()];
-        Self { plan, batch: Batch::new(plan, envs, level), random: Random(1), ctrl }
+    fn new(plan: &'a Plan<f64>, envs: usize, code: Code) -> Result<Self> {
+        let batch = match code {
+            Code::Lanes(level) => Batch::new(plan, envs, level),
+            Code::Compiled => Batch::compiled(plan, envs).map_err(|error| Failure::sentence(error.to_string()))?,
+        };
+        Ok(Self { plan, batch, random: Random(1), ctrl: vec![0.0; plan.nmuscle()] })
     }
 
     /// Seconds that a number of control steps took, and the share of them that ended with a joint beyond its limit.

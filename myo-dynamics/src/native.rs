@@ -1,0 +1,85 @@
+//! A step of one body as machine code.
+
+use crate::obstacles::Obstacles;
+use crate::plan::Plan;
+use crate::step::step;
+use crate::workspace::{MAX_LANES, SolverCount, State, Workspace};
+use myo_native::{LANES, Memory, NativeError, Routine, View};
+use myo_scalar::symbolic::{Buffer, Program, Sharing, Sym, trace};
+
+/// Positions, rates, activations and controls, one after the other.
+const ROWS: Buffer = Buffer { binding: 0, sharing: Sharing::PerEnv };
+/// Rounds of the solver, and steps that it left unsolved.
+const COUNTS: Buffer = Buffer { binding: 1, sharing: Sharing::PerEnv };
+/// Operations beyond which compiling takes seconds.
+const MOST_OPERATIONS: usize = 150_000;
+
+/// Why there is no machine code of a body.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotCompiled {
+    /// What touches is looked for one body at a time.
+    #[error("contacts of meshes, and of boxes with anything but planes, spheres and capsules, are looked for one body at a time")]
+    OneByOne,
+    /// It would take long.
+    #[error("a step takes {operations} operations; at most {most} are compiled")]
+    TooLarge {
+        /// How many it takes.
+        operations: usize,
+        /// How many it may take.
+        most: usize,
+    },
+    /// The processor, or the system.
+    #[error(transparent)]
+    Native(#[from] NativeError),
+}
+
+/// A step of one plan.
+#[derive(Debug)]
+pub(crate) struct NativeStep(Routine);
+
+impl NativeStep {
+    pub fn compile(plan: &Plan<f64>) -> Result<Self, NotCompiled> {
+        if plan.touches_one_by_one() {
+            return Err(NotCompiled::OneByOne);
+        }
+        let program = record(plan);
+        let (operations, most) = (program.operations(), MOST_OPERATIONS);
+        if operations > most {
+            return Err(NotCompiled::TooLarge { operations, most });
+        }
+        Ok(Self(Routine::compile(&program)?))
+    }
+
+    /// Advances a block of bodies, whose rows are in the order of [`record`].
+    pub fn run(&self, block: &mut [f32], steps: usize, solver: &mut [SolverCount], memory: &mut Memory) {
+        let mut counts = [0; 2 * LANES];
+        for _ in 0..steps {
+            self.0.run(&mut [View::NumbersMut(block), View::WordsMut(&mut counts)], memory);
+        }
+        let (rounds, unsolved) = counts.split_at(LANES);
+        for ((count, &rounds), &unsolved) in solver.iter_mut().zip(rounds).zip(unsolved) {
+            *count += SolverCount { steps: steps as u64, rounds: u64::from(rounds), unsolved: u64::from(unsolved) };
+        }
+    }
+}
+
+const _: () = assert!(LANES == MAX_LANES, "a block has a body for each lane of a routine");
+
+fn record(plan: &Plan<f64>) -> Program {
+    let sizes = [plan.nq(), plan.ndof(), plan.nmuscle(), plan.nmuscle()];
+    trace(|| {
+        let mut rows = 0..;
+        let [qpos, qvel, act, ctrl] =
+            sizes.map(|size| rows.by_ref().take(size).map(|row| ROWS.number(row)).collect::<Vec<Sym>>());
+        let mut state = State { qpos, qvel, act };
+        let mut ws = Workspace::<Sym>::new(plan);
+        step(plan, &Obstacles::none(plan).splat(), &ctrl, &mut state, &mut ws);
+        for (row, &x) in [&state.qpos, &state.qvel, &state.act].into_iter().flatten().enumerate() {
+            ROWS.set_number(row, x);
+        }
+        for (row, word) in [ws.tally.rounds, ws.tally.unsolved].into_iter().enumerate() {
+            COUNTS.set_word(row, COUNTS.word(row) + word);
+        }
+    })
+}

@@ -1,0 +1,105 @@
+//! Machine code that can be called.
+
+use crate::assemble::{Assembled, assemble};
+use crate::emit::{FRAME_BIAS, MOST_BUFFERS, POOL_BIAS};
+use crate::lower::lower;
+use crate::{LANES, Memory, NativeError, View};
+use memmap2::{Mmap, MmapMut};
+use myo_scalar::symbolic::{Entries, Op, Program, Statement};
+
+/// Takes frame, constants and buffers.
+type Call = unsafe extern "sysv64" fn(*const *mut u8);
+
+/// A compiled program.
+#[derive(Debug)]
+pub struct Routine {
+    code: Mmap,
+    size: usize,
+    constants: Vec<u32>,
+    /// Bytes that it computes in.
+    frame: usize,
+    buffers: Vec<Demand>,
+}
+
+/// What a program does with a buffer.
+#[derive(Clone, Copy, Debug)]
+struct Demand {
+    entries: Entries,
+    is_written: bool,
+}
+
+impl Routine {
+    /// Compiles a program.
+    ///
+    /// # Errors
+    /// The processor has no AVX-512, there is no memory, or the program does what a routine cannot do, see [`NativeError`].
+    pub fn compile(program: &Program) -> Result<Self, NativeError> {
+        if !is_x86_feature_detected!("avx512f") {
+            return Err(NativeError::Unsupported);
+        }
+        let nbuffer = count_buffers(program);
+        if nbuffer > MOST_BUFFERS {
+            return Err(NativeError::TooManyBuffers { count: nbuffer, most: MOST_BUFFERS });
+        }
+        let Assembled { bytes, constants, frame } = assemble(&lower(program)?, &program.table, nbuffer);
+        let mut code = MmapMut::map_anon(bytes.len())?;
+        code[..bytes.len()].copy_from_slice(&bytes);
+        let buffers = (0..nbuffer as u32).map(|binding| Demand::of(program, binding)).collect();
+        Ok(Self { code: code.make_exec()?, size: bytes.len(), constants, frame, buffers })
+    }
+
+    /// Runs it for [`LANES`] environments.
+    ///
+    /// # Panics
+    /// A buffer is missing, is too short, or is read-only though the program writes it.
+    pub fn run(&self, buffers: &mut [View<'_>], memory: &mut Memory) {
+        assert!(buffers.len() >= self.buffers.len(), "{} buffers of {}", buffers.len(), self.buffers.len());
+        let mut pointers = [std::ptr::null_mut(); 2 + MOST_BUFFERS];
+        pointers[0] = memory.of(self.frame).wrapping_offset(FRAME_BIAS as isize);
+        pointers[1] = self.constants.as_ptr().cast_mut().cast::<u8>().wrapping_offset(POOL_BIAS as isize);
+        for (k, (view, demand)) in buffers.iter_mut().zip(&self.buffers).enumerate() {
+            let needed = demand.entries.needed(LANES as u32);
+            assert!(view.len() as u64 >= needed, "buffer {k} has {} entries of {needed}", view.len());
+            assert!(view.is_writable() || !demand.is_written, "buffer {k} is written");
+            pointers[k + 2] = match view {
+                View::Numbers(x) => x.as_ptr().cast_mut().cast(),
+                View::NumbersMut(x) => x.as_mut_ptr().cast(),
+                View::Words(x) => x.as_ptr().cast_mut().cast(),
+                View::WordsMut(x) => x.as_mut_ptr().cast(),
+            };
+        }
+        // SAFETY: the code was made here for this signature, on a processor that has its instructions. It reads and writes the rows that the
+        // program names, which the buffers have, as was just checked, and the frame, which is as long as it wants; what it looks up by
+        // computed numbers is bounded to rows that the program names and to its table. It writes buffers that are mutable only.
+        unsafe {
+            let call: Call = std::mem::transmute(self.code.as_ptr());
+            call(pointers.as_ptr());
+        }
+    }
+
+    /// Bytes of machine code.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+}
+
+impl Demand {
+    fn of(program: &Program, binding: u32) -> Self {
+        let writes =
+            |statement: &Statement| matches!(statement, Statement::Store(store) if store.buffer.binding == binding);
+        Self { entries: program.entries(binding), is_written: program.statements.iter().any(writes) }
+    }
+}
+
+/// Buffers up to the last one that a program names.
+fn count_buffers(program: &Program) -> usize {
+    let read = program.live_nodes().filter_map(|id| match program.nodes[id as usize].op {
+        Op::Input(buffer, _) | Op::Gather(buffer, _) => Some(buffer.binding),
+        _ => None,
+    });
+    let written = program.statements.iter().filter_map(|statement| match statement {
+        Statement::Store(store) => Some(store.buffer.binding),
+        _ => None,
+    });
+    read.chain(written).max().map_or(0, |binding| binding as usize + 1)
+}
