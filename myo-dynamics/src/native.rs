@@ -19,7 +19,9 @@ const MOST_OPERATIONS: usize = 150_000;
 #[non_exhaustive]
 pub enum NotCompiled {
     /// What touches is looked for one body at a time.
-    #[error("contacts of meshes, and of boxes with anything but planes, spheres and capsules, are looked for one body at a time")]
+    #[error(
+        "contacts of meshes, and of boxes with anything but planes, spheres and capsules, are looked for one body at a time"
+    )]
     OneByOne,
     /// It would take long.
     #[error("a step takes {operations} operations; at most {most} are compiled")]
@@ -58,9 +60,7 @@ impl NativeStep {
             self.0.run(&mut [View::NumbersMut(block), View::WordsMut(&mut counts)], memory);
         }
         let (rounds, unsolved) = counts.split_at(LANES);
-        for ((count, &rounds), &unsolved) in solver.iter_mut().zip(rounds).zip(unsolved) {
-            *count += SolverCount { steps: steps as u64, rounds: u64::from(rounds), unsolved: u64::from(unsolved) };
-        }
+        SolverCount::add(solver, steps, [rounds, unsolved]);
     }
 }
 

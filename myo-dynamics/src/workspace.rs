@@ -201,9 +201,7 @@ impl<S: Scalar> SolverTally<S> {
         let (mut rounds, mut unsolved) = ([0; MAX_LANES], [0; MAX_LANES]);
         self.rounds.store(&mut rounds);
         self.unsolved.store(&mut unsolved);
-        for ((count, rounds), unsolved) in counts.iter_mut().zip(rounds).zip(unsolved) {
-            *count += SolverCount { steps: steps as u64, rounds: u64::from(rounds), unsolved: u64::from(unsolved) };
-        }
+        SolverCount::add(counts, steps, [&rounds, &unsolved]);
         *self = Self::new();
     }
 }
@@ -226,6 +224,15 @@ pub struct SolverCount {
     pub rounds: u64,
     /// Steps that ended after the greatest number of rounds with rows still wrong: their forces are not to be trusted.
     pub unsolved: u64,
+}
+
+impl SolverCount {
+    /// Adds what `steps` steps did to the counts of bodies: rounds of each, and steps that were left unsolved.
+    pub fn add(counts: &mut [Self], steps: usize, [rounds, unsolved]: [&[u32]; 2]) {
+        for ((count, &rounds), &unsolved) in counts.iter_mut().zip(rounds).zip(unsolved) {
+            *count += Self { steps: steps as u64, rounds: rounds.into(), unsolved: unsolved.into() };
+        }
+    }
 }
 
 impl std::ops::AddAssign for SolverCount {

@@ -2,9 +2,10 @@
 
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig, MOST_THREADS, check_layouts};
-use crate::control::{Own, episode_names};
+use crate::control::{Judge, Own, Script, episode_names};
 use crate::job::{ResetJob, Runner, StepJob};
 use crate::memory;
+use crate::native::{self, NativeStep, NotCompiled};
 use crate::observe;
 use crate::precision::Precision;
 use crate::rules::{Outline, RULES_COLUMNS, Rules};
@@ -17,6 +18,7 @@ use crate::trace::TraceShape;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_dynamics::{Plan, SolverCount};
 use myo_model::Model;
+use myo_native::Routine;
 use myo_scalar::{Level, Real};
 use myo_tasks::Task;
 use rayon::ThreadPool;
@@ -40,6 +42,8 @@ pub struct BatchEnv<C: Precision> {
     finished: Finished,
     pool: Option<ThreadPool>,
     judge: Arc<dyn Runner<C>>,
+    /// Machine code of control steps, in place of lanes.
+    native: Option<NativeStep>,
 }
 
 impl<C: Precision> BatchEnv<C> {
@@ -61,7 +65,9 @@ impl<C: Precision> BatchEnv<C> {
         check_layouts(tasks.len(), config.num_envs)?;
         let tables = Tables::of_layouts(model, tasks, None, &C::plan)?;
         let spec = spec(model, tasks, &tables, config);
-        Self::start(tables, spec, C::script(), config)
+        let recorded = || Tables::of_layouts(model, tasks, None, &Plan::specialised);
+        let routine = compiled::<C>(&Script, recorded, config)?;
+        Self::start(tables, spec, C::script(), routine, config)
     }
 
     /// The same with rules of one's own, which observe, judge and reward in place of the task's script.
@@ -70,7 +76,10 @@ impl<C: Precision> BatchEnv<C> {
     /// As for [`new`](Self::new); the rules contradict themselves, environments are to explore, or the task has a technique.
     pub fn with_rules(model: &Model, task: &Task, rules: &impl Rules, config: &EnvConfig) -> Result<Self, BuildError> {
         let (tables, spec) = ruled(model, task, rules, config, &C::plan)?;
-        Self::start(tables, spec, Arc::new(Own(rules.clone())), config)
+        let recorded = || Ok(ruled(model, task, rules, config, &Plan::specialised)?.0);
+        let judge = Own(rules.clone());
+        let routine = compiled::<C>(&judge, recorded, config)?;
+        Self::start(tables, spec, Arc::new(judge), routine, config)
     }
 
     /// Other environments of the same model, task and rules; nothing is compiled again. They start their episodes again as these do,
@@ -84,7 +93,8 @@ impl<C: Precision> BatchEnv<C> {
         self.tables.rules.as_ref().map_or(Ok(()), |rules| rules.check_config(config))?;
         let &EnvConfig { num_envs, exploring, .. } = config;
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
-        Self::start(self.tables.clone(), spec, self.judge.clone(), config)
+        let routine = self.native.as_ref().map(NativeStep::routine);
+        Self::start(self.tables.clone(), spec, self.judge.clone(), routine, config)
     }
 
     /// Makes the environments and resets them.
@@ -92,6 +102,7 @@ impl<C: Precision> BatchEnv<C> {
         tables: Tables<C>,
         spec: EnvSpec,
         judge: Arc<dyn Runner<C>>,
+        routine: Option<Arc<Routine>>,
         config: &EnvConfig,
     ) -> Result<Self, BuildError> {
         let level = config.level.map_or_else(Level::detect, Ok)?;
@@ -100,7 +111,8 @@ impl<C: Precision> BatchEnv<C> {
         let storage = Storage::new(C::lanes(level), &spec, rows.count)?;
         let finished = Finished::new(&spec);
         let pool = config.threads.map(thread_pool).transpose()?;
-        let mut env = Self { tables, spec, level, storage, rows, finished, pool, judge };
+        let native = routine.map(|routine| NativeStep::new(routine, &tables, &spec));
+        let mut env = Self { tables, spec, level, storage, rows, finished, pool, judge, native };
         let mut observation = memory::zeros(config.num_envs, config.num_envs * env.spec.observation_size())?;
         env.reset(Some(config.seed), None, &mut observation).expect("the buffers were made to fit");
         Ok(env)
@@ -142,6 +154,8 @@ impl<C: Precision> BatchEnv<C> {
         let (nobs, nact, nepisode) = (self.spec.observation_size(), self.spec.action_size(), self.spec.episode_size());
         let (per_task, traced) = (self.envs_per_task(), self.trace_shape().len_per_env());
         let (tables, level, autoreset) = (&self.tables, self.level, self.spec.autoreset);
+        // Lanes alone write down what happens within a control step.
+        let (native, pending) = (self.native.as_ref().filter(|_| trace.is_none()), self.rows.pending);
         let StepBuffers { observation, reward, terminated, truncated, final_observation, episode } = out;
         let mut actions = actions.chunks(per_task * nact.max(1));
         let mut observation = observation.chunks_mut(per_task * nobs.max(1));
@@ -158,6 +172,7 @@ impl<C: Precision> BatchEnv<C> {
                 storage,
                 autoreset,
                 actions: actions.next().unwrap_or(&[]),
+                native: native.map(|native| (native, pending)),
                 trace: trace.as_mut().and_then(Iterator::next),
                 out: StepBuffers {
                     observation: observation.next().unwrap_or(&mut []),
@@ -174,6 +189,18 @@ impl<C: Precision> BatchEnv<C> {
         Ok(())
     }
 
+    /// Whether control steps are machine code, see [`EnvConfig::native`].
+    pub fn is_native(&self) -> bool {
+        self.native.is_some()
+    }
+
+    /// Hands the numbers of the task to machine code.
+    fn take_parameters(&mut self) {
+        if let Some(native) = &mut self.native {
+            native.take_parameters(&self.tables, &self.spec);
+        }
+    }
+
     /// Header of its states.
     fn header(&self) -> Header {
         Header::of::<C>(self.spec.num_envs, self.rows.count, &self.tables.identity)
@@ -184,6 +211,21 @@ impl<C: Precision> BatchEnv<C> {
         let threads = self.pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
         self.storage.nblock().div_ceil(4 * threads).max(1) * self.storage.lanes
     }
+}
+
+/// Machine code of control steps under a judge, if it is wanted and there can be any.
+fn compiled<C: Precision>(
+    judge: &impl Judge,
+    tables: impl FnOnce() -> Result<Tables<f64>, BuildError>,
+    config: &EnvConfig,
+) -> Result<Option<Arc<Routine>>, BuildError> {
+    native::if_wanted(config, || {
+        let level = config.level.map_or_else(Level::detect, Ok)?;
+        if C::narrow(&mut []).is_none() {
+            return Ok(Err(NotCompiled::Double));
+        }
+        Ok(native::compile(judge, &tables()?, config.autoreset, level))
+    })
 }
 
 /// Tables, sizes and names of environments with rules of one's own, if these do not contradict themselves.
@@ -306,12 +348,14 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
         self.tables.set_tasks(tasks).map_err(EnvError::other_task)?;
         self.spec.max_episode_steps = longest_episode(tasks);
         self.spec.layout_limits = layout_limits(tasks);
+        self.take_parameters();
         let n = self.spec.num_envs;
         self.reset(None, Some(&vec![false; n]), &mut vec![0.0; n * self.spec.observation_size()])
     }
 
     fn set_cost_share(&mut self, share: f64) -> Result<(), EnvError> {
         self.tables.set_cost_share(check::share(share)?);
+        self.take_parameters();
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! What a caller chooses about a batch of environments, and why one cannot be built.
 
 use crate::memory::MOST_ENVS;
+use crate::native::NotCompiled;
 use crate::vector::Autoreset;
 use myo_dynamics::PlanError;
 use myo_scalar::{Level, LevelError};
@@ -23,6 +24,9 @@ pub struct EnvConfig {
     pub threads: Option<usize>,
     /// Instruction-set level; without it that of [`Level::detect`].
     pub level: Option<Level>,
+    /// Whether control steps are machine code that is compiled for the model and task (AVX-512, on the CPU), about twice as fast as lanes that go
+    /// through their tables; results differ by rounding. Without it they are from 256 environments on, where there can be such code.
+    pub native: Option<bool>,
     /// The last so many environments begin their episodes in the middle of the task, drawn anew each time: with any of the
     /// targets, as if those before it were done, with a tenth to a half of the time left, and in that of eight random poses from
     /// which the fingertip has the least way to go. Of episodes after a failure three of four begin with the target that was not
@@ -34,7 +38,15 @@ pub struct EnvConfig {
 
 impl Default for EnvConfig {
     fn default() -> Self {
-        Self { num_envs: 1, seed: 0, autoreset: Autoreset::default(), threads: None, level: None, exploring: 0 }
+        Self {
+            num_envs: 1,
+            seed: 0,
+            autoreset: Autoreset::default(),
+            threads: None,
+            level: None,
+            native: None,
+            exploring: 0,
+        }
     }
 }
 
@@ -101,6 +113,9 @@ pub enum BuildError {
     /// `MYO_LEVEL` asks for a level of instructions that there is not.
     #[error(transparent)]
     Level(#[from] LevelError),
+    /// Machine code was asked for, and there is none.
+    #[error("no machine code can be made: {0}; leave `native` out, or set it to false")]
+    NotCompiled(#[from] NotCompiled),
     /// More environments than are numbered.
     #[error("{num_envs} environments are asked for; one batch has at most {MOST_ENVS}")]
     TooManyEnvironments {

@@ -14,6 +14,8 @@ pub trait Precision: Real + Scalar<Const = Self> {
     fn plan(exact: &Plan<f64>) -> Plan<Self>;
     /// The script of a task as the judge, compiled once, in this crate.
     fn script() -> Arc<dyn Runner<Self>>;
+    /// Numbers as machine code takes them, if it does.
+    fn narrow(numbers: &mut [Self]) -> Option<&mut [f32]>;
     /// Runs a job on the numbers of this precision.
     fn run<J: Job<Self>>(level: Level, job: J);
 }
@@ -35,6 +37,9 @@ impl Precision for f64 {
     fn script() -> Arc<dyn Runner<Self>> {
         Arc::new(Script)
     }
+    fn narrow(_: &mut [Self]) -> Option<&mut [f32]> {
+        None
+    }
     fn run<J: Job<Self>>(_: Level, job: J) {
         job.run::<Self>();
     }
@@ -50,6 +55,9 @@ impl Precision for f32 {
     }
     fn script() -> Arc<dyn Runner<Self>> {
         Arc::new(Script)
+    }
+    fn narrow(numbers: &mut [Self]) -> Option<&mut [f32]> {
+        Some(numbers)
     }
     fn run<J: Job<Self>>(level: Level, job: J) {
         dispatch(level, OnLanes(job));

@@ -55,6 +55,16 @@ pub fn read_rows<S: Scalar>(rows: &[f32], values: &mut [S]) {
     }
 }
 
+/// Writes one row per environment as columns, entry `row` of lane `lane` at `row * lanes + lane`; those of lanes without an environment stay as they are.
+pub fn fill_columns(rows: &[f32], columns: &mut [f32], lanes: usize) {
+    let width = columns.len() / lanes;
+    for (lane, row) in rows.chunks_exact(width.max(1)).take(lanes).enumerate() {
+        for (column, &x) in columns.chunks_exact_mut(lanes).zip(row) {
+            column[lane] = x;
+        }
+    }
+}
+
 /// The rows of block `block` in an array of `width` entries per environment.
 macro_rules! rows {
     ($array:expr, $block:expr, $lanes:expr, $width:expr) => {{

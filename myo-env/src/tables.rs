@@ -232,14 +232,12 @@ impl<C: Real> Tables<C> {
         Ok(parameters)
     }
 
-    /// How many numbers `parameters` has on a card for each environment; none where all share them.
-    #[cfg(feature = "gpu")]
+    /// How many numbers `parameters` has for each environment where programs are recorded; none where all share them.
     pub(crate) fn own_rows(&self) -> usize {
         self.layouts.first().map_or(0, Vec::len)
     }
 
-    /// What lies in the buffer `parameters` of a card for so many environments from `first` on.
-    #[cfg(feature = "gpu")]
+    /// What lies in the buffer `parameters` of recorded programs for so many environments from `first` on.
     pub(crate) fn columns(&self, first: usize, num_envs: usize) -> Vec<f32> {
         let narrow = |number: C| number.to_f64() as f32;
         if self.layouts.is_empty() {

@@ -2,7 +2,7 @@
 
 use crate::common::{
     actions, arm, assert_follows, chords, column, drifting, driven, entry, fast, fingers, following, gpu, limited,
-    rollout, short, sphere, steered, swung,
+    rollout, short, sphere, steered, swung, without_native,
 };
 use myo_env::{
     Autoreset, CpuEnv, Env, EnvConfig, EnvError, GpuEnv, ReferenceEnv, Snapshot, StepStorage, Tables, VectorEnv,
@@ -11,28 +11,49 @@ use myo_scalar::Level;
 use myo_tasks::Task;
 
 /// A backend under test.
-trait Subject: VectorEnv + Sized {
+trait Subject {
+    /// Its environments.
+    type Env: VectorEnv;
     /// Whether a driver compiles each task, which takes minutes for large bodies where that is software.
     const IS_COMPILED: bool = false;
-    fn make(task: &Task, config: EnvConfig) -> Self;
+    fn make(task: &Task, config: EnvConfig) -> Self::Env;
 }
 
-impl Subject for CpuEnv {
-    fn make(task: &Task, config: EnvConfig) -> Self {
-        Self::new(&arm(task), task, &config).unwrap()
+/// Lanes of the processor.
+struct Lanes;
+/// Machine code of the processor.
+struct Native;
+/// Double precision.
+struct Reference;
+/// A graphics card.
+struct Card;
+
+impl Subject for Lanes {
+    type Env = CpuEnv;
+    fn make(task: &Task, config: EnvConfig) -> CpuEnv {
+        CpuEnv::new(&arm(task), task, &EnvConfig { native: Some(false), ..config }).unwrap()
     }
 }
 
-impl Subject for ReferenceEnv {
-    fn make(task: &Task, config: EnvConfig) -> Self {
-        Self::new(&arm(task), task, &config).unwrap()
+impl Subject for Native {
+    type Env = CpuEnv;
+    fn make(task: &Task, config: EnvConfig) -> CpuEnv {
+        CpuEnv::new(&arm(task), task, &EnvConfig { native: Some(true), ..config }).unwrap()
     }
 }
 
-impl Subject for GpuEnv {
+impl Subject for Reference {
+    type Env = ReferenceEnv;
+    fn make(task: &Task, config: EnvConfig) -> ReferenceEnv {
+        ReferenceEnv::new(&arm(task), task, &config).unwrap()
+    }
+}
+
+impl Subject for Card {
+    type Env = GpuEnv;
     const IS_COMPILED: bool = true;
-    fn make(task: &Task, config: EnvConfig) -> Self {
-        Self::new(&gpu(), &arm(task), task, &config).unwrap()
+    fn make(task: &Task, config: EnvConfig) -> GpuEnv {
+        GpuEnv::new(&gpu(), &arm(task), task, &config).unwrap()
     }
 }
 
@@ -227,7 +248,7 @@ fn damaged_states_are_refused_and_change_nothing<E: Subject>() {
 fn states_of_another_task_or_body_are_refused_by_name<E: Subject>() {
     let task = short("pointing-uitb");
     let mut env = E::make(&task, EnvConfig { num_envs: 2, ..Default::default() });
-    let refusal = |env: &mut E, other: &Task| {
+    let refusal = |env: &mut E::Env, other: &Task| {
         let state = E::make(other, EnvConfig { num_envs: 2, ..Default::default() }).save_state().unwrap();
         env.load_state(&state).expect_err("another task").to_string()
     };
@@ -352,9 +373,10 @@ macro_rules! conformance {
     };
 }
 conformance!(
-    cpu: myo_env::CpuEnv, skip if false;
-    reference: myo_env::ReferenceEnv, skip if false;
-    gpu: myo_env::GpuEnv, skip if crate::common::without_gpu();
+    cpu: super::Lanes, skip if false;
+    native: super::Native, skip if crate::common::without_native();
+    reference: super::Reference, skip if false;
+    gpu: super::Card, skip if crate::common::without_gpu();
 );
 
 /// The backends draw the same integers and agree in floats as far as single precision goes, at every level, in all that a
@@ -368,11 +390,13 @@ fn lanes_follow_the_reference() {
         let config = EnvConfig { num_envs: 20, exploring: 9, ..Default::default() };
         let mut reference = ReferenceEnv::new(&arm(&task), &task, &config).unwrap();
         let wanted = rollout(&mut reference, 20);
-        for level in Level::available() {
-            let config = EnvConfig { level: Some(level), ..config };
+        let levels = Level::available().into_iter().map(|level| EnvConfig { level: Some(level), ..config });
+        let native = (!without_native()).then_some(EnvConfig { native: Some(true), ..config });
+        for config in levels.chain(native) {
             let mut lanes = CpuEnv::new(&arm(&task), &task, &config).unwrap();
+            let code = if config.native.is_some() { "machine code".into() } else { format!("{:?}", config.level) };
             for (step, (a, b)) in rollout(&mut lanes, 20).iter().zip(&wanted).enumerate() {
-                assert_follows(&reference, a, b, &format!("{name}, {level:?}, step {step}"));
+                assert_follows(&reference, a, b, &format!("{name}, {code}, step {step}"));
             }
         }
     }
@@ -414,7 +438,7 @@ fn a_control_step_that_does_not_fit_the_physics_is_refused() {
 fn one_environment_equals_the_first_of_many() {
     let task = short("pointing-uitb");
     let mut one = Env::new(&arm(&task), &task, 7).unwrap();
-    let mut many = CpuEnv::make(&task, EnvConfig { num_envs: 9, seed: 7, ..Default::default() });
+    let mut many = Lanes::make(&task, EnvConfig { num_envs: 9, seed: 7, ..Default::default() });
     let (nobs, nact) = (one.spec().observation_size(), one.spec().action_size());
     let mut out = StepStorage::new(many.spec());
     for step in 0..one.spec().max_episode_steps {

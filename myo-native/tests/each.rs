@@ -1,7 +1,7 @@
 //! Every operation on integers alone.
 use myo_native::{LANES, Memory, Routine, View};
-use myo_scalar::symbolic::{Buffer, Contents, Sharing, SymWord, trace};
 use myo_scalar::Word;
+use myo_scalar::symbolic::{Buffer, Contents, Sharing, SymWord, trace};
 
 #[test]
 fn words() {

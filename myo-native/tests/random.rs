@@ -4,7 +4,7 @@
 
 use myo_native::{LANES, Memory, NativeError, Routine, View};
 use myo_scalar::symbolic::{Buffer, Contents, Form, Program, Sharing, Sym, SymMask, SymWord, trace_as};
-use myo_scalar::{Carried, Mask, Scalar, Visitor, Word};
+use myo_scalar::{Carried, Scalar, Visitor, Word};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseResult, TestRunner};
 
@@ -214,7 +214,6 @@ fn compare(drawn: &[u32]) -> TestCaseResult {
         Err(NativeError::Unsupported) => return Ok(()),
         routine => routine.expect("the program is compiled"),
     };
-    if std::env::var("SHOW").is_ok() { for id in program.live_nodes() { eprintln!("{id} {:?}", program.nodes[id as usize]); } for s in &program.statements { eprintln!("{s:?}"); } }
     let mut draws = Choices { drawn, next: 7 };
     let mut numbers: Vec<f32> = (0..(NUMBER_ROWS + 2) * LANES).map(|_| draws.below(19) as f32 - 9.0).collect();
     let mut words: Vec<u32> =
@@ -245,9 +244,7 @@ fn compare(drawn: &[u32]) -> TestCaseResult {
 
 #[test]
 fn programs_run_as_they_are_interpreted() {
-    let config = Config { cases: 400, max_shrink_iters: 100000, failure_persistence: None, ..Config::default() };
+    let config = Config { cases: 150, failure_persistence: None, ..Config::default() };
     let choices = prop::collection::vec(any::<u32>().prop_map(|x| x >> 8), 60..600);
     TestRunner::new(config).run(&choices, |drawn| compare(&drawn)).expect("both agree");
 }
-#[test]
-fn one() { compare(&[11530198, 5456386, 1653780, 114900, 0, 0, 0]).unwrap(); }

@@ -13,9 +13,7 @@ pub use episode::{reseed, reset};
 pub use excite::excitation;
 pub use judge::{Judge, Script};
 pub use own::Own;
-#[cfg(feature = "gpu")]
-pub use simulate::simulate;
-pub use simulate::{Following, Unwatched, offsets};
+pub use simulate::{Following, Unwatched, offsets, simulate};
 pub use summary::{EPISODE_COLUMNS, TARGET_COLUMNS, episode_names};
 
 use crate::misjudge;

@@ -2,13 +2,13 @@
 
 use super::cells::Cells;
 use super::columns::{HostColumns, fill_rows, transpose};
-use super::record::{OBSERVE, RESEED, RESET, RESULT_ROWS};
 use super::shard::{GpuOptions, Kernels, Shard};
 use super::size::{Counts, check_memory, portable_envs, without_memory};
 use crate::batch;
 use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig, check_layouts};
 use crate::control::{Judge, Own, Script};
+use crate::record::{OBSERVE, RESEED, RESET, RESULT_ROWS};
 use crate::rules::Rules;
 use crate::saved::Header;
 use crate::snapshot::Snapshot;

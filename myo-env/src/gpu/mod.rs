@@ -9,10 +9,10 @@ mod columns;
 mod env;
 mod physics;
 mod program;
-pub mod record;
 mod shard;
 mod size;
 
+pub use crate::record;
 pub use env::GpuEnv;
 pub use physics::PhysicsBench;
 pub use shard::{GpuOptions, Kernels, Shard};

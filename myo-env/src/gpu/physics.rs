@@ -2,8 +2,8 @@
 
 use super::env::GpuEnv;
 use super::program::{Bound, Compiled};
-use super::record::{self, PHYSICS_BUFFERS};
 use crate::config::BuildError;
+use crate::record::{self, PHYSICS_BUFFERS};
 use crate::tables::Tables;
 use myo_gpu::{Batch, Cached, GpuError};
 

@@ -1,9 +1,9 @@
 //! Environments that lie in one set of buffers.
 
 use super::program::{Bound, Compiled, check_size};
-use super::record::{self, RESET_BUFFERS, RESULT_ROWS, STEP_BUFFERS};
 use crate::config::BuildError;
 use crate::control::{Judge, Script};
+use crate::record::{self, RESET_BUFFERS, RESULT_ROWS, STEP_BUFFERS};
 use crate::state::{EnvState, env_number};
 use crate::tables::Tables;
 use crate::vector::{Autoreset, EnvSpec};

@@ -1,8 +1,8 @@
 //! How much memory environments take on a card, and whether there is so much.
 
-use super::record::RESULT_ROWS;
 use crate::config::BuildError;
 use crate::memory;
+use crate::record::RESULT_ROWS;
 use crate::storage::WORDS;
 use crate::vector::EnvSpec;
 use myo_gpu::{AdapterKind, Gpu, GpuError};

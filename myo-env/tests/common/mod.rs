@@ -5,6 +5,7 @@ use myo_env::{StepStorage, VectorEnv};
 use myo_gpu::{AdapterChoice, Gpu};
 use myo_model::description::{Geom, Shape, Site};
 use myo_model::{Model, ModelDescription, builtin};
+use myo_scalar::Level;
 use myo_tasks::{Instruction, Item, Source, SphereItem, Task, User, preset_text};
 
 pub fn arm(task: &Task) -> Model {
@@ -29,6 +30,15 @@ fn give_fingers(description: &mut ModelDescription) {
 /// The best graphics card, or a software driver.
 pub fn gpu() -> Gpu {
     Gpu::open(&AdapterChoice::Any).expect("a GPU or a software driver; to skip these tests, set MYO_NO_GPU=1")
+}
+
+/// Whether this processor runs no machine code; it says so where tests are left out for it.
+pub fn without_native() -> bool {
+    let without = Level::current().lanes() != 16;
+    if without {
+        println!("skipped: no AVX-512 here");
+    }
+    without
 }
 
 /// Whether tests on a graphics card are to be left out.

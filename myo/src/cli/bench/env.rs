@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use clap::Args;
 use myo::Device;
-use myo::env::{CpuEnv, EnvConfig};
+use myo::env::{BuildError, CpuEnv, EnvConfig};
 use myo::gpu::Gpu;
 use myo::scalar::Level;
 use myo::scalar::symbolic::Form;
@@ -69,7 +69,7 @@ found on disk, `cold` if it was compiled and kept, `none` if the driver keeps no
 let MYO_CACHE_DIR name an empty folder; drivers may have a cache of their own.
 
 JSON: `rows` of objects with `backend`, `task`, `envs`, `layouts`, `physics_steps_per_s`, `control_steps_per_s`,
-`control_steps_per_s_median`, `machine`, `date`, `version`; on the cpu also `level` and `threads`, on the gpu `device`,
+`control_steps_per_s_median`, `machine`, `date`, `version`; on the cpu also `level` (`compiled`: machine code made for the task) and `threads`, on the gpu `device`,
 `driver`, `part`, `form` (`straight`, `paths` with loops over bent paths, or `loops`), `ready_s`, `kernel_cache`.";
 
 #[derive(Clone, Debug, Serialize)]
@@ -102,7 +102,12 @@ pub fn run(args: &EnvArgs) -> Result<()> {
 }
 
 fn on_cpu(args: &EnvArgs, scenario: &Scenario) -> Result<()> {
-    let rows = args.envs.iter().map(|&envs| measure(scenario, envs, args.layouts)).collect::<Result<Vec<_>>>()?;
+    let codes = [Some(true), Some(false)];
+    let each = args.envs.iter().flat_map(|&envs| codes.map(|native| (envs, native)));
+    let measured = each.map(|(num_envs, native)| {
+        measure(scenario, &EnvConfig { num_envs, native, seed: 1, ..EnvConfig::default() }, args.layouts)
+    });
+    let rows: Vec<Row> = measured.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     let cells = rows.iter().map(|r| {
         row([
             r.backend,
@@ -135,15 +140,23 @@ fn show(args: &EnvArgs, scenario: &Scenario, rows: &[impl Serialize], cells: Vec
     print(&format!("{}, {machine}, {date}, myo {version}\n{}", scenario.task.name, table(&cells)))
 }
 
-fn measure(scenario: &Scenario, envs: usize, layouts: usize) -> Result<Row> {
-    complain(&format!("measuring {envs} environments"));
-    let config = EnvConfig { num_envs: envs, seed: 1, ..EnvConfig::default() };
-    let mut env = CpuEnv::with_layouts(&scenario.model, &vec![scenario.task.clone(); layouts], &config)?;
+/// None where machine code is asked for and there can be none.
+fn measure(scenario: &Scenario, config: &EnvConfig, layouts: usize) -> Result<Option<Row>> {
+    let (envs, layouts_of) = (config.num_envs, vec![scenario.task.clone(); layouts]);
+    let mut env = match CpuEnv::with_layouts(&scenario.model, &layouts_of, config) {
+        Err(BuildError::NotCompiled(reason)) => {
+            complain(&format!("without machine code: {reason}"));
+            return Ok(None);
+        }
+        env => env?,
+    };
+    let level = if env.is_native() { "compiled" } else { Level::current().name() };
+    complain(&format!("measuring {envs} environments with {level}"));
     let (best, median) = through_host(&mut env)?;
     let substeps = scenario.task.substeps(scenario.model.options.timestep);
-    Ok(Row {
+    Ok(Some(Row {
         backend: "cpu",
-        level: Level::current().name(),
+        level,
         task: scenario.task.name.clone(),
         envs,
         layouts,
@@ -152,5 +165,5 @@ fn measure(scenario: &Scenario, envs: usize, layouts: usize) -> Result<Row> {
         control_steps_per_s: envs as f64 / best,
         control_steps_per_s_median: envs as f64 / median,
         machine: Machine::here(),
-    })
+    }))
 }

@@ -1,11 +1,13 @@
 //! The environment as symbolic programs: the same generic code as on every other backend, run once on symbols.
 
+#[cfg(feature = "gpu")]
 use crate::config::BuildError;
 use crate::control::{Following, Judge, Scratch, Script, Unwatched, reseed, simulate, step_until_reset};
 use crate::parameters::World;
 use crate::state::{EnvState, RESET_NOW, StateRows};
 use crate::tables::Tables;
 use crate::vector::Autoreset;
+use myo_dynamics::SolverTally;
 use myo_scalar::symbolic::{Buffer, Form, Program, Sharing, Sym, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 use myo_tasks::logic::{Goal, Stay};
@@ -31,6 +33,8 @@ pub const RESULT_ROWS: usize = 3;
 const NUMBERS: Buffer = per_env(0);
 const WORDS: Buffer = per_env(1);
 const PARAMETERS: Buffer = shared(2);
+/// What the constraint solver did in a step: rounds, and physics steps that it left unsolved.
+const COUNTS: Buffer = per_env(7);
 /// The same where every environment has numbers of its own.
 const OWN_PARAMETERS: Buffer = per_env(2);
 
@@ -46,6 +50,7 @@ const fn shared(binding: u32) -> Buffer {
 ///
 /// # Errors
 /// Its meshes touch, or boxes of it touch something else than planes and capsules.
+#[cfg(feature = "gpu")]
 pub fn check(tables: &Tables<f64>) -> Result<(), BuildError> {
     if tables.plan.touches_one_by_one() { Err(BuildError::MeshesOnGpu) } else { Ok(()) }
 }
@@ -61,22 +66,37 @@ pub fn step(tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
 
 /// The same under a judge.
 pub(crate) fn step_by(judge: &impl Judge, tables: &Tables<f64>, autoreset: Autoreset, form: Form) -> Program {
-    let [actions, observation, final_observation, result] = [3, 4, 5, 6].map(per_env);
     trace_as(form, || {
-        let (world, mut env, mut ws) = load(tables);
-        for (row, u) in ws.ctrl.iter_mut().enumerate() {
-            *u = actions.number(row);
-        }
-        let (outcome, _) = step_until_reset(judge, &world, autoreset, &mut env, &mut ws);
-        set_rows(observation, 0, &ws.observation);
-        Sym::when(outcome.terminated | outcome.truncated, &mut Nothing, |_| {
-            set_rows(final_observation, 0, &ws.observation);
-            set_rows(result, RESULT_ROWS, &ws.episode);
-        });
-        let flags = [outcome.terminated, outcome.truncated].map(Sym::indicator);
-        set_rows(result, 0, &[outcome.reward, flags[0], flags[1]]);
-        store(&mut env);
+        step_once(judge, tables, autoreset);
     })
+}
+
+/// The same with what the constraint solver did in the buffer [`COUNTS`], for the processor.
+pub(crate) fn counted_step(judge: &impl Judge, tables: &Tables<f64>, autoreset: Autoreset) -> Program {
+    trace_as(Form::Straight, || {
+        let tally = step_once(judge, tables, autoreset);
+        COUNTS.set_word(0, tally.rounds);
+        COUNTS.set_word(1, tally.unsolved);
+    })
+}
+
+/// Tells what the constraint solver did.
+fn step_once(judge: &impl Judge, tables: &Tables<f64>, autoreset: Autoreset) -> SolverTally<Sym> {
+    let [actions, observation, final_observation, result] = [3, 4, 5, 6].map(per_env);
+    let (world, mut env, mut ws) = load(tables);
+    for (row, u) in ws.ctrl.iter_mut().enumerate() {
+        *u = actions.number(row);
+    }
+    let (outcome, _) = step_until_reset(judge, &world, autoreset, &mut env, &mut ws);
+    set_rows(observation, 0, &ws.observation);
+    Sym::when(outcome.terminated | outcome.truncated, &mut Nothing, |_| {
+        set_rows(final_observation, 0, &ws.observation);
+        set_rows(result, RESULT_ROWS, &ws.episode);
+    });
+    let flags = [outcome.terminated, outcome.truncated].map(Sym::indicator);
+    set_rows(result, 0, &[outcome.reward, flags[0], flags[1]]);
+    store(&mut env);
+    ws.physics.tally
 }
 
 /// A reset of the environments that are told to, or whose step ends with it; and the observations of all that are told anything.
