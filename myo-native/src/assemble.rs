@@ -114,7 +114,7 @@ impl<'a> Assembler<'a> {
         if number == next {
             self.constants.push(bits);
         }
-        Place::constant(number)
+        self.emitter.constant(number)
     }
 
     fn entry(entry: Entry) -> Place {

@@ -21,6 +21,8 @@ const BUFFERS: [Register; 12] = [
     Register::R14,
     Register::R15,
 ];
+/// Constants that one register reaches with one byte.
+const NEAR_CONSTANTS: u32 = 256;
 /// Most buffers of a program.
 pub const MOST_BUFFERS: usize = BUFFERS.len();
 /// Buffers whose registers a caller does not want back.
@@ -43,10 +45,6 @@ impl Place {
     /// So many bytes into the frame, and as many more as [`Emitter::chunk_offset`] computed.
     pub fn frame_with_offset(bytes: u32) -> Self {
         Self { index: Register::RAX, ..Self::frame(bytes) }
-    }
-    /// A constant, the same in every lane.
-    pub fn constant(number: u32) -> Self {
-        Self { is_broadcast: true, ..Self::vector_of_constants(number) }
     }
     /// Constants from this one on, one to a lane.
     pub fn vector_of_constants(number: u32) -> Self {
@@ -104,13 +102,17 @@ impl Emitter {
     /// Begins a routine that takes in RDI where frame, constants and buffers are.
     pub fn new(nbuffer: usize) -> Self {
         let mut this = Self { encoder: Encoder::new(64), length: 0, nbuffer, landed: vec![] };
-        for &kept in &BUFFERS[FREE_BUFFERS.min(nbuffer)..nbuffer] {
+        for &kept in &BUFFERS[FREE_BUFFERS..] {
             this.put(Instruction::with1(Code::Push_r64, kept));
         }
         let pointers = [Register::RSI].into_iter().chain(BUFFERS[..nbuffer].iter().copied());
         for (k, register) in pointers.enumerate() {
             let from = MemoryOperand::with_base_displ(Register::RDI, 8 * (k as i64 + 1));
             this.put(Instruction::with2(Code::Mov_r64_rm64, register, from));
+        }
+        for (register, window) in BUFFERS[nbuffer..].iter().zip(1..) {
+            let from = MemoryOperand::with_base_displ(Register::RSI, window * i64::from(4 * NEAR_CONSTANTS));
+            this.put(Instruction::with2(Code::Lea_r64_m, *register, from));
         }
         this.put(Instruction::with2(Code::Mov_r64_rm64, Register::RDI, MemoryOperand::with_base(Register::RDI)));
         this
@@ -119,7 +121,7 @@ impl Emitter {
     /// Ends the routine.
     pub fn finish(mut self) -> Vec<u8> {
         self.put(Ok(Instruction::with(Code::VEX_Vzeroupper)));
-        for &kept in BUFFERS[FREE_BUFFERS.min(self.nbuffer)..self.nbuffer].iter().rev() {
+        for &kept in BUFFERS[FREE_BUFFERS..].iter().rev() {
             self.put(Instruction::with1(Code::Pop_r64, kept));
         }
         self.put(Ok(Instruction::with(Code::Retnq)));
@@ -139,6 +141,17 @@ impl Emitter {
     fn encode(&mut self, instruction: &Instruction) {
         let encoded = self.encoder.encode(instruction, self.length as u64);
         self.length += encoded.expect("the instruction exists in 64-bit mode");
+    }
+
+    /// Where a constant is, the same in every lane. Registers that no buffer needs reach those farther on: a byte in place of four, in code
+    /// that is read from memory as fast as it can be.
+    pub fn constant(&self, number: u32) -> Place {
+        let (window, place) = (number / NEAR_CONSTANTS, number % NEAR_CONSTANTS);
+        let spare = BUFFERS[self.nbuffer..].get((window as usize).wrapping_sub(1));
+        match spare {
+            Some(&base) => Place::at(base, i64::from(place) * 4 - POOL_BIAS).broadcast(),
+            None => Place::vector_of_constants(number).broadcast(),
+        }
     }
 
     // --- vectors ---

@@ -39,6 +39,8 @@ mod registers;
 #[cfg(target_arch = "x86_64")]
 mod routine;
 #[cfg(target_arch = "x86_64")]
+mod schedule;
+#[cfg(target_arch = "x86_64")]
 mod uses;
 
 #[cfg(not(target_arch = "x86_64"))]
@@ -71,7 +73,7 @@ pub enum NativeError {
         binding: u32,
     },
     /// What it looks up would have to be what was there before.
-    #[error("the program looks rows up in buffer {binding}, which it writes, too")]
+    #[error("the program looks rows up in buffer {binding} after it may have written them")]
     GathersWhatItWrites {
         /// Which buffer.
         binding: u32,

@@ -27,8 +27,10 @@ pub fn lower(program: &Program) -> Result<Code, NativeError> {
         chunks: HashMap::new(),
         masks: vec![],
         loads: vec![],
+        gathers: vec![],
     };
     lowering.region(0)?;
+    lowering.check_gathers()?;
     lowering.leave_inputs_in_place();
     Ok(lowering.code)
 }
@@ -53,13 +55,15 @@ struct Lowering<'a> {
     masks: Vec<Value>,
     /// Copies of inputs: where they are, and of what.
     loads: Vec<(usize, Entry)>,
+    /// Where rows of buffers are looked up, and which.
+    gathers: Vec<(usize, Buffer, Rows)>,
 }
 
 impl Lowering<'_> {
     fn region(&mut self, region: u32) -> Result<(), NativeError> {
         for item in std::mem::take(&mut self.order[region as usize]) {
             match item {
-                Item::Node(id) => self.operands[id as usize] = Some(self.node(id)?),
+                Item::Node(id) => self.operands[id as usize] = Some(self.node(id)),
                 Item::Statement(number) => self.statement(number)?,
             }
         }
@@ -134,13 +138,13 @@ impl Lowering<'_> {
 
     // --- nodes ---
 
-    fn node(&mut self, id: Id) -> Result<Operand, NativeError> {
+    fn node(&mut self, id: Id) -> Operand {
         let node = self.program.nodes[id as usize];
-        Ok(match node.op {
+        match node.op {
             Op::Input(buffer, row) => self.input(buffer, row),
             Op::Carried(statement, index) => self.carried(id, statement, index as usize, node.kind),
             Op::Outcome(statement, index) => self.outcome(statement, index as usize, node.kind),
-            Op::Gather(buffer, rows) => self.gather(buffer, rows, node.args[0])?,
+            Op::Gather(buffer, rows) => self.gather(buffer, rows, node.args[0]),
             Op::Table(base) => self.table(base, node.args[0]),
             Op::Select if node.kind == Kind::Mask => self.select_mask(node.args),
             Op::Select => {
@@ -151,7 +155,7 @@ impl Lowering<'_> {
             Op::And | Op::Or | Op::Not | Op::Less => self.truth(node.op, node.args),
             Op::MulAdd => self.fused(node.args),
             op => self.arithmetic(op, node.operands()),
-        })
+        }
     }
 
     fn fused(&mut self, [a, b, c]: [Id; 3]) -> Operand {
@@ -255,12 +259,8 @@ impl Lowering<'_> {
         self.vector(|to| Instruction::Copy(to, place))
     }
 
-    fn gather(&mut self, buffer: Buffer, rows: Rows, index: Id) -> Result<Operand, NativeError> {
-        let is_written =
-            |statement: &Statement| matches!(statement, Statement::Store(x) if x.buffer.binding == buffer.binding);
-        if self.program.statements.iter().any(is_written) {
-            return Err(NativeError::GathersWhatItWrites { binding: buffer.binding });
-        }
+    fn gather(&mut self, buffer: Buffer, rows: Rows, index: Id) -> Operand {
+        self.gathers.push((self.code.instructions.len(), buffer, rows));
         // A row is so many words wide.
         let width = if buffer.sharing == Sharing::PerEnv { LANES as u32 } else { 1 };
         let index = self.operand(index);
@@ -270,7 +270,7 @@ impl Lowering<'_> {
         if buffer.sharing == Sharing::PerEnv {
             at = self.binary(Binary::AddWords, at, Operand::LaneNumber);
         }
-        Ok(self.gather_at(Source::Buffer(buffer.binding), at))
+        self.gather_at(Source::Buffer(buffer.binding), at)
     }
 
     fn table(&mut self, base: u32, index: Id) -> Operand {
@@ -287,14 +287,40 @@ impl Lowering<'_> {
         self.vector(|to| Instruction::Gather(to, source, at))
     }
 
-    /// Inputs whose rows are not written before their last use are read where they lie.
-    fn leave_inputs_in_place(&mut self) {
-        let mut written: HashMap<Entry, usize> = HashMap::new();
-        for (at, instruction) in self.code.instructions.iter().enumerate() {
-            if let Instruction::Store(entry, ..) = instruction {
-                written.entry(*entry).or_insert(at);
+    /// Refuses to look up what may be written before: it would have to be what was there before the program.
+    fn check_gathers(&self) -> Result<(), NativeError> {
+        let written = self.first_writes();
+        for &(at, buffer, rows) in &self.gathers {
+            let is_late = |row| {
+                let entry = Entry { binding: buffer.binding, row, sharing: buffer.sharing };
+                written.get(&entry).is_some_and(|&written| written < at)
+            };
+            if (0..rows.count).any(|k| is_late(rows.at(k))) {
+                return Err(NativeError::GathersWhatItWrites { binding: buffer.binding });
             }
         }
+        Ok(())
+    }
+
+    /// Where each row is written first; within loops, where the outermost one begins.
+    fn first_writes(&self) -> HashMap<Entry, usize> {
+        let (mut written, mut loops) = (HashMap::new(), vec![]);
+        for (at, instruction) in self.code.instructions.iter().enumerate() {
+            match instruction {
+                Instruction::BeginLoop { .. } => loops.push(at),
+                Instruction::EndLoop { .. } => drop(loops.pop()),
+                Instruction::Store(entry, ..) => {
+                    written.entry(*entry).or_insert(loops.first().copied().unwrap_or(at));
+                }
+                _ => {}
+            }
+        }
+        written
+    }
+
+    /// Inputs whose rows are not written before their last use are read where they lie.
+    fn leave_inputs_in_place(&mut self) {
+        let written = self.first_writes();
         let last = crate::uses::last_uses(&self.code);
         for (at, entry) in std::mem::take(&mut self.loads) {
             let Instruction::Copy(copy, _) = self.code.instructions[at] else { unreachable!("a copy was put there") };

@@ -3,6 +3,7 @@
 use crate::assemble::{Assembled, assemble};
 use crate::emit::{FRAME_BIAS, MOST_BUFFERS, POOL_BIAS};
 use crate::lower::lower;
+use crate::schedule::schedule;
 use crate::{LANES, Memory, NativeError, View};
 use memmap2::{Mmap, MmapMut};
 use myo_scalar::symbolic::{Entries, Op, Program, Statement};
@@ -41,7 +42,9 @@ impl Routine {
         if nbuffer > MOST_BUFFERS {
             return Err(NativeError::TooManyBuffers { count: nbuffer, most: MOST_BUFFERS });
         }
-        let Assembled { bytes, constants, frame } = assemble(&lower(program)?, &program.table, nbuffer);
+        let mut lowered = lower(program)?;
+        schedule(&mut lowered);
+        let Assembled { bytes, constants, frame } = assemble(&lowered, &program.table, nbuffer);
         let mut code = MmapMut::map_anon(bytes.len())?;
         code[..bytes.len()].copy_from_slice(&bytes);
         let buffers = (0..nbuffer as u32).map(|binding| Demand::of(program, binding)).collect();

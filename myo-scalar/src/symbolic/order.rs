@@ -135,7 +135,7 @@ impl<'a> Scheduler<'a> {
         let mut written = vec![];
         program.written(statement, &mut written);
         for id in program.live_nodes() {
-            if let Op::Input(buffer, _) = program.nodes[id as usize].op
+            if let Op::Input(buffer, _) | Op::Gather(buffer, _) = program.nodes[id as usize].op
                 && written.contains(&buffer.binding)
             {
                 self.compute(id);
