@@ -5,20 +5,19 @@ use crate::config::{BuildError, EnvConfig, MOST_THREADS, check_layouts};
 use crate::control::{Judge, Own, Script, episode_names};
 use crate::job::{ResetJob, Runner, StepJob};
 use crate::memory;
-use crate::native::{self, NativeStep, NotCompiled};
+use crate::native::{self, NativeCode, NotCompiled, Routines};
 use crate::observe;
 use crate::precision::Precision;
 use crate::rules::{Outline, RULES_COLUMNS, Rules};
 use crate::saved::Header;
 use crate::snapshot::Snapshot;
 use crate::state::StateRows;
-use crate::storage::{Storage, WORDS};
+use crate::storage::{Blocks, Storage, WORDS};
 use crate::tables::Tables;
 use crate::trace::TraceShape;
 use crate::vector::{EnvError, EnvSpec, StepBuffers, VectorEnv};
 use myo_dynamics::{Plan, SolverCount};
 use myo_model::Model;
-use myo_native::Routine;
 use myo_scalar::{Level, Real};
 use myo_tasks::Task;
 use rayon::ThreadPool;
@@ -43,7 +42,7 @@ pub struct BatchEnv<C: Precision> {
     pool: Option<ThreadPool>,
     judge: Arc<dyn Runner<C>>,
     /// Machine code of control steps, in place of lanes.
-    native: Option<NativeStep>,
+    native: Option<NativeCode>,
 }
 
 impl<C: Precision> BatchEnv<C> {
@@ -66,8 +65,8 @@ impl<C: Precision> BatchEnv<C> {
         let tables = Tables::of_layouts(model, tasks, None, &C::plan)?;
         let spec = spec(model, tasks, &tables, config);
         let recorded = || Tables::of_layouts(model, tasks, None, &Plan::specialised);
-        let routine = compiled::<C>(&Script, recorded, config)?;
-        Self::start(tables, spec, C::script(), routine, config)
+        let routines = compiled::<C>(&Script, recorded, config)?;
+        Self::start(tables, spec, C::script(), routines, config)
     }
 
     /// The same with rules of one's own, which observe, judge and reward in place of the task's script.
@@ -78,8 +77,8 @@ impl<C: Precision> BatchEnv<C> {
         let (tables, spec) = ruled(model, task, rules, config, &C::plan)?;
         let recorded = || Ok(ruled(model, task, rules, config, &Plan::specialised)?.0);
         let judge = Own(rules.clone());
-        let routine = compiled::<C>(&judge, recorded, config)?;
-        Self::start(tables, spec, Arc::new(judge), routine, config)
+        let routines = compiled::<C>(&judge, recorded, config)?;
+        Self::start(tables, spec, Arc::new(judge), routines, config)
     }
 
     /// Other environments of the same model, task and rules; nothing is compiled again. They start their episodes again as these do,
@@ -93,8 +92,8 @@ impl<C: Precision> BatchEnv<C> {
         self.tables.rules.as_ref().map_or(Ok(()), |rules| rules.check_config(config))?;
         let &EnvConfig { num_envs, exploring, .. } = config;
         let spec = EnvSpec { num_envs, exploring: exploring.min(num_envs), ..self.spec.clone() };
-        let routine = self.native.as_ref().map(NativeStep::routine);
-        Self::start(self.tables.clone(), spec, self.judge.clone(), routine, config)
+        let routines = self.native.as_ref().map(NativeCode::routines);
+        Self::start(self.tables.clone(), spec, self.judge.clone(), routines, config)
     }
 
     /// Makes the environments and resets them.
@@ -102,7 +101,7 @@ impl<C: Precision> BatchEnv<C> {
         tables: Tables<C>,
         spec: EnvSpec,
         judge: Arc<dyn Runner<C>>,
-        routine: Option<Arc<Routine>>,
+        routines: Option<Arc<Routines>>,
         config: &EnvConfig,
     ) -> Result<Self, BuildError> {
         let level = config.level.map_or_else(Level::detect, Ok)?;
@@ -111,7 +110,7 @@ impl<C: Precision> BatchEnv<C> {
         let storage = Storage::new(C::lanes(level), &spec, rows.count)?;
         let finished = Finished::new(&spec);
         let pool = config.threads.map(thread_pool).transpose()?;
-        let native = routine.map(|routine| NativeStep::new(routine, &tables, &spec));
+        let native = routines.map(|routines| NativeCode::new(routines, &tables, &spec));
         let mut env = Self { tables, spec, level, storage, rows, finished, pool, judge, native };
         let mut observation = memory::zeros(config.num_envs, config.num_envs * env.spec.observation_size())?;
         env.reset(Some(config.seed), None, &mut observation).expect("the buffers were made to fit");
@@ -155,7 +154,7 @@ impl<C: Precision> BatchEnv<C> {
         let (per_task, traced) = (self.envs_per_task(), self.trace_shape().len_per_env());
         let (tables, level, autoreset) = (&self.tables, self.level, self.spec.autoreset);
         // Lanes alone write down what happens within a control step.
-        let (native, pending) = (self.native.as_ref().filter(|_| trace.is_none()), self.rows.pending);
+        let native = self.native.as_ref().filter(|_| trace.is_none());
         let StepBuffers { observation, reward, terminated, truncated, final_observation, episode } = out;
         let mut actions = actions.chunks(per_task * nact.max(1));
         let mut observation = observation.chunks_mut(per_task * nobs.max(1));
@@ -172,7 +171,6 @@ impl<C: Precision> BatchEnv<C> {
                 storage,
                 autoreset,
                 actions: actions.next().unwrap_or(&[]),
-                native: native.map(|native| (native, pending)),
                 trace: trace.as_mut().and_then(Iterator::next),
                 out: StepBuffers {
                     observation: observation.next().unwrap_or(&mut []),
@@ -184,7 +182,10 @@ impl<C: Precision> BatchEnv<C> {
                 },
             })
             .collect();
-        run_all(self.pool.as_ref(), jobs, |job| self.judge.step(level, job));
+        run_all(self.pool.as_ref(), jobs, |job| match native {
+            Some(native) => step_natively(native, job),
+            None => self.judge.step(level, job),
+        });
         self.finished.note(terminated, truncated);
         Ok(())
     }
@@ -213,12 +214,23 @@ impl<C: Precision> BatchEnv<C> {
     }
 }
 
+fn step_natively<C: Precision>(native: &NativeCode, mut job: StepJob<'_, C>) {
+    native.step(narrow(job.storage), job.actions, &mut job.out);
+}
+
+/// States as machine code takes them.
+fn narrow<C: Precision>(storage: Blocks<'_, C>) -> Blocks<'_, f32> {
+    let Blocks { first, count, numbers, words, solver } = storage;
+    let numbers = C::narrow(numbers).expect("machine code is made for single precision alone");
+    Blocks { first, count, numbers, words, solver }
+}
+
 /// Machine code of control steps under a judge, if it is wanted and there can be any.
 fn compiled<C: Precision>(
     judge: &impl Judge,
     tables: impl FnOnce() -> Result<Tables<f64>, BuildError>,
     config: &EnvConfig,
-) -> Result<Option<Arc<Routine>>, BuildError> {
+) -> Result<Option<Arc<Routines>>, BuildError> {
     native::if_wanted(config, || {
         let level = config.level.map_or_else(Level::detect, Ok)?;
         if C::narrow(&mut []).is_none() {
@@ -335,7 +347,11 @@ impl<C: Precision> VectorEnv for BatchEnv<C> {
                 ResetJob { tables, storage, seed, mask, observation }
             })
             .collect();
-        run_all(self.pool.as_ref(), jobs, |job| self.judge.reset(level, job));
+        let native = self.native.as_ref();
+        run_all(self.pool.as_ref(), jobs, |job| match native {
+            Some(native) => native.reset(narrow(job.storage), job.seed, job.mask, job.observation),
+            None => self.judge.reset(level, job),
+        });
         Ok(())
     }
 

@@ -1,11 +1,9 @@
 //! Work on consecutive blocks of environments: what one thread does of a step or a reset.
 
 use crate::control::{Judge, Outcome, Scratch, reseed, step_and_autoreset};
-use crate::native::{NativeBlock, NativeRows, NativeStep};
 use crate::precision::{Job, Precision};
-use crate::record::RESULT_ROWS;
-use crate::rows::{MAX_LANES, fill_columns, flags_of, mask_from, read_rows, rows, write_rows};
-use crate::state::{EnvState, RESET_NOW};
+use crate::rows::{MAX_LANES, flags_of, mask_from, read_rows, rows, write_rows};
+use crate::state::EnvState;
 use crate::storage::{Blocks, WORDS, load, store};
 use crate::tables::Tables;
 use crate::vector::{Autoreset, StepBuffers};
@@ -46,19 +44,14 @@ pub struct StepJob<'a, C> {
     pub actions: &'a [f32],
     /// Results of these environments.
     pub out: StepBuffers<'a>,
-    /// Machine code of the step, in place of lanes, and the row of [`EnvState::pending`].
-    pub native: Option<(&'a NativeStep, usize)>,
     /// Where every physics step is written, if it is wanted.
     pub trace: Option<&'a mut [f32]>,
 }
 
-impl<C: Precision, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
+impl<C: Real, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
     #[inline(always)]
     fn run<S: Scalar<Const = C>>(self) {
         let Self { judge, mut job } = self;
-        if let Some((native, pending)) = job.native {
-            return run_native::<C, S>(judge, native, pending, job);
-        }
         let tables = job.tables;
         let Blocks { first, count, numbers, words, solver } = job.storage;
         let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
@@ -83,65 +76,6 @@ impl<C: Precision, J: Judge> Job<C> for Judged<'_, J, StepJob<'_, C>> {
             store(&mut env, numbers, words);
         }
     }
-}
-
-/// The same by machine code. What begins anew is reset on lanes, whose results are taken for it alone.
-#[inline(always)]
-fn run_native<C: Precision, S: Scalar<Const = C>>(
-    judge: &impl Judge,
-    native: &NativeStep,
-    pending: usize,
-    mut job: StepJob<'_, C>,
-) {
-    let tables = job.tables;
-    let Blocks { first, count, numbers, words, solver } = job.storage;
-    let (mut env, mut ws) = (EnvState::<S>::new(tables), Scratch::<S>::new(tables));
-    let (nact, nenv) = (ws.ctrl.len(), job.out.reward.len().max(1));
-    let mut rows = NativeRows::new(tables, job.out.observation.len() / nenv, job.out.episode.len() / nenv);
-    let blocks = numbers.chunks_exact_mut(count * S::LANES).zip(words.chunks_exact_mut(WORDS * S::LANES));
-    for (block, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(S::LANES)).enumerate() {
-        let first = first + block * S::LANES;
-        let start = (block * S::LANES * nact).min(job.actions.len());
-        fill_columns(&job.actions[start..], &mut rows.actions, S::LANES);
-        let narrow = C::narrow(numbers).expect("machine code is made for single precision");
-        native.run(NativeBlock { numbers: narrow, words, first }, &mut rows);
-        let outcome = take_rows(&rows, &mut ws);
-        let again = S::lit(RESET_NOW - 0.5).lt(S::load(&numbers[pending * S::LANES..]));
-        if again.any() {
-            let world = tables.world::<S>(first);
-            load(&mut env, numbers, words);
-            ws.physics.forget_touches();
-            judge.reset(&world, again, &mut env, &mut ws);
-            store(&mut env, numbers, words);
-            for (x, &ended) in ws.next_observation.iter_mut().zip(&ws.observation) {
-                *x = S::select(again, *x, ended);
-            }
-        } else {
-            ws.next_observation.clone_from(&ws.observation);
-        }
-        write_step(&outcome, &ws, block, &mut job.out);
-        rows.count(tables.substeps as usize, solver);
-    }
-}
-
-/// What machine code found, in lanes.
-#[inline(always)]
-fn take_rows<S: Scalar>(rows: &NativeRows, ws: &mut Scratch<S>) -> Outcome<S> {
-    let wide = |lanes: &[f32]| {
-        let mut numbers = [S::Const::default(); MAX_LANES];
-        for (number, &lane) in numbers.iter_mut().zip(lanes) {
-            *number = S::Const::from_f64(f64::from(lane));
-        }
-        S::load(&numbers)
-    };
-    let (flags, summary) = rows.result.split_at(RESULT_ROWS * S::LANES);
-    ws.observation.clear();
-    ws.observation.extend(rows.observation.chunks_exact(S::LANES).map(wide));
-    ws.episode.clear();
-    ws.episode.extend(summary.chunks_exact(S::LANES).map(wide));
-    let [reward, terminated, truncated] = [0, 1, 2].map(|row| wide(&flags[row * S::LANES..(row + 1) * S::LANES]));
-    let is_one = |x: S| S::lit(0.5).lt(x);
-    Outcome { reward, terminated: is_one(terminated), truncated: is_one(truncated) }
 }
 
 #[inline(always)]

@@ -1,16 +1,20 @@
 //! Control steps as machine code, made for one model and task.
 //!
-//! The recorded program of a control step runs on a block of environments; resets, which are rare, go through lanes as ever.
+//! The recorded programs of step and reset, which cards run as kernels, run on one block of environments after the other.
 
 use crate::config::{BuildError, EnvConfig};
 use crate::control::Judge;
-use crate::record::{RESULT_ROWS, counted_step};
-use crate::storage::WORDS;
+use crate::precision::Precision;
+use crate::record::{OBSERVE, RESEED, RESET, RESULT_ROWS, counted_step, reset_by};
+use crate::rows::{fill_columns, fill_rows, rows};
+use crate::state::{RESET_NOW, StateRows};
+use crate::storage::{Blocks, WORDS};
 use crate::tables::Tables;
-use crate::vector::{Autoreset, EnvSpec};
+use crate::vector::{Autoreset, EnvSpec, StepBuffers};
 use myo_dynamics::SolverCount;
 use myo_native::{LANES, Memory, NativeError, Routine, View};
-use myo_scalar::{Level, Real};
+use myo_scalar::Level;
+use myo_scalar::symbolic::{Form, Program};
 use std::sync::Arc;
 
 /// Environments from which on compiling is worth it, where nobody says: it takes as long as some thousand control steps.
@@ -49,58 +53,58 @@ pub enum NotCompiled {
     Native(#[from] NativeError),
 }
 
-/// Machine code of a control step, and the numbers of the task that it reads.
+/// Machine code of control steps and resets.
+#[derive(Debug)]
+pub struct Routines {
+    step: Routine,
+    reset: Routine,
+}
+
+/// Machine code, and the numbers of the task that it reads.
 #[derive(Clone, Debug)]
-pub struct NativeStep {
-    routine: Arc<Routine>,
+pub struct NativeCode {
+    routines: Arc<Routines>,
     /// Those that all share, or a column for each environment, block by block.
     parameters: Vec<f32>,
     /// Of a block; zero where all share them.
     own_rows: usize,
+    /// Physics steps of a control step.
+    substeps: usize,
+    /// Row of [`EnvState::pending`](crate::state::EnvState::pending).
+    pending: usize,
 }
 
-/// A block of environments, entry `row` of lane `lane` at `row * LANES + lane`.
-pub struct NativeBlock<'a> {
-    /// Numbers of the states.
-    pub numbers: &'a mut [f32],
-    /// Integers of the states.
-    pub words: &'a mut [u32],
-    /// Number of the first environment.
-    pub first: usize,
-}
-
-/// What a control step reads and writes beside the state.
-pub struct NativeRows {
-    pub actions: Vec<f32>,
-    pub observation: Vec<f32>,
+/// What a control step reads and writes of a block beside the state: entry `row` of lane `lane` at `row * LANES + lane`.
+struct Columns {
+    actions: Vec<f32>,
+    observation: Vec<f32>,
     /// Where an episode ended.
-    pub final_observation: Vec<f32>,
+    final_observation: Vec<f32>,
     /// Reward, terminated, truncated; and the summary where an episode ended.
-    pub result: Vec<f32>,
+    result: Vec<f32>,
     /// What the constraint solver did: rounds, steps left unsolved.
-    pub counts: Vec<u32>,
+    counts: [u32; 2 * LANES],
+    /// What each environment is to do in a reset.
+    command: [u32; LANES],
     memory: Memory,
 }
 
-impl NativeRows {
-    pub fn new<C: Real>(tables: &Tables<C>, nobs: usize, nepisode: usize) -> Self {
+impl Columns {
+    fn new(nact: usize, nobs: usize, nepisode: usize) -> Self {
         let zeros = |rows: usize| vec![0.0; rows * LANES];
         Self {
-            actions: zeros(tables.plan.nmuscle()),
+            actions: zeros(nact),
             observation: zeros(nobs),
             final_observation: zeros(nobs),
             result: zeros(RESULT_ROWS + nepisode),
-            counts: vec![0; 2 * LANES],
+            counts: [0; 2 * LANES],
+            command: [0; LANES],
             memory: Memory::default(),
         }
     }
-}
 
-impl NativeRows {
-    /// Adds what `steps` physics steps did to the counts of a block's environments.
-    pub fn count(&self, steps: usize, solver: &mut [SolverCount]) {
-        let (rounds, unsolved) = self.counts.split_at(LANES);
-        SolverCount::add(solver, steps, [rounds, unsolved]);
+    fn result(&self, row: usize) -> &[f32] {
+        &self.result[row * LANES..(row + 1) * LANES]
     }
 }
 
@@ -109,56 +113,58 @@ pub fn is_wanted(config: &EnvConfig) -> bool {
     config.native.unwrap_or(config.num_envs >= WORTH_IT)
 }
 
-/// Compiles a control step, for environments on lanes of a level.
+/// Compiles control steps and resets, for environments on lanes of a level.
 pub fn compile(
     judge: &impl Judge,
     tables: &Tables<f64>,
     autoreset: Autoreset,
     level: Level,
-) -> Result<Arc<Routine>, NotCompiled> {
+) -> Result<Arc<Routines>, NotCompiled> {
     if level.lanes() != LANES {
         return Err(NotCompiled::OtherLevel { level: level.name() });
     }
     if tables.plan.touches_one_by_one() {
         return Err(NotCompiled::OneByOne);
     }
-    let program = counted_step(judge, tables, autoreset);
-    let (operations, most) = (program.operations(), MOST_OPERATIONS);
+    let programs = [counted_step(judge, tables, autoreset), reset_by(judge, tables, Form::Straight)];
+    let (operations, most) = (programs.iter().map(Program::operations).sum(), MOST_OPERATIONS);
     if operations > most {
         return Err(NotCompiled::TooLarge { operations, most });
     }
-    Ok(Arc::new(Routine::compile(&program)?))
+    let [step, reset] = programs.map(|program| Routine::compile(&program));
+    Ok(Arc::new(Routines { step: step?, reset: reset? }))
 }
 
 /// Machine code if it is wanted and there can be any; where it was asked for by name, why there is none.
 pub fn if_wanted(
     config: &EnvConfig,
-    compile: impl FnOnce() -> Result<Result<Arc<Routine>, NotCompiled>, BuildError>,
-) -> Result<Option<Arc<Routine>>, BuildError> {
+    compile: impl FnOnce() -> Result<Result<Arc<Routines>, NotCompiled>, BuildError>,
+) -> Result<Option<Arc<Routines>>, BuildError> {
     if !is_wanted(config) {
         return Ok(None);
     }
     match compile()? {
-        Ok(routine) => Ok(Some(routine)),
+        Ok(routines) => Ok(Some(routines)),
         Err(reason) if config.native == Some(true) => Err(reason.into()),
         Err(_) => Ok(None),
     }
 }
 
-impl NativeStep {
-    pub fn new<C: Real>(routine: Arc<Routine>, tables: &Tables<C>, spec: &EnvSpec) -> Self {
-        let mut this = Self { routine, parameters: vec![], own_rows: 0 };
+impl NativeCode {
+    pub fn new<C: Precision>(routines: Arc<Routines>, tables: &Tables<C>, spec: &EnvSpec) -> Self {
+        let (substeps, pending) = (tables.substeps as usize, StateRows::of(tables).pending);
+        let mut this = Self { routines, parameters: vec![], own_rows: 0, substeps, pending };
         this.take_parameters(tables, spec);
         this
     }
 
     /// The code, for other environments of the same model and task.
-    pub fn routine(&self) -> Arc<Routine> {
-        self.routine.clone()
+    pub fn routines(&self) -> Arc<Routines> {
+        self.routines.clone()
     }
 
     /// Takes over the numbers of the task, which may have changed.
-    pub fn take_parameters<C: Real>(&mut self, tables: &Tables<C>, spec: &EnvSpec) {
+    pub fn take_parameters<C: Precision>(&mut self, tables: &Tables<C>, spec: &EnvSpec) {
         let blocks = (0..spec.num_envs).step_by(LANES);
         self.own_rows = tables.own_rows();
         self.parameters = match self.own_rows {
@@ -167,24 +173,103 @@ impl NativeStep {
         };
     }
 
-    /// A control step of a block. Bodies are judged, and nothing is reset.
-    pub fn run(&self, block: NativeBlock<'_>, rows: &mut NativeRows) {
-        let NativeBlock { numbers, words, first } = block;
-        let parameters = match self.own_rows {
-            0 => &self.parameters[..],
+    /// The numbers of the task for the block that begins with environment `first`.
+    fn parameters(&self, first: usize) -> &[f32] {
+        match self.own_rows {
+            0 => &self.parameters,
             own => &self.parameters[first * own..(first + LANES) * own],
-        };
-        debug_assert_eq!(words.len(), WORDS * LANES);
+        }
+    }
+
+    /// A control step, and the reset of what ended where that is part of it.
+    pub fn step(&self, storage: Blocks<'_, f32>, actions: &[f32], out: &mut StepBuffers<'_>) {
+        let n = out.reward.len().max(1);
+        let [nact, nobs, nepisode] = [actions, &*out.observation, &*out.episode].map(|rows| rows.len() / n);
+        let mut columns = Columns::new(nact, nobs, nepisode);
+        let Blocks { first, count, numbers, words, solver } = storage;
+        let blocks = numbers.chunks_exact_mut(count * LANES).zip(words.chunks_exact_mut(WORDS * LANES));
+        for (block, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(LANES)).enumerate() {
+            let start = (block * LANES * nact).min(actions.len());
+            fill_columns(&actions[start..], &mut columns.actions, LANES);
+            let parameters = self.parameters(first + block * LANES);
+            self.step_block(numbers, words, parameters, &mut columns);
+            if numbers[self.pending * LANES..][..LANES].iter().any(|&pending| f64::from(pending) > RESET_NOW - 0.5) {
+                columns.command.fill(0);
+                self.reset_block(numbers, words, parameters, [0; 2], &mut columns);
+            }
+            write_step(&columns, block, out);
+            let (rounds, unsolved) = columns.counts.split_at(LANES);
+            SolverCount::add(solver, self.substeps, [rounds, unsolved]);
+        }
+    }
+
+    /// New episodes where the mask says so, with a seed to start from if there is one; observations of all.
+    pub fn reset(&self, storage: Blocks<'_, f32>, seed: Option<u64>, mask: Option<&[bool]>, observation: &mut [f32]) {
+        let asked = if seed.is_some() { RESET | RESEED } else { RESET };
+        let seed = seed.unwrap_or_default();
+        let seed = [seed as u32, (seed >> 32) as u32];
+        let Blocks { first, count, numbers, words, solver } = storage;
+        let nobs = observation.len() / solver.len().max(1);
+        let mut columns = Columns::new(0, nobs, 0);
+        let blocks = numbers.chunks_exact_mut(count * LANES).zip(words.chunks_exact_mut(WORDS * LANES));
+        for (block, (numbers, words)) in blocks.enumerate() {
+            for (lane, command) in columns.command.iter_mut().enumerate() {
+                let resets = mask.is_none_or(|mask| mask.get(block * LANES + lane).copied().unwrap_or(false));
+                *command = if resets { asked } else { OBSERVE };
+            }
+            self.reset_block(numbers, words, self.parameters(first + block * LANES), seed, &mut columns);
+            fill_rows(&columns.observation, LANES, |_| true, rows!(observation, block, LANES, nobs));
+        }
+    }
+
+    fn step_block(&self, numbers: &mut [f32], words: &mut [u32], parameters: &[f32], columns: &mut Columns) {
         let mut buffers = [
             View::NumbersMut(numbers),
             View::WordsMut(words),
             View::Numbers(parameters),
-            View::Numbers(&rows.actions),
-            View::NumbersMut(&mut rows.observation),
-            View::NumbersMut(&mut rows.final_observation),
-            View::NumbersMut(&mut rows.result),
-            View::WordsMut(&mut rows.counts),
+            View::Numbers(&columns.actions),
+            View::NumbersMut(&mut columns.observation),
+            View::NumbersMut(&mut columns.final_observation),
+            View::NumbersMut(&mut columns.result),
+            View::WordsMut(&mut columns.counts),
         ];
-        self.routine.run(&mut buffers, &mut rows.memory);
+        self.routines.step.run(&mut buffers, &mut columns.memory);
+    }
+
+    /// Does what `command` says, and resets whose step ends with it.
+    fn reset_block(
+        &self,
+        numbers: &mut [f32],
+        words: &mut [u32],
+        parameters: &[f32],
+        seed: [u32; 2],
+        columns: &mut Columns,
+    ) {
+        let mut buffers = [
+            View::NumbersMut(numbers),
+            View::WordsMut(words),
+            View::Numbers(parameters),
+            View::Words(&columns.command),
+            View::NumbersMut(&mut columns.observation),
+            View::Words(&seed),
+        ];
+        self.routines.reset.run(&mut buffers, &mut columns.memory);
+    }
+}
+
+/// What a block's step brought, to the rows of its environments.
+fn write_step(columns: &Columns, block: usize, out: &mut StepBuffers<'_>) {
+    let n = out.reward.len().max(1);
+    let [nobs, nepisode] = [out.observation.len(), out.episode.len()].map(|entries| entries / n);
+    let is_one = |row: usize, lane: usize| columns.result(row)[lane] > 0.5;
+    let ended = |lane: usize| is_one(1, lane) || is_one(2, lane);
+    let summary = &columns.result[RESULT_ROWS * LANES..];
+    fill_rows(&columns.observation, LANES, |_| true, rows!(out.observation, block, LANES, nobs));
+    fill_rows(&columns.final_observation, LANES, ended, rows!(out.final_observation, block, LANES, nobs));
+    fill_rows(summary, LANES, ended, rows!(out.episode, block, LANES, nepisode));
+    fill_rows(columns.result(0), LANES, |_| true, rows!(out.reward, block, LANES, 1));
+    for (row, flags) in [(1, &mut *out.terminated), (2, &mut *out.truncated)] {
+        let flags = rows!(flags, block, LANES, 1);
+        flags.iter_mut().enumerate().for_each(|(lane, flag)| *flag = is_one(row, lane));
     }
 }

@@ -65,6 +65,17 @@ pub fn fill_columns(rows: &[f32], columns: &mut [f32], lanes: usize) {
     }
 }
 
+/// Copies environments of columns, entry `row` of environment `env` at `row * envs + env`, into rows, where `which` says so. Of the last block there may be fewer
+/// rows than environments.
+pub fn fill_rows(columns: &[f32], envs: usize, which: impl Fn(usize) -> bool, rows: &mut [f32]) {
+    let width = columns.len() / envs;
+    for (env, row) in rows.chunks_exact_mut(width.max(1)).enumerate().filter(|(env, _)| which(*env)) {
+        for (k, x) in row.iter_mut().enumerate() {
+            *x = columns[k * envs + env];
+        }
+    }
+}
+
 /// The rows of block `block` in an array of `width` entries per environment.
 macro_rules! rows {
     ($array:expr, $block:expr, $lanes:expr, $width:expr) => {{

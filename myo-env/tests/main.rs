@@ -17,6 +17,7 @@ mod late;
 mod limits;
 mod meshes;
 mod misjudge;
+mod native;
 mod parameters;
 mod peek;
 mod places;

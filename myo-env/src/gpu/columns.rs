@@ -18,13 +18,3 @@ pub fn transpose(from: &[f32], rows: usize, columns: usize, to: &mut [f32]) {
         }
     }
 }
-
-/// Copies environments of a shard into rows, where `which` says so.
-pub fn fill_rows(columns: &[f32], num_envs: usize, which: impl Fn(usize) -> bool, rows: &mut [f32]) {
-    let width = rows.len() / num_envs;
-    for (env, row) in rows.chunks_exact_mut(width.max(1)).enumerate().filter(|(env, _)| which(*env)) {
-        for (k, x) in row.iter_mut().enumerate() {
-            *x = columns[k * num_envs + env];
-        }
-    }
-}

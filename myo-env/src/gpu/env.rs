@@ -1,7 +1,7 @@
 //! The vectorised environment on a graphics card, seen from the host.
 
 use super::cells::Cells;
-use super::columns::{HostColumns, fill_rows, transpose};
+use super::columns::{HostColumns, transpose};
 use super::shard::{GpuOptions, Kernels, Shard};
 use super::size::{Counts, check_memory, portable_envs, without_memory};
 use crate::batch;
@@ -9,6 +9,7 @@ use crate::check::{self, Finished};
 use crate::config::{BuildError, EnvConfig, check_layouts};
 use crate::control::{Judge, Own, Script};
 use crate::record::{OBSERVE, RESEED, RESET, RESULT_ROWS};
+use crate::rows::fill_rows;
 use crate::rules::Rules;
 use crate::saved::Header;
 use crate::snapshot::Snapshot;
