@@ -13,7 +13,10 @@ fn both(name: &str, steps: usize) -> Option<[Batch; 2]> {
     let model = Model::new(&builtin(name).expect("a built-in model")).expect("the model is whole");
     let plan = Plan::exact(&model, CouplingMode::Reduced).expect("it can be simulated").specialised();
     let compiled = match Batch::compiled(&plan, BODIES) {
-        Err(NotCompiled::Native(NativeError::Unsupported)) => return None,
+        Err(NotCompiled::Native(NativeError::Unsupported)) => {
+            println!("skipped: no AVX-512 here");
+            return None;
+        }
         compiled => compiled.expect("the plan is compiled"),
     };
     let mut both = [Batch::new(&plan, BODIES, Level::widest()), compiled];

@@ -120,6 +120,9 @@ pub fn compile(
     autoreset: Autoreset,
     level: Level,
 ) -> Result<Arc<Routines>, NotCompiled> {
+    if Level::widest().lanes() != LANES {
+        return Err(NativeError::Unsupported.into());
+    }
     if level.lanes() != LANES {
         return Err(NotCompiled::OtherLevel { level: level.name() });
     }

@@ -11,7 +11,10 @@ const fn per_env(binding: u32) -> Buffer {
 /// A program as machine code; none where the processor has no AVX-512.
 fn compiled(program: &Program) -> Option<Routine> {
     match Routine::compile(program) {
-        Err(NativeError::Unsupported) => None,
+        Err(NativeError::Unsupported) => {
+            println!("skipped: no AVX-512 here");
+            None
+        }
         routine => Some(routine.expect("the program is compiled")),
     }
 }
