@@ -11,8 +11,6 @@ use myo_scalar::symbolic::{Buffer, Program, Sharing, Sym, trace};
 const ROWS: Buffer = Buffer { binding: 0, sharing: Sharing::PerEnv };
 /// Rounds of the solver, and steps that it left unsolved.
 const COUNTS: Buffer = Buffer { binding: 1, sharing: Sharing::PerEnv };
-/// Operations beyond which compiling takes seconds.
-const MOST_OPERATIONS: usize = 150_000;
 
 /// Why there is no machine code of a body.
 #[derive(Debug, thiserror::Error)]
@@ -23,14 +21,6 @@ pub enum NotCompiled {
         "contacts of meshes, and of boxes with anything but planes, spheres and capsules, are looked for one body at a time"
     )]
     OneByOne,
-    /// It would take long.
-    #[error("a step takes {operations} operations; at most {most} are compiled")]
-    TooLarge {
-        /// How many it takes.
-        operations: usize,
-        /// How many it may take.
-        most: usize,
-    },
     /// The processor, or the system.
     #[error(transparent)]
     Native(#[from] NativeError),
@@ -45,12 +35,7 @@ impl NativeStep {
         if plan.touches_one_by_one() {
             return Err(NotCompiled::OneByOne);
         }
-        let program = record(plan);
-        let (operations, most) = (program.operations(), MOST_OPERATIONS);
-        if operations > most {
-            return Err(NotCompiled::TooLarge { operations, most });
-        }
-        Ok(Self(Routine::compile(&program)?))
+        Ok(Self(Routine::compile(&record(plan))?))
     }
 
     /// Advances a block of bodies, whose rows are in the order of [`record`].

@@ -14,13 +14,11 @@ use crate::vector::{Autoreset, EnvSpec, StepBuffers};
 use myo_dynamics::SolverCount;
 use myo_native::{LANES, Memory, NativeError, Routine, View};
 use myo_scalar::Level;
-use myo_scalar::symbolic::{Form, Program};
+use myo_scalar::symbolic::Form;
 use std::sync::Arc;
 
 /// Environments from which on compiling is worth it, where nobody says: it takes as long as some thousand control steps.
 const WORTH_IT: usize = 256;
-/// Operations beyond which compiling takes seconds.
-const MOST_OPERATIONS: usize = 150_000;
 
 /// Why there is no machine code of a model and task.
 #[derive(Debug, thiserror::Error)]
@@ -31,14 +29,6 @@ pub enum NotCompiled {
         "contacts of meshes, and of boxes with anything but planes, spheres and capsules, are looked for one environment at a time"
     )]
     OneByOne,
-    /// It would take long.
-    #[error("a control step takes {operations} operations; at most {most} are compiled")]
-    TooLarge {
-        /// How many it takes.
-        operations: usize,
-        /// How many it may take.
-        most: usize,
-    },
     /// Lanes of another level were asked for.
     #[error("lanes of the level `{level}` are asked for, and machine code is AVX-512")]
     OtherLevel {
@@ -130,10 +120,6 @@ pub fn compile(
         return Err(NotCompiled::OneByOne);
     }
     let programs = [counted_step(judge, tables, autoreset), reset_by(judge, tables, Form::Straight)];
-    let (operations, most) = (programs.iter().map(Program::operations).sum(), MOST_OPERATIONS);
-    if operations > most {
-        return Err(NotCompiled::TooLarge { operations, most });
-    }
     let [step, reset] = programs.map(|program| Routine::compile(&program));
     Ok(Arc::new(Routines { step: step?, reset: reset? }))
 }

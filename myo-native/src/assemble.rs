@@ -18,6 +18,8 @@ use std::collections::HashMap;
 const WIDTH: u32 = 4 * LANES as u32;
 /// Mask register for what one instruction needs.
 const SPARE_MASK: u8 = 7;
+/// Where the numbers of lanes stand among the constants.
+const LANE_NUMBERS: u32 = 0;
 
 /// Machine code, and what it wants to find in memory.
 pub struct Assembled {
@@ -54,7 +56,6 @@ struct Assembler<'a> {
     constants: Vec<u32>,
     known: HashMap<u32, u32>,
     table_at: u32,
-    lanes_at: u32,
     loops: Vec<usize>,
     branches: Vec<(Jump, Bank, Bank)>,
 }
@@ -82,7 +83,6 @@ impl<'a> Assembler<'a> {
             constants,
             known: HashMap::new(),
             table_at,
-            lanes_at: 0,
             loops: vec![],
             branches: vec![],
         }
@@ -219,7 +219,7 @@ impl<'a> Assembler<'a> {
                 let place = self.constant(bits);
                 self.emitter.load(register, place);
             }
-            Operand::LaneNumber => self.emitter.load(register, Place::vector_of_constants(self.lanes_at)),
+            Operand::LaneNumber => self.emitter.load(register, Place::vector_of_constants(LANE_NUMBERS)),
             Operand::Value(value) => self.load(register, value),
         }
     }
@@ -228,7 +228,7 @@ impl<'a> Assembler<'a> {
     fn source(&mut self, operand: Operand) -> From {
         match operand {
             Operand::Constant(bits) => From::Memory(self.constant(bits)),
-            Operand::LaneNumber => From::Memory(Place::vector_of_constants(self.lanes_at)),
+            Operand::LaneNumber => From::Memory(Place::vector_of_constants(LANE_NUMBERS)),
             Operand::Value(value) => {
                 if self.vectors.find(value).is_none() && !self.is_worth_a_register(value) {
                     return From::Memory(self.place(value).expect("what is in no register is in memory"));

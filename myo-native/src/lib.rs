@@ -58,6 +58,14 @@ pub enum NativeError {
     /// There are no such instructions.
     #[error("this processor has no AVX-512")]
     Unsupported,
+    /// Compiling would take seconds.
+    #[error("the program takes {operations} operations; at most {most} are compiled")]
+    TooLarge {
+        /// How many it takes.
+        operations: usize,
+        /// How many it may take.
+        most: usize,
+    },
     /// The program has more buffers than there are registers for.
     #[error("the program has {count} buffers; at most {most} can be handed over")]
     TooManyBuffers {

@@ -11,6 +11,9 @@ use myo_scalar::symbolic::{Entries, Op, Program, Statement};
 /// Takes frame, constants and buffers.
 type Call = unsafe extern "sysv64" fn(*const *mut u8);
 
+/// Operations beyond which compiling takes seconds.
+const MOST_OPERATIONS: usize = 150_000;
+
 /// A compiled program.
 #[derive(Debug)]
 pub struct Routine {
@@ -37,6 +40,10 @@ impl Routine {
     pub fn compile(program: &Program) -> Result<Self, NativeError> {
         if !is_x86_feature_detected!("avx512f") {
             return Err(NativeError::Unsupported);
+        }
+        let (operations, most) = (program.operations(), MOST_OPERATIONS);
+        if operations > most {
+            return Err(NativeError::TooLarge { operations, most });
         }
         let nbuffer = count_buffers(program);
         if nbuffer > MOST_BUFFERS {

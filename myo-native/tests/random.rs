@@ -116,7 +116,8 @@ impl Pool {
             12 => a.clamp(0.0, 1.0) + (b * Sym::lit(0.5)).floor(),
             13 => Sym::from_word(word & SymWord::splat(31)),
             14 => Sym::gather(SHARED_ROWS, |row| [SHARED.number(row)], a)[0],
-            _ => (a * b).sqrt().min(c),
+            // Of no negative number: what comes of none is not the same everywhere, and nothing asks for it.
+            _ => (a * b).abs().sqrt().min(c),
         };
         self.numbers[to] = bounded(x);
         self.operate_on_the_rest(choices, [a, b]);
