@@ -3,6 +3,7 @@
 use crate::mesh::Scratch;
 use crate::plan::Plan;
 use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
+use crate::step::wrap::Gap;
 use crate::step::{ConeSearch, Coriolis};
 use myo_scalar::{Mask, Real, Scalar, Word};
 
@@ -291,6 +292,8 @@ pub struct Workspace<S: Scalar> {
     pub wrap_lines: Vec<[Wrench<S>; 2]>,
     /// One where such a stretch bends, else zero.
     pub wrap_bends: Vec<S>,
+    /// What is looked for of those that may lead through something round, in the same order.
+    pub(crate) gaps: Vec<Gap<S>>,
     /// Derivative of length per hinge segment.
     pub hinge_slope: Vec<S>,
     /// Derivatives of length per double-hinge segment.
@@ -392,6 +395,7 @@ impl<S: Scalar> Workspace<S> {
             line: vec![Wrench::zero(); nsegment],
             wrap_lines: vec![[Wrench::zero(); 2]; nstretch],
             wrap_bends: vec![o; nstretch],
+            gaps: vec![Gap::none(); plan.tendons.ngap()],
             hinge_slope: vec![o; plan.tendons.hinge.len()],
             double_hinge_slope: vec![[o; 2]; plan.tendons.double_hinge.len()],
             profile_slope: vec![o; plan.tendons.profiles.len()],

@@ -95,6 +95,13 @@ impl Stretch<f64> {
     }
 }
 
+impl<C> Tendons<C> {
+    /// How many stretches may lead through something round.
+    pub(crate) fn ngap(&self) -> usize {
+        self.wraps.iter().filter(|bundle| bundle.way != Way::Around).map(|bundle| bundle.stretches.len()).sum()
+    }
+}
+
 impl Tendons<f64> {
     /// All stretches that may bend.
     pub(super) fn stretches(&self) -> impl Iterator<Item = &Stretch<f64>> {

@@ -5,7 +5,7 @@
 
 use super::around::around;
 use super::flat::{Bend, Flat};
-use super::within::touching;
+use super::within::{Gap, settle, touching};
 use crate::plan::RoundShape;
 use crate::spatial::{Frame, Vec3};
 use myo_model::description::SideRule;
@@ -60,6 +60,14 @@ impl OnSide<f64> {
     }
 }
 
+impl<S: Scalar> OnSide<S> {
+    /// Whether the way may lead through the round thing.
+    #[inline(always)]
+    fn goes_through(&self) -> bool {
+        matches!(self, Self::Inside | Self::Either(..))
+    }
+}
+
 /// A path between two points, in axes of the round thing.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<S: Scalar> {
@@ -81,17 +89,18 @@ struct Plane<S> {
 }
 
 impl<S: Scalar> Plane<S> {
-    /// Through the centre and two points, the first one along x.
+    /// Through the centre and two points, the first one along x; how far along.
     #[inline(always)]
-    fn through(a: Vec3<S>, b: Vec3<S>) -> Self {
+    fn through(a: Vec3<S>, b: Vec3<S>) -> (Self, S) {
         let (square_a, square_b) = (a.dot(a), b.dot(b));
-        let x = a.scale(square_a.max(S::lit(SHORTEST_SQUARED)).rsqrt());
+        let inverse = square_a.max(S::lit(SHORTEST_SQUARED)).rsqrt();
+        let x = a.scale(inverse);
         let normal = a.cross(b);
         let least = (PARALLEL.0 * S::EPSILON).powi(2);
         let least = (square_a * square_b * S::lit(least)).max(S::lit(PARALLEL.1));
         let normal = Vec3::select(normal.dot(normal).lt(least), any_normal(x), normal);
         let y = normal.cross(x);
-        Self { x, y: y.scale(y.dot(y).max(S::lit(1e-37)).rsqrt()) }
+        (Self { x, y: y.scale(y.dot(y).max(S::lit(1e-37)).rsqrt()) }, square_a * inverse)
     }
 
     /// Across the axis of a cylinder.
@@ -125,9 +134,26 @@ pub fn course<S: Scalar>(
     rule: SideRule,
     radius: S,
     side: OnSide<S>,
+    ends: [Vec3<S>; 2],
+) -> Course<S> {
+    let mut gap = [gap(shape, radius, ends)];
+    if side.goes_through() {
+        settle(&mut gap);
+    }
+    course_by(shape, rule, radius, side, gap[0].psi(), ends)
+}
+
+/// The same path where the angle [of a way through](gap) was found before.
+#[inline(always)]
+pub(super) fn course_by<S: Scalar>(
+    shape: RoundShape,
+    rule: SideRule,
+    radius: S,
+    side: OnSide<S>,
+    psi: S,
     [a, b]: [Vec3<S>; 2],
 ) -> Course<S> {
-    let (plane, bend) = bent(shape, rule, radius, side, [a, b]);
+    let (_, plane, bend) = bent(shape, rule, radius, side, psi, [a, b]);
     let [before, along, after] = bend.lengths;
     let flat = before + along + after;
     let between = b - a;
@@ -160,27 +186,45 @@ fn lifted<S: Scalar>(shape: RoundShape, plane: &Plane<S>, flat: Flat<S>, level: 
     }
 }
 
-/// The plane in which the path bends, and how it does.
+/// What is looked for of a way through something round.
+#[inline(always)]
+pub(super) fn gap<S: Scalar>(shape: RoundShape, radius: S, ends: [Vec3<S>; 2]) -> Gap<S> {
+    let (_, [from, to]) = flattened(shape, ends);
+    Gap::new(from, to, radius)
+}
+
+/// The plane in which a path bends, and its ends there.
+#[inline(always)]
+fn flattened<S: Scalar>(shape: RoundShape, [a, b]: [Vec3<S>; 2]) -> (Plane<S>, [Flat<S>; 2]) {
+    match shape {
+        RoundShape::Sphere => {
+            let (plane, reach) = Plane::through(a, b);
+            // The second end lies to the left of the first, by the choice of the plane.
+            let to = Flat::new(plane.x.dot(b), plane.y.dot(b).max(S::zero()));
+            (plane, [Flat::new(reach, S::zero()), to])
+        }
+        RoundShape::Cylinder => (Plane::across(), [Flat::new(a.x, a.y), Flat::new(b.x, b.y)]),
+    }
+}
+
+/// The plane in which the path bends, its first end there, and how it bends.
 #[inline(always)]
 fn bent<S: Scalar>(
     shape: RoundShape,
     rule: SideRule,
     radius: S,
     side: OnSide<S>,
-    [a, b]: [Vec3<S>; 2],
-) -> (Plane<S>, Bend<S>) {
-    let plane = match shape {
-        RoundShape::Sphere => Plane::through(a, b),
-        RoundShape::Cylinder => Plane::across(),
-    };
-    let (from, to) = (in_plane(shape, &plane, a), in_plane(shape, &plane, b));
+    psi: S,
+    ends: [Vec3<S>; 2],
+) -> (Flat<S>, Plane<S>, Bend<S>) {
+    let (plane, ends) = flattened(shape, ends);
     let (past, through) = match side {
         OnSide::Any => (Some(None), None),
         OnSide::Of(side) => (Some(Some(side)), None),
         OnSide::Inside => (None, Some(S::Mask::splat(true))),
         OnSide::Either(side, is_inside) => (Some(Some(side)), Some(is_inside)),
     };
-    (plane, Around { shape, rule, radius, plane, past, through, ends: [from, to] }.bend())
+    (ends[0], plane, Around { shape, rule, radius, plane, past, through, psi, ends }.bend())
 }
 
 /// What is to be got past, and how that may be.
@@ -193,6 +237,8 @@ struct Around<S: Scalar> {
     past: Option<Option<Vec3<S>>>,
     /// Through it, where the mask is true.
     through: Option<S::Mask>,
+    /// The angle of the way through.
+    psi: S,
     ends: [Flat<S>; 2],
 }
 
@@ -202,7 +248,7 @@ impl<S: Scalar> Around<S> {
     #[expect(clippy::manual_map, reason = "see above")]
     #[inline(always)]
     fn bend(self) -> Bend<S> {
-        let Self { shape, rule, radius, plane, past, through, ends: [from, to] } = self;
+        let Self { shape, rule, radius, plane, past, through, psi, ends: [from, to] } = self;
         let past = match past {
             Some(side) => {
                 let side = match side {
@@ -214,7 +260,7 @@ impl<S: Scalar> Around<S> {
             None => None,
         };
         let through = match through {
-            Some(is_inside) => Some((is_inside, touching(from, to, radius))),
+            Some(is_inside) => Some((is_inside, touching(from, to, radius, psi))),
             None => None,
         };
         match (past, through) {
@@ -240,14 +286,17 @@ pub fn points(round: &Round<f64>, side: Option<Vec3<f64>>, [a, b]: [Vec3<f64>; 2
     let to_local = |p: Vec3<f64>| round.frame.rotation.apply_inverse(p - round.frame.position);
     let side = side.map_or(OnSide::Any, |side| OnSide::told_by(to_local(side), round.shape, round.radius));
     let local = [to_local(a), to_local(b)];
-    let (plane, bend) = bent(round.shape, round.rule, round.radius, side, local);
+    let mut gap = [gap(round.shape, round.radius, local)];
+    if side.goes_through() {
+        settle(&mut gap);
+    }
+    let (from, plane, bend) = bent(round.shape, round.rule, round.radius, side, gap[0].psi(), local);
     let share = |k: usize| (k as f64 + 0.5) / count as f64;
     if !bend.bends {
         return (0..count).map(|k| (b - a).mul_add(share(k), a)).collect();
     }
     let [before, along, after] = bend.lengths;
     let flat = before + along + after;
-    let from = in_plane(round.shape, &plane, local[0]);
     let touched = bend.directions[0].mul_add(before, from);
     let point = |k: usize| {
         let along = along.max(0.0) * if count > 1 { k as f64 / (count - 1) as f64 } else { 0.5 };

@@ -63,19 +63,25 @@ pub(super) struct Ends<S: Scalar> {
 /// Keeps reciprocals finite (m^2).
 pub(super) const TINY: f64 = 1e-30;
 
+/// Square root; a tiny one of nothing, and of less. Reciprocal roots are what processors are fast at.
+#[inline(always)]
+pub(super) fn root<S: Scalar>(x: S) -> S {
+    let x = x.max(S::lit(TINY));
+    x * x.rsqrt()
+}
+
 impl<S: Scalar> Ends<S> {
     #[inline(always)]
     pub fn new(from: Flat<S>, to: Flat<S>, radius: S) -> Self {
         let squared_radius = radius * radius;
         let squares = [from.dot(from), to.dot(to)];
         let [first, second] = squares;
-        let tangents =
-            [(first - squared_radius).max(S::zero()).sqrt(), (second - squared_radius).max(S::zero()).sqrt()];
+        let tangents = [root(first - squared_radius), root(second - squared_radius)];
         let between = to.minus(from);
-        let share = -between.dot(from) * between.dot(between).max(S::lit(TINY)).recip();
-        let is_between = S::zero().lt(share) & share.lt(S::lit(1.0));
-        let nearest = between.mul_add(share, from);
-        let is_cut = is_between & nearest.dot(nearest).le(squared_radius);
+        let is_between = between.dot(from).lt(S::zero()) & S::zero().lt(between.dot(to));
+        // The area that both ends span with the centre is the distance of the line times that between them.
+        let area = from.cross(to);
+        let is_cut = is_between & (area * area).le(squared_radius * between.dot(between));
         Self { from, to, squares, tangents, is_cut }
     }
 }

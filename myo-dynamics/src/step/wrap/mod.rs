@@ -12,11 +12,14 @@ mod flat;
 mod within;
 
 pub use course::{Course, OnSide, Round, course, points};
+pub(crate) use within::Gap;
 
 use crate::plan::{Bundle, Plan, RoundShape, Side, Stretch, Way};
 use crate::spatial::{Frame, Motion, Rotation, Vec3, Wrench};
 use crate::workspace::Workspace;
+use course::course_by;
 use myo_scalar::{RowMap, Scalar, Stage};
+use within::GAP;
 
 /// Adds the lengths and rates of the stretches that may bend; fills their lines.
 #[inline(always)]
@@ -38,11 +41,46 @@ impl<S: Scalar> Stage<S> for Lengths<'_, S> {
     #[inline(always)]
     fn run(self) {
         let Self { plan, ws } = self;
+        let bundles = &plan.tendons.wraps;
         let mut first = 0;
-        for bundle in &plan.tendons.wraps {
-            S::map_rows(bundle.stretches.len(), &mut Ways { bundle, first, ws });
+        for bundle in bundles.iter().filter(|bundle| bundle.way != Way::Around) {
+            S::map_rows(bundle.stretches.len(), &mut Gaps { bundle, first, ws });
             first += bundle.stretches.len();
         }
+        if first > 0 {
+            within::settle(&mut ws.gaps);
+        }
+        let (mut first, mut first_gap) = (0, 0);
+        for bundle in bundles {
+            S::map_rows(bundle.stretches.len(), &mut Ways { bundle, first, first_gap, ws });
+            first += bundle.stretches.len();
+            if bundle.way != Way::Around {
+                first_gap += bundle.stretches.len();
+            }
+        }
+    }
+}
+
+/// What is looked for of a bundle whose ways lead through round things; its first one is the `first`-th of all such.
+struct Gaps<'a, S: Scalar> {
+    bundle: &'a Bundle<S::Const>,
+    first: usize,
+    ws: &'a mut Workspace<S>,
+}
+
+impl<S: Scalar> RowMap<S, GIVEN, GAP> for Gaps<'_, S> {
+    #[inline(always)]
+    fn take(&self, k: usize) -> [S; GIVEN] {
+        Given::of(&self.bundle.stretches[k], S::zero(), self.ws).array()
+    }
+    #[inline(always)]
+    fn map(&self, given: [S; GIVEN]) -> [S; GAP] {
+        let given = Given::from_array(given);
+        course::gap(self.bundle.shape, given.radius, local_ends(self.bundle, &given)).array()
+    }
+    #[inline(always)]
+    fn put(&mut self, k: usize, gap: [S; GAP]) {
+        self.ws.gaps[self.first + k] = Gap::from_array(gap);
     }
 }
 
@@ -50,13 +88,19 @@ impl<S: Scalar> Stage<S> for Lengths<'_, S> {
 struct Ways<'a, S: Scalar> {
     bundle: &'a Bundle<S::Const>,
     first: usize,
+    /// Where its gaps are, if it has some.
+    first_gap: usize,
     ws: &'a mut Workspace<S>,
 }
 
 impl<S: Scalar> RowMap<S, GIVEN, FOUND> for Ways<'_, S> {
     #[inline(always)]
     fn take(&self, k: usize) -> [S; GIVEN] {
-        Given::of(&self.bundle.stretches[k], self.ws).array()
+        let psi = match self.bundle.way {
+            Way::Around => S::zero(),
+            Way::Through | Way::Either => self.ws.gaps[self.first_gap + k].psi(),
+        };
+        Given::of(&self.bundle.stretches[k], psi, self.ws).array()
     }
     #[inline(always)]
     fn map(&self, given: [S; GIVEN]) -> [S; FOUND] {
@@ -81,14 +125,16 @@ struct Given<S> {
     side: Vec3<S>,
     /// Velocity of the last end's link against that of the round thing.
     velocity: Motion<S>,
+    /// The angle of a way through the round thing.
+    psi: S,
 }
 
 /// How many numbers that is.
-const GIVEN: usize = 40;
+const GIVEN: usize = 41;
 
 impl<S: Scalar> Given<S> {
     #[inline(always)]
-    fn of(stretch: &Stretch<S::Const>, ws: &Workspace<S>) -> Self {
+    fn of(stretch: &Stretch<S::Const>, psi: S, ws: &Workspace<S>) -> Self {
         let frame = &stretch.round.frame;
         let [x, y, z] = &frame.axes;
         let (middle, last) = (frame.origin.link, &stretch.ends[1]);
@@ -113,6 +159,7 @@ impl<S: Scalar> Given<S> {
                 Side::Moving(point) => ws.place(point),
             },
             velocity: ws.velocity[last.link] - ws.velocity[middle],
+            psi,
         }
     }
 
@@ -133,6 +180,7 @@ impl<S: Scalar> Given<S> {
         set(&mut out, 31, self.side);
         set(&mut out, 34, self.velocity.ang);
         set(&mut out, 37, self.velocity.lin);
+        out[40] = self.psi;
         out
     }
 
@@ -151,6 +199,7 @@ impl<S: Scalar> Given<S> {
             ends: [vector(&x, 25), vector(&x, 28)],
             side: vector(&x, 31),
             velocity: Motion { ang: vector(&x, 34), lin: vector(&x, 37) },
+            psi: x[40],
         }
     }
 }
@@ -210,8 +259,6 @@ fn set<S: Scalar, const N: usize>(numbers: &mut [S; N], first: usize, v: Vec3<S>
 fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> Found<S> {
     let Given { radius, link, frame, ends: [first, last], .. } = given;
     let shape = bundle.shape;
-    let a = if bundle.is_moored { *first } else { local(shape, frame, link.seen(*first)) };
-    let b = local(shape, frame, link.seen(*last));
     let side = match bundle.way {
         Way::Around => OnSide::Of(given.side),
         Way::Through => OnSide::Inside,
@@ -220,7 +267,7 @@ fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> Found<S> {
             OnSide::Either(side, side.dot(side).lt(*radius * *radius))
         }
     };
-    let course = course(shape, bundle.rule, *radius, side, [a, b]);
+    let course = course_by(shape, bundle.rule, *radius, side, given.psi, local_ends(bundle, given));
     let arriving = Wrench::at(*last, world(shape, given, course.arriving));
     let leaving = match bundle.is_moored {
         true => Wrench::zero(),
@@ -228,6 +275,14 @@ fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> Found<S> {
     };
     let rate = given.velocity.dot(arriving);
     Found { length: course.length, rate, arriving, leaving, bends: S::indicator(course.bends) }
+}
+
+/// The ends from the centre and in axes of the round thing.
+#[inline(always)]
+fn local_ends<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> [Vec3<S>; 2] {
+    let Given { link, frame, ends: [first, last], .. } = given;
+    let a = if bundle.is_moored { *first } else { local(bundle.shape, frame, link.seen(*first)) };
+    [a, local(bundle.shape, frame, link.seen(*last))]
 }
 
 /// A direction that is given in axes of the round thing.
