@@ -6,7 +6,7 @@ use crate::plan::Plan;
 use crate::step::step;
 use crate::workspace::{SolverCount, State, Workspace};
 use myo_model::StaticBox;
-use myo_native::{LANES, Memory, NativeError};
+use myo_native::{LANES, NativeError};
 use myo_scalar::{LaneTask, Level, Scalar, dispatch};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -130,12 +130,7 @@ impl Batch {
         let per_task = (blocks.len() / block).div_ceil(4 * rayon::current_num_threads()).max(1);
         let solver = solver.par_chunks_mut(level.lanes() * per_task);
         blocks.par_chunks_mut(block * per_task).zip(solver).for_each(|(blocks, solver)| match native {
-            Some(native) => {
-                let mut memory = Memory::default();
-                for (block, solver) in blocks.chunks_exact_mut(block).zip(solver.chunks_mut(LANES)) {
-                    native.run(block, steps, solver, &mut memory);
-                }
-            }
+            Some(native) => native.run(blocks, block, steps, solver),
             None => dispatch(*level, Steps { plan, obstacles, contacts: *contacts, blocks, solver, steps }),
         });
     }

@@ -4,7 +4,7 @@ use crate::obstacles::Obstacles;
 use crate::plan::Plan;
 use crate::step::step;
 use crate::workspace::{MAX_LANES, SolverCount, State, Workspace};
-use myo_native::{LANES, Memory, NativeError, Routine, View};
+use myo_native::{BLOCKS, LANES, Memory, NativeError, Routine, View};
 use myo_scalar::symbolic::{Buffer, Program, Sharing, Sym, trace};
 
 /// Positions, rates, activations and controls, one after the other.
@@ -38,14 +38,22 @@ impl NativeStep {
         Ok(Self(Routine::compile(&record(plan))?))
     }
 
-    /// Advances a block of bodies, whose rows are in the order of [`record`].
-    pub fn run(&self, block: &mut [f32], steps: usize, solver: &mut [SolverCount], memory: &mut Memory) {
-        let mut counts = [0; 2 * LANES];
-        for _ in 0..steps {
-            self.0.run(&mut [View::NumbersMut(block), View::WordsMut(&mut counts)], memory);
+    /// Advances blocks of bodies, each of so many entries, whose rows are in the order of [`record`].
+    pub fn run(&self, blocks: &mut [f32], block: usize, steps: usize, solver: &mut [SolverCount]) {
+        let mut memory = Memory::default();
+        for (blocks, solver) in blocks.chunks_mut(BLOCKS * block).zip(solver.chunks_mut(BLOCKS * LANES)) {
+            let mut counts = [[0; 2 * LANES]; BLOCKS];
+            let rows = blocks.chunks_exact_mut(block).zip(&mut counts);
+            let mut views: Vec<_> =
+                rows.map(|(rows, counts)| [View::NumbersMut(rows), View::WordsMut(counts)]).collect();
+            for _ in 0..steps {
+                self.0.run_blocks(&mut views, &mut memory);
+            }
+            for (solver, counts) in solver.chunks_mut(LANES).zip(&counts) {
+                let (rounds, unsolved) = counts.split_at(LANES);
+                SolverCount::add(solver, steps, [rounds, unsolved]);
+            }
         }
-        let (rounds, unsolved) = counts.split_at(LANES);
-        SolverCount::add(solver, steps, [rounds, unsolved]);
     }
 }
 

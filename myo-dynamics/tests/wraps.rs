@@ -523,6 +523,45 @@ fn the_rule_before_4_goes_by_the_side_of_a_site_once_the_line_is_on_the_other() 
     assert!(length(SideRule::Mujoco3, -1.5) > 6.0, "clear of it on the other side");
 }
 
+/// Where a way through a circle of radius 1 touches it, both lines make the same angle with the radius, as far as an end may be from
+/// where it is and however close to the circle.
+#[test]
+fn ways_through_meet_the_circle_at_equal_angles() {
+    let mut bent = 0;
+    for case in 0..20_000 {
+        let draw = |entry: usize| draw(31_000 + case, entry);
+        // Radius by distance, down to a ten-millionth below one; and the angle between the ends, up to where the straight line cuts.
+        let far =
+            |entry: usize| if case % 2 == 0 { 0.02 + 0.97 * draw(entry) } else { 1.0 - 10f64.powf(-7.0 * draw(entry)) };
+        let ratios = [far(0), far(1)];
+        let most = (ratios[0].acos() + ratios[1].acos()).min(std::f64::consts::PI);
+        let between = most * if case % 4 < 2 { draw(2) } else { 1.0 - 10f64.powf(-6.0 * draw(2)) };
+        let (sin, cos) = between.sin_cos();
+        let (a, b) = ([1.0 / ratios[0], 0.0, 0.0], [cos / ratios[1], sin / ratios[1], 0.0]);
+        let way = path::<f64>(RoundShape::Cylinder, 1.0, Some([0.0; 3]), a, b);
+        if !way.bends {
+            continue;
+        }
+        bent += 1;
+        // The first point of the circle on the line that leaves.
+        let (towards, reach) = (-way.leaving.x / ratios[0], 1.0 / ratios[0]);
+        let along = towards - (towards * towards - (reach * reach - 1.0)).max(0.0).sqrt();
+        let (x, y) = (reach + along * way.leaving.x, along * way.leaving.y);
+        let angle = |dx: f64, dy: f64| (x * dy - y * dx).atan2(x * dx + y * dy);
+        let [first, last] = [-angle(-way.leaving.x, -way.leaving.y), angle(b[0] - x, b[1] - y)];
+        let seen = |psi: f64, ratio: f64| psi - (ratio * psi.sin()).asin();
+        let left = seen(first, ratios[0]) + seen(first, ratios[1]) - between;
+        // A line that all but grazes the circle, or comes from afar, meets it somewhere about there, and a short one has its direction from
+        // few digits.
+        let sure = first.cos().abs() * along.min((b[0] - x).hypot(b[1] - y)) / (reach * reach);
+        assert!(left.abs() < 1e-13 + 1e-13 / sure, "{case}: {left} of the angle, {first}, {ratios:?}, {between}");
+        if case % 2 == 0 {
+            assert!((first - last).abs() < 1e-11 + 1e-13 / sure, "{case}: {first} and {last}, {ratios:?}, {between}");
+        }
+    }
+    assert!(bent > 15_000, "{bent} of 20,000 ways bend");
+}
+
 #[test]
 fn points_lie_on_the_path() {
     let near = |found: f64, wanted: f64, bound: f64| assert!((found - wanted).abs() < bound, "{found} for {wanted}");

@@ -12,7 +12,7 @@ use crate::storage::{Blocks, WORDS};
 use crate::tables::Tables;
 use crate::vector::{Autoreset, EnvSpec, StepBuffers};
 use myo_dynamics::SolverCount;
-use myo_native::{LANES, Memory, NativeError, Routine, View};
+use myo_native::{BLOCKS, LANES, Memory, NativeError, Routine, View};
 use myo_scalar::Level;
 use myo_scalar::symbolic::Form;
 use std::sync::Arc;
@@ -76,7 +76,6 @@ struct Columns {
     counts: [u32; 2 * LANES],
     /// What each environment is to do in a reset.
     command: [u32; LANES],
-    memory: Memory,
 }
 
 impl Columns {
@@ -89,7 +88,6 @@ impl Columns {
             result: zeros(RESULT_ROWS + nepisode),
             counts: [0; 2 * LANES],
             command: [0; LANES],
-            memory: Memory::default(),
         }
     }
 
@@ -174,21 +172,35 @@ impl NativeCode {
     pub fn step(&self, storage: Blocks<'_, f32>, actions: &[f32], out: &mut StepBuffers<'_>) {
         let n = out.reward.len().max(1);
         let [nact, nobs, nepisode] = [actions, &*out.observation, &*out.episode].map(|rows| rows.len() / n);
-        let mut columns = Columns::new(nact, nobs, nepisode);
+        let mut columns: [Columns; BLOCKS] = std::array::from_fn(|_| Columns::new(nact, nobs, nepisode));
+        let mut memory = Memory::default();
         let Blocks { first, count, numbers, words, solver } = storage;
-        let blocks = numbers.chunks_exact_mut(count * LANES).zip(words.chunks_exact_mut(WORDS * LANES));
-        for (block, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(LANES)).enumerate() {
-            let start = (block * LANES * nact).min(actions.len());
-            fill_columns(&actions[start..], &mut columns.actions, LANES);
-            let parameters = self.parameters(first + block * LANES);
-            self.step_block(numbers, words, parameters, &mut columns);
-            if numbers[self.pending * LANES..][..LANES].iter().any(|&pending| f64::from(pending) > RESET_NOW - 0.5) {
-                columns.command.fill(0);
-                self.reset_block(numbers, words, parameters, [0; 2], &mut columns);
+        let blocks = numbers.chunks_mut(BLOCKS * count * LANES).zip(words.chunks_mut(BLOCKS * WORDS * LANES));
+        for (group, ((numbers, words), solver)) in blocks.zip(solver.chunks_mut(BLOCKS * LANES)).enumerate() {
+            let place = |k: usize| group * BLOCKS + k;
+            let mut blocks: Vec<Block<'_>> = numbers
+                .chunks_exact_mut(count * LANES)
+                .zip(words.chunks_exact_mut(WORDS * LANES))
+                .zip(&mut columns)
+                .enumerate()
+                .map(|(k, ((numbers, words), columns))| {
+                    let start = (place(k) * LANES * nact).min(actions.len());
+                    fill_columns(&actions[start..], &mut columns.actions, LANES);
+                    let parameters = self.parameters(first + place(k) * LANES);
+                    Block { numbers, words, parameters, columns }
+                })
+                .collect();
+            let mut views: Vec<_> = blocks.iter_mut().map(Block::of_step).collect();
+            self.routines.step.run_blocks(&mut views, &mut memory);
+            for (k, (mut block, solver)) in blocks.into_iter().zip(solver.chunks_mut(LANES)).enumerate() {
+                if block.row(self.pending).iter().any(|&pending| f64::from(pending) > RESET_NOW - 0.5) {
+                    block.columns.command.fill(0);
+                    self.routines.reset.run(&mut block.of_reset(&[0; 2]), &mut memory);
+                }
+                write_step(block.columns, place(k), out);
+                let (rounds, unsolved) = block.columns.counts.split_at(LANES);
+                SolverCount::add(solver, self.substeps, [rounds, unsolved]);
             }
-            write_step(&columns, block, out);
-            let (rounds, unsolved) = columns.counts.split_at(LANES);
-            SolverCount::add(solver, self.substeps, [rounds, unsolved]);
         }
     }
 
@@ -199,20 +211,39 @@ impl NativeCode {
         let seed = [seed as u32, (seed >> 32) as u32];
         let Blocks { first, count, numbers, words, solver } = storage;
         let nobs = observation.len() / solver.len().max(1);
-        let mut columns = Columns::new(0, nobs, 0);
+        let (mut columns, mut memory) = (Columns::new(0, nobs, 0), Memory::default());
         let blocks = numbers.chunks_exact_mut(count * LANES).zip(words.chunks_exact_mut(WORDS * LANES));
-        for (block, (numbers, words)) in blocks.enumerate() {
+        for (number, (numbers, words)) in blocks.enumerate() {
             for (lane, command) in columns.command.iter_mut().enumerate() {
-                let resets = mask.is_none_or(|mask| mask.get(block * LANES + lane).copied().unwrap_or(false));
+                let resets = mask.is_none_or(|mask| mask.get(number * LANES + lane).copied().unwrap_or(false));
                 *command = if resets { asked } else { OBSERVE };
             }
-            self.reset_block(numbers, words, self.parameters(first + block * LANES), seed, &mut columns);
-            fill_rows(&columns.observation, LANES, |_| true, rows!(observation, block, LANES, nobs));
+            let parameters = self.parameters(first + number * LANES);
+            let mut block = Block { numbers, words, parameters, columns: &mut columns };
+            self.routines.reset.run(&mut block.of_reset(&seed), &mut memory);
+            fill_rows(&columns.observation, LANES, |_| true, rows!(observation, number, LANES, nobs));
         }
     }
+}
 
-    fn step_block(&self, numbers: &mut [f32], words: &mut [u32], parameters: &[f32], columns: &mut Columns) {
-        let mut buffers = [
+/// A block of environments.
+struct Block<'a> {
+    numbers: &'a mut [f32],
+    words: &'a mut [u32],
+    parameters: &'a [f32],
+    columns: &'a mut Columns,
+}
+
+impl Block<'_> {
+    /// A row of the state.
+    fn row(&self, row: usize) -> &[f32] {
+        &self.numbers[row * LANES..][..LANES]
+    }
+
+    /// What a control step reads and writes.
+    fn of_step(&mut self) -> [View<'_>; 8] {
+        let Self { numbers, words, parameters, columns } = self;
+        [
             View::NumbersMut(numbers),
             View::WordsMut(words),
             View::Numbers(parameters),
@@ -221,28 +252,20 @@ impl NativeCode {
             View::NumbersMut(&mut columns.final_observation),
             View::NumbersMut(&mut columns.result),
             View::WordsMut(&mut columns.counts),
-        ];
-        self.routines.step.run(&mut buffers, &mut columns.memory);
+        ]
     }
 
-    /// Does what `command` says, and resets whose step ends with it.
-    fn reset_block(
-        &self,
-        numbers: &mut [f32],
-        words: &mut [u32],
-        parameters: &[f32],
-        seed: [u32; 2],
-        columns: &mut Columns,
-    ) {
-        let mut buffers = [
+    /// What a reset reads and writes, which does what `command` says, and resets whose step ends with it.
+    fn of_reset<'a>(&'a mut self, seed: &'a [u32; 2]) -> [View<'a>; 6] {
+        let Self { numbers, words, parameters, columns } = self;
+        [
             View::NumbersMut(numbers),
             View::WordsMut(words),
             View::Numbers(parameters),
             View::Words(&columns.command),
             View::NumbersMut(&mut columns.observation),
-            View::Words(&seed),
-        ];
-        self.routines.reset.run(&mut buffers, &mut columns.memory);
+            View::Words(seed),
+        ]
     }
 }
 

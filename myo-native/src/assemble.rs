@@ -9,6 +9,7 @@ use crate::code::{
     Binary, Cell, ChunkEntry, Class, Code, Entry, Home, Instruction, Operand, Signs, Source, Unary, Value,
 };
 use crate::emit::{Emitter, From, Jump, Place};
+use crate::pieces::Pieces;
 use crate::registers::Bank;
 use crate::uses::{Uses, last_uses};
 use iced_x86::Code as Machine;
@@ -30,9 +31,12 @@ pub struct Assembled {
 }
 
 /// Makes machine code of instructions.
-pub fn assemble(code: &Code, table: &[f64], nbuffer: usize) -> Assembled {
-    let mut assembler = Assembler::new(code, table, nbuffer);
+pub fn assemble(code: &Code, table: &[f64], nbuffer: usize, pieces: &Pieces) -> Assembled {
+    let mut assembler = Assembler::new(code, table, nbuffer, pieces);
     for at in 0..code.instructions.len() {
+        if assembler.pieces.begins_at(at) {
+            assembler.cut();
+        }
         assembler.at = at;
         assembler.instruction(&code.instructions[at]);
         assembler.end_of_instruction();
@@ -56,12 +60,14 @@ struct Assembler<'a> {
     constants: Vec<u32>,
     known: HashMap<u32, u32>,
     table_at: u32,
-    loops: Vec<usize>,
+    pieces: &'a Pieces,
+    /// Where loops begin, and whether they have pieces of their own.
+    loops: Vec<(usize, bool)>,
     branches: Vec<(Jump, Bank, Bank)>,
 }
 
 impl<'a> Assembler<'a> {
-    fn new(code: &'a Code, table: &[f64], nbuffer: usize) -> Self {
+    fn new(code: &'a Code, table: &[f64], nbuffer: usize, pieces: &'a Pieces) -> Self {
         let mut ending: HashMap<usize, Vec<Value>> = HashMap::new();
         for (value, at) in last_uses(code).into_iter().enumerate() {
             ending.entry(at).or_default().push(value as Value);
@@ -83,6 +89,7 @@ impl<'a> Assembler<'a> {
             constants,
             known: HashMap::new(),
             table_at,
+            pieces,
             loops: vec![],
             branches: vec![],
         }
@@ -537,24 +544,50 @@ impl<'a> Assembler<'a> {
         Place::frame_with_offset((entry.first + entry.position) * WIDTH)
     }
 
-    fn begin_loop(&mut self, counter: u32) {
+    /// Empties registers: what is needed is in memory.
+    fn leave_registers(&mut self) {
         self.keep_all();
         self.vectors.clear();
         self.masks.clear();
+    }
+
+    fn cut(&mut self) {
+        self.leave_registers();
+        self.emitter.end_piece();
+        self.emitter.begin_piece();
+    }
+
+    fn begin_loop(&mut self, counter: u32) {
+        self.leave_registers();
         let counter = self.counter(counter);
         self.emitter.set_counter(counter, 0);
-        self.loops.push(self.emitter.here());
+        let is_cut = self.pieces.is_cut(self.at);
+        if is_cut {
+            self.emitter.end_piece();
+        }
+        self.loops.push((self.emitter.here(), is_cut));
+        if is_cut {
+            self.emitter.begin_piece();
+        }
     }
 
     fn end_loop(&mut self, counter: u32, limit: u32, again: Option<Value>) {
-        let begin = self.loops.pop().expect("a loop began");
+        let (begin, is_cut) = self.loops.pop().expect("a loop began");
         let exit = again.map(|again| {
             let again = self.register(again);
             self.emitter.test(again);
             self.emitter.jump_if_none()
         });
         let counter = self.counter(counter);
-        self.emitter.count_up(counter, limit, begin);
+        self.emitter.count_up(counter);
+        if is_cut {
+            self.leave_registers();
+            self.emitter.end_piece();
+        }
+        self.emitter.jump_if_below(counter, limit, begin);
+        if is_cut {
+            self.emitter.begin_piece();
+        }
         if let Some(exit) = exit {
             self.emitter.land(exit);
         }

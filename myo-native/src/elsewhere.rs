@@ -16,6 +16,19 @@ impl Routine {
         Err(NativeError::Unsupported)
     }
 
+    /// Refuses.
+    ///
+    /// # Errors
+    /// There is no AVX-512.
+    pub fn compile_in_pieces(_: &Program, _: usize) -> Result<Self, NativeError> {
+        Err(NativeError::Unsupported)
+    }
+
+    /// Runs it.
+    pub fn run_blocks<const N: usize>(&self, _: &mut [[View<'_>; N]], _: &mut Memory) {
+        match *self {}
+    }
+
     /// Runs it.
     pub fn run(&self, _: &mut [View<'_>], _: &mut Memory) {
         match *self {}

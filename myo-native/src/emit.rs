@@ -7,7 +7,7 @@ pub const FRAME_BIAS: i64 = 128 * 64;
 /// See [`FRAME_BIAS`].
 pub const POOL_BIAS: i64 = 128 * 4;
 
-const BUFFERS: [Register; 12] = [
+const BUFFERS: [Register; 11] = [
     Register::RDX,
     Register::RCX,
     Register::R8,
@@ -19,14 +19,22 @@ const BUFFERS: [Register; 12] = [
     Register::R12,
     Register::R13,
     Register::R14,
-    Register::R15,
 ];
+/// Reaches the second part of the frame.
+const FAR_FRAME: Register = Register::R15;
+/// Bytes of the frame that one register reaches with one byte.
+const NEAR_FRAME: u32 = 256 * 64;
 /// Constants that one register reaches with one byte.
 const NEAR_CONSTANTS: u32 = 256;
 /// Most buffers of a program.
 pub const MOST_BUFFERS: usize = BUFFERS.len();
 /// Buffers whose registers a caller does not want back.
 const FREE_BUFFERS: usize = 6;
+
+/// On the stack: the row of the block that runs, the first row, and where rows end.
+const CURRENT_ROW: Place = Place::at(Register::RSP, 0);
+const FIRST_ROW: Place = Place::at(Register::RSP, 8);
+const LAST_ROW: Place = Place::at(Register::RSP, 16);
 
 /// A place in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +48,10 @@ pub struct Place {
 impl Place {
     /// So many bytes into the frame.
     pub fn frame(bytes: u32) -> Self {
-        Self::at(Register::RDI, i64::from(bytes) - FRAME_BIAS)
+        match bytes.checked_sub(NEAR_FRAME) {
+            None => Self::at(Register::RDI, i64::from(bytes) - FRAME_BIAS),
+            Some(bytes) => Self::at(FAR_FRAME, i64::from(bytes) - FRAME_BIAS),
+        }
     }
     /// So many bytes into the frame, and as many more as [`Emitter::chunk_offset`] computed.
     pub fn frame_with_offset(bytes: u32) -> Self {
@@ -59,7 +70,7 @@ impl Place {
         Self { is_broadcast: true, ..self }
     }
 
-    fn at(base: Register, displacement: i64) -> Self {
+    const fn at(base: Register, displacement: i64) -> Self {
         Self { base, index: Register::None, displacement, is_broadcast: false }
     }
 
@@ -88,6 +99,8 @@ pub struct Emitter {
     nbuffer: usize,
     /// Jumps and where they lead.
     landed: Vec<(Jump, usize)>,
+    /// Where the piece begins that is being written.
+    piece: usize,
 }
 
 pub fn zmm(number: u8) -> Register {
@@ -99,29 +112,54 @@ pub fn mask(number: u8) -> Register {
 }
 
 impl Emitter {
-    /// Begins a routine that takes in RDI where frame, constants and buffers are.
+    /// Begins a routine that takes in RDI and RSI where rows of pointers begin and end: frame, constants and buffers of each block.
     pub fn new(nbuffer: usize) -> Self {
-        let mut this = Self { encoder: Encoder::new(64), length: 0, nbuffer, landed: vec![] };
-        for &kept in &BUFFERS[FREE_BUFFERS..] {
+        let mut this = Self { encoder: Encoder::new(64), length: 0, nbuffer, landed: vec![], piece: 0 };
+        for kept in
+            BUFFERS[FREE_BUFFERS..].iter().copied().chain([FAR_FRAME, Register::RSI, Register::RDI, Register::RDI])
+        {
             this.put(Instruction::with1(Code::Push_r64, kept));
         }
-        let pointers = [Register::RSI].into_iter().chain(BUFFERS[..nbuffer].iter().copied());
+        this.begin_piece();
+        this
+    }
+
+    /// Begins what each block runs through before the next one does.
+    pub fn begin_piece(&mut self) {
+        self.piece = self.length;
+        self.put(Instruction::with2(Code::Mov_r64_rm64, Register::RDI, CURRENT_ROW.operand()));
+        let pointers = [Register::RSI].into_iter().chain(BUFFERS[..self.nbuffer].iter().copied());
         for (k, register) in pointers.enumerate() {
             let from = MemoryOperand::with_base_displ(Register::RDI, 8 * (k as i64 + 1));
-            this.put(Instruction::with2(Code::Mov_r64_rm64, register, from));
+            self.put(Instruction::with2(Code::Mov_r64_rm64, register, from));
         }
-        for (register, window) in BUFFERS[nbuffer..].iter().zip(1..) {
+        for (register, window) in BUFFERS[self.nbuffer..].iter().zip(1..) {
             let from = MemoryOperand::with_base_displ(Register::RSI, window * i64::from(4 * NEAR_CONSTANTS));
-            this.put(Instruction::with2(Code::Lea_r64_m, *register, from));
+            self.put(Instruction::with2(Code::Lea_r64_m, *register, from));
         }
-        this.put(Instruction::with2(Code::Mov_r64_rm64, Register::RDI, MemoryOperand::with_base(Register::RDI)));
-        this
+        self.put(Instruction::with2(Code::Mov_r64_rm64, Register::RDI, MemoryOperand::with_base(Register::RDI)));
+        let far = MemoryOperand::with_base_displ(Register::RDI, i64::from(NEAR_FRAME));
+        self.put(Instruction::with2(Code::Lea_r64_m, FAR_FRAME, far));
+    }
+
+    /// Lets the next block run through the piece, if there is one; then the first block is next.
+    pub fn end_piece(&mut self) {
+        let row = 8 * (2 + self.nbuffer as i32);
+        self.put(Instruction::with2(Code::Mov_r64_rm64, Register::RAX, CURRENT_ROW.operand()));
+        self.put(Instruction::with2(Code::Add_rm64_imm32, Register::RAX, row));
+        self.put(Instruction::with2(Code::Mov_rm64_r64, CURRENT_ROW.operand(), Register::RAX));
+        self.put(Instruction::with2(Code::Cmp_r64_rm64, Register::RAX, LAST_ROW.operand()));
+        self.put(Instruction::with_branch(Code::Jb_rel32_64, self.piece as u64));
+        self.put(Instruction::with2(Code::Mov_r64_rm64, Register::RAX, FIRST_ROW.operand()));
+        self.put(Instruction::with2(Code::Mov_rm64_r64, CURRENT_ROW.operand(), Register::RAX));
     }
 
     /// Ends the routine.
     pub fn finish(mut self) -> Vec<u8> {
+        self.end_piece();
         self.put(Ok(Instruction::with(Code::VEX_Vzeroupper)));
-        for &kept in BUFFERS[FREE_BUFFERS..].iter().rev() {
+        self.put(Instruction::with2(Code::Add_rm64_imm32, Register::RSP, 24));
+        for &kept in BUFFERS[FREE_BUFFERS..].iter().chain([&FAR_FRAME]).rev() {
             self.put(Instruction::with1(Code::Pop_r64, kept));
         }
         self.put(Ok(Instruction::with(Code::Retnq)));
@@ -280,12 +318,14 @@ impl Emitter {
         self.put(Instruction::with2(Code::Mov_rm32_imm32, counter.operand(), to));
     }
 
-    /// Counts one up and jumps where the count is below a limit.
-    pub fn count_up(&mut self, counter: Place, limit: u32, back: usize) {
-        self.put(Instruction::with2(Code::Mov_r32_rm32, Register::EAX, counter.operand()));
-        self.put(Instruction::with2(Code::Add_rm32_imm32, Register::EAX, 1));
-        self.put(Instruction::with2(Code::Mov_rm32_r32, counter.operand(), Register::EAX));
-        self.put(Instruction::with2(Code::Cmp_rm32_imm32, Register::EAX, limit));
+    /// Counts one up.
+    pub fn count_up(&mut self, counter: Place) {
+        self.put(Instruction::with2(Code::Add_rm32_imm32, counter.operand(), 1));
+    }
+
+    /// Jumps where a count is below a limit.
+    pub fn jump_if_below(&mut self, counter: Place, limit: u32, back: usize) {
+        self.put(Instruction::with2(Code::Cmp_rm32_imm32, counter.operand(), limit));
         self.put(Instruction::with_branch(Code::Jb_rel32_64, back as u64));
     }
 

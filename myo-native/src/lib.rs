@@ -35,6 +35,8 @@ mod emit;
 #[cfg(target_arch = "x86_64")]
 mod lower;
 #[cfg(target_arch = "x86_64")]
+mod pieces;
+#[cfg(target_arch = "x86_64")]
 mod registers;
 #[cfg(target_arch = "x86_64")]
 mod routine;
@@ -50,6 +52,9 @@ pub use routine::Routine;
 
 /// Environments that a routine runs at once: row `row` of a buffer with rows for each begins at `row * LANES`.
 pub const LANES: usize = 16;
+
+/// Sets of buffers that [`Routine::run_blocks`] runs at once: code is read once for so many, and their frames still fit into a cache.
+pub const BLOCKS: usize = 2;
 
 /// Why a program was not compiled.
 #[derive(Debug, thiserror::Error)]

@@ -3,13 +3,22 @@
 use crate::assemble::{Assembled, assemble};
 use crate::emit::{FRAME_BIAS, MOST_BUFFERS, POOL_BIAS};
 use crate::lower::lower;
+use crate::pieces::Pieces;
 use crate::schedule::schedule;
-use crate::{LANES, Memory, NativeError, View};
+use crate::{BLOCKS, LANES, Memory, NativeError, View};
 use memmap2::{Mmap, MmapMut};
 use myo_scalar::symbolic::{Entries, Op, Program, Statement};
 
-/// Takes frame, constants and buffers.
-type Call = unsafe extern "sysv64" fn(*const *mut u8);
+/// Takes where rows of pointers begin and end: frame, constants and buffers of each block.
+type Call = unsafe extern "sysv64" fn(*const *mut u8, *const *mut u8);
+
+/// Most pointers of a call.
+const MOST_POINTERS: usize = BLOCKS * (2 + MOST_BUFFERS);
+/// Bytes from one frame to the next beyond what it takes: those of two blocks begin in different sets of a cache.
+const FRAME_GAP: usize = 64;
+
+/// Instructions of a piece, whose code is then a third of a first-level cache.
+const PIECE: usize = 1500;
 
 /// Operations beyond which compiling takes seconds.
 const MOST_OPERATIONS: usize = 150_000;
@@ -38,12 +47,21 @@ impl Routine {
     /// # Errors
     /// The processor has no AVX-512, there is no memory, or the program does what a routine cannot do, see [`NativeError`].
     pub fn compile(program: &Program) -> Result<Self, NativeError> {
+        Self::compile_in_pieces(program, PIECE)
+    }
+
+    /// Compiles it into pieces of at most so many instructions, each of which runs for all blocks before the next one does. Results do not
+    /// depend on it.
+    ///
+    /// # Errors
+    /// Those of [`Routine::compile`].
+    pub fn compile_in_pieces(program: &Program, most: usize) -> Result<Self, NativeError> {
         if !is_x86_feature_detected!("avx512f") {
             return Err(NativeError::Unsupported);
         }
-        let (operations, most) = (program.operations(), MOST_OPERATIONS);
-        if operations > most {
-            return Err(NativeError::TooLarge { operations, most });
+        let operations = program.operations();
+        if operations > MOST_OPERATIONS {
+            return Err(NativeError::TooLarge { operations, most: MOST_OPERATIONS });
         }
         let nbuffer = count_buffers(program);
         if nbuffer > MOST_BUFFERS {
@@ -51,7 +69,8 @@ impl Routine {
         }
         let mut lowered = lower(program)?;
         schedule(&mut lowered);
-        let Assembled { bytes, constants, frame } = assemble(&lowered, &program.table, nbuffer);
+        let pieces = Pieces::of(&lowered, most);
+        let Assembled { bytes, constants, frame } = assemble(&lowered, &program.table, nbuffer, &pieces);
         let mut code = MmapMut::map_anon(bytes.len())?;
         code[..bytes.len()].copy_from_slice(&bytes);
         let buffers = (0..nbuffer as u32).map(|binding| Demand::of(program, binding)).collect();
@@ -63,9 +82,33 @@ impl Routine {
     /// # Panics
     /// A buffer is missing, is too short, or is read-only though the program writes it.
     pub fn run(&self, buffers: &mut [View<'_>], memory: &mut Memory) {
+        let mut pointers = [std::ptr::null_mut(); MOST_POINTERS];
+        let count = self.point(buffers, memory.of(self.frame), &mut pointers);
+        self.call(&pointers[..count]);
+    }
+
+    /// Runs it for [`LANES`] environments with each of several sets of buffers. [`BLOCKS`] sets at once take less time than one after the
+    /// other.
+    ///
+    /// # Panics
+    /// As [`Routine::run`].
+    pub fn run_blocks<const N: usize>(&self, blocks: &mut [[View<'_>; N]], memory: &mut Memory) {
+        let frame = self.frame + FRAME_GAP;
+        let frames = memory.of(frame * BLOCKS);
+        for blocks in blocks.chunks_mut(BLOCKS) {
+            let mut pointers = [std::ptr::null_mut(); MOST_POINTERS];
+            let mut count = 0;
+            for (number, buffers) in blocks.iter_mut().enumerate() {
+                count += self.point(buffers, frames.wrapping_add(number * frame), &mut pointers[count..]);
+            }
+            self.call(&pointers[..count]);
+        }
+    }
+
+    /// Writes down where all is that a block needs; how many pointers that are.
+    fn point(&self, buffers: &mut [View<'_>], frame: *mut u8, pointers: &mut [*mut u8]) -> usize {
         assert!(buffers.len() >= self.buffers.len(), "{} buffers of {}", buffers.len(), self.buffers.len());
-        let mut pointers = [std::ptr::null_mut(); 2 + MOST_BUFFERS];
-        pointers[0] = memory.of(self.frame).wrapping_offset(FRAME_BIAS as isize);
+        pointers[0] = frame.wrapping_offset(FRAME_BIAS as isize);
         pointers[1] = self.constants.as_ptr().cast_mut().cast::<u8>().wrapping_offset(POOL_BIAS as isize);
         for (k, (view, demand)) in buffers.iter_mut().zip(&self.buffers).enumerate() {
             let needed = demand.entries.needed(LANES as u32);
@@ -78,12 +121,19 @@ impl Routine {
                 View::WordsMut(x) => x.as_mut_ptr().cast(),
             };
         }
-        // SAFETY: the code was made here for this signature, on a processor that has its instructions. It reads and writes the rows that the
-        // program names, which the buffers have, as was just checked, and the frame, which is as long as it wants; what it looks up by
-        // computed numbers is bounded to rows that the program names and to its table. It writes buffers that are mutable only.
+        2 + self.buffers.len()
+    }
+
+    /// Runs the code, with the pointers of one block or more.
+    fn call(&self, pointers: &[*mut u8]) {
+        let rows = pointers.as_ptr_range();
+        // SAFETY: the code was made here for this signature, on a processor that has its instructions. Each block's pointers were written by
+        // `point` for buffers that are borrowed until then. It reads and writes the rows that the program names, which the buffers have, as was
+        // checked there, and the frames, which are as long as it wants and apart; what it looks up by computed numbers is bounded to rows that
+        // the program names and to its table. It writes buffers that are mutable only.
         unsafe {
             let call: Call = std::mem::transmute(self.code.as_ptr());
-            call(pointers.as_ptr());
+            call(rows.start, rows.end);
         }
     }
 

@@ -1,15 +1,15 @@
 //! In which order to compute.
 //!
 //! Generic code computes one thing after the other, each a chain whose next link waits for the last. A processor looks ahead, but only
-//! as far as it has room for what waits. So instructions change places within a window: first comes what the longest chain hangs on, as
-//! long as there are registers for what is begun; then whatever sets some free (list scheduling; Gibbons and Muchnick 1986,
-//! <https://doi.org/10.1145/12276.13312>).
+//! as far as it has room for what waits. So instructions change places within a window: of those that need not wait, first what the
+//! longest chain hangs on, as long as there are registers for what is begun; then what sets some free (list scheduling; Gibbons and
+//! Muchnick 1986, <https://doi.org/10.1145/12276.13312>). Registers that run out cost a load, which is less than to wait.
 
 use crate::code::{Class, Code, Instruction, Unary as Op, Value};
 use std::collections::BTreeSet;
 
 /// How far an instruction may come forward.
-const WINDOW: usize = 256;
+const WINDOW: usize = 400;
 /// Values that are begun before registers run out, some being left for what is only read.
 const REGISTERS: usize = 24;
 /// Instructions that begin in one cycle.
@@ -188,7 +188,8 @@ impl Queue {
         self.far.insert(at);
     }
 
-    /// Takes out what is to come next: what the longest chain hangs on, or, where registers are short, what sets some free.
+    /// Takes out what is to come next, of what waits least: what the longest chain hangs on, or, where registers are short, what sets some
+    /// free.
     fn choose(&mut self, nodes: &[Node], time: u32, is_full: bool, change: impl Fn(usize) -> i32) -> Option<usize> {
         while self.is_done.get(self.first) == Some(&true) {
             self.first += 1;
@@ -197,7 +198,7 @@ impl Queue {
         self.near.extend(std::mem::replace(&mut self.far, beyond));
         let is_there = |at: usize| nodes[at].earliest.max(time);
         let (place, &chosen) = if is_full {
-            self.near.iter().enumerate().min_by_key(|&(_, &at)| (change(at), is_there(at), at))?
+            self.near.iter().enumerate().min_by_key(|&(_, &at)| (is_there(at), change(at), at))?
         } else {
             self.near.iter().enumerate().min_by_key(|&(_, &at)| (is_there(at), u32::MAX - nodes[at].height, at))?
         };

@@ -2,7 +2,7 @@
 //!
 //! All numbers are whole and small, so single precision computes them exactly, and a difference is a fault.
 
-use myo_native::{LANES, Memory, NativeError, Routine, View};
+use myo_native::{BLOCKS, LANES, Memory, NativeError, Routine, View};
 use myo_scalar::symbolic::{Buffer, Contents, Form, Program, Sharing, Sym, SymMask, SymWord, trace_as};
 use myo_scalar::{Carried, Scalar, Visitor, Word};
 use proptest::prelude::*;
@@ -209,35 +209,67 @@ fn record(drawn: &[u32]) -> Program {
     })
 }
 
-fn compare(drawn: &[u32]) -> TestCaseResult {
-    let program = record(drawn);
-    let routine = Routine::compile(&program).expect("the program is compiled");
-    let mut draws = Choices { drawn, next: 7 };
-    let mut numbers: Vec<f32> = (0..(NUMBER_ROWS + 2) * LANES).map(|_| draws.below(19) as f32 - 9.0).collect();
-    let mut words: Vec<u32> =
-        (0..WORD_ROWS * LANES).map(|k| (draws.below(1 << 20) as u32).wrapping_mul(k as u32 + 77_777)).collect();
-    let shared: Vec<f32> = (0..SHARED_ROWS).map(|_| draws.below(9) as f32 - 4.0).collect();
-    let mut wanted = vec![];
-    for lane in 0..LANES {
-        let mut contents = [
-            Contents::Numbers(numbers.iter().skip(lane).step_by(LANES).map(|&x| x.into()).collect()),
-            Contents::Words(words.iter().skip(lane).step_by(LANES).copied().collect()),
-            Contents::Numbers(shared.iter().map(|&x| x.into()).collect()),
-        ];
-        program.interpret(&mut contents);
-        wanted.push(contents);
+/// What a program reads and writes for a block of environments.
+struct Block {
+    numbers: Vec<f32>,
+    words: Vec<u32>,
+    shared: Vec<f32>,
+}
+
+impl Block {
+    fn draw(draws: &mut Choices<'_>) -> Self {
+        let numbers = (0..(NUMBER_ROWS + 2) * LANES).map(|_| draws.below(19) as f32 - 9.0).collect();
+        let word = |k: usize| (draws.below(1 << 20) as u32).wrapping_mul(k as u32 + 77_777);
+        let words = (0..WORD_ROWS * LANES).map(word).collect();
+        Self { numbers, words, shared: (0..SHARED_ROWS).map(|_| draws.below(9) as f32 - 4.0).collect() }
     }
-    routine.run(
-        &mut [View::NumbersMut(&mut numbers), View::WordsMut(&mut words), View::Numbers(&shared)],
-        &mut Memory::default(),
-    );
-    for (lane, wanted) in wanted.iter().enumerate() {
-        let found = numbers.iter().skip(lane).step_by(LANES).map(|&x| x.into()).collect();
-        prop_assert_eq!(&Contents::Numbers(found), &wanted[0], "numbers of lane {}", lane);
-        let found = words.iter().skip(lane).step_by(LANES).copied().collect();
-        prop_assert_eq!(&Contents::Words(found), &wanted[1], "words of lane {}", lane);
+
+    fn views(&mut self) -> [View<'_>; 3] {
+        [View::NumbersMut(&mut self.numbers), View::WordsMut(&mut self.words), View::Numbers(&self.shared)]
+    }
+
+    /// The same of one lane.
+    fn lane(&self, lane: usize) -> [Contents; 3] {
+        [
+            Contents::Numbers(self.numbers.iter().skip(lane).step_by(LANES).map(|&x| x.into()).collect()),
+            Contents::Words(self.words.iter().skip(lane).step_by(LANES).copied().collect()),
+            Contents::Numbers(self.shared.iter().map(|&x| x.into()).collect()),
+        ]
+    }
+}
+
+/// Runs blocks as `run` does and compares them with the interpreter, lane by lane.
+fn compare_run(program: &Program, blocks: &mut [Block], run: impl FnOnce(&mut [Block])) -> TestCaseResult {
+    let interpreted = |block: &Block, lane: usize| {
+        let mut contents = block.lane(lane);
+        program.interpret(&mut contents);
+        contents
+    };
+    let wanted: Vec<Vec<_>> =
+        blocks.iter().map(|block| (0..LANES).map(|lane| interpreted(block, lane)).collect()).collect();
+    run(blocks);
+    for (number, (block, wanted)) in blocks.iter().zip(&wanted).enumerate() {
+        for (lane, wanted) in wanted.iter().enumerate() {
+            prop_assert_eq!(&block.lane(lane), wanted, "lane {} of block {}", lane, number);
+        }
     }
     Ok(())
+}
+
+fn compare(drawn: &[u32]) -> TestCaseResult {
+    let program = record(drawn);
+    let mut draws = Choices { drawn, next: 7 };
+    let mut memory = Memory::default();
+    let whole = Routine::compile(&program).expect("the program is compiled");
+    compare_run(&program, &mut [Block::draw(&mut draws)], |blocks| whole.run(&mut blocks[0].views(), &mut memory))?;
+    // Cut wherever it can be, for more blocks than run at once.
+    let most = 1 + draws.below(30);
+    let cut = Routine::compile_in_pieces(&program, most).expect("the program is compiled");
+    let mut blocks: Vec<Block> = (0..BLOCKS + 1).map(|_| Block::draw(&mut draws)).collect();
+    compare_run(&program, &mut blocks, |blocks| {
+        let mut views: Vec<_> = blocks.iter_mut().map(Block::views).collect();
+        cut.run_blocks(&mut views, &mut memory);
+    })
 }
 
 #[test]
