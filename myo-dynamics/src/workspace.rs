@@ -1,7 +1,7 @@
 //! State of the body, and everything that one step computes on the way.
 
 use crate::mesh::Scratch;
-use crate::plan::Plan;
+use crate::plan::{Bundle, Plan};
 use crate::spatial::{Frame, Inertia, Motion, Rotation, Vec3, Wrench};
 use crate::step::wrap::Gap;
 use crate::step::{ConeSearch, Coriolis};
@@ -395,7 +395,7 @@ impl<S: Scalar> Workspace<S> {
             line: vec![Wrench::zero(); nsegment],
             wrap_lines: vec![[Wrench::zero(); 2]; nstretch],
             wrap_bends: vec![o; nstretch],
-            gaps: vec![Gap::none(); plan.tendons.ngap()],
+            gaps: vec![Gap::none(); plan.tendons.wraps.iter().map(Bundle::ngap).sum()],
             hinge_slope: vec![o; plan.tendons.hinge.len()],
             double_hinge_slope: vec![[o; 2]; plan.tendons.double_hinge.len()],
             profile_slope: vec![o; plan.tendons.profiles.len()],

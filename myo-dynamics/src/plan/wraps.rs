@@ -95,10 +95,14 @@ impl Stretch<f64> {
     }
 }
 
-impl<C> Tendons<C> {
-    /// How many stretches may lead through something round.
+impl<C> Bundle<C> {
+    /// How many of its stretches may lead through something round: all, or none.
+    #[inline(always)]
     pub(crate) fn ngap(&self) -> usize {
-        self.wraps.iter().filter(|bundle| bundle.way != Way::Around).map(|bundle| bundle.stretches.len()).sum()
+        match self.way {
+            Way::Around => 0,
+            Way::Through | Way::Either => self.stretches.len(),
+        }
     }
 }
 

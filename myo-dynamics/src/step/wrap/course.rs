@@ -60,14 +60,6 @@ impl OnSide<f64> {
     }
 }
 
-impl<S: Scalar> OnSide<S> {
-    /// Whether the way may lead through the round thing.
-    #[inline(always)]
-    fn goes_through(&self) -> bool {
-        matches!(self, Self::Inside | Self::Either(..))
-    }
-}
-
 /// A path between two points, in axes of the round thing.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<S: Scalar> {
@@ -136,11 +128,20 @@ pub fn course<S: Scalar>(
     side: OnSide<S>,
     ends: [Vec3<S>; 2],
 ) -> Course<S> {
-    let mut gap = [gap(shape, radius, ends)];
-    if side.goes_through() {
-        settle(&mut gap);
+    course_by(shape, rule, radius, side, angle_through(shape, radius, side, ends), ends)
+}
+
+/// The angle [of a way through](gap) (rad); zero where the way leads around.
+#[inline(always)]
+fn angle_through<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, ends: [Vec3<S>; 2]) -> S {
+    match side {
+        OnSide::Any | OnSide::Of(_) => S::zero(),
+        OnSide::Inside | OnSide::Either(..) => {
+            let mut gap = [gap(shape, radius, ends)];
+            settle(&mut gap);
+            gap[0].psi()
+        }
     }
-    course_by(shape, rule, radius, side, gap[0].psi(), ends)
 }
 
 /// The same path where the angle [of a way through](gap) was found before.
@@ -286,11 +287,8 @@ pub fn points(round: &Round<f64>, side: Option<Vec3<f64>>, [a, b]: [Vec3<f64>; 2
     let to_local = |p: Vec3<f64>| round.frame.rotation.apply_inverse(p - round.frame.position);
     let side = side.map_or(OnSide::Any, |side| OnSide::told_by(to_local(side), round.shape, round.radius));
     let local = [to_local(a), to_local(b)];
-    let mut gap = [gap(round.shape, round.radius, local)];
-    if side.goes_through() {
-        settle(&mut gap);
-    }
-    let (from, plane, bend) = bent(round.shape, round.rule, round.radius, side, gap[0].psi(), local);
+    let psi = angle_through(round.shape, round.radius, side, local);
+    let (from, plane, bend) = bent(round.shape, round.rule, round.radius, side, psi, local);
     let share = |k: usize| (k as f64 + 0.5) / count as f64;
     if !bend.bends {
         return (0..count).map(|k| (b - a).mul_add(share(k), a)).collect();

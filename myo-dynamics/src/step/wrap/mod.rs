@@ -43,20 +43,18 @@ impl<S: Scalar> Stage<S> for Lengths<'_, S> {
         let Self { plan, ws } = self;
         let bundles = &plan.tendons.wraps;
         let mut first = 0;
-        for bundle in bundles.iter().filter(|bundle| bundle.way != Way::Around) {
-            S::map_rows(bundle.stretches.len(), &mut Gaps { bundle, first, ws });
-            first += bundle.stretches.len();
+        for bundle in bundles {
+            S::map_rows(bundle.ngap(), &mut Gaps { bundle, first, ws });
+            first += bundle.ngap();
         }
-        if first > 0 {
+        if !ws.gaps.is_empty() {
             within::settle(&mut ws.gaps);
         }
         let (mut first, mut first_gap) = (0, 0);
         for bundle in bundles {
             S::map_rows(bundle.stretches.len(), &mut Ways { bundle, first, first_gap, ws });
             first += bundle.stretches.len();
-            if bundle.way != Way::Around {
-                first_gap += bundle.stretches.len();
-            }
+            first_gap += bundle.ngap();
         }
     }
 }
