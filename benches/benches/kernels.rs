@@ -9,7 +9,7 @@ use myo_env::{Autoreset, EnvConfig, GpuEnv, Tables, VectorEnv};
 use myo_scalar::symbolic::Program;
 
 /// Threads of a workgroup in the text; it changes nothing else.
-const WORKGROUP: u32 = 64;
+const WORKGROUP: u32 = 32;
 
 fn record(scene: &KernelScene, tables: &Tables<f64>) -> Program {
     match scene.kernel {

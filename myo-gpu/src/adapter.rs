@@ -48,6 +48,8 @@ pub struct Adapter {
     pub max_workgroup_bytes: u32,
     /// Threads can exchange values within a subgroup.
     pub subgroups: bool,
+    /// Threads that run as one, at least.
+    pub min_subgroup_threads: u32,
     /// Kernels can calculate in 16-bit floats.
     pub f16: bool,
     /// Subgroups of 32 threads can multiply matrices of 16 x 16 numbers of 16 bits and sum them up in 32 bits.
@@ -140,6 +142,7 @@ fn describe(info: &wgpu::AdapterInfo, raw: &wgpu::Adapter) -> Adapter {
         max_workgroup_threads: limits.max_compute_invocations_per_workgroup,
         max_workgroup_bytes: limits.max_compute_workgroup_storage_size,
         subgroups: features.contains(wgpu::Features::SUBGROUP),
+        min_subgroup_threads: info.subgroup_min_size,
         f16: features.contains(wgpu::Features::SHADER_F16),
         cooperative_matrix: multiplies_matrices(info, raw),
         pipeline_cache: features.contains(wgpu::Features::PIPELINE_CACHE),

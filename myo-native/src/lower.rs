@@ -7,6 +7,7 @@
 use crate::code::{
     Binary, Cell, ChunkEntry, Class, Code, Entry, Home, Instruction, Operand, Signs, Source, Unary, Value,
 };
+use crate::heirs::{Variable, heirs};
 use crate::{LANES, NativeError};
 use myo_scalar::symbolic::{
     Branch, Buffer, Chunks, Id, Item, Kind, Loop, Op, Program, Rows, Sharing, Statement, Store,
@@ -23,6 +24,7 @@ pub fn lower(program: &Program) -> Result<Code, NativeError> {
         code: Code::default(),
         operands: vec![None; program.nodes.len()],
         cells: HashMap::new(),
+        heirs: heirs(program),
         counters: HashMap::new(),
         chunks: HashMap::new(),
         masks: vec![],
@@ -48,7 +50,9 @@ struct Lowering<'a> {
     /// What each node became.
     operands: Vec<Option<Operand>>,
     /// Where variables of statements are.
-    cells: HashMap<(u32, usize), Cell>,
+    cells: HashMap<Variable, Cell>,
+    /// Variables that take over another's place.
+    heirs: HashMap<Variable, Variable>,
     counters: HashMap<u32, u32>,
     chunks: HashMap<u32, Kept>,
     /// Masks of the branches that are open.
@@ -356,7 +360,8 @@ impl Lowering<'_> {
         let live: Vec<usize> = self.program.live_carries(number).map(|(index, _)| index).collect();
         for index in live {
             if !self.cells.contains_key(&(number, index)) {
-                let cell = self.code.cells(1);
+                let taken_over = self.heirs.get(&(number, index)).map(|from| self.cells[from]);
+                let cell = taken_over.unwrap_or_else(|| self.code.cells(1));
                 self.cells.insert((number, index), cell);
             }
         }

@@ -7,9 +7,11 @@ use crate::config::BuildError;
 use myo_gpu::{Access, Batch, Bindings, Buffer, BufferRef, Cached, Gpu, GpuError, Kernel, Source};
 use myo_scalar::symbolic::print::{ENTRY_POINT, Use};
 use myo_scalar::symbolic::{Entries, Program};
+use std::ops::RangeInclusive;
 
-/// Threads of a workgroup.
-const WORKGROUP: u32 = 64;
+/// Threads of a workgroup, at least and at most: as many as a device runs as one. In workgroups of two such subgroups NVIDIA's driver
+/// (580) gives kernels of 22,000 operations 32 registers instead of 255, and they take 2.4 times as long (`docs/performance.md`).
+const WORKGROUP: RangeInclusive<u32> = 32..=64;
 /// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took a quarter of an hour for a body of 1,560 muscles. An arm
 /// with all its fingers needs 26,116 for a person, which an H200 is ready for in 17 s. Its driver (580) broke down over 28,256 and 29,118 of that
 /// body with the reset in the same kernel, though not over 31,912 for a user without noise and costs. Why is not known.
@@ -50,7 +52,8 @@ impl Compiled {
     pub fn new(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Self, BuildError> {
         check_size(program)?;
         let entries = (0..names.len()).map(|binding| program.entries(binding as u32)).collect();
-        let printed = program.to_kernel(names, WORKGROUP);
+        let workgroup = gpu.adapter().min_subgroup_threads.clamp(*WORKGROUP.start(), *WORKGROUP.end());
+        let printed = program.to_kernel(names, workgroup);
         let access = |used: &Use| match used {
             Use::Read | Use::Table => Access::Read,
             Use::Write => Access::ReadWrite,

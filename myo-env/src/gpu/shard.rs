@@ -10,8 +10,9 @@ use crate::vector::{Autoreset, EnvSpec};
 use myo_gpu::{Batch, Buffer, Cached, Gpu, GpuError};
 use myo_scalar::symbolic::Form;
 
-/// Operations above which more tables become loops: the kernel outgrows the instruction cache of graphics cards.
-const MAX_STRAIGHT: usize = 10_000;
+/// Forms faster than loops over all tables, the fastest first, and the operations up to which they are: longer straight code outgrows the
+/// instruction cache of graphics cards, and with more of paths NVIDIA's driver (580) finds no registers (`docs/performance.md`).
+const FASTER_THAN_LOOPS: [(Form, usize); 2] = [(Form::Straight, 10_000), (Form::Paths, 25_000)];
 
 /// Choices that a caller need not make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,8 +56,9 @@ impl Kernels {
     ) -> Result<Self, BuildError> {
         record::check(tables)?;
         let form = form.unwrap_or_else(|| {
-            let fits = |form: &Form| record::step_by(judge, tables, autoreset, *form).operations() <= MAX_STRAIGHT;
-            [Form::Straight, Form::Paths].into_iter().find(fits).unwrap_or(Form::Loops)
+            let operations = |form| record::step_by(judge, tables, autoreset, form).operations();
+            let fitting = FASTER_THAN_LOOPS.into_iter().find(|&(form, most)| operations(form) <= most);
+            fitting.map_or(Form::Loops, |(form, _)| form)
         });
         let (step, reset) = (record::step_by(judge, tables, autoreset, form), record::reset_by(judge, tables, form));
         [&step, &reset].into_iter().try_for_each(check_size)?;

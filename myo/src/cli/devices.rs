@@ -27,7 +27,7 @@ several cards of one name, the first. A number is never looked for in names.
 
 JSON: `devices`, a list of objects with `number`, `name`, `kind` (`discrete`, `integrated`, `virtual` or `software`),
 `backend` (the interface: `vulkan`, `metal` or `dx12`), `driver`, `max_buffer_bytes`, `max_binding_bytes`,
-`max_workgroup_threads`, `max_workgroup_bytes`, and true or false for `subgroups`, `f16`, `cooperative_matrix`,
+`max_workgroup_threads`, `max_workgroup_bytes`, `min_subgroup_threads`, and true or false for `subgroups`, `f16`, `cooperative_matrix`,
 `pipeline_cache`, `timestamps`; `auto`, the number that `--backend auto` takes, or null if it takes the processor;
 `auto_envs`, the least number of environments for which it does; and `hint`, what to install, or null.";
 

@@ -15,7 +15,7 @@ use crate::cli::output::{grouped, print, print_json, row, table};
 use crate::cli::scenario::Scenario;
 
 /// Threads of a workgroup in the text; it changes nothing else.
-const WORKGROUP: u32 = 64;
+const WORKGROUP: u32 = 32;
 
 /// Arguments of `myo bench kernel`.
 #[derive(Args)]
