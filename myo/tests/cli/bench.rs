@@ -32,7 +32,7 @@ fn operations_of_a_kernel_are_those_of_its_stages() {
     assert_eq!((kernel["operations"].as_u64(), &kernel["part"]), (Some(sum), &"env".into()));
     assert!(stages.iter().any(|stage| stage["stage"].as_str().unwrap().contains(" / ")));
     let text = std::fs::read_to_string(folder.path().join("ar.wgsl")).unwrap();
-    assert!(text.contains("@compute @workgroup_size(64"), "{}", &text[..200.min(text.len())]);
+    assert!(text.contains("@compute @workgroup_size(32"), "{}", &text[..200.min(text.len())]);
 }
 
 /// Movements by minimum jerk to targets of two widths over three distances, each a trial, at 100 Hz.
