@@ -12,110 +12,103 @@ pub type Variable = (u32, usize);
 
 /// Each variable that takes over the place of another, and which.
 pub fn heirs(program: &Program) -> HashMap<Variable, Variable> {
-    let tree = Tree::of(program);
+    let parents = program.parents();
     let mut claims: HashMap<Id, Claim> = HashMap::new();
-    for claim in tree.statements().flat_map(|number| tree.claims(number)) {
-        claims.insert(claim.what, claim);
+    for region in 0..parents.len() as u32 {
+        claims.extend(program.statements_of(region).flat_map(|number| claims_of(program, number, region)));
     }
-    // Of those who want a value, its heir does so once, as it begins.
-    let mut others: HashMap<Id, usize> = claims.keys().map(|&id| (id, 0)).collect();
-    tree.for_each_use(|id, region| {
-        if claims.get(&id).is_some_and(|claim| !claim.shelter.is_some_and(|body| tree.is_within(region, body))) {
-            *others.get_mut(&id).expect("all claims were put there") += 1;
+    program.for_each_need(|id, region| {
+        if let Some(claim) = claims.get_mut(&id)
+            && !claim.shelter.is_some_and(|body| is_within(region, body, &parents))
+        {
+            claim.wanted += 1;
         }
     });
-    let undisputed = claims.into_values().filter(|claim| others[&claim.what] == 1);
+    // Once by the heir, as it begins.
+    let undisputed = claims.into_values().filter(|claim| claim.wanted == 1);
     undisputed.map(|claim| (claim.heir, claim.from)).collect()
 }
 
 /// A variable that begins as what another was at its end.
 struct Claim {
-    what: Id,
     heir: Variable,
     from: Variable,
     /// A region that may read it, too: the body of a branch writes its variables when all is read. That of a loop runs again.
     shelter: Option<u32>,
+    /// How often it is read outside of that.
+    wanted: usize,
 }
 
-/// Which statement is where.
-struct Tree<'a> {
-    program: &'a Program,
-    /// Region that each live statement is in.
-    home: HashMap<u32, u32>,
-    /// Statement that a region is the body of.
-    owner: HashMap<u32, u32>,
+/// The variables of a statement that begin as another's end, in the same region: a loop around only one of both would run again.
+fn claims_of(program: &Program, number: u32, region: u32) -> impl Iterator<Item = (Id, Claim)> + '_ {
+    let shelter = match &program.statements[number as usize] {
+        Statement::Branch(x) => Some(x.body),
+        _ => None,
+    };
+    program.live_carries(number).filter_map(move |(index, carry)| {
+        let node = program.nodes[carry.init as usize];
+        let Op::Outcome(statement, other) = node.op else { return None };
+        let has_cell = matches!(program.statements[statement as usize], Statement::Branch(_) | Statement::Loop(_));
+        let from = (statement, other as usize);
+        let claim = Claim { heir: (number, index), from, shelter, wanted: 0 };
+        (has_cell && node.region == region).then_some((carry.init, claim))
+    })
 }
 
-impl<'a> Tree<'a> {
-    fn of(program: &'a Program) -> Self {
-        let mut tree = Self { program, home: HashMap::new(), owner: HashMap::new() };
-        let mut regions = vec![0];
-        while let Some(region) = regions.pop() {
-            for number in program.statements_of(region) {
-                tree.home.insert(number, region);
-                if let Some(body) = program.statements[number as usize].body() {
-                    tree.owner.insert(body, number);
-                    regions.push(body);
-                }
-            }
+fn is_within(mut region: u32, body: u32, parents: &[u32]) -> bool {
+    // Regions inside are opened later.
+    while region > body {
+        region = parents[region as usize];
+    }
+    region == body
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use myo_scalar::symbolic::{Buffer, Sharing, Sym, trace};
+    use myo_scalar::{Carried, Scalar, Visitor};
+
+    const ROWS: Buffer = Buffer { binding: 0, sharing: Sharing::PerEnv };
+
+    struct Sum(Sym);
+
+    impl Carried<Sym> for Sum {
+        fn visit(&mut self, visitor: &mut impl Visitor<Sym>) {
+            visitor.number(&mut self.0);
         }
-        tree
     }
 
-    fn statements(&self) -> impl Iterator<Item = u32> + '_ {
-        self.home.keys().copied()
-    }
-
-    fn is_within(&self, mut region: u32, body: u32) -> bool {
-        while region != body {
-            match self.owner.get(&region) {
-                Some(owner) => region = self.home[owner],
-                None => return false,
-            }
-        }
-        true
-    }
-
-    /// The variables of a statement that begin as another's end, in the same region: a loop around only one of both would run again.
-    fn claims(&self, number: u32) -> impl Iterator<Item = Claim> + '_ {
-        let shelter = match &self.program.statements[number as usize] {
-            Statement::Branch(x) => Some(x.body),
-            _ => None,
-        };
-        self.program.live_carries(number).filter_map(move |(index, carry)| {
-            let node = self.program.nodes[carry.init as usize];
-            let Op::Outcome(statement, other) = node.op else { return None };
-            let has_cell =
-                matches!(self.program.statements[statement as usize], Statement::Branch(_) | Statement::Loop(_));
-            (has_cell && node.region == self.home[&number]).then_some(Claim {
-                what: carry.init,
-                heir: (number, index),
-                from: (statement, other as usize),
-                shelter,
-            })
+    /// Two branches that add to one number, with something between them and something within the second.
+    fn adding_twice(between: impl Fn(Sym), within: impl Fn(Sym)) -> Program {
+        trace(|| {
+            let mut sum = Sum(ROWS.number(0));
+            let [first, second]: [Sym; 2] = [1, 2].map(|row| ROWS.number(row));
+            Sym::when(Sym::zero().lt(first), &mut sum, |sum| sum.0 += first);
+            let once = sum.0;
+            between(once);
+            Sym::when(Sym::zero().lt(second), &mut sum, |sum| {
+                within(once);
+                sum.0 += second;
+            });
+            ROWS.set_number(0, sum.0);
         })
     }
 
-    /// Calls `of` with every node that a node or statement reads, and the region that reads it.
-    fn for_each_use(&self, mut of: impl FnMut(Id, u32)) {
-        for id in self.program.live_nodes() {
-            let node = &self.program.nodes[id as usize];
-            node.operands().iter().for_each(|&operand| of(operand, node.region));
-        }
-        for (&number, &home) in &self.home {
-            for (_, carry) in self.program.live_carries(number) {
-                of(carry.init, home);
-                of(carry.next, self.program.statements[number as usize].body().unwrap_or(home));
-            }
-            match &self.program.statements[number as usize] {
-                Statement::Loop(x) => x.again.iter().for_each(|&id| of(id, x.body)),
-                Statement::Branch(x) => of(x.mask, home),
-                Statement::Chunks(x) => {
-                    x.init.iter().for_each(|&id| of(id, home));
-                    x.next.iter().for_each(|&id| of(id, x.body));
-                }
-                Statement::Store(x) => of(x.value, home),
-            }
-        }
+    #[test]
+    fn the_second_of_two_branches_that_add_to_a_number_takes_over_its_place() {
+        let heirs = heirs(&adding_twice(|_| (), |_| ()));
+        assert_eq!(heirs.into_values().map(|(_, index)| index).collect::<Vec<_>>(), [0]);
+    }
+
+    #[test]
+    fn what_is_read_outside_of_the_second_branch_keeps_its_place() {
+        let kept = |once| ROWS.set_number(3, once);
+        assert!(heirs(&adding_twice(kept, |_| ())).is_empty());
+        assert_eq!(
+            heirs(&adding_twice(|_| (), kept)).len(),
+            1,
+            "who reads it within the branch reads it before it changes"
+        );
     }
 }

@@ -7,11 +7,7 @@ use crate::config::BuildError;
 use myo_gpu::{Access, Batch, Bindings, Buffer, BufferRef, Cached, Gpu, GpuError, Kernel, Source};
 use myo_scalar::symbolic::print::{ENTRY_POINT, Use};
 use myo_scalar::symbolic::{Entries, Program};
-use std::ops::RangeInclusive;
 
-/// Threads of a workgroup, at least and at most: as many as a device runs as one. In workgroups of two such subgroups NVIDIA's driver
-/// (580) gives kernels of 22,000 operations 32 registers instead of 255, and they take 2.4 times as long (`docs/performance.md`).
-const WORKGROUP: RangeInclusive<u32> = 32..=64;
 /// Operations above which a driver takes minutes, whatever the form: Mesa's software driver took a quarter of an hour for a body of 1,560 muscles. An arm
 /// with all its fingers needs 26,116 for a person, which an H200 is ready for in 17 s. Its driver (580) broke down over 28,256 and 29,118 of that
 /// body with the reset in the same kernel, though not over 31,912 for a user without noise and costs. Why is not known.
@@ -39,6 +35,12 @@ pub(crate) fn check_size(program: &Program) -> Result<(), BuildError> {
     if operations <= most { Ok(()) } else { Err(BuildError::TooLargeForGpu { operations, most }) }
 }
 
+/// Threads of a workgroup: as many as a device runs as one, 32 to 64. In workgroups of two such subgroups NVIDIA's driver (580) gives
+/// kernels of 22,000 operations 32 registers instead of 255, and they take 2.4 times as long (`docs/performance.md`).
+fn workgroup(min_subgroup_threads: u32) -> u32 {
+    min_subgroup_threads.clamp(32, 64)
+}
+
 /// A device that is lost as its driver compiles was not lost by anybody else's doing.
 fn broke_down(error: GpuError, operations: usize) -> BuildError {
     match error {
@@ -52,8 +54,7 @@ impl Compiled {
     pub fn new(gpu: &Gpu, label: &str, program: &Program, names: &[&str]) -> Result<Self, BuildError> {
         check_size(program)?;
         let entries = (0..names.len()).map(|binding| program.entries(binding as u32)).collect();
-        let workgroup = gpu.adapter().min_subgroup_threads.clamp(*WORKGROUP.start(), *WORKGROUP.end());
-        let printed = program.to_kernel(names, workgroup);
+        let printed = program.to_kernel(names, workgroup(gpu.adapter().min_subgroup_threads));
         let access = |used: &Use| match used {
             Use::Read | Use::Table => Access::Read,
             Use::Write => Access::ReadWrite,
@@ -114,6 +115,12 @@ impl Bound {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_workgroup_is_one_subgroup() {
+        let [nvidia, amd_before_rdna, software] = [32, 64, 8].map(workgroup);
+        assert_eq!([nvidia, amd_before_rdna, software], [32, 64, 32]);
+    }
 
     #[test]
     fn a_device_that_is_lost_as_it_compiles_was_lost_to_the_kernel() {

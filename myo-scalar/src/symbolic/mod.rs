@@ -24,6 +24,7 @@ mod count;
 mod fold;
 mod graph;
 mod interpret;
+mod needs;
 mod number;
 mod order;
 #[cfg(feature = "gpu")]

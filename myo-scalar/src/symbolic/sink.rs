@@ -1,11 +1,9 @@
 //! Reads that only a branch needs are made in the branch: who does not take it need not wait for them.
 
 use super::graph::{Id, Op};
+use super::needs::OUTERMOST;
 use super::program::Program;
 use super::region::Statement;
-
-/// The outermost region.
-const OUTERMOST: u32 = 0;
 
 impl Program {
     /// Moves inputs into the branches that alone need them: into the innermost one that is in no loop, where nothing outside it writes
@@ -25,37 +23,13 @@ impl Program {
         }
     }
 
-    /// The region around each; the outermost one is around itself.
-    fn parents(&self) -> Vec<u32> {
-        let mut parents = vec![OUTERMOST; self.regions.len()];
-        for (statement, home) in (0..).zip(self.homes()) {
-            let each: &Statement = &self.statements[statement];
-            if let Some(body) = each.body() {
-                parents[body as usize] = home;
-            }
-        }
-        parents
-    }
-
     /// The innermost region in which all that needs a node is; none where nothing does.
     fn needed_in(&self, parents: &[u32]) -> Vec<Option<u32>> {
         let mut needed: Vec<Option<u32>> = vec![None; self.nodes.len()];
-        let mut need = |id: Id, region: u32| {
+        self.for_each_need(|id, region| {
             let all = &mut needed[id as usize];
             *all = Some(all.map_or(region, |others| common(others, region, parents)));
-        };
-        for id in self.live_nodes() {
-            let node = &self.nodes[id as usize];
-            node.operands().iter().for_each(|&operand| need(operand, node.region));
-        }
-        for region in 0..self.regions.len() as u32 {
-            for statement in self.statements_of(region) {
-                self.beginnings(statement).into_iter().for_each(|id| need(id, region));
-                if let Some(body) = self.statements[statement as usize].body() {
-                    self.results(body, statement).into_iter().for_each(|id| need(id, body));
-                }
-            }
-        }
+        });
         needed
     }
 
