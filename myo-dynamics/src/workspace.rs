@@ -133,6 +133,13 @@ impl<S: Scalar> Contact<S> {
     }
 }
 
+/// A contact of a pair, by the numbers of both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairContact {
+    pub pair: usize,
+    pub contact: usize,
+}
+
 /// How far the fingertip may move before it can touch anything.
 #[derive(Clone, Copy, Debug)]
 pub struct Clearance<S> {
@@ -328,6 +335,8 @@ pub struct Workspace<S: Scalar> {
     pub contacts: Vec<Contact<S>>,
     /// How many of them are with boxes.
     pub box_slots: usize,
+    /// Of the others, those that the solver found in any lane.
+    pub(crate) touching_pairs: Vec<PairContact>,
     /// Per sphere that presses, where no box has to be looked at. Who puts the body elsewhere, or other boxes around it, makes it
     /// [unknown](Clearance::unknown).
     pub clearance: Vec<Clearance<S>>,
@@ -413,6 +422,7 @@ impl<S: Scalar> Workspace<S> {
             equality_jacobian: vec![o; plan.equality_rows() * ndof],
             contacts: vec![Contact::none(); contacts],
             box_slots,
+            touching_pairs: Vec::with_capacity(plan.pair_contacts()),
             clearance: vec![Clearance::unknown(); spheres],
             offsets: vec![],
             nearby: vec![Nearby::unknown(each); spheres],

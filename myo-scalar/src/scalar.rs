@@ -259,6 +259,13 @@ pub trait Scalar:
         }
     }
 
+    /// Whether [`Scalar::map_rows`] records a loop, in which every row waits for itself alone: then what else would be looked for of all rows
+    /// together is looked for in the map, since all that rows hand on has to be kept.
+    #[inline(always)]
+    fn rows_are_a_loop() -> bool {
+        false
+    }
+
     /// Runs `body` for each of `count` rows of tables, whose entries [`Scalar::of_row`] reads. `vars` are what it changes and what
     /// is read afterwards. A symbolic number may record the body once.
     #[inline(always)]

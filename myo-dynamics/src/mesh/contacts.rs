@@ -92,10 +92,10 @@ fn of_faces((face, other): &(Face<'_>, Face<'_>), margin: f64, scratch: &mut Scr
     corners.clear();
     corners.extend((0..other.count()).map(|number| other.corner(number)));
     clip(corners, left, face, margin);
-    let (normal, towards) = (face.normal(), other.normal());
+    let (plane, towards) = (face.plane(), other.normal());
     let mut contacts = Contacts::default();
     let mut add = |point: &Vector3<f64>| {
-        let foot = point - face.height(point) * normal;
+        let foot = point - plane.height(point) * plane.normal;
         let distance = (foot - point).dot(&towards);
         contacts.push(Contact { distance, at: foot - 0.5 * distance * towards, normal: -towards });
     };
@@ -135,12 +135,13 @@ pub(super) fn of_edge(
     corners.extend(edge);
     clip(corners, left, face, margin);
     let ends = furthest_two(corners);
-    let normal = face.normal();
+    let plane = face.plane();
     let mut contacts = Contacts::default();
     for &number in &ends[..corners.len().min(2)] {
         let point = corners[number];
-        let distance = face.height(&point) + outset;
-        contacts.push(Contact { distance, at: point + (outset - 0.5 * distance) * normal, normal: sign * normal });
+        let distance = plane.height(&point) + outset;
+        let at = point + (outset - 0.5 * distance) * plane.normal;
+        contacts.push(Contact { distance, at, normal: sign * plane.normal });
     }
     contacts
 }

@@ -84,26 +84,32 @@ impl Cylinder {
     /// Where a mesh is right over one of the ends: nothing is nearer than the lowest vertex there and its foot.
     fn over_end(&self, mesh: &Placed<'_>) -> Option<Touch> {
         let normal = Vector3::new(0.0, 0.0, outward(&mesh.position));
+        let depth_of = |second: &Vector3<f64>| self.half_length - second.dot(&normal);
+        // What a walk finds is enough to tell that it is not.
+        if depth_of(&mesh.vertex(mesh.climbed(&-normal, None))) > 0.0 {
+            return None;
+        }
         let lowest = mesh.furthest(&-normal);
         let second = mesh.vertex(lowest);
-        let depth = self.half_length - second.dot(&normal);
+        let depth = depth_of(&second);
         let is_over = depth <= 0.0 && second.x * second.x + second.y * second.y <= self.radius * self.radius;
         is_over.then(|| at_second(normal, depth, second, Feature::vertex(lowest)))
     }
 
     /// The same of a mesh that is anywhere.
     fn beside(&self, mesh: &Placed<'_>, towards: &Vector3<f64>, scratch: &mut Scratch) -> Touch {
-        let overlap = (self.furthest(towards) - mesh.vertex(mesh.furthest(&-towards))).dot(towards);
-        if overlap < 0.0 {
-            return self.walk(Descent::apart(self, mesh, towards, &mut scratch.visited));
+        let overlap = |corner: usize| (self.furthest(towards) - mesh.vertex(corner)).dot(towards);
+        let climbed = overlap(mesh.climbed(&-towards, None));
+        if climbed < 0.0 && overlap(mesh.furthest(&-towards)) < 0.0 {
+            return self.walk(Descent::apart(self, mesh, towards, &mut scratch.walked));
         }
         let grown = scratch.polytope.grown(towards, ENOUGH, &Two { shape: self, hull: mesh });
-        let Scratch { polytope, visited, .. } = scratch;
+        let Scratch { polytope, walked, .. } = scratch;
         match grown {
             None => self.touch(mesh, scratch),
-            Some(Grown::Apart(normal, _)) => self.walk(Descent::apart(self, mesh, &normal, visited)),
+            Some(Grown::Apart(normal, _)) => self.walk(Descent::apart(self, mesh, &normal, walked)),
             Some(Grown::Least { depth, .. }) => {
-                self.walk(Descent::overlapping(self, mesh, polytope.within(depth), visited))
+                self.walk(Descent::overlapping(self, mesh, polytope.within(depth), walked))
             }
         }
     }

@@ -7,7 +7,8 @@
 use super::hull::Edge;
 use super::placed::{Feature, Placed};
 use super::polytope::{Point, Support};
-use super::round::{Arc, Corners, ROUNDING, Round, at_second, level_between, lines_meet, on_first};
+use super::round::{Arc, ROUNDING, Round, Towards, at_second, level_between, lines_meet, on_first};
+use super::scratch::Walked;
 use super::touch::Touch;
 use nalgebra::Vector3;
 
@@ -15,21 +16,15 @@ use nalgebra::Vector3;
 pub(super) struct Descent<'a, R> {
     shape: &'a R,
     pub hull: &'a Placed<'a>,
-    corners: Corners,
     pub best: Touch,
     does_overlap: bool,
-    /// Corners that were looked at, and then those that are to be.
-    visited: &'a mut Vec<usize>,
-    /// How many were looked at.
-    count: usize,
+    walked: &'a mut Walked,
 }
 
 impl<'a, R: Round> Descent<'a, R> {
     /// Of shapes that are apart along a normal.
-    pub fn apart(shape: &'a R, hull: &'a Placed<'a>, normal: &Vector3<f64>, visited: &'a mut Vec<usize>) -> Self {
-        visited.clear();
-        visited.push(hull.climbed(&-normal, None));
-        Self::new(shape, hull, false, visited)
+    pub fn apart(shape: &'a R, hull: &'a Placed<'a>, normal: &Vector3<f64>, walked: &'a mut Walked) -> Self {
+        Self::new(shape, hull, false, [normal].into_iter(), walked)
     }
 
     /// Of shapes that overlap no less than is known along all normals but near these.
@@ -37,34 +32,46 @@ impl<'a, R: Round> Descent<'a, R> {
         shape: &'a R,
         hull: &'a Placed<'a>,
         normals: impl Iterator<Item = &'n Vector3<f64>>,
-        visited: &'a mut Vec<usize>,
+        walked: &'a mut Walked,
     ) -> Self {
-        visited.clear();
-        normals.for_each(|normal| add(visited, hull.climbed(&-normal, None)));
-        Self::new(shape, hull, true, visited)
+        Self::new(shape, hull, true, normals, walked)
     }
 
-    fn new(shape: &'a R, hull: &'a Placed<'a>, does_overlap: bool, visited: &'a mut Vec<usize>) -> Self {
-        let (corners, best) = (Corners::of(shape), Touch::none(&Vector3::z()));
-        Self { shape, hull, corners, best, does_overlap, visited, count: 0 }
+    /// From the corners on that are deepest along some normals.
+    fn new<'n>(
+        shape: &'a R,
+        hull: &'a Placed<'a>,
+        does_overlap: bool,
+        normals: impl Iterator<Item = &'n Vector3<f64>>,
+        walked: &'a mut Walked,
+    ) -> Self {
+        walked.begin(hull.hull);
+        normals.for_each(|normal| walked.come_to(hull.climbed(&-normal, None)));
+        Self { shape, hull, best: Touch::none(&Vector3::z()), does_overlap, walked }
     }
 
     /// The next corner to look at.
     pub fn next(&mut self) -> Option<usize> {
         if self.best.depth.is_finite() {
-            self.best.features[1].corners().into_iter().for_each(|corner| add(self.visited, corner));
+            self.best.features[1].corners().into_iter().for_each(|corner| self.walked.come_to(corner));
         }
-        let next = self.visited.get(self.count).copied();
-        self.count += 1;
-        next
+        self.walked.next()
+    }
+
+    /// The normal of a triangle, to the shape.
+    fn towards(&mut self, triangle: usize) -> Towards {
+        let (shape, hull) = (self.shape, self.hull);
+        self.walked.towards(triangle, || Towards::of(shape, -hull.triangle_normal(triangle)))
     }
 
     /// The normals of the triangles around a corner.
     pub fn at_faces(&mut self, corner: usize) {
         for &number in &self.hull.hull.triangles_around[corner] {
             let triangle = &self.hull.hull.triangles[number];
-            let normal = -self.hull.triangle_normal(number);
-            let first = self.shape.furthest(&normal);
+            if self.walked.has_passed(&triangle.corners) {
+                continue;
+            }
+            let Towards { normal, first } = self.towards(number);
             let depth = (first - self.hull.vertex(triangle.corners[0])).dot(&normal);
             self.best.keep_less(depth, || on_first(normal, depth, first, Feature::triangle(triangle.corners)));
         }
@@ -98,9 +105,12 @@ impl<'a, R: Round> Descent<'a, R> {
     ) {
         for &number in &self.hull.hull.edges_around[corner] {
             let edge = &self.hull.hull.edges[number];
-            let [begin, end] = edge.sides.map(|side| -self.hull.triangle_normal(side));
+            if self.walked.has_passed(&edge.ends) {
+                continue;
+            }
+            let [begin, end] = edge.sides.map(|side| self.towards(side));
             let ends = edge.ends.map(|end| self.hull.vertex(end));
-            if let Some(normal) = level_between(&begin, &end, axis) {
+            if let Some(normal) = level_between(&begin.normal, &end.normal, axis) {
                 let on_line = point(&normal);
                 let depth = (on_line - ends[0]).dot(&normal);
                 self.best.keep_less(depth, || {
@@ -108,7 +118,7 @@ impl<'a, R: Round> Descent<'a, R> {
                     Touch { depth, normal, points, features: [Feature::vertex(0), Feature::edge(edge.ends)] }
                 });
             }
-            let arc = Arc { shape: self.shape, corners: self.corners, begin, end, corner: ends[0] };
+            let arc = Arc { shape: self.shape, corners: None, begin, end, corner: ends[0] };
             if self.does_overlap {
                 self.along_overlapping(&arc, edge, &counts);
             } else if let Some(normal) = arc.least(self.best.depth.min(0.0)).filter(&counts) {
@@ -128,7 +138,7 @@ impl<'a, R: Round> Descent<'a, R> {
             }
             self.best.depth
         });
-        edge.ends.into_iter().for_each(|end| add(self.visited, end));
+        edge.ends.into_iter().for_each(|end| self.walked.come_to(end));
     }
 
     /// A normal within the arc of an edge.
@@ -136,13 +146,6 @@ impl<'a, R: Round> Descent<'a, R> {
         let first = self.shape.furthest(&normal);
         let depth = (first - arc.corner).dot(&normal);
         self.best.keep_less(depth, || on_first(normal, depth, first, Feature::edge(edge.ends)));
-    }
-}
-
-/// Adds a number that is not there.
-fn add(numbers: &mut Vec<usize>, number: usize) {
-    if !numbers.contains(&number) {
-        numbers.push(number);
     }
 }
 

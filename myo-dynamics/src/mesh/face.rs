@@ -49,9 +49,25 @@ impl Face<'_> {
         }
     }
 
+    /// The plane that it lies in.
+    pub fn plane(&self) -> Plane {
+        Plane { corner: self.corner(0), normal: self.normal() }
+    }
+}
+
+/// The plane of a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    /// The first corner (m).
+    pub corner: Vector3<f64>,
+    /// Unit, outward.
+    pub normal: Vector3<f64>,
+}
+
+impl Plane {
     /// How high a point is over it (m).
     pub fn height(&self, point: &Vector3<f64>) -> f64 {
-        (point - self.corner(0)).dot(&self.normal())
+        (point - self.corner).dot(&self.normal)
     }
 }
 

@@ -21,8 +21,10 @@ pub struct Hull {
     pub(super) edges_around: Vec<Vec<usize>>,
     /// Of each corner those at the other ends of its edges, and where they are.
     pub(super) beside: Vec<Vec<(usize, Vector3<f64>)>>,
-    /// Corners that are furthest along the diagonals of the eight octants.
-    starts: [usize; 8],
+    /// Corners once more, as many at a time as are compared at once; the last ones are filled up with the first.
+    chunks: Vec<[[f64; CHUNK]; 3]>,
+    /// Corners that are furthest along directions all around, by the [cell](cell) that a direction is in.
+    starts: Vec<usize>,
     /// Corners once more, as lanes read them.
     corners: Vec<[f32; 3]>,
     /// Radius of a ball about the origin that holds it (m).
@@ -32,6 +34,11 @@ pub struct Hull {
 /// Faces of a box in MuJoCo's order: across x, y and z, each the positive one first, and from the corner that counts. The bits of a corner tell along which
 /// axes it is on the positive side.
 const BOX_FACES: [[usize; 4]; 6] = [[5, 1, 3, 7], [0, 4, 6, 2], [6, 7, 3, 2], [0, 1, 5, 4], [4, 5, 7, 6], [1, 0, 2, 3]];
+
+/// Corners that are compared at once.
+const CHUNK: usize = 4;
+/// Cells along each side of a cube's faces.
+pub(super) const CELLS: usize = 4;
 
 /// A triangle of the hull.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +132,8 @@ impl Hull {
             beside[to].push((from, vertices[from]));
         }
         let mut hull = Self {
-            starts: [0; 8],
+            chunks: chunks(&vertices),
+            starts: vec![],
             triangles_around,
             edges_around,
             beside,
@@ -138,8 +146,7 @@ impl Hull {
             reach: vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max),
             vertices,
         };
-        let side = |octant: usize, bit: usize| if octant & bit == 0 { 1.0 } else { -1.0 };
-        hull.starts = std::array::from_fn(|k| hull.furthest(&Vector3::new(side(k, 1), side(k, 2), side(k, 4))));
+        hull.starts = (0..6 * CELLS * CELLS).map(|number| hull.furthest(&middle(number))).collect();
         hull
     }
 
@@ -153,26 +160,28 @@ impl Hull {
         &self.corners
     }
 
-    /// The corner that is furthest in a direction.
+    /// The corner that is furthest in a direction; the first of several.
     pub(super) fn furthest(&self, direction: &Vector3<f64>) -> usize {
-        let (mut best, mut furthest) = (f64::NEG_INFINITY, 0);
-        for (number, vertex) in self.vertices.iter().enumerate() {
-            let height = vertex.dot(direction);
-            if height > best {
-                (best, furthest) = (height, number);
+        let (mut best, mut furthest) = ([f64::NEG_INFINITY; CHUNK], [0; CHUNK]);
+        for (number, [x, y, z]) in self.chunks.iter().enumerate() {
+            for k in 0..CHUNK {
+                let height = x[k] * direction.x + y[k] * direction.y + z[k] * direction.z;
+                let is_further = height > best[k];
+                best[k] = if is_further { height } else { best[k] };
+                furthest[k] = if is_further { number } else { furthest[k] };
             }
         }
-        furthest
+        let candidates = (0..CHUNK).map(|k| (best[k], furthest[k] * CHUNK + k));
+        let first = |one: (f64, usize), other: (f64, usize)| {
+            if other.0 > one.0 || other.0 == one.0 && other.1 < one.1 { other } else { one }
+        };
+        candidates.fold((f64::NEG_INFINITY, 0), first).1
     }
-}
 
-impl Hull {
-    /// A corner that no neighbour is further in a direction than, found by walking upward from one, or from that of the direction's octant; but for rounding the
-    /// furthest of all.
+    /// A corner that no neighbour is further in a direction than, found by walking upward from one, or from what is furthest in the middle of the direction's cell; but
+    /// for rounding the furthest of all.
     pub(super) fn climbed(&self, direction: &Vector3<f64>, from: Option<usize>) -> usize {
-        let bit = |x: f64, bit: usize| if x < 0.0 { bit } else { 0 };
-        let octant = bit(direction.x, 1) | bit(direction.y, 2) | bit(direction.z, 4);
-        let from = from.unwrap_or(self.starts[octant]);
+        let from = from.unwrap_or_else(|| self.starts[cell(direction)]);
         let (mut corner, mut height) = (from, self.vertices[from].dot(direction));
         loop {
             let start = corner;
@@ -187,6 +196,38 @@ impl Hull {
             }
         }
     }
+}
+
+/// Corners, some at a time.
+fn chunks(vertices: &[Vector3<f64>]) -> Vec<[[f64; CHUNK]; 3]> {
+    let chunk = |corners: &[Vector3<f64>]| {
+        [0, 1, 2].map(|axis| std::array::from_fn(|k| corners.get(k).unwrap_or(&vertices[0])[axis]))
+    };
+    vertices.chunks(CHUNK).map(chunk).collect()
+}
+
+/// The number of the cell of a cube's surface that a direction points at.
+pub(super) fn cell(direction: &Vector3<f64>) -> usize {
+    let axis = direction.iamax();
+    let place = |k: usize| {
+        let share = 0.5 + 0.5 * direction[(axis + k) % 3] / direction[axis].abs();
+        // No direction at all is in the first cell.
+        ((share * CELLS as f64) as usize).min(CELLS - 1)
+    };
+    let face = 2 * axis + usize::from(direction[axis] < 0.0);
+    (face * CELLS + place(1)) * CELLS + place(2)
+}
+
+/// The middle of a cell.
+pub(super) fn middle(number: usize) -> Vector3<f64> {
+    let (face, cell) = (number / (CELLS * CELLS), number % (CELLS * CELLS));
+    let axis = face / 2;
+    let place = |cell: usize| (2 * cell + 1) as f64 / CELLS as f64 - 1.0;
+    let mut direction = Vector3::zeros();
+    direction[axis] = if face % 2 == 0 { 1.0 } else { -1.0 };
+    direction[(axis + 1) % 3] = place(cell / CELLS);
+    direction[(axis + 2) % 3] = place(cell % CELLS);
+    direction
 }
 
 /// Edges of a closed surface, each once.

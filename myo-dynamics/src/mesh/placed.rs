@@ -77,7 +77,8 @@ impl Feature {
     pub fn polygons(self, hull: &Hull) -> impl Iterator<Item = usize> + '_ {
         let has_all = move |&&number: &&usize| {
             let polygon = &hull.polygons[number].corners;
-            self.corners.iter().all(|corner| polygon.contains(corner))
+            // All around the first corner have that.
+            self.corners[1..self.size].iter().all(|corner| polygon.contains(corner))
         };
         hull.around[self.corners[0]].iter().filter(has_all).take(MOST_FACES[self.size]).copied()
     }

@@ -129,9 +129,9 @@ impl<'a, R: Round> Search<'a, R> {
     /// Normals within the arcs of edges along which the overlap is least; those for which `counts` holds.
     pub fn along_arcs(&mut self, counts: impl Fn(&Vector3<f64>) -> bool) {
         for edge in &self.hull.hull.edges {
-            let [begin, end] = edge.sides.map(|side| -self.normals[side]);
+            let [begin, end] = edge.sides.map(|side| Towards::of(self.shape, -self.normals[side]));
             let corner = self.vertices[edge.ends[0]];
-            let arc = Arc { shape: self.shape, corners: self.corners, begin, end, corner };
+            let arc = Arc { shape: self.shape, corners: Some(&self.corners), begin, end, corner };
             arc.minima(&mut |normal| {
                 let Some(normal) = normal else { return self.best.depth };
                 let first = self.shape.furthest(&normal);
@@ -190,62 +190,80 @@ pub(super) fn lines_meet([point, u]: [Vector3<f64>; 2], [other, v]: [Vector3<f64
     [point + s / determinant * u, other + t / determinant * v]
 }
 
+/// A normal, and the point of a shape that is furthest along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Towards {
+    pub normal: Vector3<f64>,
+    pub first: Vector3<f64>,
+}
+
+impl Towards {
+    pub fn of(shape: &impl Round, normal: Vector3<f64>) -> Self {
+        Self { normal, first: shape.furthest(&normal) }
+    }
+}
+
 /// The normals between those of two faces, turned to the shape.
 pub(super) struct Arc<'a, R> {
     pub shape: &'a R,
-    pub corners: Corners,
-    pub begin: Vector3<f64>,
-    pub end: Vector3<f64>,
+    /// Points of the shape that rule out most arcs, where these are all there is to be looked at.
+    pub corners: Option<&'a Corners>,
+    pub begin: Towards,
+    pub end: Towards,
+    /// The corner of the hull at one end.
     pub corner: Vector3<f64>,
 }
 
 impl<R: Round> Arc<'_, R> {
-    /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as four points of the shape tell: along any it is no
+    /// Whether the overlap is no less than `bound` along all normals between two of the arc, as far as some points of the shape tell: along any it is no
     /// less than that of any one point, and this, where it is positive, no less than at the worse of both; else no more than so much further below
     /// as normals between are shorter when mixed.
-    pub fn is_no_less(&self, begin: &Vector3<f64>, end: &Vector3<f64>, bound: f64) -> bool {
-        let mixed = begin + end;
+    pub fn is_no_less(&self, begin: &Towards, end: &Towards, bound: f64) -> bool {
+        let mixed = begin.normal + end.normal;
         let bound = if bound < 0.0 { bound * 0.5 * mixed.norm() } else { bound };
         let tells = |point: &Vector3<f64>| {
             let off = point - self.corner;
-            begin.dot(&off) >= bound && end.dot(&off) >= bound
+            begin.normal.dot(&off) >= bound && end.normal.dot(&off) >= bound
         };
-        // The first is known already.
-        tells(self.corners.along(&mixed))
-            || [&mixed, begin, end].into_iter().any(|normal| tells(&self.shape.furthest(normal)))
+        self.corners.is_some_and(|corners| tells(corners.along(&mixed)))
+            || tells(&begin.first)
+            || tells(&end.first)
+            || tells(&self.shape.furthest(&mixed))
     }
 
     fn normal(&self, place: f64) -> Vector3<f64> {
-        (self.begin * (1.0 - place) + self.end * place).normalize()
+        (self.begin.normal * (1.0 - place) + self.end.normal * place).normalize()
     }
 
-    /// How the overlap changes along the arc.
-    fn slope(&self, place: f64) -> f64 {
-        let (normal, chord) = (self.normal(place), self.end - self.begin);
-        let along = chord - chord.dot(&normal) * normal;
-        (self.shape.furthest(&normal) - self.corner).dot(&along)
+    /// How the overlap changes along the arc, at a place with its normal.
+    fn slope(&self, at: &Towards) -> f64 {
+        let chord = self.end.normal - self.begin.normal;
+        let along = chord - chord.dot(&at.normal) * at.normal;
+        (at.first - self.corner).dot(&along)
     }
 
     /// Which way the overlap becomes less where both shapes are apart along some normal of the arc: below zero if it does further on. Unless normals are brought to
     /// length one it is a convex function, and what is below zero stays one piece with one least value if they are.
-    fn uphill(&self, place: f64) -> f64 {
-        let mixed = self.begin * (1.0 - place) + self.end * place;
-        let off = self.shape.furthest(&mixed) - self.corner;
-        let (chord, overlap) = (self.end - self.begin, off.dot(&mixed));
+    fn uphill(&self, mixed: &Towards) -> f64 {
+        let off = mixed.first - self.corner;
+        let (chord, overlap) = (self.end.normal - self.begin.normal, off.dot(&mixed.normal));
         let slope = off.dot(&chord);
-        if overlap < 0.0 { slope - overlap * mixed.dot(&chord) / mixed.norm_squared() } else { slope }
+        if overlap < 0.0 { slope - overlap * mixed.normal.dot(&chord) / mixed.normal.norm_squared() } else { slope }
     }
 
     /// The normal within the arc at which the overlap is least, where that is less than `bound`, which is no more than zero.
     pub fn least(&self, bound: f64) -> Option<Vector3<f64>> {
-        if self.uphill(0.0) >= 0.0 || self.uphill(1.0) <= 0.0 || self.is_no_less(&self.begin, &self.end, bound) {
+        let Self { begin, end, .. } = self;
+        if self.uphill(begin) >= 0.0 || self.uphill(end) <= 0.0 || self.is_no_less(begin, end, bound) {
             return None;
         }
-        Some(self.normal(root(|place| self.uphill(place), 0.0, 1.0)))
+        let mixed = |place: f64| Towards::of(self.shape, begin.normal * (1.0 - place) + end.normal * place);
+        Some(self.normal(root(|place| self.uphill(&mixed(place)), 0.0, 1.0)))
     }
 
     /// Tells normals at which the overlap is least, of pieces of the arc where it may be less than what `found` tells when it is asked.
     pub fn minima(&self, found: &mut impl FnMut(Option<Vector3<f64>>) -> f64) {
+        let at = |place: f64| Towards::of(self.shape, self.normal(place));
         // Halves of halves: at most one of each size waits.
         let mut waiting = [(0.0, 0.0); HALVES + 1];
         waiting[0] = (0.0, 1.0);
@@ -254,9 +272,7 @@ impl<R: Round> Arc<'_, R> {
             count -= 1;
             let (low, size) = waiting[count];
             let high = low + size;
-            let is_whole = size == 1.0;
-            let [begin, end] =
-                if is_whole { [self.begin, self.end] } else { [low, high].map(|place| self.normal(place)) };
+            let [begin, end] = if size == 1.0 { [self.begin, self.end] } else { [at(low), at(high)] };
             if self.is_no_less(&begin, &end, found(None)) {
                 continue;
             }
@@ -264,8 +280,8 @@ impl<R: Round> Arc<'_, R> {
                 waiting[count] = (low + 0.5 * size, 0.5 * size);
                 waiting[count + 1] = (low, 0.5 * size);
                 count += 2;
-            } else if self.slope(low) < 0.0 && self.slope(high) > 0.0 {
-                found(Some(self.normal(root(|place| self.slope(place), low, high))));
+            } else if self.slope(&begin) < 0.0 && self.slope(&end) > 0.0 {
+                found(Some(self.normal(root(|place| self.slope(&at(place)), low, high))));
             }
         }
     }

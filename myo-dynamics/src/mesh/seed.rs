@@ -28,6 +28,11 @@ impl Default for Seed {
 }
 
 impl Seed {
+    /// Remembers nothing.
+    pub(super) fn forget(&mut self) {
+        self.hulls = [0; 2];
+    }
+
     /// Remembers a surface between hulls of so many corners, unless it is too large.
     pub(super) fn keep(&mut self, hulls: [usize; 2], polytope: &Polytope) {
         let counts = [polytope.points.len(), polytope.faces.len()];

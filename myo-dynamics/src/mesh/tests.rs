@@ -4,7 +4,7 @@ mod searches;
 
 use super::cylinder::Cylinder;
 use super::ellipsoid::Ellipsoid;
-use super::hull::Hull;
+use super::hull::{CELLS, Hull, cell, middle};
 use super::placed::{Feature, Placed};
 use super::round::Round;
 use super::scratch::Scratch;
@@ -72,6 +72,37 @@ fn hulls_of(points: [Vec<Vector3<f64>>; 2]) -> [Hull; 2] {
 
 fn placed<'a>(hull: &'a Hull, place: &Place) -> Placed<'a> {
     Placed { hull, rotation: place.rotation, position: place.position }
+}
+
+#[test]
+fn the_furthest_corner_is_the_first_of_those_that_no_other_is_beyond() {
+    let [rock, other] = rocks([30, 41]);
+    let mut draws = Draws(21);
+    // Several corners of a box are as far along an axis, and all along no direction.
+    let axes = (0..3).flat_map(|axis| [Vector3::ith(axis, 1.0), Vector3::ith(axis, -1.0)]);
+    let directions: Vec<Vector3<f64>> =
+        axes.chain([Vector3::zeros()]).chain((0..2000).map(|_| draws.vector())).collect();
+    for hull in [&rock, &other, &Hull::of_box([0.1, 0.2, 0.3])] {
+        for direction in &directions {
+            let heights: Vec<f64> = hull.vertices.iter().map(|corner| corner.dot(direction)).collect();
+            let top = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            assert_eq!(Some(hull.furthest(direction)), heights.iter().position(|&height| height == top), "{direction}");
+            // Corners are rounded to single precision, so that a hull is convex but for that.
+            assert!(heights[hull.climbed(direction, None)] > top - 1e-8, "{direction}");
+        }
+    }
+}
+
+#[test]
+fn every_direction_is_in_a_cell_whose_middle_is_near() {
+    for number in 0..6 * CELLS * CELLS {
+        assert_eq!(cell(&middle(number)), number);
+    }
+    let mut draws = Draws(22);
+    for _ in 0..2000 {
+        let direction = draws.vector().normalize();
+        assert!(middle(cell(&direction)).normalize().dot(&direction) > 0.9, "{direction}");
+    }
 }
 
 /// How far two hulls overlap along a direction.

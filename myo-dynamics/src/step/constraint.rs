@@ -12,7 +12,7 @@
 
 use crate::plan::{Column, Elimination, Form, Plan};
 use crate::step::{cholesky, cone, kinematics::joint_state};
-use crate::workspace::{PYRAMID, Row, State, Workspace};
+use crate::workspace::{PYRAMID, PairContact, Row, State, Workspace};
 use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor, Word};
 
 /// Rounds that may change several rows.
@@ -74,7 +74,7 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     for row in &ws.limit {
         violated = violated | row.exists;
     }
-    let touching = ws.contacts.iter().any(|contact| contact.exists.any());
+    let touching = list_contacts(plan, ws);
     let tethered = ws.tendon_limit.iter().any(|row| row.exists.any());
     let rows = Rows { limited: violated.any(), tethered, touching };
     ws.tally.rounds = ws.tally.rounds + S::Word::splat(1);
@@ -85,6 +85,23 @@ pub fn solve<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) {
     }
     let (none, one) = (S::Word::splat(0), S::Word::splat(1));
     ws.tally.unsolved = ws.tally.unsolved + S::select_word(ws.unsettled, one, none);
+}
+
+/// Lists the contacts of pairs that are there in any lane, since a plan may have hundreds; whether there are any contacts at all.
+#[inline(always)]
+fn list_contacts<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>) -> bool {
+    let (boxes, of_pairs) = ws.contacts.split_at(ws.box_slots);
+    ws.touching_pairs.clear();
+    let mut touches = boxes.iter().any(|contact| contact.exists.any());
+    for (number, pair) in plan.pairs.iter().enumerate() {
+        for (slot, contact) in of_pairs[pair.slot..][..pair.slots()].iter().enumerate() {
+            if contact.exists.any() {
+                touches = true;
+                ws.touching_pairs.push(PairContact { pair: number, contact: ws.box_slots + pair.slot + slot });
+            }
+        }
+    }
+    touches
 }
 
 /// Solves by exchange of rows, as there are no cones.
@@ -215,9 +232,11 @@ pub(super) fn each_contact<S: Scalar>(part: impl Part<S>, plan: &Plan<S::Const>,
     for number in 1..boxes {
         further(part, Touch { number, columns }, ws);
     }
-    for pair in plan.pairs.iter().filter(|pair| !pair.is_cone) {
-        for slot in 0..pair.slots() {
-            further(part, Touch { number: boxes + pair.slot + slot, columns: &pair.movers.columns }, ws);
+    for k in 0..ws.touching_pairs.len() {
+        let PairContact { pair, contact } = ws.touching_pairs[k];
+        let pair = &plan.pairs[pair];
+        if !pair.is_cone {
+            further(part, Touch { number: contact, columns: &pair.movers.columns }, ws);
         }
     }
 }
@@ -409,38 +428,50 @@ fn judge<S: Scalar>(row: &mut Row<S>, acceleration: S) -> S::Mask {
 /// Changes the first row that is wrong by more than rounding; `unsettled` is where there was one.
 #[inline(always)]
 fn exchange_first<S: Scalar>(plan: &Plan<S::Const>, ws: &mut Workspace<S>, rows: Rows) {
-    let mut changed = S::Mask::splat(false);
-    for (row, limit) in ws.limit.iter_mut().zip(&plan.limits) {
+    let Workspace { limit, tendon_limit, tendon_limit_jacobian, qacc, unsettled, .. } = &mut *ws;
+    *unsettled = S::Mask::splat(false);
+    for (row, limit) in limit.iter_mut().zip(&plan.limits) {
         if let Some(dof) = limit.drive.dof {
-            let acceleration = ws.qacc[dof] * row.slope;
-            change_unless(&mut changed, row, acceleration, acceleration.abs());
+            let acceleration = qacc[dof] * row.slope;
+            change_unless(unsettled, row, acceleration, acceleration.abs());
         }
     }
-    let Workspace { tendon_limit, tendon_limit_jacobian, contacts, contact_jacobian, qacc, .. } = &mut *ws;
     if rows.tethered {
-        exchange_first_of(tendon_limit.iter_mut(), tendon_limit_jacobian, qacc, &mut changed);
+        for (row, jacobian) in tendon_limit.iter_mut().zip(tendon_limit_jacobian.chunks_exact(qacc.len())) {
+            let mut size = S::zero();
+            for (&x, &y) in jacobian.iter().zip(&*qacc) {
+                size += (x * y).abs();
+            }
+            change_unless(unsettled, row, product(jacobian, qacc), size);
+        }
     }
     if rows.touching {
-        let touched = contacts.iter_mut().flat_map(|contact| &mut contact.rows);
-        exchange_first_of(touched, contact_jacobian, qacc, &mut changed);
+        each_contact(ChangeFirst, plan, ws);
     }
-    settle(ws, changed);
+    settle(ws, ws.unsettled);
 }
 
-/// The same of rows with Jacobians.
-#[inline(always)]
-fn exchange_first_of<'a, S: Scalar>(
-    rows: impl Iterator<Item = &'a mut Row<S>>,
-    jacobians: &[S],
-    qacc: &[S],
-    changed: &mut S::Mask,
-) {
-    for (row, jacobian) in rows.zip(jacobians.chunks_exact(qacc.len())) {
-        let mut size = S::zero();
-        for (&x, &y) in jacobian.iter().zip(qacc) {
-            size += (x * y).abs();
+/// Changes the first row of a contact that is wrong, unless another one was before.
+#[derive(Clone, Copy)]
+struct ChangeFirst;
+
+impl<S: Scalar> Part<S> for ChangeFirst {
+    #[inline(always)]
+    fn run(self, Touch { number, columns }: Touch<'_>, ws: &mut Workspace<S>) {
+        let n = ws.qacc.len();
+        let Workspace { contacts, contact_jacobian, qacc, unsettled, .. } = ws;
+        let jacobian = &contact_jacobian[number * PYRAMID * n..][..PYRAMID * n];
+        let [mut acceleration, mut size] = [[S::zero(); PYRAMID]; 2];
+        for column in columns {
+            for k in 0..PYRAMID {
+                let moved = jacobian[k * n + column.dof] * qacc[column.dof];
+                acceleration[k] += moved;
+                size[k] += moved.abs();
+            }
         }
-        change_unless(changed, row, product(jacobian, qacc), size);
+        for (k, row) in contacts[number].rows.iter_mut().enumerate() {
+            change_unless(unsettled, row, acceleration[k], size[k]);
+        }
     }
 }
 

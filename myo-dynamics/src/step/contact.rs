@@ -13,7 +13,7 @@ use crate::obstacles::{Obstacles, Touch};
 use crate::plan::{ContactSphere, Mover, Plan};
 use crate::spatial::{Rotation, Vec3};
 use crate::workspace::{self, Clearance, Contact, Nearby, PYRAMID, State, Workspace};
-use myo_scalar::{Carried, Scalar, Stage, Visitor};
+use myo_scalar::{Carried, Mask, Scalar, Stage, Visitor};
 
 /// Farther than anything in reach (m).
 const FAR: f64 = 1e3;
@@ -33,7 +33,9 @@ pub fn contact<S: Scalar>(
     ws: &mut Workspace<S>,
 ) {
     for contact in &mut ws.contacts {
-        contact.clear();
+        if contact.exists.any() {
+            contact.clear();
+        }
     }
     if obstacles.boxes.is_empty() {
         return;

@@ -335,8 +335,11 @@ impl Scalar for Sym {
             *value = body(table[k].map(Self::splat), inputs.map(|input| input[k]), *value);
         }
     }
+    fn rows_are_a_loop() -> bool {
+        with_graph(|graph| graph.form) != Form::Straight
+    }
     fn map_rows<const I: usize, const O: usize>(count: usize, rows: &mut impl RowMap<Self, I, O>) {
-        if count < 2 || with_graph(|graph| graph.form) == Form::Straight {
+        if count < 2 || !Self::rows_are_a_loop() {
             for k in 0..count {
                 let found = rows.map(rows.take(k));
                 rows.put(k, found);

@@ -133,7 +133,7 @@ pub fn course<S: Scalar>(
 
 /// The angle [of a way through](gap) (rad); zero where the way leads around.
 #[inline(always)]
-fn angle_through<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, ends: [Vec3<S>; 2]) -> S {
+pub(super) fn angle_through<S: Scalar>(shape: RoundShape, radius: S, side: OnSide<S>, ends: [Vec3<S>; 2]) -> S {
     match side {
         OnSide::Any | OnSide::Of(_) => S::zero(),
         OnSide::Inside | OnSide::Either(..) => {

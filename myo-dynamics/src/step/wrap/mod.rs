@@ -17,7 +17,7 @@ pub(crate) use within::Gap;
 use crate::plan::{Bundle, Plan, RoundShape, Side, Stretch, Way};
 use crate::spatial::{Frame, Motion, Rotation, Vec3, Wrench};
 use crate::workspace::Workspace;
-use course::course_by;
+use course::{angle_through, course_by};
 use myo_scalar::{RowMap, Scalar, Stage};
 use within::GAP;
 
@@ -42,13 +42,8 @@ impl<S: Scalar> Stage<S> for Lengths<'_, S> {
     fn run(self) {
         let Self { plan, ws } = self;
         let bundles = &plan.tendons.wraps;
-        let mut first = 0;
-        for bundle in bundles {
-            S::map_rows(bundle.ngap(), &mut Gaps { bundle, first, ws });
-            first += bundle.ngap();
-        }
-        if !ws.gaps.is_empty() {
-            within::settle(&mut ws.gaps);
+        if !S::rows_are_a_loop() {
+            find_gaps(bundles, ws);
         }
         let (mut first, mut first_gap) = (0, 0);
         for bundle in bundles {
@@ -56,6 +51,19 @@ impl<S: Scalar> Stage<S> for Lengths<'_, S> {
             first += bundle.stretches.len();
             first_gap += bundle.ngap();
         }
+    }
+}
+
+/// Finds the angles of all ways through round things at once: where rows are not a loop, a round of all takes hardly longer than that of one.
+#[inline(always)]
+fn find_gaps<S: Scalar>(bundles: &[Bundle<S::Const>], ws: &mut Workspace<S>) {
+    let mut first = 0;
+    for bundle in bundles {
+        S::map_rows(bundle.ngap(), &mut Gaps { bundle, first, ws });
+        first += bundle.ngap();
+    }
+    if !ws.gaps.is_empty() {
+        within::settle(&mut ws.gaps);
     }
 }
 
@@ -95,8 +103,8 @@ impl<S: Scalar> RowMap<S, GIVEN, FOUND> for Ways<'_, S> {
     #[inline(always)]
     fn take(&self, k: usize) -> [S; GIVEN] {
         let psi = match self.bundle.way {
-            Way::Around => S::zero(),
-            Way::Through | Way::Either => self.ws.gaps[self.first_gap + k].psi(),
+            Way::Through | Way::Either if !S::rows_are_a_loop() => self.ws.gaps[self.first_gap + k].psi(),
+            Way::Around | Way::Through | Way::Either => S::zero(),
         };
         Given::of(&self.bundle.stretches[k], psi, self.ws).array()
     }
@@ -123,7 +131,7 @@ struct Given<S> {
     side: Vec3<S>,
     /// Velocity of the last end's link against that of the round thing.
     velocity: Motion<S>,
-    /// The angle of a way through the round thing.
+    /// The angle of a way through the round thing, if it was found before.
     psi: S,
 }
 
@@ -265,7 +273,9 @@ fn way<S: Scalar>(bundle: &Bundle<S::Const>, given: &Given<S>) -> Found<S> {
             OnSide::Either(side, side.dot(side).lt(*radius * *radius))
         }
     };
-    let course = course_by(shape, bundle.rule, *radius, side, given.psi, local_ends(bundle, given));
+    let ends = local_ends(bundle, given);
+    let psi = if S::rows_are_a_loop() { angle_through(shape, *radius, side, ends) } else { given.psi };
+    let course = course_by(shape, bundle.rule, *radius, side, psi, ends);
     let arriving = Wrench::at(*last, world(shape, given, course.arriving));
     let leaving = match bundle.is_moored {
         true => Wrench::zero(),
