@@ -11,8 +11,9 @@ use myo_gpu::{Batch, Buffer, Cached, Gpu, GpuError};
 use myo_scalar::symbolic::Form;
 
 /// Forms faster than loops over all tables, the fastest first, and the operations up to which they are: longer straight code outgrows the
-/// instruction cache of graphics cards, and with more of paths NVIDIA's driver (580) finds no registers (`docs/performance.md`).
-const FASTER_THAN_LOOPS: [(Form, usize); 2] = [(Form::Straight, 10_000), (Form::Paths, 25_000)];
+/// instruction cache of graphics cards, and of longer code with loops over paths alone it is not known what NVIDIA's driver (580) makes
+/// (`docs/performance.md`).
+const FASTER_THAN_LOOPS: [(Form, usize); 2] = [(Form::Straight, 10_000), (Form::Paths, 30_000)];
 
 /// Choices that a caller need not make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
