@@ -8,8 +8,8 @@ use super::hull::Edge;
 use super::placed::{Feature, Placed};
 use super::polytope::{Point, Support};
 use super::round::{Arc, ROUNDING, Round, Towards, at_second, level_between, lines_meet, on_first};
-use super::scratch::Walked;
 use super::touch::Touch;
+use super::walked::Walked;
 use nalgebra::Vector3;
 
 /// A walk to the least overlap.

@@ -25,6 +25,7 @@ mod seed;
 #[cfg(test)]
 mod tests;
 mod touch;
+mod walked;
 
 pub use box_box::{BOX_CONTACTS, box_box};
 pub use contacts::{Contacts, MOST_CONTACTS};
